@@ -1,0 +1,34 @@
+# Every package that any folder uses, found once, here. The Debian and PyPI names are in tools/setup.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)        # Eigen3::Eigen
+find_package(yaml-cpp 0.7 REQUIRED)                # yaml-cpp
+find_package(fmt REQUIRED)                         # fmt::fmt
+find_package(nlohmann_json REQUIRED)               # nlohmann_json::nlohmann_json
+find_package(CLI11 REQUIRED)                       # CLI11::CLI11
+find_package(HDF5 REQUIRED COMPONENTS C)           # hdf5::hdf5
+find_package(libdeflate REQUIRED)                  # libdeflate::libdeflate
+find_package(Random123 REQUIRED)                   # Random123::Random123
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)   # OpenSSL::Crypto
+find_package(ZLIB REQUIRED)                        # ZLIB::ZLIB
+find_package(Threads REQUIRED)                     # Threads::Threads
+if(SLIPBENCH_TESTS)
+  find_package(GTest REQUIRED)                     # GTest::gtest_main, GTest::gmock
+  if(EXISTS ${PROJECT_SOURCE_DIR}/build/venv/bin/python3)
+    set(Python3_EXECUTABLE ${PROJECT_SOURCE_DIR}/build/venv/bin/python3)  # has numpy and h5py
+  endif()
+  find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)  # Python3_EXECUTABLE
+endif()
+if(SLIPBENCH_BENCHMARKS)
+  find_package(benchmark REQUIRED)                 # benchmark::benchmark_main
+endif()
+
+# MuJoCo comes from the mujoco-core wheel. Without it everything but sim/mujoco is built; a wheel of another version is an error.
+set(SLIPBENCH_MUJOCO_VERSION 4.0.1)
+find_package(MuJoCo ${SLIPBENCH_MUJOCO_VERSION} EXACT)  # mujoco::mujoco
+set(SLIPBENCH_WITH_MUJOCO ${MuJoCo_FOUND})
+if(NOT SLIPBENCH_WITH_MUJOCO)
+  if(MuJoCo_VERSION)
+    message(FATAL_ERROR "MuJoCo ${MuJoCo_VERSION} in ${MuJoCo_ROOT_DIR} is not the pinned ${SLIPBENCH_MUJOCO_VERSION}. "
+      "Get it with: tools/setup/setup.sh python")
+  endif()
+  message(STATUS "MuJoCo ${SLIPBENCH_MUJOCO_VERSION} not found: sim/mujoco is left out. Get it with: tools/setup/setup.sh python")
+endif()

@@ -1,0 +1,39 @@
+# slipbench_install(): installs what slipbench_library() declared, the program, the scenes and the package that
+# find_package(slipbench) reads. Call it last, when every target exists.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+function(slipbench_install)
+  set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/slipbench)
+  get_property(targets GLOBAL PROPERTY SLIPBENCH_TARGETS)
+  install(TARGETS ${targets} EXPORT slipbenchTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  foreach(target IN LISTS targets)
+    get_target_property(folder ${target} SOURCE_DIR)
+    file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${folder})
+    file(GLOB headers CONFIGURE_DEPENDS ${folder}/*.h)
+    install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipbench/${path})
+  endforeach()
+
+  install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/slipbench)
+  # The program finds the MuJoCo that is installed beside it, so that the prefix outlives the build folder.
+  set_target_properties(slipbench PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/slipbench/mujoco")
+  install(TARGETS slipbench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  if(SLIPBENCH_WITH_MUJOCO)
+    set(mujoco_dir ${CMAKE_INSTALL_LIBDIR}/slipbench/mujoco)
+    install(FILES ${MuJoCo_LIBRARY} DESTINATION ${mujoco_dir})
+    install(DIRECTORY ${MuJoCo_ROOT_DIR}/include DESTINATION ${mujoco_dir})
+  endif()
+
+  install(EXPORT slipbenchTargets NAMESPACE slipbench:: DESTINATION ${package_dir})
+  configure_package_config_file(
+    ${PROJECT_SOURCE_DIR}/cmake/slipbenchConfig.cmake.in ${PROJECT_BINARY_DIR}/slipbenchConfig.cmake
+    INSTALL_DESTINATION ${package_dir} PATH_VARS CMAKE_INSTALL_LIBDIR CMAKE_INSTALL_DATADIR)
+  write_basic_package_version_file(${PROJECT_BINARY_DIR}/slipbenchConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+  install(FILES
+    ${PROJECT_BINARY_DIR}/slipbenchConfig.cmake
+    ${PROJECT_BINARY_DIR}/slipbenchConfigVersion.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/Findlibdeflate.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/FindMuJoCo.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/FindRandom123.cmake
+    DESTINATION ${package_dir})
+endfunction()

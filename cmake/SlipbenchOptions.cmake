@@ -1,0 +1,43 @@
+# How everything is compiled.
+option(SLIPBENCH_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(SLIPBENCH_BENCHMARKS "Build the benchmarks" ${PROJECT_IS_TOP_LEVEL})
+option(SLIPBENCH_FUZZ "Build the fuzzers instrumented with libFuzzer, ASan and UBSan (clang only)" OFF)
+option(SLIPBENCH_WERROR "Treat compiler warnings as errors" OFF)
+set(SLIPBENCH_SANITIZE "" CACHE STRING "Sanitizers as -fsanitize= takes them, e.g. address,undefined")
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Release, Debug" FORCE)
+endif()
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+if(SLIPBENCH_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "SLIPBENCH_FUZZ needs clang (libFuzzer): configure with --preset fuzz")
+  endif()
+  # Every library carries libFuzzer's coverage counters; only the fuzzers themselves link its main().
+  add_compile_options(-fsanitize=fuzzer-no-link)
+  set(SLIPBENCH_SANITIZE address,undefined)
+endif()
+if(SLIPBENCH_SANITIZE)
+  add_compile_options(-fsanitize=${SLIPBENCH_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${SLIPBENCH_SANITIZE})
+endif()
+
+# Warnings, without two that misfire inside std::string in GCC 12; and the floating-point contract: no fused multiply-add, so that
+# every preset and every instruction set that the dispatched kernels use gives the same bytes.
+add_library(slipbench_flags INTERFACE)
+target_compile_options(slipbench_flags INTERFACE
+  -Wall -Wextra -Wconversion -Wno-psabi -ffp-contract=off
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow> $<$<BOOL:${SLIPBENCH_WERROR}>:-Werror>)

@@ -1,0 +1,68 @@
+#include "sensors/electronics/electronics.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "sensors/electronics/part_kind.h"
+#include "sim/core/error.h"
+#include "sim/core/random.h"
+
+namespace slipbench {
+namespace {
+
+const std::vector<PartKind>& part_kinds() {
+  static const std::vector<PartKind> kinds{coupling_part(), gain_part(), offset_part(), drift_part(), noise_part()};
+  return kinds;
+}
+
+const PartKind& kind_of(const std::string& name, const std::string& sensor_name) {
+  const auto& kinds = part_kinds();
+  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const PartKind& kind) { return kind.entry.name == name; });
+  if (found != kinds.end()) return *found;
+
+  std::vector<std::string> names;
+  std::string allowed;
+  for (const PartKind& kind : kinds) {
+    names.push_back(kind.entry.name);
+    allowed += (allowed.empty() ? "" : ", ") + kind.entry.name;
+  }
+  const std::string near = nearest_name(name, names);
+  throw InputError("sensors." + sensor_name + ".electronics: unknown part '" + name + "'" +
+                   (near.empty() ? "" : "; did you mean '" + near + "'?") + "; allowed: " + allowed);
+}
+
+}  // namespace
+
+ParameterSpec scale_parameter() {
+  return {.name = "scale",
+          .type = ParameterType::number,
+          .quantity = Quantity::none,
+          .default_text = "1",
+          .range = non_negative,
+          .choices = {},
+          .size = 1,
+          .doc = "Factor on the device's own figure.",
+          .source = "1: as measured"};
+}
+
+Electronics::Electronics(const std::vector<ElectronicsPart>& parts, const SignalModel& model, const ElectronicsKey& key) {
+  for (auto part = parts.begin(); part != parts.end(); ++part) {
+    const PartKind& kind = kind_of(part->name, key.sensor_name);
+    if (std::any_of(parts.begin(), part, [&](const ElectronicsPart& earlier) { return earlier.name == part->name; })) {
+      throw InputError("sensors." + key.sensor_name + ".electronics: part '" + part->name +
+                       "' is listed twice; name it once and use its scale");
+    }
+    const std::uint64_t drawn_for = kind.drawn_per == DrawnPer::device ? key.device : key.trial;
+    stages_.push_back(kind.make(part->parameters, model,
+                                RandomStream(key.seed, drawn_for, "electronics." + key.sensor_name + "." + part->name)));
+  }
+}
+
+std::vector<Entry> electronics_entries() {
+  std::vector<Entry> entries;
+  for (const PartKind& kind : part_kinds()) entries.push_back(kind.entry);
+  return entries;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,76 @@
+// What a sensor's electronics add to its ideal readings: a chain of parts, each opt-in, none of which costs anything when not
+// named.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/core/parameters.h"
+
+namespace slipbench {
+
+// A part named by a scene, with the values of its parameters.
+struct ElectronicsPart {
+  std::string name;
+  Parameters parameters;
+};
+
+// Crosstalk between two values of a sample: `to` gains c times `from`, with c uniform in [-limit, limit].
+struct Coupling {
+  std::size_t to;
+  std::size_t from;
+  double limit;  // unit of `to` over unit of `from`
+};
+
+// How large the disturbances of a sensor are. V values a sample, in the order of SensorFrame::values. Values that are computed
+// from one another share a source: noise, offset and drift are drawn once a source and scaled for each of its values.
+struct SignalModel {
+  double rate = 0.0;                // samples a second [Hz]
+  std::size_t sources = 0;          // number of independent sources
+  std::vector<std::size_t> source;  // [V] which source each value follows
+  std::vector<double> noise_sd;     // [V] standard deviation of the noise, in the value's unit
+  std::vector<double> offset_sd;    // [V] standard deviation of the offset, in the value's unit
+  std::vector<double> drift_sd;     // [V] standard deviation of the drift's slope, in the value's unit over s
+  std::vector<double> gain_sd;      // [V] standard deviation of the gain about 1; 0: the value has no gain error
+  std::vector<Coupling> couplings;
+};
+
+// What keys the random streams of a sensor's electronics.
+struct ElectronicsKey {
+  std::uint64_t seed = 0;    // of the dataset
+  std::uint64_t trial = 0;   // keys what differs from one recording to the next: noise, offset, drift
+  std::uint64_t device = 0;  // keys what belongs to the device: gain, coupling
+  std::string sensor_name;   // the scene's name for the sensor
+};
+
+// One part at work.
+class ElectronicsStage {
+ public:
+  virtual ~ElectronicsStage() = default;
+
+  // Changes a sample in place. Called once a sample, in order of time. `time` [s].
+  virtual void apply(std::span<float> values, double time) = 0;
+};
+
+// The parts of one sensor, applied in the order in which they are listed. Empty: ideal.
+class Electronics {
+ public:
+  // Throws InputError for an unknown part and for a part that is listed twice.
+  Electronics(const std::vector<ElectronicsPart>& parts, const SignalModel& model, const ElectronicsKey& key);
+
+  void apply(std::span<float> values, double time) {
+    for (const auto& stage : stages_) stage->apply(values, time);
+  }
+
+ private:
+  std::vector<std::unique_ptr<ElectronicsStage>> stages_;
+};
+
+// All parts, in the order of the signal path.
+std::vector<Entry> electronics_entries();
+
+}  // namespace slipbench

@@ -1,0 +1,94 @@
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "sensors/electronics/part_kind.h"
+
+namespace slipbench {
+namespace {
+
+// White noise through two equal poles at w: the stationary process with autocorrelation exp(-w|tau|)*(1 + w|tau|). With the state
+// (x, u = x'/w), both of variance 1 and uncorrelated at any one instant, a step of a = w*h is
+//   [x; u] <- F [x; u] + G [z1; z2],   F = exp(-a) [1+a, a; -a, 1-a],   G G^T = I - F F^T (Cholesky),
+// which is exact: the statistics at the samples depend on neither the rate nor the sample's number.
+class Noise final : public ElectronicsStage {
+ public:
+  Noise(const Parameters& parameters, const SignalModel& model, RandomStream stream)
+      : state_(model.sources), source_(model.source), stream_(stream) {
+    for (const double sd : model.noise_sd) sd_.push_back(parameters.number("scale") * sd);
+
+    const double a = 2.0 * std::numbers::pi * parameters.number("corner") / model.rate;
+    const double decay = std::exp(-a);
+    xx_ = decay * (1.0 + a);
+    xu_ = decay * a;
+    uu_ = decay * (1.0 - a);
+    const double variance_x = 1.0 - (xx_ * xx_ + xu_ * xu_);
+    const double covariance = xu_ * (xx_ - uu_);
+    const double variance_u = 1.0 - (xu_ * xu_ + uu_ * uu_);
+    gx_ = std::sqrt(variance_x);
+    gux_ = covariance / gx_;
+    gu_ = std::sqrt(variance_u - gux_ * gux_);
+
+    for (State& state : state_) {
+      state.x = stream_.normal();
+      state.u = stream_.normal();
+    }
+  }
+
+  void apply(std::span<float> values, double /*time*/) override {
+    for (std::size_t v = 0; v < sd_.size(); ++v) values[v] = static_cast<float>(values[v] + sd_[v] * state_[source_[v]].x);
+    for (State& state : state_) {
+      const double z1 = stream_.normal();
+      const double z2 = stream_.normal();
+      const double x = xx_ * state.x + xu_ * state.u + gx_ * z1;
+      state.u = -xu_ * state.x + uu_ * state.u + gux_ * z1 + gu_ * z2;
+      state.x = x;
+    }
+  }
+
+ private:
+  struct State {
+    double x;
+    double u;
+  };
+  double xx_, xu_, uu_;              // F
+  double gx_, gux_, gu_;             // G, lower triangle
+  std::vector<State> state_;         // one a source
+  std::vector<std::size_t> source_;  // [V]
+  std::vector<double> sd_;           // [V] in the value's unit
+  RandomStream stream_;
+};
+
+std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const SignalModel& model, RandomStream stream) {
+  return std::make_unique<Noise>(parameters, model, stream);
+}
+
+}  // namespace
+
+PartKind noise_part() {
+  return {
+      .entry = {.name = "noise",
+                .summary = "red noise: white noise through two equal poles",
+                .law = "y = x + scale*sd*n(t),  E[n(t) n(t+tau)] = exp(-w|tau|)*(1 + w|tau|),  w = 2 pi corner\n"
+                       "power density of n (one-sided): 8/w / (1 + (f/corner)^2)^2 [1/Hz]\n"
+                       "n: one process a source (values computed from one another share it), stationary from the first sample\n"
+                       "and exact at every rate; sd: of the value's noise",
+                .source = "spectrum of unloaded PapillArray pillars in public gripper recordings (Contactile_Data_Viz)",
+                .parameters = {scale_parameter(),
+                               {.name = "corner",
+                                .type = ParameterType::number,
+                                .quantity = Quantity::frequency,
+                                .default_text = "16 Hz",
+                                // Far below, the covariance of a step would be lost to rounding.
+                                .range = {.min = 0.1, .max = 1000.0, .open_min = false},
+                                .choices = {},
+                                .size = 1,
+                                .doc = "Frequency of the two equal poles.",
+                                .source = "fitted to the spectrum of 13 unloaded stretches of PapillArray recordings"}}},
+      .drawn_per = DrawnPer::trial,
+      .make = &make};
+}
+
+}  // namespace slipbench

@@ -1,0 +1,31 @@
+// The catalogue's view of a part of the electronics. One function a part, each defined in the part's own file.
+#pragma once
+
+#include <memory>
+
+#include "sensors/electronics/electronics.h"
+#include "sim/core/parameters.h"
+#include "sim/core/random.h"
+
+namespace slipbench {
+
+// What a part's random numbers belong to.
+enum class DrawnPer { trial, device };
+
+struct PartKind {
+  Entry entry;
+  DrawnPer drawn_per;
+  // `stream` is the part's own.
+  std::unique_ptr<ElectronicsStage> (*make)(const Parameters& parameters, const SignalModel& model, RandomStream stream);
+};
+
+PartKind coupling_part();
+PartKind gain_part();
+PartKind offset_part();
+PartKind drift_part();
+PartKind noise_part();
+
+// The parameter that every part has: a factor on the device's own figure.
+ParameterSpec scale_parameter();
+
+}  // namespace slipbench

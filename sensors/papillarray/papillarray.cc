@@ -1,0 +1,225 @@
+#include "sensors/papillarray/papillarray.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "sensors/papillarray/signal_model.h"
+#include "sim/core/error.h"
+#include "sim/core/random.h"
+
+namespace slipbench {
+namespace papillarray {
+namespace {
+
+constexpr std::size_t centre_pillar = 4;
+
+constexpr double pitch = 7e-3;                            // m, vendor's drawing
+constexpr std::array<int, 4> rates{100, 250, 500, 1000};  // Hz, selectable on the device
+
+const PillarStiffness& stiffness_of(const Parameters& parameters) {
+  return parameters.choice("profile") == "hexapod" ? hexapod_stiffness : gripper_stiffness;
+}
+
+double checked_rate(const Parameters& parameters, const std::string& sensor_name) {
+  const double rate = parameters.number("rate");
+  if (std::none_of(rates.begin(), rates.end(), [&](int allowed) { return rate == allowed; })) {
+    std::string allowed;
+    for (const int r : rates) allowed += (allowed.empty() ? "" : ", ") + std::to_string(r) + " Hz";
+    throw SceneValueError("sensors." + sensor_name + ".rate",
+                          format_quantity(rate, Quantity::frequency) + " is not a rate of the PapillArray; allowed: " + allowed);
+  }
+  return rate;
+}
+
+// Undeformed tip of a pillar in the pad frame: three columns from +Y to -Y, each from +X to -X; the pillars get shorter outwards.
+Eigen::Vector3d tip_of(std::size_t pillar, double edge_drop, double corner_drop) {
+  const int column = static_cast<int>(pillar) / 3;
+  const int row = static_cast<int>(pillar) % 3;
+  const int off_centre = std::abs(column - 1) + std::abs(row - 1);
+  const std::array<double, 3> drop{0.0, edge_drop, corner_drop};
+  return {(1 - row) * pitch, (1 - column) * pitch, drop[static_cast<std::size_t>(off_centre)]};
+}
+
+PadLayout make_layout(const Parameters& parameters, RandomStream stream) {
+  const PillarStiffness& stiffness = stiffness_of(parameters);
+  const auto count = static_cast<std::size_t>(parameters.integer("bristles"));
+  const double spread = parameters.number("bristle_spread");
+  const double stiffness_sd = parameters.number("stiffness_sd");
+  const double log_variance = std::log1p(stiffness_sd * stiffness_sd);
+
+  PadLayout layout;
+  for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
+    const double scatter = std::exp(std::sqrt(log_variance) * stream.normal() - 0.5 * log_variance);
+    layout.units.push_back({layout.elements.size(), count});
+    for (std::size_t bristle = 0; bristle < count; ++bristle) {
+      const double place = count == 1 ? 0.5 : static_cast<double>(bristle) / static_cast<double>(count - 1);
+      const double weight = 2.0 - spread - 2.0 * (1.0 - spread) * place;  // from 2-w to w, mean 1
+      Element element;
+      element.tip = tip_of(pillar, parameters.number("edge_drop"), parameters.number("corner_drop"));
+      element.k_normal = scatter * stiffness.normal / static_cast<double>(count) * weight;
+      element.k_tangential = scatter * stiffness.tangential / static_cast<double>(count);
+      layout.elements.push_back(element);
+    }
+  }
+  return layout;
+}
+
+Channel make_channel(const std::string& name, const std::string& unit, char symbol) {
+  Channel channel{name, unit, {pillars, axes}, {}};
+  for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
+    for (const char axis : {'X', 'Y', 'Z'}) {
+      channel.channel_names.push_back({'P', static_cast<char>('0' + pillar), '_', symbol, axis});
+    }
+  }
+  return channel;
+}
+
+class PapillArray final : public Sensor {
+ public:
+  PapillArray(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
+      : rate_(checked_rate(parameters, key.sensor_name)),
+        label_speed_(parameters.number("label_speed")),
+        layout_(make_layout(parameters, RandomStream(key.seed, key.device, "papillarray." + key.sensor_name + ".stiffness"))),
+        channels_{make_channel("force", "N", 'F'), make_channel("displacement", "m", 'D')},
+        electronics_(electronics, signal_model(stiffness_of(parameters), rate_), key) {
+    frame_.values = values_;
+  }
+
+  PapillArray(const PapillArray&) = delete;  // the frame points into the object
+  PapillArray& operator=(const PapillArray&) = delete;
+
+  [[nodiscard]] const PadLayout& layout() const override { return layout_; }
+  [[nodiscard]] double rate() const override { return rate_; }
+  [[nodiscard]] const std::vector<Channel>& channels() const override { return channels_; }
+
+  const SensorFrame& measure(const ContactFrame& truth) override {
+    assert(truth.force.cols() == Eigen::Index{pillars} && truth.displacement.cols() == Eigen::Index{pillars});
+    // One column a pillar, so the memory order is that of the channel's {9,3}.
+    using Values = Eigen::Map<Eigen::Array<float, axes, pillars>>;
+    using Truth = Eigen::Map<const Eigen::Array<double, axes, pillars>>;
+    Values(values_.data()) = Truth(truth.force.data()).cast<float>();
+    Values(values_.data() + channel_size) = Truth(truth.displacement.data()).cast<float>();
+    electronics_.apply(values_, truth.time);
+    frame_.time = truth.time;
+    return frame_;
+  }
+
+  [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool rotating) const override {
+    bool in_contact = false;
+    std::size_t judged = 0;
+    std::size_t slipping = 0;
+    for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
+      if (truth.unit_state[pillar] == UnitState::detached) continue;
+      in_contact = true;
+      if (rotating && pillar == centre_pillar) continue;
+      ++judged;
+      if (truth.slip_velocity.col(static_cast<Eigen::Index>(pillar)).matrix().norm() > label_speed_) ++slipping;
+    }
+    if (!in_contact) return PadState::no_contact;
+    if (slipping == 0) return PadState::non_slip;
+    return slipping == judged ? PadState::gross : PadState::incipient;
+  }
+
+ private:
+  double rate_;
+  double label_speed_;
+  PadLayout layout_;
+  std::vector<Channel> channels_;
+  Electronics electronics_;
+  std::array<float, 2 * channel_size> values_{};
+  SensorFrame frame_;
+};
+
+ParameterSpec length(std::string name, std::string default_text, std::string doc, std::string source) {
+  return {.name = std::move(name),
+          .type = ParameterType::number,
+          .quantity = Quantity::length,
+          .default_text = std::move(default_text),
+          .range = non_negative,
+          .choices = {},
+          .size = 1,
+          .doc = std::move(doc),
+          .source = std::move(source)};
+}
+
+ParameterSpec choice(std::string name, std::string default_text, std::vector<std::string> choices, std::string doc,
+                     std::string source) {
+  return {.name = std::move(name),
+          .type = ParameterType::choice,
+          .quantity = Quantity::none,
+          .default_text = std::move(default_text),
+          .range = any_value,
+          .choices = std::move(choices),
+          .size = 1,
+          .doc = std::move(doc),
+          .source = std::move(source)};
+}
+
+ParameterSpec value(std::string name, ParameterType type, Quantity quantity, std::string default_text, Range range,
+                    std::string doc, std::string source) {
+  return {.name = std::move(name),
+          .type = type,
+          .quantity = quantity,
+          .default_text = std::move(default_text),
+          .range = range,
+          .choices = {},
+          .size = 1,
+          .doc = std::move(doc),
+          .source = std::move(source)};
+}
+
+}  // namespace
+}  // namespace papillarray
+
+Entry papillarray_entry() {
+  using namespace papillarray;
+  return {
+      .name = "papillarray",
+      .summary = "Contactile PapillArray: nine silicone pillars of three heights, force and displacement of each tip",
+      .law =
+          "force = what the object does to the pillar's tip; displacement = deformed tip minus undeformed tip\n"
+          "n bristles a pillar: k_n,j = k_n/n * w_j, w_j linear from 2-w to w (mean 1), k_t,j = k_t/n",
+      .source =
+          "PTS 2.0 and 2.1 data sheets; public recordings (Contactile_Data_Viz, Contactile_Data); label: HD-computing slip paper,"
+          " section III-A",
+      .parameters = {
+          value("rate", ParameterType::number, Quantity::frequency, "1 kHz", positive,
+                "Samples a second: 100, 250, 500 or 1000 Hz.", "selectable on the device; the published sequences have 1000 Hz"),
+          choice("profile", "gripper", {"gripper", "hexapod"},
+                 "Stiffness of a pillar: gripper 7.1 N/mm normal and 3.9 N/mm tangential, hexapod 1.2 and 0.65 N/mm.",
+                 "gripper: fits to public gripper recordings; hexapod: inferred from statistics of the published sequences"),
+          value("bristles", ParameterType::integer, Quantity::none, "1", {.min = 1.0, .max = 64.0, .open_min = false},
+                "Friction points a pillar; with several, a pillar slips in parts before it slips as a whole.",
+                "1: Coulomb's law for the whole pillar; 6 resembles published sequences"),
+          value("bristle_spread", ParameterType::number, Quantity::none, "0.4", {.min = 0.0, .max = 1.0, .open_min = true},
+                "Load share w of the least loaded bristle, as a factor on the mean; the most loaded has 2-w; 1 is equal.",
+                "assumed: resembles the statistics of published sequences"),
+          length("edge_drop", "0.20 mm", "How much shorter the four edge pillars are than the centre pillar.",
+                 "plane fits to public gripper recordings, 0.163 to 0.196 mm; the vendor's drawing scaled, 0.22 mm"),
+          length("corner_drop", "0.45 mm", "How much shorter the four corner pillars are than the centre pillar.",
+                 "plane fits to public gripper recordings, 0.29 to 0.45 mm; the vendor's drawing scaled, 0.52 mm"),
+          value("stiffness_sd", ParameterType::number, Quantity::none, "0", {.min = 0.0, .max = 1.0, .open_min = false},
+                "Scatter of the pillars' stiffness, relative, lognormal with mean 1, normal and tangential alike.",
+                "0: none; the ratio of reported normal force to displacement scatters by 9.3 %, which is attributed to the part "
+                "gain of"
+                " the electronics: use one of the two"),
+          choice("device", "fixed", {"fixed", "redrawn"},
+                 "Whether all trials of a dataset use one device, or each draws its own stiffness scatter, gains and coupling.",
+                 "fixed: the published sequences were recorded with one device"),
+          value("label_speed", ParameterType::number, Quantity::speed, "0.1 mm/s", non_negative,
+                "Tip speed above which the paper's labelling rule says that a pillar slips.",
+                "assumed: the paper does not print its threshold"),
+      }};
+}
+
+std::unique_ptr<Sensor> make_papillarray(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
+                                         std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
+  const std::uint64_t device = parameters.choice("device") == "fixed" ? 0 : trial;
+  return std::make_unique<papillarray::PapillArray>(parameters, electronics, ElectronicsKey{seed, trial, device, sensor_name});
+}
+
+}  // namespace slipbench

@@ -1,0 +1,56 @@
+// The truth about one pad's contact at one instant. Sensors read it; labels are written from it; detectors never see it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace slipbench {
+
+// State of a unit. Values are those of the dataset (unit_state).
+enum class UnitState : std::uint8_t {
+  detached = 0,
+  stick = 1,
+  slip = 2,     // all of its touching elements slip
+  partial = 3,  // some of them slip
+};
+
+// State of a whole pad. Values are those of the dataset (state, state_micro).
+enum class PadState : std::uint8_t { no_contact = 0, non_slip = 1, incipient = 2, gross = 3 };
+
+// Kind of an event of a unit. Values are those of the dataset (events/kind).
+enum class EventKind : std::uint8_t {
+  touch = 0,
+  slip = 1,   // the unit begins to slip as a whole
+  stick = 2,  // no part of it slips any more, still touching
+  detach = 3,
+  micro = 4,  // a first part of it begins to slip
+};
+
+// Something that happened to a unit inside the last step.
+struct ContactEvent {
+  double time;  // s, resolved inside the step
+  std::uint32_t unit;
+  EventKind kind;
+};
+
+// Contact of one pad with N units. Columns are units. Vectors are in the pad frame P (pad_layout.h); +Z is compression.
+struct ContactFrame {
+  double time = 0.0;                      // s
+  Eigen::Array3Xd force;                  // [3,N] N, what the object does to the unit: x, y tangential, z compression positive
+  Eigen::Array3Xd displacement;           // [3,N] m, deformed tip minus undeformed tip (mean of a unit's elements)
+  Eigen::Array2Xd slip_velocity;          // [2,N] m/s, velocity of the slipping tip over the surface, mean over the last step
+  Eigen::ArrayXd slip_distance;           // [N] m, path length slipped since the start, mean of a unit's elements
+  Eigen::ArrayXd margin;                  // [N] 1 - f_t/(mu_s f_n), NaN while detached
+  std::vector<UnitState> unit_state;      // [N]
+  PadState state = PadState::no_contact;  // rule strict: a unit slips when all of it slips
+  PadState state_micro = PadState::no_contact;  // rule micro: a unit slips as soon as a part of it does
+  double stuck_fraction = 0.0;                  // share of the touching elements that stick, NaN while nothing touches
+  double slip_direction = 0.0;  // rad, direction of the translation of the slip in the pad plane, NaN while no unit slips
+  Eigen::Array2d slip_centre{0.0, 0.0};  // m, instantaneous centre of the slip, NaN where the slip has no rotation
+  double slip_angle = 0.0;               // rad, rotation of the slip about the pad's normal, accumulated
+  std::vector<ContactEvent> events;      // of the last step, in order of time
+};
+
+}  // namespace slipbench

@@ -1,0 +1,69 @@
+// Errors that a user can mend.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace slipbench {
+
+// Bad input: the message names file:line, what was found and what is allowed. The command line prints it and exits with 2.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// A value of a scene that is allowed by itself, but not together with the rest. Whoever has read the scene adds the file and line.
+class SceneValueError : public InputError {
+ public:
+  // `path` as in the scene: "motion.start". The message is "motion.start: " and `what`.
+  SceneValueError(const std::string& path, const std::string& what) : InputError(path + ": " + what), path_(path) {}
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+// Levenshtein distance of two words.
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+// `text` in single quotes for a message: unprintable bytes as \xNN, long text cut after 60 bytes with "...".
+std::string quote(std::string_view text);
+
+// The candidate nearest to `word` in edit distance when it is close enough to be a likely typing error, else "".
+template <class Names>
+std::string nearest_name(std::string_view word, const Names& candidates) {
+  std::string_view best;
+  std::size_t best_distance = 1 + (word.size() <= 1 ? 0 : word.size() <= 3 ? 1 : std::max<std::size_t>(2, word.size() / 3));
+  for (const auto& candidate : candidates) {
+    const std::string_view name(candidate);
+    // The difference of the lengths is a lower bound of the distance: it spares the long way round for words that cannot match.
+    const std::size_t difference = std::max(name.size(), word.size()) - std::min(name.size(), word.size());
+    if (difference >= best_distance) continue;
+    const std::size_t distance = edit_distance(word, name);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = name;
+    }
+  }
+  return std::string(best);
+}
+
+// "; did you mean 'speed'? allowed: rotation, speed": the end of a message about an unknown name. The hint is left out where no
+// candidate is near.
+template <class Names>
+std::string allowed_names(std::string_view word, const Names& candidates) {
+  const std::string near = nearest_name(word, candidates);
+  std::string text = near.empty() ? "; allowed: " : "; did you mean '" + near + "'? allowed: ";
+  const char* separator = "";
+  for (const auto& candidate : candidates) {
+    text += separator;
+    text += std::string_view(candidate);
+    separator = ", ";
+  }
+  return *separator == '\0' ? text + "nothing" : text;
+}
+
+}  // namespace slipbench

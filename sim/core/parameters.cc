@@ -1,0 +1,144 @@
+#include "sim/core/parameters.h"
+
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+constexpr double largest = std::numeric_limits<double>::max();
+
+std::string_view type_name(ParameterType type) {
+  switch (type) {
+    case ParameterType::number: return "number";
+    case ParameterType::integer: return "integer";
+    case ParameterType::flag: return "flag";
+    case ParameterType::choice: return "choice";
+    case ParameterType::vector: return "vector";
+  }
+  throw std::logic_error("no such parameter type");
+}
+
+template <class T>
+const T& value_of(const std::map<std::string, Parameters::Value, std::less<>>& values, std::string_view name,
+                  ParameterType type) {
+  const auto found = values.find(name);
+  if (found == values.end()) throw std::logic_error("parameter " + quote(name) + " was not declared");
+  const T* value = std::get_if<T>(&found->second);
+  if (value == nullptr) throw std::logic_error("parameter " + quote(name) + " is no " + std::string(type_name(type)));
+  return *value;
+}
+
+bool may_be_infinite(const ParameterSpec& spec) {
+  return spec.range.infinite || spec.default_text.find("inf") != std::string::npos;
+}
+
+std::string allowed_range(const ParameterSpec& spec) {
+  std::string text;
+  if (spec.range.min >= -largest) text = (spec.range.open_min ? "> " : ">= ") + format_quantity(spec.range.min, spec.quantity);
+  if (spec.range.max <= largest) text += (text.empty() ? "<= " : " and <= ") + format_quantity(spec.range.max, spec.quantity);
+  return text;
+}
+
+void check_range(const ParameterSpec& spec, double value, std::string_view text) {
+  if (std::isinf(value) && !may_be_infinite(spec)) {
+    throw std::invalid_argument(quote(text) + " is infinite; allowed: a finite number");
+  }
+  const bool low = spec.range.open_min ? !(value > spec.range.min) : !(value >= spec.range.min);
+  if (low || value > spec.range.max) {
+    throw std::invalid_argument(quote(text) + " is out of range; allowed: " + allowed_range(spec));
+  }
+}
+
+std::int64_t parse_integer(const ParameterSpec& spec, std::string_view text) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc::result_out_of_range) throw std::invalid_argument(quote(text) + " is beyond the range of 64 bits");
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    throw std::invalid_argument(quote(text) + " is not a whole number; allowed: digits, with a leading '-' if negative");
+  }
+  check_range(spec, static_cast<double>(value), text);
+  return value;
+}
+
+bool parse_flag(std::string_view text) {
+  if (text == "true") return true;
+  if (text == "false") return false;
+  throw std::invalid_argument(quote(text) + " is not a flag; allowed: true, false");
+}
+
+std::string parse_choice(const ParameterSpec& spec, std::string_view text) {
+  for (const std::string& choice : spec.choices) {
+    if (choice == text) return choice;
+  }
+  throw std::invalid_argument("unknown value " + quote(text) + allowed_names(text, spec.choices));
+}
+
+// The entries of a default such as "[0 mm, 0 mm]".
+Parameters::Value default_vector(const ParameterSpec& spec) {
+  std::string_view rest = spec.default_text;
+  if (rest.size() < 2 || rest.front() != '[' || rest.back() != ']') {
+    throw std::invalid_argument(quote(rest) + " is not a vector; allowed: '[a, b, ...]'");
+  }
+  rest = rest.substr(1, rest.size() - 2);
+  std::vector<double> entries;
+  while (!rest.empty()) {
+    const std::size_t comma = std::min(rest.find(','), rest.size());
+    entries.push_back(std::get<double>(parse_scalar(spec, rest.substr(0, comma))));
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+  }
+  if (entries.size() != spec.size) throw std::invalid_argument(quote(spec.default_text) + " has the wrong number of entries");
+  return entries;
+}
+
+}  // namespace
+
+double Parameters::number(std::string_view name) const { return value_of<double>(values_, name, ParameterType::number); }
+
+std::int64_t Parameters::integer(std::string_view name) const {
+  return value_of<std::int64_t>(values_, name, ParameterType::integer);
+}
+
+bool Parameters::flag(std::string_view name) const { return value_of<bool>(values_, name, ParameterType::flag); }
+
+const std::string& Parameters::choice(std::string_view name) const {
+  return value_of<std::string>(values_, name, ParameterType::choice);
+}
+
+const std::vector<double>& Parameters::vector(std::string_view name) const {
+  return value_of<std::vector<double>>(values_, name, ParameterType::vector);
+}
+
+Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text) {
+  switch (spec.type) {
+    case ParameterType::integer: return parse_integer(spec, text);
+    case ParameterType::flag: return parse_flag(text);
+    case ParameterType::choice: return parse_choice(spec, text);
+    case ParameterType::number:
+    case ParameterType::vector: {
+      const double value = parse_quantity(text, spec.quantity);
+      check_range(spec, value, text);
+      return value;
+    }
+  }
+  throw std::logic_error("no such parameter type");
+}
+
+Parameters::Value default_of(const ParameterSpec& spec) {
+  try {
+    return spec.type == ParameterType::vector ? default_vector(spec) : parse_scalar(spec, spec.default_text);
+  } catch (const std::invalid_argument& error) {
+    throw std::logic_error("default of parameter " + quote(spec.name) + ": " + error.what());
+  }
+}
+
+Parameters defaults_of(const std::vector<ParameterSpec>& specs) {
+  Parameters parameters;
+  for (const ParameterSpec& spec : specs) parameters.set(spec.name, default_of(spec));
+  return parameters;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,85 @@
+// Parameters: one declaration serves the scene parser, the error messages and `slipbench describe`.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "sim/core/quantity.h"
+
+namespace slipbench {
+
+// What a parameter holds.
+enum class ParameterType { number, integer, flag, choice, vector };
+
+// Allowed interval of a number (or of each entry of a vector), in SI. Bounds are included unless `open_min` is set. Infinity is
+// refused whatever the interval, unless `infinite` is set or the parameter's own default is inf: elsewhere it would end as NaN.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool open_min = false;
+  bool infinite = false;  // inf has a meaning here: "never", "no limit"
+};
+
+inline constexpr Range any_value{};
+inline constexpr Range positive{0.0, std::numeric_limits<double>::infinity(), true};
+inline constexpr Range positive_or_infinite{0.0, std::numeric_limits<double>::infinity(), true, true};
+inline constexpr Range non_negative{0.0, std::numeric_limits<double>::infinity(), false};
+inline constexpr Range fraction{0.0, 1.0, false};
+
+// The declaration of one parameter.
+struct ParameterSpec {
+  std::string name;
+  ParameterType type = ParameterType::number;
+  Quantity quantity = Quantity::none;
+  std::string default_text;  // as a scene would write it: "1 mm", "[0 mm, 0 mm]", "true", "gripper"
+  Range range = any_value;
+  std::vector<std::string> choices;  // ParameterType::choice only
+  std::size_t size = 1;              // ParameterType::vector only: number of entries
+  std::string doc;                   // one sentence, what it does
+  std::string source;                // where the default comes from, or "assumed"
+};
+
+// Values of a set of parameters, every one present: defaults are filled in by the reader.
+// An accessor asked for a name or type that was not declared throws std::logic_error: that is a bug, not bad input.
+class Parameters {
+ public:
+  using Value = std::variant<double, std::int64_t, bool, std::string, std::vector<double>>;
+
+  void set(std::string name, Value value) { values_.insert_or_assign(std::move(name), std::move(value)); }
+
+  [[nodiscard]] double number(std::string_view name) const;  // SI
+  [[nodiscard]] std::int64_t integer(std::string_view name) const;
+  [[nodiscard]] bool flag(std::string_view name) const;
+  [[nodiscard]] const std::string& choice(std::string_view name) const;
+  [[nodiscard]] const std::vector<double>& vector(std::string_view name) const;  // SI
+  [[nodiscard]] const std::map<std::string, Value, std::less<>>& values() const { return values_; }
+
+ private:
+  std::map<std::string, Value, std::less<>> values_;
+};
+
+// The declared default of one parameter. Throws std::logic_error when it does not fit its own declaration.
+Parameters::Value default_of(const ParameterSpec& spec);
+
+// All parameters of `specs` at their declared defaults. Throws std::logic_error when a default does not fit its own declaration.
+Parameters defaults_of(const std::vector<ParameterSpec>& specs);
+
+// Turns the text of one scalar into a value of `spec`'s type and checks range and choices. Vectors are read entry by entry with
+// this. Throws std::invalid_argument: what was found, what is allowed, the nearest known choice.
+Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text);
+
+// What a catalogue says of one of its entries: an effect, a sensor, a motion, a surface, a part of the electronics.
+struct Entry {
+  std::string name;
+  std::string summary;  // one line
+  std::string law;      // the equation with its symbols, may be several lines; empty where there is none
+  std::string source;   // paper, data sheet or "assumed"
+  std::vector<ParameterSpec> parameters;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,82 @@
+#include "sim/core/random.h"
+
+#include <Random123/philox.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace slipbench {
+namespace {
+
+// Fowler-Noll-Vo hash FNV-1a, 64 bits (Fowler, Noll, Vo and Eastlake, IETF draft-eastlake-fnv).
+std::uint64_t fnv1a(std::string_view text) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return hash;
+}
+
+constexpr std::uint32_t low(std::uint64_t x) { return static_cast<std::uint32_t>(x); }
+constexpr std::uint32_t high(std::uint64_t x) { return static_cast<std::uint32_t>(x >> 32); }
+constexpr std::uint64_t join(std::uint32_t low_word, std::uint32_t high_word) {
+  return static_cast<std::uint64_t>(high_word) << 32 | low_word;
+}
+
+}  // namespace
+
+RandomStream::RandomStream(std::uint64_t seed, std::uint64_t trial, std::string_view name) {
+  // Philox is a bijection of its counter under every key: with the seed as key, no two pairs (trial, name) share a stream unless
+  // their names collide in FNV-1a.
+  const std::uint64_t hash = fnv1a(name);
+  const r123::Philox4x32::ctr_type counter{{low(trial), high(trial), low(hash), high(hash)}};
+  const r123::Philox4x32::key_type key{{low(seed), high(seed)}};
+  const auto mixed = r123::Philox4x32{}(counter, key);
+  key_ = {mixed[0], mixed[1]};
+  stream_ = join(mixed[2], mixed[3]);
+}
+
+std::uint64_t RandomStream::next() {
+  if (used_ == 2) {
+    const r123::Philox4x32::ctr_type counter{{low(counter_), high(counter_), low(stream_), high(stream_)}};
+    const r123::Philox4x32::key_type key{{key_[0], key_[1]}};
+    const auto drawn = r123::Philox4x32{}(counter, key);
+    block_ = {join(drawn[0], drawn[1]), join(drawn[2], drawn[3])};
+    ++counter_;
+    used_ = 0;
+  }
+  return block_[static_cast<std::size_t>(used_++)];
+}
+
+double RandomStream::uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
+
+double RandomStream::uniform(double min, double max) {
+  if (!(min <= max) || !std::isfinite(max - min)) throw std::logic_error("RandomStream::uniform: no such interval");
+  if (min == max) return min;
+  // The sum may round up to max, which the half-open interval excludes: draw again.
+  double value = max;
+  while (value >= max) value = min + (max - min) * uniform();
+  return value;
+}
+
+double RandomStream::normal() {
+  if (has_spare_) {
+    has_spare_ = false;
+    return spare_normal_;
+  }
+  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));  // 1 - u is in (0, 1]: the logarithm is finite
+  const double angle = 2.0 * std::numbers::pi * uniform();
+  spare_normal_ = radius * std::sin(angle);
+  has_spare_ = true;
+  return radius * std::cos(angle);
+}
+
+std::uint64_t RandomStream::integer(std::uint64_t bound) {
+  if (bound == 0) throw std::logic_error("RandomStream::integer: bound must be at least 1");
+  // 2^64 mod bound: the draws below it would favour the small results.
+  const std::uint64_t rejected = (0 - bound) % bound;
+  std::uint64_t value = next();
+  while (value < rejected) value = next();
+  return value % bound;
+}
+
+}  // namespace slipbench

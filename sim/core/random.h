@@ -1,0 +1,36 @@
+// Counter-based random numbers: a draw depends on nothing but its key, never on threads, shards or other effects.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace slipbench {
+
+// A stream of random numbers keyed by (dataset seed, trial, stream name). Generator: Philox4x32-10 (Salmon et al., SC 2011). One
+// block under the key `seed`, whose counter is (trial, hash of the name), gives the stream's own key and the upper half of its
+// counter; the lower half counts the blocks drawn. Streams with different keys are independent; the same key always gives the
+// same numbers.
+class RandomStream {
+ public:
+  RandomStream(std::uint64_t seed, std::uint64_t trial, std::string_view name);
+
+  double uniform();                        // in [0, 1), 53 bits
+  double uniform(double min, double max);  // in [min, max); min where both are equal
+  double normal();                         // mean 0, standard deviation 1 (Box-Muller)
+  double normal(double mean, double sd) { return mean + sd * normal(); }
+  std::uint64_t integer(std::uint64_t bound);  // in [0, bound), bound >= 1
+
+ private:
+  std::uint64_t next();
+
+  std::array<std::uint32_t, 2> key_;
+  std::uint64_t stream_;       // upper half of the counter
+  std::uint64_t counter_ = 0;  // lower half: blocks drawn
+  std::array<std::uint64_t, 2> block_{};
+  int used_ = 2;
+  double spare_normal_ = 0.0;
+  bool has_spare_ = false;
+};
+
+}  // namespace slipbench

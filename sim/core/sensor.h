@@ -1,0 +1,49 @@
+// A sensor: a readout of one pad's contact.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/core/contact_frame.h"
+#include "sim/core/pad_layout.h"
+
+namespace slipbench {
+
+// One array a sensor emits each sample, as it stands in the dataset: `name` [T, shape...] float32 in `unit`.
+struct Channel {
+  std::string name;                        // "force"
+  std::string unit;                        // "N"
+  std::vector<std::size_t> shape;          // {9, 3}
+  std::vector<std::string> channel_names;  // one a value, in C order: "P0_FX", ...
+
+  [[nodiscard]] std::size_t size() const {
+    std::size_t product = 1;
+    for (const std::size_t extent : shape) product *= extent;
+    return product;
+  }
+};
+
+// What a sensor reports at one instant. Valid until the next measure().
+struct SensorFrame {
+  double time = 0.0;              // s
+  std::span<const float> values;  // all channels in order, each in C order
+};
+
+class Sensor {
+ public:
+  virtual ~Sensor() = default;
+
+  // The pad that the field simulates for this sensor.
+  [[nodiscard]] virtual const PadLayout& layout() const = 0;
+  // Samples a second [Hz].
+  [[nodiscard]] virtual double rate() const = 0;
+  // What a sample holds.
+  [[nodiscard]] virtual const std::vector<Channel>& channels() const = 0;
+  // Reads the contact. Called once a sample, in order of time, at the sensor's own rate.
+  virtual const SensorFrame& measure(const ContactFrame& truth) = 0;
+  // The label that the sensor's paper would have given the contact, beside the truth; `rotating` says whether the bench turns.
+  [[nodiscard]] virtual PadState paper_label(const ContactFrame& truth, bool rotating) const = 0;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,14 @@
+#include "sim/effects/catalogue.h"
+
+#include "sim/effects/effects.h"
+
+namespace slipbench {
+
+const std::vector<EffectKind>& effect_catalogue() {
+  static const std::vector<EffectKind> effects{
+      ageing(), anisotropic_friction(), load_dependent_friction(), patchy_friction(), stribeck(), texture(), viscoelastic(),
+  };
+  return effects;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,35 @@
+// The effects that a scene may name, one line each in catalogue.cc.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/core/parameters.h"
+#include "sim/core/random.h"
+#include "sim/field/effect.h"
+
+namespace slipbench {
+
+// What an effect may know about the field it joins.
+struct EffectContext {
+  std::size_t elements = 0;           // of the field
+  std::vector<double> share;          // [elements] share of its unit's stiffness that an element stands for: 1/bristles
+  std::vector<double> k_normal;       // [elements] N/m
+  std::vector<double> k_tangential;   // [elements] N/m
+  bool flat_surface = true;           // plane or box: texture and patches need flat coordinates
+  std::uint64_t seed = 0, trial = 0;  // key of the random streams
+
+  // The stream of random numbers that belongs to the effect `name`: no other effect draws from it.
+  [[nodiscard]] RandomStream stream(std::string_view name) const { return {seed, trial, "effect." + std::string(name)}; }
+};
+
+// An effect: what `describe` prints and how it joins a field.
+struct EffectKind {
+  Entry about;
+  // Throws SceneValueError when it does not fit the field.
+  void (*install)(const Parameters& parameters, const EffectContext& context, FieldEffects& effects);
+};
+
+const std::vector<EffectKind>& effect_catalogue();
+
+}  // namespace slipbench

@@ -1,0 +1,59 @@
+#include <cmath>
+#include <vector>
+
+#include "sim/effects/effects.h"
+
+namespace slipbench {
+namespace {
+
+class LoadDependentFriction final : public FrictionEffect {
+ public:
+  LoadDependentFriction(const Parameters& p, const EffectContext& context)
+      : reference_(p.number("reference")), exponent_(p.number("exponent")), share_(context.share) {}
+
+  void scale(const ElementColumns& elements, double* mu_s, double* mu_k) override {
+    for (std::size_t i = 0; i < elements.count; ++i) {
+      if (!(elements.normal_force[i] > 0.0)) continue;  // no load, no friction to scale
+      const double factor = std::pow(elements.normal_force[i] / (reference_ * share_[i]), -exponent_);
+      mu_s[i] *= factor;
+      mu_k[i] *= factor;
+    }
+  }
+
+ private:
+  double reference_, exponent_;
+  std::vector<double> share_;
+};
+
+}  // namespace
+
+EffectKind load_dependent_friction() {
+  return {{"load_dependent_friction",
+           "Friction coefficients fall with load, as elastomers' do: the true contact area grows slower than the load.",
+           "mu(f_n) = mu (f_n/reference)^(-exponent)\n"
+           "f_n: normal force of the unit; a bristle is measured against its share of the reference",
+           "exponent 1/3: smooth sphere, area ~ f_n^(2/3) (Hertz; Schallamach, Wear 1 (1958) 384)",
+           {{"reference",
+             ParameterType::number,
+             Quantity::force,
+             "1 N",
+             positive,
+             {},
+             1,
+             "normal force of a unit at which mu is the scene's",
+             "assumed"},
+            {"exponent",
+             ParameterType::number,
+             Quantity::none,
+             "0.3333333333333333",
+             {0.0, 1.0, false},
+             {},
+             1,
+             "power of the fall",
+             "Schallamach 1958"}}},
+          [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
+            effects.friction.push_back(std::make_unique<LoadDependentFriction>(p, context));
+          }};
+}
+
+}  // namespace slipbench

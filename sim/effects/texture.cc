@@ -1,0 +1,70 @@
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "sim/core/error.h"
+#include "sim/effects/effects.h"
+
+namespace slipbench {
+namespace {
+
+// A wave must be seen at least this often a period.
+constexpr double samples_per_wave = 16.0;
+
+class Texture final : public SurfaceEffect {
+ public:
+  explicit Texture(const Parameters& p)
+      : height_(p.number("height")),
+        wavelength_(p.number("wavelength")),
+        kx_(2.0 * std::numbers::pi / wavelength_ * std::cos(p.number("angle"))),
+        ky_(2.0 * std::numbers::pi / wavelength_ * std::sin(p.number("angle"))) {}
+
+  void displace(std::size_t count, const double* x, const double* y, const double* nz, double* gap) override {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (nz[i] == 1.0) gap[i] -= height_ * std::sin(kx_ * x[i] + ky_ * y[i]);
+    }
+  }
+
+  [[nodiscard]] double longest_step(double speed) const override {
+    return speed > 0.0 ? wavelength_ / (samples_per_wave * speed) : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  double height_, wavelength_, kx_, ky_;
+};
+
+}  // namespace
+
+EffectKind texture() {
+  return {{"texture",
+           "Ridges on the surface, so that sliding at speed v makes every unit vibrate at v/wavelength.",
+           "h(x) = height sin(2 pi (x cos angle + y sin angle)/wavelength); the gap shrinks by h. Slopes are taken as small: the "
+           "normal stays the plane's",
+           "recordings of a ridged board (github.com/wngfra/FabricSlide): peak at speed/3.97 mm, at any force",
+           {{"wavelength",
+             ParameterType::number,
+             Quantity::length,
+             "4 mm",
+             positive,
+             {},
+             1,
+             "distance of the ridges",
+             "FabricSlide: 2 mm bars, 2 mm apart"},
+            {"height", ParameterType::number, Quantity::length, "20 um", non_negative, {}, 1, "amplitude", "assumed"},
+            {"angle",
+             ParameterType::number,
+             Quantity::angle,
+             "0 deg",
+             any_value,
+             {},
+             1,
+             "direction across the ridges, from the surface's X axis",
+             "assumed"}}},
+          [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
+            if (!context.flat_surface)
+              throw SceneValueError("effects", "texture needs a flat surface; allowed shapes: plane, box");
+            effects.surface.push_back(std::make_unique<Texture>(p));
+          }};
+}
+
+}  // namespace slipbench

@@ -1,0 +1,185 @@
+#include "sim/field/contact_labels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace slipbench {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// Below this share of the slip's speed a fitted translation or rotation is rounding, not motion.
+constexpr double negligible = 1e-6;
+
+// Events of one unit closer than this share of a step happen together: bristles of one tip touch at once, up to rounding.
+constexpr double together = 1e-9;
+
+PadState pad_state(std::size_t touching, std::size_t slipping) {
+  if (touching == 0) return PadState::no_contact;
+  if (slipping == 0) return PadState::non_slip;
+  return slipping == touching ? PadState::gross : PadState::incipient;
+}
+
+}  // namespace
+
+ContactLabels::ContactLabels(const Field& field) : units_(field.layout().units), counts_(units_.size()) {
+  const auto n = static_cast<Eigen::Index>(units_.size());
+  unit_of_element_.resize(field.size());
+  undeformed_.resize(2, n);
+  for (std::size_t u = 0; u < units_.size(); ++u) {
+    Eigen::Array2d sum(0.0, 0.0);
+    for (std::size_t i = 0; i < units_[u].count; ++i) sum += field.layout().elements[units_[u].first + i].tip.head<2>().array();
+    undeformed_.col(static_cast<Eigen::Index>(u)) = sum / static_cast<double>(units_[u].count);
+    for (std::size_t i = 0; i < units_[u].count; ++i) unit_of_element_[units_[u].first + i] = static_cast<std::uint32_t>(u);
+  }
+  frame_.force.setZero(3, n);
+  frame_.displacement.setZero(3, n);
+  frame_.slip_velocity.setZero(2, n);
+  frame_.slip_distance.setZero(n);
+  frame_.margin.setConstant(n, nan);
+  frame_.unit_state.assign(units_.size(), UnitState::detached);
+  in_order_.reserve(field.size());
+  frame_.events.reserve(3 * field.size());
+}
+
+const ContactFrame& ContactLabels::update(Field& field, double time, double dt) {
+  frame_.time = time;
+  sum_units(field, dt);
+  judge_pad();
+  fit_slip_motion(dt);
+  frame_.events.clear();
+  if (!field.events().empty()) collect_events(field, time, dt);
+  return frame_;
+}
+
+void ContactLabels::sum_units(Field& field, double dt) {
+  field.view_from_pad();
+  touching_elements_ = 0;
+  sticking_elements_ = 0;
+  for (std::size_t u = 0; u < units_.size(); ++u) {
+    const std::size_t first = units_[u].first, end = first + units_[u].count;
+    Eigen::Array3d force = field.force_on_pad(first), deflection = field.deflection(first);
+    Eigen::Array2d slip = field.slip_in_pad(first);
+    Eigen::Vector3d tangential = field.tangential_force(first);
+    double limit = field.stick_limit(first), distance = field.slip_path(first);
+    UnitCount count;
+    const auto tally = [&count](ElementState state) {
+      count.touching += state != ElementState::detached ? 1 : 0;
+      count.slipping += state == ElementState::slip ? 1 : 0;
+    };
+    tally(field.state(first));
+    for (std::size_t i = first + 1; i < end; ++i) {
+      force += field.force_on_pad(i);
+      deflection += field.deflection(i);
+      slip += field.slip_in_pad(i);
+      tangential += field.tangential_force(i);
+      limit += field.stick_limit(i);
+      distance += field.slip_path(i);
+      tally(field.state(i));
+    }
+    const double share = 1.0 / static_cast<double>(units_[u].count);
+    const auto c = static_cast<Eigen::Index>(u);
+    frame_.force.col(c) = force;
+    frame_.displacement.col(c) = share * deflection;
+    frame_.slip_velocity.col(c) = share / dt * slip;
+    frame_.slip_distance[c] = share * distance;
+    frame_.margin[c] = count.touching == 0 ? nan : 1.0 - field.cone_gauge(tangential, field.normal(first), limit);
+    frame_.unit_state[u] = count.touching == 0                ? UnitState::detached
+                           : count.slipping == 0              ? UnitState::stick
+                           : count.slipping == count.touching ? UnitState::slip
+                                                              : UnitState::partial;
+    touching_elements_ += count.touching;
+    sticking_elements_ += count.touching - count.slipping;
+  }
+}
+
+void ContactLabels::judge_pad() {
+  std::size_t touching = 0, slipping = 0, touched_by_slip = 0;
+  for (const UnitState state : frame_.unit_state) {
+    touching += state != UnitState::detached ? 1 : 0;
+    slipping += state == UnitState::slip ? 1 : 0;
+    touched_by_slip += state == UnitState::slip || state == UnitState::partial ? 1 : 0;
+  }
+  frame_.state = pad_state(touching, slipping);
+  frame_.state_micro = pad_state(touching, touched_by_slip);
+  frame_.stuck_fraction = touching == 0 ? nan : static_cast<double>(sticking_elements_) / static_cast<double>(touching_elements_);
+}
+
+void ContactLabels::fit_slip_motion(double dt) {
+  frame_.slip_direction = nan;
+  frame_.slip_centre.setConstant(nan);
+  if (frame_.state_micro == PadState::no_contact || frame_.state_micro == PadState::non_slip) return;
+
+  const auto slips = [this](Eigen::Index c) {
+    const UnitState state = frame_.unit_state[static_cast<std::size_t>(c)];
+    return state == UnitState::slip || state == UnitState::partial;
+  };
+  // The slipping tips are where the load has bent them to: in a steady turn they trail on smaller circles than their roots.
+  const auto position = [this](Eigen::Index c) -> Eigen::Array2d {
+    return undeformed_.col(c) + frame_.displacement.col(c).head<2>();
+  };
+  double n = 0.0;
+  Eigen::Array2d mean_position(0.0, 0.0), mean_velocity(0.0, 0.0);
+  for (Eigen::Index c = 0; c < undeformed_.cols(); ++c) {
+    if (!slips(c)) continue;
+    n += 1.0;
+    mean_position += position(c);
+    mean_velocity += frame_.slip_velocity.col(c);
+  }
+  mean_position /= n;
+  mean_velocity /= n;
+  double moment = 0.0, spread = 0.0, fastest = 0.0;
+  for (Eigen::Index c = 0; c < undeformed_.cols(); ++c) {
+    if (!slips(c)) continue;
+    const Eigen::Array2d r = position(c) - mean_position;
+    const Eigen::Array2d v = frame_.slip_velocity.col(c);
+    moment += r.x() * (v.y() - mean_velocity.y()) - r.y() * (v.x() - mean_velocity.x());
+    spread += r.square().sum();
+    fastest = std::max(fastest, v.square().sum());
+  }
+  fastest = std::sqrt(fastest);
+  const double speed = std::sqrt(mean_velocity.square().sum());
+  const double rate = spread > 0.0 ? moment / spread : 0.0;  // rad/s
+  if (speed > negligible * fastest) frame_.slip_direction = std::atan2(mean_velocity.y(), mean_velocity.x());
+  if (std::abs(rate) * std::sqrt(spread) > negligible * fastest) {
+    frame_.slip_centre = mean_position + Eigen::Array2d(-mean_velocity.y(), mean_velocity.x()) / rate;
+    frame_.slip_angle += rate * dt;
+  }
+}
+
+// Replays the step's element events in order of time and reports what each does to its unit.
+void ContactLabels::collect_events(const Field& field, double time, double dt) {
+  in_order_.assign(field.events().begin(), field.events().end());
+  std::stable_sort(in_order_.begin(), in_order_.end(), [this](const ElementEvent& a, const ElementEvent& b) {
+    const auto unit_a = unit_of_element_[a.element], unit_b = unit_of_element_[b.element];
+    return unit_a != unit_b ? unit_a < unit_b : a.fraction < b.fraction;
+  });
+  const auto change = [](std::uint32_t& count, bool was, bool is) {
+    count += static_cast<std::uint32_t>(is) - static_cast<std::uint32_t>(was);
+  };
+
+  for (std::size_t k = 0; k < in_order_.size();) {
+    const std::uint32_t unit = unit_of_element_[in_order_[k].element];
+    const double fraction = in_order_[k].fraction;
+    const UnitCount before = counts_[unit];
+    UnitCount& now = counts_[unit];
+    for (; k < in_order_.size() && unit_of_element_[in_order_[k].element] == unit && in_order_[k].fraction <= fraction + together;
+         ++k) {
+      const ElementEvent& event = in_order_[k];
+      change(now.touching, event.from != ElementState::detached, event.to != ElementState::detached);
+      change(now.slipping, event.from == ElementState::slip, event.to == ElementState::slip);
+    }
+    const auto report = [&](EventKind kind) { frame_.events.push_back({time - (1.0 - fraction) * dt, unit, kind}); };
+    if (before.touching == 0 && now.touching > 0) report(EventKind::touch);
+    if (before.slipping == 0 && now.slipping > 0) report(EventKind::micro);
+    const bool slipped = before.touching > 0 && before.slipping == before.touching;
+    if (now.touching > 0 && now.slipping == now.touching && !slipped) report(EventKind::slip);
+    if (before.slipping > 0 && now.slipping == 0 && now.touching > 0) report(EventKind::stick);
+    if (before.touching > 0 && now.touching == 0) report(EventKind::detach);
+  }
+  std::stable_sort(frame_.events.begin(), frame_.events.end(),
+                   [](const ContactEvent& a, const ContactEvent& b) { return a.time < b.time; });
+}
+
+}  // namespace slipbench

@@ -1,0 +1,44 @@
+// From elements to units: the truth about one pad, as sensors read it and datasets keep it.
+#pragma once
+
+#include <vector>
+
+#include "sim/core/contact_frame.h"
+#include "sim/field/field.h"
+
+namespace slipbench {
+
+// Sums a field's elements into units and tells what each unit and the pad do (contact_frame.h). Unit states are those of the model's
+// elements; nothing is thresholded. The translation, centre and angle of the slip are the rigid motion that fits the slipping units'
+// velocities best (least squares, equal weights).
+class ContactLabels {
+ public:
+  explicit ContactLabels(const Field& field);
+
+  // Reads the field after a step of `dt` that ended at `time` [s]. Must be called once after every step.
+  const ContactFrame& update(Field& field, double time, double dt);
+
+  [[nodiscard]] const ContactFrame& frame() const { return frame_; }
+
+ private:
+  struct UnitCount {
+    std::uint32_t touching = 0;
+    std::uint32_t slipping = 0;
+  };
+
+  void sum_units(Field& field, double dt);
+  void judge_pad();
+  void fit_slip_motion(double dt);
+  void collect_events(const Field& field, double time, double dt);
+
+  std::vector<UnitRange> units_;
+  std::vector<std::uint32_t> unit_of_element_;
+  Eigen::Array2Xd undeformed_;     // [2,N] m, mean of a unit's undeformed tips in P
+  std::vector<UnitCount> counts_;  // as of the last event
+  std::vector<ElementEvent> in_order_;
+  std::size_t touching_elements_ = 0;
+  std::size_t sticking_elements_ = 0;
+  ContactFrame frame_;
+};
+
+}  // namespace slipbench

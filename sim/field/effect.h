@@ -1,0 +1,81 @@
+// The four places where an effect may enter the element field. A field without effects calls none of them.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace slipbench {
+
+// Read-only columns of a field with `count` elements, in the surface frame S.
+struct ElementColumns {
+  std::size_t count;
+  double dt;                   // s, 0 in the first step
+  const double *x, *y, *z;     // contact point [m]
+  const double *nx, *ny, *nz;  // unit outward normal of the surface
+  const double* penetration;   // m, >= 0
+  const double* normal_force;  // N
+  const double *vx, *vy, *vz;  // velocity of the undeformed tip over the surface, tangential [m/s]
+  const double* mode;          // state after the last step: 0 detached, 1 stick, 2 slip
+};
+
+class Effect {
+ public:
+  virtual ~Effect() = default;
+  // The longest step [s] that resolves the effect when pad and surface move at up to `speed` [m/s].
+  [[nodiscard]] virtual double longest_step(double /*speed*/) const { return std::numeric_limits<double>::infinity(); }
+};
+
+// Changes where the surface is: texture, waviness.
+class SurfaceEffect : public Effect {
+ public:
+  // Adds to `gap` [m] at the points (x, y) [m] of S; a bump lowers the gap. Only where the normal is +Z (nz = 1): sides are smooth.
+  virtual void displace(std::size_t count, const double* x, const double* y, const double* nz, double* gap) = 0;
+};
+
+// Changes how much friction there is: rate, load, age, place.
+class FrictionEffect : public Effect {
+ public:
+  // Multiplies mu_s and mu_k of every element.
+  virtual void scale(const ElementColumns& elements, double* mu_s, double* mu_k) = 0;
+};
+
+// Changes how an element's force follows its deflection. The force of a step is affine in the deflection at its end,
+// f = k u + h, for the normal direction (deflection: penetration) and for the three components of the tangential one.
+struct AffineForce {
+  double *k_normal, *h_normal;             // [N/m], [N]
+  double *k_tangential, *h_x, *h_y, *h_z;  // [N/m], [N], [N], [N]
+};
+class RheologyEffect : public Effect {
+ public:
+  // Adds this effect's share to the coefficients; elements carries no forces yet.
+  virtual void prepare(const ElementColumns& elements, const AffineForce& force) = 0;
+  // Takes over the deflections at the end of the step: penetration [m] and tangential stretch [m].
+  virtual void commit(const ElementColumns& elements, const double* ux, const double* uy, const double* uz) = 0;
+};
+
+// Replaces the circular friction cone.
+class ConeEffect : public Effect {
+ public:
+  // What one element's tangential force becomes.
+  struct Projected {
+    double fx, fy, fz;
+    bool slides;
+  };
+  // Trial force t [N] tangential to the unit normal n; sticks inside the cone of mu = `limit_stick` / f_n, slides on that of
+  // `limit_slide` [N].
+  [[nodiscard]] virtual Projected project(const double t[3], const double n[3], double limit_stick, double limit_slide) const = 0;
+  // 1 on the cone of `limit`, less inside.
+  [[nodiscard]] virtual double gauge(const double t[3], const double n[3], double limit) const = 0;
+};
+
+// The effects of one field, in the order in which the scene names them.
+struct FieldEffects {
+  std::vector<std::unique_ptr<SurfaceEffect>> surface;
+  std::vector<std::unique_ptr<FrictionEffect>> friction;
+  std::vector<std::unique_ptr<RheologyEffect>> rheology;
+  std::unique_ptr<ConeEffect> cone;  // at most one
+};
+
+}  // namespace slipbench

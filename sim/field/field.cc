@@ -1,0 +1,378 @@
+#include "sim/field/field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+#include "sim/field/dashpot.h"
+#include "sim/field/kernel.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::size_t alignment = 64;
+
+void check(const PadLayout& layout, const Friction& friction) {
+  const auto refuse = [](const std::string& what) { throw std::invalid_argument("field: " + what); };
+  if (layout.elements.empty()) refuse("a pad needs at least one element");
+  if (layout.elements.size() > Field::max_elements) {
+    refuse("a pad of " + std::to_string(layout.elements.size()) + " elements; allowed are up to " +
+           std::to_string(Field::max_elements));
+  }
+  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
+    const Element& element = layout.elements[i];
+    const std::string name = "element " + std::to_string(i) + ": ";
+    if (!(element.k_normal > 0.0) || !(element.k_tangential > 0.0)) refuse(name + "stiffness must be positive");
+    if (!(element.c_normal >= 0.0) || !(element.c_tangential >= 0.0)) refuse(name + "a dashpot must not be negative");
+    if (!(std::abs(element.axis.norm() - 1.0) < 1e-9)) refuse(name + "the axis must be a unit vector");
+    if (!element.tip.allFinite()) refuse(name + "the tip must be finite");
+  }
+  std::size_t next = 0;
+  for (const UnitRange& unit : layout.units) {
+    if (unit.first != next || unit.count == 0) refuse("units must tile the elements in order");
+    next += unit.count;
+  }
+  if (next != layout.elements.size()) refuse("units must tile the elements in order");
+  if (!(friction.mu_kinetic >= 0.0) || !(friction.mu_static >= friction.mu_kinetic)) {
+    refuse("friction must satisfy 0 <= mu_kinetic <= mu_static");
+  }
+}
+
+// Where inside a step a quantity that changes linearly from `before` to `now` passes through zero.
+double zero_crossing(double before, double now) {
+  const double fraction = before / (before - now);
+  return fraction >= 0.0 && fraction <= 1.0 ? fraction : 0.0;
+}
+
+}  // namespace
+
+void Field::Free::operator()(double* block) const { std::free(block); }
+
+Field::Field(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects effects)
+    : layout_(layout),
+      surface_(surface),
+      friction_(friction),
+      effects_(std::move(effects)),
+      count_(layout.elements.size()),
+      padded_((count_ + kernel::lanes - 1) / kernel::lanes * kernel::lanes) {
+  check(layout, friction);
+  if (auto dashpots = make_dashpots(layout_)) effects_.rheology.push_back(std::move(dashpots));
+
+  const bool extended = !effects_.friction.empty() || has_memory();
+  const std::size_t columns = extended ? all_columns : plain_columns;
+  // A stride of whole pages would put the same row of all columns into one set of the L1 cache.
+  const std::size_t stride = padded_ + (padded_ % 512 == 0 ? kernel::lanes : 0);
+  const std::size_t bytes = columns * stride * sizeof(double);
+  block_.reset(static_cast<double*>(std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment)));
+  if (!block_) throw std::bad_alloc();
+  std::memset(block_.get(), 0, bytes);
+  for (std::size_t c = 0; c < columns; ++c) columns_[c] = block_.get() + c * stride;
+
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Element& element = layout_.elements[i];
+    for (int k = 0; k < 3; ++k) {
+      columns_[tip_x + static_cast<std::size_t>(k)][i] = element.tip[k];
+      columns_[axis_x + static_cast<std::size_t>(k)][i] = element.axis[k];
+    }
+    columns_[k_normal][i] = element.k_normal;
+    columns_[k_tangential][i] = element.k_tangential;
+    columns_[compliance][i] = 1.0 / element.k_tangential;
+    columns_[mu_static][i] = friction.mu_static;
+    columns_[mu_kinetic][i] = friction.mu_kinetic;
+  }
+  std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
+  flat_pad_ = std::all_of(layout_.elements.begin(), layout_.elements.end(),
+                          [&](const Element& e) { return e.axis == layout_.elements.front().axis; });
+}
+
+void Field::step(const Pose& pad_in_surface, double dt) {
+  pose_ = pad_in_surface;
+  events_.clear();
+  for (const std::size_t k : {0U, 1U, 2U}) {
+    std::swap(columns_[contact_x + k], columns_[contact_before_x + k]);
+    std::swap(columns_[force_x + k], columns_[force_before_x + k]);
+  }
+  keep_as_before(press, press_before);
+  keep_as_before(gap, gap_before);
+  keep_as_before(limit_now, limit_before);
+  keep_as_before(mode, mode_before);
+
+  find_contact_points();
+  for (const auto& effect : effects_.surface)
+    effect->displace(count_, columns_[contact_x], columns_[contact_y], columns_[normal_z], columns_[gap]);
+  if (has_memory()) prepare_rheology(placed_ ? dt : 0.0);
+  if (!effects_.friction.empty()) rate_friction(placed_ ? dt : 0.0);
+  if (attached_ < count_) anchor_touched();
+  map_to_cone();
+  if (std::memcmp(columns_[mode], columns_[mode_before], count_ * sizeof(double)) != 0) resolve_events();
+  if (has_memory()) commit_rheology(placed_ ? dt : 0.0);
+  placed_ = true;
+}
+
+void Field::find_contact_points() {
+  if (std::holds_alternative<Plane>(surface_)) {
+    kernel::plane_gap({pose_.rotation, pose_.position, !flat_pad_, layout_.elements.front().axis, columns_[tip_x],
+                       columns_[tip_y], columns_[tip_z], columns_[axis_x], columns_[axis_y], columns_[axis_z],
+                       columns_[contact_x], columns_[contact_y], columns_[contact_z], columns_[gap]},
+                      padded_);
+    return;
+  }
+  std::visit(
+      [this](const auto& shape) {
+        for (std::size_t i = 0; i < count_; ++i) {
+          const Eigen::Vector3d tip = pose_ * vector(tip_x, i);
+          const Eigen::Vector3d axis = pose_.rotation * vector(axis_x, i);
+          const SurfacePoint met = shape.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z());
+          columns_[gap][i] = met.gap;
+          columns_[normal_x][i] = met.nx;
+          columns_[normal_y][i] = met.ny;
+          columns_[normal_z][i] = met.nz;
+          columns_[contact_x][i] = tip.x() - met.gap * met.nx;
+          columns_[contact_y][i] = tip.y() - met.gap * met.ny;
+          columns_[contact_z][i] = tip.z() - met.gap * met.nz;
+        }
+      },
+      surface_);
+}
+
+void Field::prepare_rheology(double dt) {
+  std::copy_n(columns_[k_normal], count_, columns_[k_normal_now]);
+  std::copy_n(columns_[k_tangential], count_, columns_[k_tangential_now]);
+  for (const Column c : {h_normal, h_x, h_y, h_z}) std::fill_n(columns_[c], count_, 0.0);
+  const AffineForce force{columns_[k_normal_now], columns_[h_normal], columns_[k_tangential_now],
+                          columns_[h_x],          columns_[h_y],      columns_[h_z]};
+  for (const auto& effect : effects_.rheology) effect->prepare(view(dt), force);
+  for (std::size_t i = 0; i < count_; ++i) columns_[compliance_now][i] = 1.0 / columns_[k_tangential_now][i];
+}
+
+void Field::commit_rheology(double dt) {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Eigen::Vector3d u = stretch(i);
+    columns_[depth][i] = penetration(i);
+    columns_[stretch_x][i] = u.x();
+    columns_[stretch_y][i] = u.y();
+    columns_[stretch_z][i] = u.z();
+  }
+  for (const auto& effect : effects_.rheology) {
+    effect->commit(view(dt), columns_[stretch_x], columns_[stretch_y], columns_[stretch_z]);
+  }
+}
+
+double Field::raw_press(std::size_t i) const {
+  return has_memory() ? kernel::raw_press(columns_[gap][i], columns_[k_normal_now][i], columns_[h_normal][i])
+                      : kernel::raw_press(columns_[gap][i], columns_[k_normal][i], 0.0);
+}
+
+void Field::rate_friction(double dt) {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Eigen::Vector3d moved =
+        dt > 0.0 ? Eigen::Vector3d((vector(contact_x, i) - vector(contact_before_x, i)) / dt) : Eigen::Vector3d(0.0, 0.0, 0.0);
+    const Eigen::Vector3d n = vector(normal_x, i);
+    const Eigen::Vector3d along = moved - n * n.dot(moved);
+    columns_[velocity_x][i] = along.x();
+    columns_[velocity_y][i] = along.y();
+    columns_[velocity_z][i] = along.z();
+    columns_[depth][i] = penetration(i);
+    columns_[normal_force_now][i] = std::max(0.0, raw_press(i));
+  }
+  std::copy_n(columns_[mu_static], padded_, columns_[mu_static_now]);
+  std::copy_n(columns_[mu_kinetic], padded_, columns_[mu_kinetic_now]);
+  for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_[mu_static_now], columns_[mu_kinetic_now]);
+}
+
+// Where inside the step an element touches: where its gap closes, or, if a dashpot had let go of it inside the surface, where it pushes again.
+double Field::touch_fraction(std::size_t i) const {
+  return columns_[gap_before][i] > 0.0 ? zero_crossing(columns_[gap_before][i], columns_[gap][i])
+                                       : zero_crossing(columns_[press_before][i], raw_press(i));
+}
+
+// What touches now and did not before is anchored where it touched, inside the step.
+void Field::anchor_touched() {
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (columns_[mode_before][i] != 0.0 || !(raw_press(i) > 0.0)) continue;
+    const double fraction = touch_fraction(i);
+    for (const std::size_t k : {0U, 1U, 2U}) {
+      const double before = columns_[contact_before_x + k][i], now = columns_[contact_x + k][i];
+      columns_[anchor_x + k][i] = placed_ ? before + fraction * (now - before) : now;
+    }
+  }
+}
+
+void Field::map_to_cone() {
+  const bool rated = !effects_.friction.empty(), memory = has_memory();
+  const kernel::Mapping pass{columns_[contact_x],
+                             columns_[contact_y],
+                             columns_[contact_z],
+                             columns_[normal_x],
+                             columns_[normal_y],
+                             columns_[normal_z],
+                             columns_[gap],
+                             columns_[memory ? k_normal_now : k_normal],
+                             columns_[memory ? k_tangential_now : k_tangential],
+                             columns_[memory ? compliance_now : compliance],
+                             columns_[rated ? mu_static_now : mu_static],
+                             columns_[rated ? mu_kinetic_now : mu_kinetic],
+                             columns_[mode_before],
+                             columns_[h_normal],
+                             columns_[h_x],
+                             columns_[h_y],
+                             columns_[h_z],
+                             columns_[press],
+                             columns_[anchor_x],
+                             columns_[anchor_y],
+                             columns_[anchor_z],
+                             columns_[slip_x],
+                             columns_[slip_y],
+                             columns_[slip_z],
+                             columns_[force_x],
+                             columns_[force_y],
+                             columns_[force_z],
+                             columns_[limit_now],
+                             columns_[mode],
+                             columns_[path]};
+  if (effects_.cone) {
+    for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(pass, i);
+  } else {
+    kernel::map(pass, std::holds_alternative<Plane>(surface_), memory, padded_);
+  }
+}
+
+// The same mapping as the kernel's, with the projection left to the effect.
+void Field::map_to_effect_cone(const kernel::Mapping& m, std::size_t i) {
+  const Eigen::Vector3d n = vector(normal_x, i);
+  const Eigen::Vector3d contact = vector(contact_x, i);
+  const Eigen::Vector3d strain = contact - vector(anchor_x, i);
+  const Eigen::Vector3d u = strain - n * n.dot(strain);
+  const double k = m.k_tangential[i], raw = raw_press(i), f_n = std::max(0.0, raw);
+  const Eigen::Vector3d kept = has_memory() ? vector(h_x, i) : Eigen::Vector3d(0.0, 0.0, 0.0);
+  const Eigen::Vector3d history = kept - n * n.dot(kept);  // it was made in an earlier tangent plane
+  const Eigen::Vector3d trial = k * u + history;
+  const double limit_stick = m.mu_static[i] * f_n, limit_slide = m.mu_kinetic[i] * f_n;
+  const bool touches = f_n > 0.0;
+  const bool slid = m.mode_before[i] == 2.0;
+
+  Eigen::Vector3d force(0.0, 0.0, 0.0), stretch(0.0, 0.0, 0.0), slip(0.0, 0.0, 0.0);
+  bool slides = false;
+  if (touches) {
+    const auto mapped = effects_.cone->project(trial.data(), n.data(),
+                                               (slid ? limit_slide : limit_stick) + k * kernel::shortest_slip, limit_slide);
+    slides = mapped.slides;
+    force = {mapped.fx, mapped.fy, mapped.fz};
+    if (slides) slip = (trial - force) * m.compliance[i];
+    stretch = u - slip;
+  }
+  const Eigen::Vector3d anchor = contact - stretch;
+  for (int c = 0; c < 3; ++c) {
+    const auto at = static_cast<std::size_t>(c);
+    columns_[slip_x + at][i] = slip[c];
+    columns_[anchor_x + at][i] = anchor[c];
+    columns_[force_x + at][i] = force[c];
+  }
+  columns_[press][i] = raw;
+  columns_[limit_now][i] = limit_stick;
+  columns_[path][i] += slip.norm();
+  columns_[mode][i] = touches ? (slides ? 2.0 : 1.0) : 0.0;
+}
+
+// Where inside the step the trial force leaves the stick cone. Force and limit are linear in the step, so their difference is
+// convex and crosses zero once.
+double Field::onset_fraction(std::size_t i) const {
+  const double k = columns_[has_memory() ? k_tangential_now : k_tangential][i];
+  const Eigen::Vector3d start = vector(force_before_x, i);
+  const Eigen::Vector3d end = vector(force_x, i) + k * vector(slip_x, i);
+  const Eigen::Vector3d n = vector(normal_x, i);
+  const double limit_start = columns_[limit_before][i], limit_end = columns_[limit_now][i];
+  const auto inside = [&](double fraction) {
+    const Eigen::Vector3d t = start + fraction * (end - start);
+    const double limit = limit_start + fraction * (limit_end - limit_start);
+    return cone_gauge(t, n, limit) < 1.0;
+  };
+  double low = 0.0, high = 1.0;
+  for (int bit = 0; bit < 52; ++bit) {
+    const double middle = 0.5 * (low + high);
+    (inside(middle) ? low : high) = middle;
+  }
+  return high;
+}
+
+void Field::resolve_events() {
+  attached_ = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const auto from = static_cast<ElementState>(static_cast<int>(columns_[mode_before][i]));
+    const ElementState to = state(i);
+    attached_ += to != ElementState::detached ? 1 : 0;
+    if (from == to) continue;
+    double fraction = 0.0;  // slip that ends has ended with the step before
+    if (!placed_) {
+      fraction = 1.0;
+    } else if (from == ElementState::detached) {
+      fraction = touch_fraction(i);
+    } else if (to == ElementState::detached) {
+      fraction = zero_crossing(columns_[press_before][i], columns_[press][i]);
+    } else if (to == ElementState::slip) {
+      fraction = onset_fraction(i);
+    }
+    events_.push_back({fraction, static_cast<std::uint32_t>(i), from, to});
+  }
+}
+
+ElementColumns Field::view(double dt) const {
+  return {count_,
+          dt,
+          columns_[contact_x],
+          columns_[contact_y],
+          columns_[contact_z],
+          columns_[normal_x],
+          columns_[normal_y],
+          columns_[normal_z],
+          columns_[depth],
+          columns_[normal_force_now],
+          columns_[velocity_x],
+          columns_[velocity_y],
+          columns_[velocity_z],
+          columns_[mode_before]};
+}
+
+double Field::cone_gauge(const Eigen::Vector3d& t, const Eigen::Vector3d& n, double limit) const {
+  if (limit == 0.0) return 1.0;
+  return effects_.cone ? effects_.cone->gauge(t.data(), n.data(), limit) : t.norm() / limit;
+}
+
+void Field::view_from_pad() {
+  kernel::view_from_pad({pose_.rotation.transpose(), columns_[normal_x],     columns_[normal_y],
+                         columns_[normal_z],         columns_[gap],          columns_[press],
+                         columns_[force_x],          columns_[force_y],      columns_[force_z],
+                         columns_[contact_x],        columns_[contact_y],    columns_[contact_z],
+                         columns_[anchor_x],         columns_[anchor_y],     columns_[anchor_z],
+                         columns_[slip_x],           columns_[slip_y],       columns_[slip_z],
+                         columns_[pad_force_x],      columns_[pad_force_y],  columns_[pad_force_z],
+                         columns_[deflection_x],     columns_[deflection_y], columns_[deflection_z],
+                         columns_[pad_slip_x],       columns_[pad_slip_y]},
+                        padded_);
+}
+
+Wrench Field::wrench_on_surface() const {
+  Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Eigen::Vector3d force = vector(force_x, i) - vector(normal_x, i) * normal_force(i);
+    total.force += force;
+    total.torque += vector(contact_x, i).cross(force);
+  }
+  return total;
+}
+
+Wrench Field::wrench_on_pad() const {
+  Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Eigen::Vector3d force = vector(normal_x, i) * normal_force(i) - vector(force_x, i);
+    total.force += force;
+    total.torque += (vector(contact_x, i) - pose_.position).cross(force);
+  }
+  return {pose_.rotation.transpose() * total.force, pose_.rotation.transpose() * total.torque};
+}
+
+}  // namespace slipbench

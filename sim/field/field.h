@@ -1,0 +1,220 @@
+// The element field: compliant friction points of a pad against one surface.
+//
+// Law, per element (massless spring with a Coulomb slider at its tip):
+//   penetration  delta = max(0, -gap(tip))                             along the surface normal n
+//   normal       f_n   = k_n delta
+//   tangential   u     = P (c - a),  P = I - n n'                       c contact point, a anchor: where the tip stuck to the surface
+//   stick        |k_t u| <= mu_s f_n
+//   slip         |k_t u|  = mu_k f_n; the anchor follows: return mapping (Simo & Hughes, Computational Inelasticity, 1998, sec. 1.2 and 3)
+// An element that has begun to slip goes on until its trial force falls under mu_k f_n: the limit of a damped tip without mass. Stick
+// and slip are states of the model, not thresholds on a velocity. Anchors live in the surface's frame, so surfaces may move and turn.
+//
+// A dashpot in parallel with the spring (optional, per element) or a rheology effect adds k u + h forms (effect.h).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sim/core/pad_layout.h"
+#include "sim/core/pose.h"
+#include "sim/field/effect.h"
+#include "sim/field/kernel.h"
+#include "sim/field/surface.h"
+
+namespace slipbench {
+
+// State of one element.
+enum class ElementState : std::uint8_t { detached = 0, stick = 1, slip = 2 };
+
+// Coulomb friction of the touched surface.
+struct Friction {
+  double mu_static = 0.5;
+  double mu_kinetic = 0.5;  // <= mu_static
+};
+
+// An element changed its state inside the last step.
+struct ElementEvent {
+  double fraction;  // of the step, in [0, 1]
+  std::uint32_t element;
+  ElementState from, to;
+};
+
+// Force and torque on a body.
+struct Wrench {
+  Eigen::Vector3d force;   // N
+  Eigen::Vector3d torque;  // N m
+};
+
+class Field {
+ public:
+  static constexpr std::size_t max_elements = 4096;
+
+  // Throws std::invalid_argument when the layout is empty or larger than max_elements, a stiffness is not positive, a dashpot is
+  // negative, an axis is not a unit vector, units do not tile the elements in order, or 0 <= mu_kinetic <= mu_static is violated.
+  Field(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects effects = {});
+
+  // Advances to the relative pose `pad_in_surface` at the end of a step of `dt` > 0 seconds. The first call places the field: what it
+  // finds touching sticks unstrained, and dt is not used.
+  void step(const Pose& pad_in_surface, double dt);
+
+  [[nodiscard]] std::size_t size() const { return count_; }
+  [[nodiscard]] const PadLayout& layout() const { return layout_; }
+  [[nodiscard]] const Friction& friction() const { return friction_; }
+
+  // Element states and events of the last step; events in order of element.
+  [[nodiscard]] ElementState state(std::size_t i) const { return static_cast<ElementState>(static_cast<int>(columns_[mode][i])); }
+  [[nodiscard]] std::span<const ElementEvent> events() const { return events_; }
+
+  // Of element i, in the surface frame S: normal force [N], penetration [m], path slipped since the start [m].
+  [[nodiscard]] double normal_force(std::size_t i) const { return std::max(0.0, columns_[press][i]); }
+  [[nodiscard]] double penetration(std::size_t i) const { return std::max(0.0, -columns_[gap][i]); }
+  [[nodiscard]] double slip_path(std::size_t i) const { return columns_[path][i]; }
+
+  // Tangential force of the pad on the surface [N], stretch of the element [m] (undeformed contact point minus anchored tip; the
+  // tip's deflection is minus this), slip of the tip over the surface in the last step [m], and the surface normal.
+  [[nodiscard]] Eigen::Vector3d tangential_force(std::size_t i) const { return vector(force_x, i); }
+  [[nodiscard]] Eigen::Vector3d stretch(std::size_t i) const { return vector(contact_x, i) - vector(anchor_x, i); }
+  [[nodiscard]] Eigen::Vector3d slip_step(std::size_t i) const { return vector(slip_x, i); }
+  [[nodiscard]] Eigen::Vector3d normal(std::size_t i) const { return vector(normal_x, i); }
+  [[nodiscard]] Eigen::Vector3d contact_point(std::size_t i) const { return vector(contact_x, i); }
+
+  // Works out the three below for all elements; to be called after step() by whoever reads them.
+  void view_from_pad();
+  // Of element i, in the pad frame P: force of the surface on the pad [N], deformed tip minus undeformed tip [m], and slip of the tip over
+  // the surface in the last step, in the pad's plane [m].
+  [[nodiscard]] Eigen::Array3d force_on_pad(std::size_t i) const { return vector(pad_force_x, i).array(); }
+  [[nodiscard]] Eigen::Array3d deflection(std::size_t i) const { return vector(deflection_x, i).array(); }
+  [[nodiscard]] Eigen::Array2d slip_in_pad(std::size_t i) const { return {columns_[pad_slip_x][i], columns_[pad_slip_y][i]}; }
+
+  // How far a tangential force t [N] reaches towards the friction cone of `limit` [N] around the normal n: |t|/limit for the circular
+  // cone, 1 on the cone of an effect and where there is no friction at all.
+  [[nodiscard]] double cone_gauge(const Eigen::Vector3d& t, const Eigen::Vector3d& n, double limit) const;
+  // mu_s f_n of the element as the effects leave it [N].
+  [[nodiscard]] double stick_limit(std::size_t i) const { return columns_[limit_now][i]; }
+
+  // What the surface does to the pad, about the pad's origin, in the pad frame P; and what the pad does to the surface, about the
+  // surface's origin, in S.
+  [[nodiscard]] Wrench wrench_on_pad() const;
+  [[nodiscard]] Wrench wrench_on_surface() const;
+
+  // The pose of the last step.
+  [[nodiscard]] const Pose& pad_in_surface() const { return pose_; }
+
+ private:
+  // Columns of the structure of arrays. Three in a row form a vector; "before" is the value at the end of the step before.
+  enum Column : std::size_t {
+    tip_x,
+    tip_y,
+    tip_z,
+    axis_x,
+    axis_y,
+    axis_z,
+    k_normal,
+    k_tangential,
+    compliance,
+    mu_static,
+    mu_kinetic,
+    contact_x,
+    contact_y,
+    contact_z,
+    contact_before_x,
+    contact_before_y,
+    contact_before_z,
+    normal_x,
+    normal_y,
+    normal_z,
+    gap,
+    gap_before,
+    press,
+    press_before,
+    limit_now,
+    limit_before,
+    anchor_x,
+    anchor_y,
+    anchor_z,
+    slip_x,
+    slip_y,
+    slip_z,
+    force_x,
+    force_y,
+    force_z,
+    force_before_x,
+    force_before_y,
+    force_before_z,
+    mode,
+    mode_before,
+    path,
+    pad_force_x,
+    pad_force_y,
+    pad_force_z,
+    deflection_x,
+    deflection_y,
+    deflection_z,
+    pad_slip_x,
+    pad_slip_y,
+    plain_columns,
+    // only where effects or dashpots ask for them
+    mu_static_now = plain_columns,
+    mu_kinetic_now,
+    velocity_x,
+    velocity_y,
+    velocity_z,
+    depth,
+    normal_force_now,
+    stretch_x,
+    stretch_y,
+    stretch_z,
+    k_normal_now,
+    h_normal,
+    k_tangential_now,
+    compliance_now,
+    h_x,
+    h_y,
+    h_z,
+    all_columns
+  };
+
+  void find_contact_points();
+  void prepare_rheology(double dt);
+  void commit_rheology(double dt);
+  void rate_friction(double dt);
+  [[nodiscard]] double raw_press(std::size_t i) const;
+  [[nodiscard]] double touch_fraction(std::size_t i) const;
+  void anchor_touched();
+  void map_to_cone();
+  void map_to_effect_cone(const kernel::Mapping& pass, std::size_t i);
+  void resolve_events();
+  [[nodiscard]] double onset_fraction(std::size_t i) const;
+  [[nodiscard]] ElementColumns view(double dt) const;
+  [[nodiscard]] bool has_memory() const { return !effects_.rheology.empty(); }
+  void keep_as_before(Column now, Column before) { std::swap(columns_[now], columns_[before]); }
+
+  [[nodiscard]] Eigen::Vector3d vector(Column x, std::size_t i) const {
+    return {columns_[x][i], columns_[x + 1][i], columns_[x + 2][i]};
+  }
+  PadLayout layout_;
+  Surface surface_;
+  Friction friction_;
+  FieldEffects effects_;
+  std::size_t count_;
+  std::size_t padded_;  // count_ rounded up to whole SIMD vectors; the rest has no stiffness and so never touches
+  struct Free {
+    void operator()(double* block) const;
+  };
+  std::unique_ptr<double[], Free> block_;
+  std::array<double*, all_columns> columns_{};  // into block_; "now" and "before" swap places instead of being copied
+  std::vector<ElementEvent> events_;
+  Pose pose_;
+  bool flat_pad_;
+  bool placed_ = false;
+  std::size_t attached_ = 0;  // elements that touched after the last step
+};
+
+}  // namespace slipbench

@@ -1,0 +1,14 @@
+#include "sim/motion/motion.h"
+
+#include "sim/motion/stage.h"
+
+namespace slipbench {
+
+const std::vector<MotionKind>& motion_catalogue() {
+  static const std::vector<MotionKind> kinds{
+      stage_motion(),
+  };
+  return kinds;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,34 @@
+// Prescribed motions of the bench and their catalogue.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim/core/parameters.h"
+#include "sim/core/pose.h"
+
+namespace slipbench {
+
+// Where the pad is, at any time. The touched surface stands still in the world; its top is at z = 0.
+class Motion {
+ public:
+  virtual ~Motion() = default;
+  // State of the pad at time t [s], exact.
+  [[nodiscard]] virtual BodyState pad_at(double t) const = 0;
+  // Bound on the speed of any point of the pad within `reach` [m] of its origin [m/s].
+  [[nodiscard]] virtual double top_speed(double reach) const = 0;
+  // Whether the pad turns about its normal.
+  [[nodiscard]] virtual bool turns() const = 0;
+};
+
+// A kind of motion that a scene may name.
+struct MotionKind {
+  Entry about;
+  // Throws SceneValueError when the parameters contradict each other.
+  std::unique_ptr<Motion> (*create)(const Parameters& parameters);
+};
+
+// All kinds, one line each.
+const std::vector<MotionKind>& motion_catalogue();
+
+}  // namespace slipbench

@@ -1,0 +1,55 @@
+#include "sim/motion/profile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace slipbench {
+
+Profile::Profile(double position) : pieces_{{-std::numeric_limits<double>::infinity(), position, 0.0, 0.0}} {}
+
+void Profile::change_velocity(double t, double velocity, double acceleration) {
+  const ProfilePoint from = at(t);
+  while (pieces_.back().start > t) pieces_.pop_back();  // a change still at work at t is cut short
+  const double change = velocity - from.velocity;
+  if (change == 0.0) {
+    if (pieces_.back().acceleration != 0.0) pieces_.push_back({t, from.position, velocity, 0.0});
+    return;
+  }
+  if (std::isinf(acceleration)) {
+    pieces_.push_back({t, from.position, velocity, 0.0});
+    return;
+  }
+  const double a = std::copysign(acceleration, change);
+  const double duration = change / a;
+  pieces_.push_back({t, from.position, from.velocity, a});
+  pieces_.push_back({t + duration, from.position + duration * 0.5 * (from.velocity + velocity), velocity, 0.0});
+}
+
+void Profile::move(double t, double distance, double speed, double acceleration) {
+  if (distance == 0.0) return;
+  const double length = std::abs(distance);
+  const double top = std::min(speed, std::sqrt(acceleration * length));  // a short way never reaches the full speed
+  const double ramp = std::isinf(acceleration) ? 0.0 : top / acceleration;
+  const double way_at_top = length - top * ramp;
+  change_velocity(t, std::copysign(top, distance), acceleration);
+  change_velocity(t + ramp + std::max(0.0, way_at_top) / top, 0.0, acceleration);
+  // Rounding in the times must not leave a creep or a missed target behind.
+  pieces_.back().velocity = 0.0;
+}
+
+double Profile::top_speed() const {
+  double top = 0.0;
+  for (const Piece& piece : pieces_) top = std::max(top, std::abs(piece.velocity));
+  return top;
+}
+
+ProfilePoint Profile::at(double t) const {
+  auto piece = pieces_.end() - 1;
+  while (t < piece->start) --piece;
+  const double since = piece->velocity == 0.0 && piece->acceleration == 0.0 ? 0.0 : t - piece->start;
+  return {piece->position + since * (piece->velocity + 0.5 * piece->acceleration * since),
+          piece->velocity + piece->acceleration * since};
+}
+
+}  // namespace slipbench

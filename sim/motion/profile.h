@@ -1,0 +1,42 @@
+// One coordinate of a prescribed motion: pieces of constant acceleration, evaluated exactly.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace slipbench {
+
+// Position and velocity of one coordinate; units are the caller's (m and m/s, or rad and rad/s).
+struct ProfilePoint {
+  double position;
+  double velocity;
+};
+
+// A trapezoidal profile in the making: begins at rest, and each call appends to it. Accelerations may be infinite: the velocity then
+// jumps.
+class Profile {
+ public:
+  explicit Profile(double position);
+
+  // From time t on: changes the velocity to `velocity` with at most `acceleration` (> 0). A change still at work at t is cut short.
+  void change_velocity(double t, double velocity, double acceleration);
+
+  // From time t on: moves from rest by `distance` and rests again, at no more than `speed` (> 0) and `acceleration` (> 0).
+  void move(double t, double distance, double speed, double acceleration);
+
+  // When the last change ends [s].
+  [[nodiscard]] double end() const { return pieces_.back().start; }
+  // Largest speed ever reached.
+  [[nodiscard]] double top_speed() const;
+  [[nodiscard]] bool at_rest_always() const { return pieces_.size() == 1; }
+
+  [[nodiscard]] ProfilePoint at(double t) const;
+
+ private:
+  struct Piece {
+    double start, position, velocity, acceleration;
+  };
+  std::vector<Piece> pieces_;  // the last one has no acceleration and no end
+};
+
+}  // namespace slipbench

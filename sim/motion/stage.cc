@@ -1,0 +1,233 @@
+#include "sim/motion/stage.h"
+
+#include <cmath>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/motion/profile.h"
+
+namespace slipbench {
+namespace {
+
+// The bench that the published PapillArray sequences were recorded on.
+constexpr const char* protocol = "Wang et al., IEEE RA-L 9 (2024) 1827: hexapod protocol";
+
+Entry about_stage() {
+  return {"stage",
+          "A stage presses the pad onto the surface, waits, then slides and/or turns it; it may stop, reverse and lift off.",
+          "height: trapezoid from +gap to -compression, measured at the tip of the tallest element\n"
+          "sideways: p(t) = pivot + s(t) [cos direction, sin direction] - R(theta(t)) pivot, s and theta trapezoids\n"
+          "The pad moves along `direction`; the friction on it points the other way. The pivot moves along with the pad.",
+          "Wang et al., IEEE RA-L 9 (2024) 1827 (protocol); constant accelerations, integrated exactly",
+          {
+              {"compression",
+               ParameterType::number,
+               Quantity::length,
+               "1 mm",
+               positive,
+               {},
+               1,
+               "how far the tallest element is pressed in",
+               protocol},
+              {"speed",
+               ParameterType::number,
+               Quantity::speed,
+               "4 mm/s",
+               non_negative,
+               {},
+               1,
+               "sideways speed of the pivot",
+               protocol + std::string(", 0.5 to 16 mm/s")},
+              {"direction",
+               ParameterType::number,
+               Quantity::angle,
+               "0 deg",
+               any_value,
+               {},
+               1,
+               "direction in which the pad moves, from +X towards +Y of the pad",
+               protocol},
+              {"rotation",
+               ParameterType::number,
+               Quantity::angular_speed,
+               "0 deg/s",
+               any_value,
+               {},
+               1,
+               "turning speed about the vertical through the pivot",
+               protocol},
+              {"pivot",
+               ParameterType::vector,
+               Quantity::length,
+               "[0 mm, 0 mm]",
+               any_value,
+               {},
+               2,
+               "point of the pad about which it turns",
+               "assumed"},
+              {"tilt",
+               ParameterType::vector,
+               Quantity::angle,
+               "[0 deg, 0 deg]",
+               {-0.5, 0.5, false},
+               {},
+               2,
+               "tilt of the pad about its X and Y axis, kept throughout",
+               "assumed; the published sequences look tilted by about 1.5 deg"},
+              {"acceleration",
+               ParameterType::number,
+               Quantity::acceleration,
+               "50 mm/s2",
+               positive_or_infinite,
+               {},
+               1,
+               "limit for all straight moves; inf: at once",
+               "assumed; about 40 mm/s2 fits the published sequences"},
+              {"angular_acceleration",
+               ParameterType::number,
+               Quantity::angular_acceleration,
+               "500 deg/s2",
+               positive_or_infinite,
+               {},
+               1,
+               "limit for turning; inf: at once",
+               "assumed"},
+              {"gap",
+               ParameterType::number,
+               Quantity::length,
+               "0.5 mm",
+               non_negative,
+               {},
+               1,
+               "height of the tallest tip above the surface at t = 0",
+               "assumed"},
+              {"approach_speed",
+               ParameterType::number,
+               Quantity::speed,
+               "4 mm/s",
+               positive,
+               {},
+               1,
+               "speed of pressing and lifting off",
+               "assumed"},
+              {"start",
+               ParameterType::number,
+               Quantity::time,
+               "2 s",
+               non_negative,
+               {},
+               1,
+               "when the pad begins to slide and turn",
+               "published sequences: motion starts at about 2.0 s"},
+              {"stop",
+               ParameterType::number,
+               Quantity::time,
+               "inf",
+               positive_or_infinite,
+               {},
+               1,
+               "time after the start at which it brakes; inf: never",
+               "published stop trials halt 50 to 100 ms after the start"},
+              {"reverse",
+               ParameterType::number,
+               Quantity::time,
+               "inf",
+               positive_or_infinite,
+               {},
+               1,
+               "time after the start at which it turns back; inf: never",
+               "assumed"},
+              {"retract",
+               ParameterType::number,
+               Quantity::time,
+               "inf",
+               positive_or_infinite,
+               {},
+               1,
+               "when the pad lifts off by compression + gap; inf: never",
+               "assumed"},
+          }};
+}
+
+class Stage final : public Motion {
+ public:
+  explicit Stage(const Parameters& p)
+      : height_(p.number("gap")),
+        way_(0.0),
+        turn_(0.0),
+        pivot_(p.vector("pivot")[0], p.vector("pivot")[1], 0.0),
+        direction_(std::cos(p.number("direction")), std::sin(p.number("direction")), 0.0),
+        tilt_(Eigen::AngleAxisd(p.vector("tilt")[1], Eigen::Vector3d::UnitY()) *
+              Eigen::AngleAxisd(p.vector("tilt")[0], Eigen::Vector3d::UnitX())) {
+    const double acceleration = p.number("acceleration"), angular = p.number("angular_acceleration");
+    const double speed = p.number("speed"), rate = p.number("rotation");
+    const double start = p.number("start"), stop = p.number("stop"), reverse = p.number("reverse"), retract = p.number("retract");
+    const double stroke = p.number("gap") + p.number("compression");
+
+    height_.move(0.0, -stroke, p.number("approach_speed"), acceleration);
+    if (height_.end() > start) {
+      throw SceneValueError("motion.start", fmt::format("{} is too early; pressing ends at {:.6g} s, allowed is that or later",
+                                                        format_quantity(start, Quantity::time), height_.end()));
+    }
+    if (reverse >= stop && std::isfinite(reverse)) {
+      throw SceneValueError("motion.reverse",
+                            fmt::format("{} comes after motion.stop ({}); allowed is an earlier time",
+                                        format_quantity(reverse, Quantity::time), format_quantity(stop, Quantity::time)));
+    }
+    for (const auto& [profile, top, limit] : {std::tuple{&way_, speed, acceleration}, std::tuple{&turn_, rate, angular}}) {
+      profile->change_velocity(start, top, limit);
+      if (std::isfinite(reverse)) profile->change_velocity(start + reverse, -top, limit);
+      if (std::isfinite(stop)) profile->change_velocity(start + stop, 0.0, limit);
+    }
+    if (std::isfinite(retract)) {
+      if (retract < height_.end()) {
+        throw SceneValueError("motion.retract",
+                              fmt::format("{} is too early; pressing ends at {:.6g} s, allowed is that or later",
+                                          format_quantity(retract, Quantity::time), height_.end()));
+      }
+      height_.move(retract, stroke, p.number("approach_speed"), acceleration);
+    }
+  }
+
+  [[nodiscard]] BodyState pad_at(double t) const override {
+    const ProfilePoint height = height_.at(t);
+    const ProfilePoint way = way_.at(t);
+    BodyState pad;
+    pad.pose.rotation = tilt_;
+    pad.pose.position = way.position * direction_;
+    pad.velocity = way.velocity * direction_;
+    if (turns()) {
+      const ProfilePoint turn = turn_.at(t);
+      const Eigen::Matrix3d turned = Eigen::AngleAxisd(turn.position, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      const Eigen::Vector3d arm = turned * -pivot_;
+      pad.pose.rotation = turned * tilt_;
+      pad.pose.position += pivot_ + arm;
+      pad.angular_velocity.z() = turn.velocity;
+      pad.velocity += pad.angular_velocity.cross(arm);
+    }
+    pad.pose.position.z() = height.position;
+    pad.velocity.z() = height.velocity;
+    return pad;
+  }
+
+  [[nodiscard]] double top_speed(double reach) const override {
+    return height_.top_speed() + way_.top_speed() + turn_.top_speed() * (reach + pivot_.norm());
+  }
+
+  [[nodiscard]] bool turns() const override { return !turn_.at_rest_always(); }
+
+ private:
+  Profile height_, way_, turn_;
+  Eigen::Vector3d pivot_, direction_;
+  Eigen::Matrix3d tilt_;
+};
+
+}  // namespace
+
+MotionKind stage_motion() {
+  return {about_stage(), [](const Parameters& p) -> std::unique_ptr<Motion> { return std::make_unique<Stage>(p); }};
+}
+
+}  // namespace slipbench

@@ -1,0 +1,29 @@
+// What a scene may name. Filled by whoever composes the program, so that the parser depends on no effect and no sensor.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/core/parameters.h"
+
+namespace slipbench {
+
+// A surface material: friction against the pads' silicone.
+struct Material {
+  std::string name;
+  double mu_static;
+  double mu_kinetic;
+  std::string source;  // where the figures come from, or "assumed: why"
+};
+
+// The catalogues, by the scene key that draws from them.
+struct Catalogues {
+  std::vector<Material> materials;
+  std::vector<Entry> surfaces;     // surface.shape
+  std::vector<Entry> motions;      // motion.kind
+  std::vector<Entry> sensors;      // sensors.*.type
+  std::vector<Entry> electronics;  // sensors.*.electronics
+  std::vector<Entry> effects;      // effects
+};
+
+}  // namespace slipbench

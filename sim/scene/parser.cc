@@ -1,0 +1,133 @@
+#include "sim/scene/parser.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "sim/core/error.h"
+#include "sim/scene/sweep.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::size_t max_trials = 1'000'000;
+constexpr std::size_t max_checked_cells = 10'000;
+
+// A swept value that is neither one number nor one name: a sequence of effects, say.
+nlohmann::json json_of(const YamlNode& node) {
+  switch (node.kind) {
+    case YamlNode::Kind::null: return nullptr;
+    case YamlNode::Kind::scalar: return node.text;
+    case YamlNode::Kind::sequence: {
+      nlohmann::json items = nlohmann::json::array();
+      for (const YamlNode& child : node.children) items.push_back(json_of(child));
+      return items;
+    }
+    case YamlNode::Kind::map: {
+      nlohmann::json items = nlohmann::json::object();
+      for (const YamlNode& child : node.children) items[child.key] = json_of(child);
+      return items;
+    }
+  }
+  throw std::logic_error("no such kind of node");
+}
+
+}  // namespace
+
+// A checked file, ready to be expanded: shared by the copies of a plan.
+struct TrialPlan::Plan {
+  YamlNode scene;  // without its sweep
+  Sweep sweep;
+  std::vector<std::vector<std::string>> leaves;  // the sweep's, split
+};
+
+SceneFile SceneFile::load(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  // One byte more than is allowed: enough to see that a file is too long, whatever it is.
+  std::string text(max_yaml_bytes + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!stream.is_open() || stream.bad()) throw InputError(path + ": cannot be read: " + std::strerror(errno));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return from_text(std::move(text), path);
+}
+
+SceneFile SceneFile::from_text(std::string text, std::string name) {
+  SceneFile file;
+  file.root_ = std::make_shared<const YamlNode>(parse_yaml(text, name, true));
+  file.text_ = std::move(text);
+  file.name_ = std::move(name);
+  return file;
+}
+
+void SceneFile::apply(const Override& change) {
+  const std::string source = "--set " + change.path + "=" + change.value;
+  const YamlNode value = parse_yaml(change.value, source, false);
+  std::vector<std::string> parts = split_path(change.path, value.origin);
+  const bool sweeps = parts.front() == "sweep";
+  if (sweeps && parts.size() > 1) parts = {"sweep", change.path.substr(change.path.find('.') + 1)};
+  YamlNode root = *root_;
+  assign(place_at(root, parts, value.origin), value);
+  root_ = std::make_shared<const YamlNode>(std::move(root));
+  if (!sweeps) overridden_.push_back(std::move(parts));
+}
+
+Scene parse_scene(const SceneFile& file, const Catalogues& catalogues) {
+  return TrialPlan(file, catalogues, 0, read_seed(*file.root_)).trial(0).scene;
+}
+
+TrialPlan::TrialPlan(const SceneFile& file, const Catalogues& catalogues, std::size_t draws, std::uint64_t seed)
+    : catalogues_(&catalogues), seed_(seed) {
+  auto plan = std::make_shared<Plan>(Plan{*file.root_, Sweep(file.root_->find("sweep"), file.overridden_), {}});
+  std::erase_if(plan->scene.children, [](const YamlNode& child) { return child.key == "sweep"; });
+  for (const std::string& leaf : plan->sweep.leaves()) plan->leaves.push_back(split_path(leaf, {}));
+  plan_ = std::move(plan);
+  draws_ = draws == 0 ? plan_->sweep.trials() : draws;
+  if (draws_ > max_trials / plan_->sweep.cells()) {
+    throw InputError(file.name_ + ": " + std::to_string(plan_->sweep.cells()) + " grid cells of " + std::to_string(draws_) +
+                     " trials each; allowed: at most 1,000,000 trials");
+  }
+  count_ = plan_->sweep.cells() * draws_;
+  for (std::size_t cell = 0; cell < std::min(plan_->sweep.cells(), max_checked_cells); ++cell) {
+    YamlNode root = plan_->scene;
+    scene_of(cell * draws_, root, nullptr);
+  }
+}
+
+Scene TrialPlan::scene_of(std::size_t index, YamlNode& root, Trace* trace) const {
+  plan_->sweep.apply(root, index / draws_, seed_, index);
+  Scene scene = read_scene(root, *catalogues_, trace);
+  scene.seed = seed_;
+  return scene;
+}
+
+std::string TrialPlan::where(std::size_t index, const std::string& path) const {
+  YamlNode root = plan_->scene;
+  plan_->sweep.apply(root, index / draws_, seed_, index);
+  std::vector<std::string> parts = split_path(path, {});
+  const YamlNode* node = node_at(root, parts);
+  while (node == nullptr) {
+    parts.pop_back();
+    node = node_at(root, parts);
+  }
+  return node->origin.text();
+}
+
+TrialPlan::Trial TrialPlan::trial(std::size_t index) const {
+  if (index >= count_) throw std::out_of_range("trial " + std::to_string(index) + " of " + std::to_string(count_));
+  Trial trial;
+  Trace trace;
+  YamlNode root = plan_->scene;
+  trial.scene = scene_of(index, root, plan_->leaves.empty() ? nullptr : &trace);
+  for (std::size_t i = 0; i < plan_->leaves.size(); ++i) {
+    const std::string& path = plan_->sweep.leaves()[i];
+    const auto read = trace.find(path);
+    const YamlNode* node = read == trace.end() ? node_at(root, plan_->leaves[i]) : nullptr;
+    trial.drawn.emplace_back(path, read != trace.end() ? read->second : node != nullptr ? json_of(*node).dump() : "null");
+  }
+  return trial;
+}
+
+}  // namespace slipbench

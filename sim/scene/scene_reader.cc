@@ -1,0 +1,408 @@
+#include "sim/scene/scene_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::string_view schema_version = "1";
+constexpr double max_steps = 1e8;
+constexpr std::size_t max_sensors = 64;
+
+// What a closed loop may name; each later method adds its name.
+constexpr std::array<std::string_view, 1> detector_types{"none"};
+constexpr std::array<std::string_view, 1> controller_types{"none"};
+
+const ParameterSpec duration_spec{.name = "duration",
+                                  .quantity = Quantity::time,
+                                  .default_text = "4 s",
+                                  .range = {0.0, 86400.0, true},
+                                  .choices = {},
+                                  .doc = "length of a trial",
+                                  .source = "the published sequences"};
+const ParameterSpec time_step_spec{.name = "time_step",
+                                   .quantity = Quantity::time,
+                                   .default_text = "1 ms",
+                                   .range = positive,
+                                   .choices = {},
+                                   .doc = "step of the simulation",
+                                   .source = "assumed"};
+const ParameterSpec fidelity_spec{.name = "fidelity",
+                                  .type = ParameterType::choice,
+                                  .default_text = "field",
+                                  .choices = {"field", "articulated"},
+                                  .doc = "model of the pad",
+                                  .source = "assumed"};
+const ParameterSpec coefficient_spec{.name = "coefficient",
+                                     .default_text = "0.5",
+                                     .range = non_negative,
+                                     .choices = {},
+                                     .doc = "friction coefficient",
+                                     .source = "the material's"};
+const ParameterSpec scale_spec{.name = "scale",
+                               .default_text = "1",
+                               .range = positive,
+                               .choices = {},
+                               .doc = "multiplies both coefficients",
+                               .source = "assumed"};
+
+std::string allowed_form(const ParameterSpec& spec) {
+  switch (spec.type) {
+    case ParameterType::number: return "a number such as " + spec.default_text;
+    case ParameterType::integer: return "a whole number such as " + spec.default_text;
+    case ParameterType::flag: return "true or false";
+    case ParameterType::choice: return "a name such as " + spec.default_text;
+    case ParameterType::vector: return "a sequence of " + std::to_string(spec.size) + " such as " + spec.default_text;
+  }
+  throw std::logic_error("no such parameter type");
+}
+
+struct ToJson {
+  std::string operator()(double value) const { return json_number(value); }
+  std::string operator()(std::int64_t value) const { return std::to_string(value); }
+  std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(const std::string& value) const { return json_text(value); }
+  std::string operator()(const std::vector<double>& values) const {
+    std::string text = "[";
+    for (const double value : values) text.append(text.size() > 1 ? "," : "").append(json_number(value));
+    return text.append("]");
+  }
+};
+
+template <class Items>
+std::vector<std::string_view> names_of(const Items& items) {
+  std::vector<std::string_view> names;
+  for (const auto& item : items) names.push_back(item.name);
+  std::ranges::sort(names);
+  return names;
+}
+
+bool is_identifier(const std::string& name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  return !name.empty() && letter(name.front()) &&
+         std::ranges::all_of(name, [&](char c) { return letter(c) || (c >= '0' && c <= '9'); });
+}
+
+const std::string& text_of(const YamlNode& node, const std::string& path, const std::string& allowed) {
+  if (node.kind != YamlNode::Kind::scalar) fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed);
+  return node.text;
+}
+
+class SceneReader {
+ public:
+  SceneReader(const Catalogues& catalogues, Trace* trace) : catalogues_(catalogues), trace_(trace) {}
+
+  Scene read(const YamlNode& root) {
+    require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
+    check_keys(root, "the scene",
+               {"controller", "description", "detector", "duration", "effects", "fidelity", "friction", "motion", "seed",
+                "sensors", "slipbench", "surface", "sweep", "time_step"});
+    read_version(root);
+    root_origin_ = root.origin;
+    Scene scene;
+    if (const YamlNode* node = root.find("description")) scene.description = text_of(*node, "description", "text");
+    scene.duration = number(root.find("duration"), "duration", duration_spec);
+    scene.time_step = read_time_step(root.find("time_step"), scene.duration);
+    scene.fidelity = std::get<std::string>(value(root.find("fidelity"), "fidelity", fidelity_spec));
+    scene.seed = read_seed(root);
+    const Material& material = read_surface(root.find("surface"), scene);
+    scene.friction = read_friction(root.find("friction"), material);
+    scene.motion = read_kind(root.find("motion"), "motion", "kind", "stage", catalogues_.motions, "motion", {});
+    scene.sensors = read_sensors(root);
+    scene.effects = read_list(root.find("effects"), "effects", catalogues_.effects, "effect");
+    read_loop_part(root.find("detector"), "detector", detector_types);
+    read_loop_part(root.find("controller"), "controller", controller_types);
+    return scene;
+  }
+
+ private:
+  void record(const std::string& path, const Parameters::Value& value) {
+    if (trace_ != nullptr) trace_->insert_or_assign(path, std::visit(ToJson{}, value));
+  }
+
+  static void require_map(const YamlNode& node, const std::string& where, const std::string& allowed) {
+    if (node.kind != YamlNode::Kind::map) fail(node.origin, where + " is " + described(node) + "; allowed: a map of " + allowed);
+  }
+
+  // `allowed` in alphabetical order, as the message lists it.
+  static void check_keys(const YamlNode& map, const std::string& where, const std::vector<std::string_view>& allowed) {
+    for (const YamlNode& child : map.children) {
+      if (std::ranges::find(allowed, child.key) == allowed.end()) {
+        fail(child.key_origin, "unknown key " + quote(child.key) + " in " + where + allowed_names(child.key, allowed));
+      }
+    }
+  }
+
+  // One scalar of `spec`'s type, or one entry of its vector.
+  static Parameters::Value scalar(const YamlNode& node, const std::string& path, const ParameterSpec& spec) {
+    if (node.kind != YamlNode::Kind::scalar)
+      fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed_form(spec));
+    try {
+      return parse_scalar(spec, node.text);
+    } catch (const std::invalid_argument& error) {
+      fail(node.origin, path + ": " + error.what());
+    }
+  }
+
+  // The value at `node`, or the default where the scene has none.
+  Parameters::Value value(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
+    Parameters::Value result = node == nullptr                      ? default_of(spec)
+                               : spec.type == ParameterType::vector ? vector(*node, path, spec)
+                                                                    : scalar(*node, path, spec);
+    record(path, result);
+    return result;
+  }
+
+  double number(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
+    return std::get<double>(value(node, path, spec));
+  }
+
+  Parameters::Value vector(const YamlNode& node, const std::string& path, const ParameterSpec& spec) {
+    if (node.kind != YamlNode::Kind::sequence)
+      fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed_form(spec));
+    if (node.children.size() != spec.size) {
+      fail(node.origin, path + " has " + std::to_string(node.children.size()) + " entries; allowed: " + allowed_form(spec));
+    }
+    std::vector<double> entries;
+    for (std::size_t i = 0; i < spec.size; ++i) {
+      const std::string entry_path = path + "." + std::to_string(i);
+      entries.push_back(std::get<double>(scalar(node.children[i], entry_path, spec)));
+      record(entry_path, entries.back());
+    }
+    return entries;
+  }
+
+  static void read_version(const YamlNode& root) {
+    const YamlNode* node = root.find("slipbench");
+    if (node == nullptr) fail(root.origin, "no key 'slipbench'; a scene says its schema version: 'slipbench: 1'");
+    if (node->kind != YamlNode::Kind::scalar || node->text != schema_version) {
+      fail(node->origin, "slipbench is " + described(*node) + "; allowed: 1, the schema version");
+    }
+  }
+
+  std::optional<double> read_time_step(const YamlNode* node, double duration) {
+    if (node == nullptr || (node->kind == YamlNode::Kind::scalar && node->text == "auto")) {
+      record("time_step", std::string("auto"));
+      return std::nullopt;
+    }
+    const double step = number(node, "time_step", time_step_spec);
+    if (step > duration) {
+      fail(node->origin, "time_step " + format_quantity(step, Quantity::time) + " exceeds the duration; allowed: at most " +
+                             format_quantity(duration, Quantity::time) + ", or auto");
+    }
+    if (duration / step > max_steps) {
+      fail(node->origin, "time_step " + format_quantity(step, Quantity::time) +
+                             " makes more than 100,000,000 steps; allowed: at least " +
+                             format_quantity(duration / max_steps, Quantity::time) + ", or auto");
+    }
+    return step;
+  }
+
+  template <class Item>
+  static const Item& named(const std::vector<Item>& items, const std::string& name, const Origin& origin,
+                           const std::string& noun) {
+    const auto found = std::ranges::find(items, name, &Item::name);
+    if (found == items.end()) fail(origin, "unknown " + noun + " " + quote(name) + allowed_names(name, names_of(items)));
+    return *found;
+  }
+
+  // The parameters of `entry` out of `map` (null: all at their defaults). `other_keys` may stand beside them.
+  Parameters parameters(const YamlNode* map, const std::string& path, const std::string& where, const Entry& entry,
+                        const std::vector<std::string_view>& other_keys) {
+    if (map != nullptr) {
+      std::vector<std::string_view> allowed = names_of(entry.parameters);
+      allowed.insert(allowed.end(), other_keys.begin(), other_keys.end());
+      std::ranges::sort(allowed);
+      check_keys(*map, where, allowed);
+    }
+    Parameters result;
+    for (const ParameterSpec& spec : entry.parameters) {
+      result.set(spec.name, value(map == nullptr ? nullptr : map->find(spec.name), path + "." + spec.name, spec));
+    }
+    return result;
+  }
+
+  // A map whose `selector` names the entry: motion.kind, surface.shape.
+  Named read_kind(const YamlNode* node, const std::string& path, const std::string& selector, const std::string& default_name,
+                  const std::vector<Entry>& entries, const std::string& noun, std::vector<std::string_view> other_keys) {
+    if (node != nullptr) require_map(*node, path, "'" + selector + "' and parameters");
+    const YamlNode* choice = node == nullptr ? nullptr : node->find(selector);
+    const std::string name =
+        choice == nullptr ? default_name : text_of(*choice, path + "." + selector, "a name such as " + default_name);
+    const Origin origin = choice != nullptr ? choice->origin : node != nullptr ? node->origin : root_origin_;
+    const Entry& entry = named(entries, name, origin, noun);
+    record(path + "." + selector, name);
+    other_keys.push_back(selector);
+    return {name, parameters(node, path, path, entry, other_keys)};
+  }
+
+  const Material& read_surface(const YamlNode* node, Scene& scene) {
+    scene.surface = read_kind(node, "surface", "shape", "plane", catalogues_.surfaces, "surface shape", {"material"});
+    const YamlNode* choice = node == nullptr ? nullptr : node->find("material");
+    scene.material = choice == nullptr ? "acrylic" : text_of(*choice, "surface.material", "a name such as acrylic");
+    record("surface.material", scene.material);
+    return named(catalogues_.materials, scene.material, choice == nullptr ? root_origin_ : choice->origin, "material");
+  }
+
+  FrictionScene read_friction(const YamlNode* node, const Material& material) {
+    FrictionScene friction{material.mu_static, material.mu_kinetic, 1.0};
+    if (node != nullptr) {
+      require_map(*node, "friction", "static, kinetic and scale");
+      check_keys(*node, "friction", {"kinetic", "scale", "static"});
+      const YamlNode* static_node = node->find("static");
+      const YamlNode* kinetic_node = node->find("kinetic");
+      if (static_node != nullptr) friction.static_coefficient = number(static_node, "friction.static", coefficient_spec);
+      if (kinetic_node != nullptr) {
+        friction.kinetic_coefficient = number(kinetic_node, "friction.kinetic", coefficient_spec);
+        if (friction.kinetic_coefficient > friction.static_coefficient) {
+          fail(kinetic_node->origin, "friction.kinetic " + format_number(friction.kinetic_coefficient) +
+                                         " exceeds the static coefficient " + format_number(friction.static_coefficient) +
+                                         (static_node == nullptr ? " of " + material.name : "") + "; allowed: at most that");
+        }
+      } else if (static_node != nullptr && material.mu_static > 0.0) {
+        // Only the static one is given: the material keeps its ratio.
+        friction.kinetic_coefficient = friction.static_coefficient * (material.mu_kinetic / material.mu_static);
+      }
+      friction.scale = number(node->find("scale"), "friction.scale", scale_spec);
+    }
+    record("friction.static", friction.static_coefficient);
+    record("friction.kinetic", friction.kinetic_coefficient);
+    record("friction.scale", friction.scale);
+    friction.static_coefficient *= friction.scale;
+    friction.kinetic_coefficient *= friction.scale;
+    return friction;
+  }
+
+  std::vector<SensorScene> read_sensors(const YamlNode& root) {
+    const YamlNode* node = root.find("sensors");
+    const std::string example = "at least one sensor, such as 'pad: {type: papillarray}'";
+    if (node == nullptr) fail(root.origin, "no key 'sensors'; allowed: a map of " + example);
+    require_map(*node, "sensors", example);
+    if (node->children.empty()) fail(node->origin, "sensors is empty; allowed: a map of " + example);
+    if (node->children.size() > max_sensors) {
+      fail(node->origin, std::to_string(node->children.size()) + " sensors; allowed: at most " + std::to_string(max_sensors));
+    }
+    std::vector<SensorScene> sensors;
+    for (const YamlNode& child : node->children) sensors.push_back(read_sensor(child));
+    return sensors;
+  }
+
+  SensorScene read_sensor(const YamlNode& node) {
+    if (!is_identifier(node.key)) {
+      fail(node.key_origin, quote(node.key) + " cannot name a sensor; allowed: letters, digits and '_', no digit first");
+    }
+    const std::string path = "sensors." + node.key;
+    require_map(node, path, "'type', 'electronics' and parameters");
+    const YamlNode* type = node.find("type");
+    if (type == nullptr) {
+      fail(node.key_origin, "no key 'type' in " + path + allowed_names("", names_of(catalogues_.sensors)));
+    }
+    SensorScene sensor;
+    sensor.name = node.key;
+    sensor.type = text_of(*type, path + ".type", "the name of a sensor");
+    const Entry& entry = named(catalogues_.sensors, sensor.type, type->origin, "sensor");
+    record(path + ".type", sensor.type);
+    sensor.parameters = parameters(&node, path, path, entry, {"electronics", "type"});
+    sensor.electronics = read_electronics(node.find("electronics"), path + ".electronics");
+    return sensor;
+  }
+
+  std::vector<Named> read_electronics(const YamlNode* node, const std::string& path) {
+    if (node != nullptr && node->kind == YamlNode::Kind::sequence) {
+      return read_list(node, path, catalogues_.electronics, "part of the electronics");
+    }
+    const std::string& choice = node == nullptr ? ideal_ : text_of(*node, path, "ideal, typical, or a sequence of parts");
+    record(path, choice);
+    if (choice == ideal_) return {};
+    if (choice != "typical") {
+      const std::array<std::string_view, 2> allowed{"ideal", "typical"};
+      fail(node->origin, path + ": unknown value " + quote(choice) + allowed_names(choice, allowed) + ", or a sequence of parts");
+    }
+    std::vector<Named> parts;
+    for (const Entry& entry : catalogues_.electronics) {
+      parts.push_back({entry.name, parameters(nullptr, path + "." + entry.name, path, entry, {})});
+    }
+    return parts;
+  }
+
+  // A sequence of names, or of maps of one key with parameters: "[ageing, {stribeck: {speed: 1 mm/s}}]".
+  std::vector<Named> read_list(const YamlNode* node, const std::string& path, const std::vector<Entry>& entries,
+                               const std::string& noun) {
+    std::vector<Named> list;
+    if (node == nullptr) return list;
+    if (node->kind != YamlNode::Kind::sequence) {
+      fail(node->origin, path + " is " + described(*node) + "; allowed: a sequence of names or of {name: {parameters}}");
+    }
+    std::set<std::string_view> seen;
+    for (std::size_t i = 0; i < node->children.size(); ++i) {
+      const YamlNode& item = node->children[i];
+      const std::string item_path = path + "." + std::to_string(i);
+      if (item.kind != YamlNode::Kind::scalar && (item.kind != YamlNode::Kind::map || item.children.size() != 1)) {
+        const std::string found =
+            item.kind == YamlNode::Kind::map ? "a map of " + std::to_string(item.children.size()) + " keys" : described(item);
+        fail(item.origin, item_path + " is " + found + "; allowed: a name, or one {name: {parameters}}");
+      }
+      const bool bare = item.kind == YamlNode::Kind::scalar;
+      const std::string& name = bare ? item.text : item.children.front().key;
+      const Origin& origin = bare ? item.origin : item.children.front().key_origin;
+      const Entry& entry = named(entries, name, origin, noun);
+      if (!seen.insert(entry.name).second) fail(origin, noun + " " + quote(name) + " is named twice in " + path);
+      const YamlNode* map = bare || item.children.front().kind == YamlNode::Kind::null ? nullptr : &item.children.front();
+      if (map != nullptr) require_map(*map, path + "." + name, "parameters");
+      if (bare) record(item_path, name);
+      list.push_back({name, parameters(map, item_path + "." + name, name, entry, {})});
+    }
+    return list;
+  }
+
+  template <std::size_t N>
+  static void read_loop_part(const YamlNode* node, const std::string& path, const std::array<std::string_view, N>& types) {
+    if (node == nullptr) return;
+    require_map(*node, path, "'type' and parameters");
+    const YamlNode* type = node->find("type");
+    if (type == nullptr) fail(node->origin, "no key 'type' in " + path + allowed_names("", types));
+    const std::string& name = text_of(*type, path + ".type", "a name such as none");
+    if (std::ranges::find(types, name) == types.end()) {
+      fail(type->origin, "unknown " + path + " " + quote(name) + allowed_names(name, types));
+    }
+    check_keys(*node, path, {"type"});
+  }
+
+  const Catalogues& catalogues_;
+  Trace* trace_;
+  Origin root_origin_;
+  const std::string ideal_ = "ideal";
+};
+
+}  // namespace
+
+Scene read_scene(const YamlNode& root, const Catalogues& catalogues, Trace* trace) {
+  return SceneReader(catalogues, trace).read(root);
+}
+
+std::uint64_t read_seed(const YamlNode& root) {
+  const YamlNode* node = root.find("seed");
+  if (node == nullptr) return 0;
+  const std::string& text = text_of(*node, "seed", "a whole number such as 7");
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    fail(node->origin, "seed: " + quote(text) + " is no seed; allowed: 0 to 18446744073709551615");
+  }
+  return seed;
+}
+
+std::string json_text(const std::string& text) { return nlohmann::json(text).dump(); }
+
+std::string json_number(double value) { return std::isfinite(value) ? format_number(value) : json_text(format_number(value)); }
+
+}  // namespace slipbench

@@ -1,0 +1,338 @@
+#include "sim/scene/sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::size_t max_cells = 1'000'000;
+constexpr std::size_t max_paths = 1000;
+constexpr int max_redraws = 1000;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+struct DrawKind {
+  std::string_view name;
+  Draw::Kind kind;
+  std::vector<std::string_view> required;
+  std::vector<std::string_view> optional;
+};
+
+const std::vector<DrawKind>& draw_kinds() {
+  static const std::vector<DrawKind> kinds{
+      {"choice", Draw::Kind::choice, {"values"}, {}},
+      {"log_uniform", Draw::Kind::log_uniform, {"min", "max"}, {}},
+      {"lognormal", Draw::Kind::lognormal, {"median", "sd"}, {}},
+      {"normal", Draw::Kind::normal, {"mean", "sd"}, {"min", "max"}},
+      {"uniform", Draw::Kind::uniform, {"min", "max"}, {}},
+  };
+  return kinds;
+}
+
+void mark_drawn(YamlNode& node) {
+  node.origin.drawn = true;
+  node.key_origin.drawn = true;
+  for (YamlNode& child : node.children) mark_drawn(child);
+}
+
+std::vector<YamlNode> drawn_values(const YamlNode& node, const std::string& where) {
+  if (node.kind != YamlNode::Kind::sequence || node.children.empty()) {
+    const std::string found = node.kind == YamlNode::Kind::sequence ? "empty" : described(node);
+    fail(node.origin, where + " is " + found + "; allowed: a sequence of at least one value");
+  }
+  std::vector<YamlNode> values = node.children;
+  for (YamlNode& value : values) mark_drawn(value);
+  return values;
+}
+
+bool starts_with(std::span<const std::string> path, std::span<const std::string> prefix) {
+  return path.size() >= prefix.size() && std::ranges::equal(path.first(prefix.size()), prefix);
+}
+
+// Reads the numbers of a draw; all but lognormal's sd share one quantity, which the units tell.
+class DrawReader {
+ public:
+  DrawReader(const YamlNode& map, std::string where) : map_(map), where_(std::move(where)) {}
+
+  Draw read(std::vector<YamlNode>& values) {
+    const DrawKind& kind = read_kind();
+    Draw draw{.kind = kind.kind, .min = -infinity, .max = infinity, .origin = map_.origin};
+    draw.origin.drawn = true;
+    check_keys(kind);
+    if (draw.kind == Draw::Kind::choice) {
+      values = drawn_values(*map_.find("values"), where_ + ".values");
+      return draw;
+    }
+    const bool relative_sd = draw.kind == Draw::Kind::lognormal;
+    draw.quantity = shared_quantity(relative_sd);
+    for (const auto& [key, member] :
+         {std::pair{"mean", &Draw::centre}, {"median", &Draw::centre}, {"min", &Draw::min}, {"max", &Draw::max}}) {
+      if (const YamlNode* node = map_.find(key)) draw.*member = number(*node, draw.quantity);
+    }
+    if (const YamlNode* node = map_.find("sd")) draw.sd = number(*node, relative_sd ? Quantity::none : draw.quantity);
+    check_values(draw);
+    return draw;
+  }
+
+ private:
+  const DrawKind& read_kind() const {
+    const YamlNode* node = map_.find("draw");
+    std::vector<std::string_view> names;
+    for (const DrawKind& kind : draw_kinds()) names.push_back(kind.name);
+    if (node == nullptr) fail(map_.origin, "no key 'draw' in " + where_ + allowed_names("", names));
+    if (node->kind != YamlNode::Kind::scalar)
+      fail(node->origin, where_ + ".draw is " + described(*node) + allowed_names("", names));
+    const auto found = std::ranges::find(draw_kinds(), node->text, &DrawKind::name);
+    if (found == draw_kinds().end()) fail(node->origin, "unknown draw " + quote(node->text) + allowed_names(node->text, names));
+    return *found;
+  }
+
+  void check_keys(const DrawKind& kind) const {
+    std::vector<std::string_view> allowed{"draw"};
+    allowed.insert(allowed.end(), kind.required.begin(), kind.required.end());
+    allowed.insert(allowed.end(), kind.optional.begin(), kind.optional.end());
+    std::ranges::sort(allowed);
+    for (const YamlNode& child : map_.children) {
+      if (std::ranges::find(allowed, child.key) == allowed.end()) {
+        fail(child.key_origin, "unknown key " + quote(child.key) + " in " + where_ + allowed_names(child.key, allowed));
+      }
+    }
+    for (const std::string_view key : kind.required) {
+      if (map_.find(key) == nullptr) {
+        fail(map_.origin, "no key " + quote(key) + " in " + where_ + "; a draw '" + std::string(kind.name) + "' needs it");
+      }
+    }
+  }
+
+  static const std::string& text_of(const YamlNode& node, const std::string& where) {
+    if (node.kind != YamlNode::Kind::scalar) fail(node.origin, where + " is " + described(node) + "; allowed: a number");
+    return node.text;
+  }
+
+  Quantity shared_quantity(bool relative_sd) const {
+    Quantity quantity = Quantity::none;
+    for (const YamlNode& child : map_.children) {
+      if (child.key == "draw" || (child.key == "sd" && relative_sd)) continue;
+      const std::string where = where_ + "." + child.key;
+      try {
+        const Quantity found = quantity_of(text_of(child, where));
+        if (quantity != Quantity::none && found != Quantity::none && found != quantity) {
+          fail(child.origin, where + ": " + quote(child.text) + " does not fit the other numbers; allowed: a number in " +
+                                 std::string(si_symbol(quantity)));
+        }
+        if (found != Quantity::none) quantity = found;
+      } catch (const std::invalid_argument& error) {
+        fail(child.origin, where + ": " + error.what());
+      }
+    }
+    return quantity;
+  }
+
+  double number(const YamlNode& node, Quantity quantity) const {
+    const std::string where = where_ + "." + node.key;
+    try {
+      const double value = parse_quantity(text_of(node, where), quantity);
+      if (!std::isfinite(value)) throw std::invalid_argument(quote(node.text) + " is infinite; allowed: a finite number");
+      return value;
+    } catch (const std::invalid_argument& error) {
+      fail(node.origin, where + ": " + error.what());
+    }
+  }
+
+  void refuse(std::string_view key, const std::string& allowed) const {
+    const YamlNode& node = *map_.find(key);
+    fail(node.origin, where_ + "." + node.key + ": " + quote(node.text) + " is out of range; allowed: " + allowed);
+  }
+
+  void check_values(const Draw& draw) const {
+    if (draw.sd < 0.0) refuse("sd", ">= 0");
+    if (draw.kind == Draw::Kind::lognormal && !(draw.centre > 0.0)) refuse("median", "> 0");
+    if (draw.kind == Draw::Kind::log_uniform && !(draw.min > 0.0)) refuse("min", "> 0");
+    if (!(draw.min < draw.max)) refuse("max", "more than min");
+    if (draw.kind == Draw::Kind::uniform && !std::isfinite(draw.max - draw.min))
+      refuse("max", "an interval within a double's range");
+  }
+
+  const YamlNode& map_;
+  std::string where_;
+};
+
+double sample_once(const Draw& draw, RandomStream& random) {
+  switch (draw.kind) {
+    case Draw::Kind::uniform: return random.uniform(draw.min, draw.max);
+    case Draw::Kind::log_uniform: return std::exp(random.uniform(std::log(draw.min), std::log(draw.max)));
+    case Draw::Kind::normal: return random.normal(draw.centre, draw.sd);
+    case Draw::Kind::lognormal: return draw.centre * std::exp(draw.sd * random.normal());
+    case Draw::Kind::choice: break;
+  }
+  throw std::logic_error("a choice is no number");
+}
+
+// The value as a scene would write it: with the SI unit, so that a draw of the wrong dimension is refused when it is read.
+YamlNode sample(const Draw& draw, RandomStream& random) {
+  for (int i = 0; i < max_redraws; ++i) {
+    const double value = sample_once(draw, random);
+    // Rounding of exp may leave the interval of log_uniform by one unit in the last place, too.
+    if (value < draw.min || value > draw.max) continue;
+    YamlNode node;
+    node.kind = YamlNode::Kind::scalar;
+    node.origin = draw.origin;
+    node.text = format_number(value);
+    if (draw.quantity != Quantity::none) node.text.append(" ").append(si_symbol(draw.quantity));
+    return node;
+  }
+  fail(draw.origin, "no draw within [" + format_quantity(draw.min, draw.quantity) + ", " +
+                        format_quantity(draw.max, draw.quantity) + "] in " + std::to_string(max_redraws) +
+                        " tries; allowed: bounds nearer to the mean");
+}
+
+[[noreturn]] void refuse_inside(const SweptPath& swept) {
+  fail(swept.origin,
+       "sweep." + swept.path + " sets what a --set below it fixes; allowed: --set " + swept.path + "=... as a whole");
+}
+
+// Takes the key at `path` out of a map of an axis.
+void erase_inside(YamlNode& value, std::span<const std::string> path, const SweptPath& swept) {
+  if (value.kind != YamlNode::Kind::map) refuse_inside(swept);
+  if (path.size() == 1) {
+    std::erase_if(value.children, [&](const YamlNode& child) { return child.key == path.front(); });
+  } else if (YamlNode* child = value.find(path.front())) {
+    erase_inside(*child, path.subspan(1), swept);
+  }
+}
+
+void collect(const YamlNode& value, const std::string& path, std::vector<std::string>& leaves) {
+  if (value.kind != YamlNode::Kind::map) {
+    leaves.push_back(path);
+    return;
+  }
+  for (const YamlNode& child : value.children) collect(child, path + "." + child.key, leaves);
+}
+
+}  // namespace
+
+Sweep::Sweep(const YamlNode* node, const std::vector<std::vector<std::string>>& overridden) {
+  if (node == nullptr) return;
+  if (node->kind != YamlNode::Kind::map) {
+    fail(node->origin, "sweep is " + described(*node) + "; allowed: a map of paths, such as 'motion.speed: [1 mm/s, 4 mm/s]'");
+  }
+  if (node->children.size() > max_paths) {
+    fail(node->origin,
+         "sweep has " + std::to_string(node->children.size()) + " entries; allowed: at most " + std::to_string(max_paths));
+  }
+  for (const YamlNode& child : node->children) {
+    if (child.key == "trials") {
+      read_trials(child);
+    } else {
+      read_path(child);
+    }
+  }
+  drop_overridden(overridden);
+  collect_leaves();
+  for (const SweptPath& swept : paths_) {
+    if (swept.draw) continue;
+    if (swept.values.size() > max_cells / cells_) {
+      fail(swept.origin, "the sweep has more than 1,000,000 grid cells; allowed: at most that");
+    }
+    cells_ *= swept.values.size();
+  }
+}
+
+void Sweep::read_trials(const YamlNode& node) {
+  const std::string& text = node.text;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), trials_);
+  if (node.kind != YamlNode::Kind::scalar || error != std::errc{} || end != text.data() + text.size() || trials_ == 0 ||
+      trials_ > max_cells) {
+    fail(node.origin, "sweep.trials is " + described(node) + "; allowed: 1 to 1000000");
+  }
+}
+
+void Sweep::read_path(const YamlNode& node) {
+  SweptPath swept{.path = node.key,
+                  .parts = split_path(node.key, node.key_origin),
+                  .origin = node.key_origin,
+                  .values = {},
+                  .draw = std::nullopt};
+  swept.origin.drawn = true;
+  const std::array<std::string_view, 3> fixed{"seed", "slipbench", "sweep"};
+  if (std::ranges::find(fixed, swept.parts.front()) != fixed.end()) {
+    fail(node.key_origin, quote(node.key) + " cannot be swept; allowed: any other key of the scene");
+  }
+  const std::string where = "sweep." + node.key;
+  if (node.kind == YamlNode::Kind::sequence) {
+    swept.values = drawn_values(node, where);
+  } else if (node.kind == YamlNode::Kind::map) {
+    swept.draw = DrawReader(node, where).read(swept.values);
+  } else {
+    fail(node.origin, where + " is " + described(node) + "; allowed: a sequence of values, or {draw: ...}");
+  }
+  paths_.push_back(std::move(swept));
+}
+
+void Sweep::drop_overridden(const std::vector<std::vector<std::string>>& overridden) {
+  for (const std::vector<std::string>& fixed : overridden) {
+    std::erase_if(paths_, [&](const SweptPath& swept) { return starts_with(swept.parts, fixed); });
+    for (SweptPath& swept : paths_) {
+      if (!starts_with(fixed, swept.parts)) continue;
+      // A key inside an axis of maps is fixed: every map loses it.
+      const auto inside = std::span(fixed).subspan(swept.parts.size());
+      for (YamlNode& value : swept.values) erase_inside(value, inside, swept);
+      if (swept.values.empty()) refuse_inside(swept);
+    }
+  }
+}
+
+void Sweep::collect_leaves() {
+  // Two entries that set the same value would hide each other: sorted by their parts, a path stands right before those below it.
+  struct Leaf {
+    std::vector<std::string> parts;
+    const SweptPath* owner;
+  };
+  std::vector<Leaf> sorted;
+  std::set<std::string> seen;
+  for (const SweptPath& swept : paths_) {
+    std::vector<std::string> found;
+    if (swept.values.empty()) found.push_back(swept.path);
+    for (const YamlNode& value : swept.values) collect(value, swept.path, found);
+    for (const std::string& leaf : found) {
+      sorted.push_back({split_path(leaf, swept.origin), &swept});
+      if (seen.insert(leaf).second) leaves_.push_back(leaf);
+    }
+  }
+  std::ranges::stable_sort(sorted, {}, &Leaf::parts);
+  const Leaf* above = nullptr;
+  for (const Leaf& leaf : sorted) {
+    if (above == nullptr || !starts_with(leaf.parts, above->parts)) {
+      above = &leaf;
+    } else if (above->owner != leaf.owner) {
+      const auto [first, second] = std::minmax(above->owner, leaf.owner);
+      fail(second->origin, "sweep." + second->path + " sets what sweep." + first->path + " sets, too; allowed: each value once");
+    }
+  }
+}
+
+void Sweep::apply(YamlNode& scene, std::size_t cell, std::uint64_t seed, std::size_t trial) const {
+  std::size_t stride = cells_;
+  for (const SweptPath& swept : paths_) {
+    YamlNode& place = place_at(scene, swept.parts, swept.origin);
+    if (!swept.draw) {
+      stride /= swept.values.size();
+      merge(place, swept.values[cell / stride % swept.values.size()]);
+      continue;
+    }
+    RandomStream random(seed, trial, "sweep." + swept.path);
+    merge(place, swept.values.empty() ? sample(*swept.draw, random) : swept.values[random.integer(swept.values.size())]);
+  }
+}
+
+}  // namespace slipbench

@@ -1,0 +1,70 @@
+// The sweep of a scene: which values each trial takes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/core/quantity.h"
+#include "sim/core/random.h"
+#include "sim/scene/yaml_tree.h"
+
+namespace slipbench {
+
+// A random number as a scene asks for it. With u uniform in [0, 1) and z standard normal:
+//   uniform      min + (max - min) u
+//   log_uniform  exp of a uniform draw from ln min to ln max
+//   normal       mean + sd z, drawn again until it is within [min, max] where these are given
+//   lognormal    median exp(sd z)
+//   choice       one of `values`, all equally likely
+struct Draw {
+  enum class Kind { uniform, log_uniform, normal, lognormal, choice };
+  Kind kind = Kind::uniform;
+  double centre = 0.0;  // mean or median, SI
+  double sd = 0.0;
+  double min;  // SI
+  double max;
+  Quantity quantity = Quantity::none;
+  Origin origin;
+};
+
+// One entry of `sweep`: an axis of the grid, or a draw.
+struct SweptPath {
+  std::string path;
+  std::vector<std::string> parts;
+  Origin origin;
+  std::vector<YamlNode> values;  // of the axis, or of a choice
+  std::optional<Draw> draw;
+};
+
+class Sweep {
+ public:
+  // `node`: the scene's `sweep`, or null where it has none. `overridden`: paths fixed on the command line, which leave the sweep.
+  // Throws InputError.
+  Sweep(const YamlNode* node, const std::vector<std::vector<std::string>>& overridden);
+
+  [[nodiscard]] std::size_t cells() const { return cells_; }    // of the grid, at least 1
+  [[nodiscard]] std::size_t trials() const { return trials_; }  // draws of each cell, as the scene says
+
+  // Every path that some trial sets, in file order: a map on an axis stands for the keys in it.
+  [[nodiscard]] const std::vector<std::string>& leaves() const { return leaves_; }
+
+  // Puts the values of one trial into the scene. The last axis varies fastest. Throws InputError where a path does not fit the
+  // scene or a truncated draw finds no value.
+  void apply(YamlNode& scene, std::size_t cell, std::uint64_t seed, std::size_t trial) const;
+
+ private:
+  void read_trials(const YamlNode& node);
+  void read_path(const YamlNode& node);
+  void drop_overridden(const std::vector<std::vector<std::string>>& overridden);
+  void collect_leaves();
+
+  std::vector<SweptPath> paths_;
+  std::vector<std::string> leaves_;
+  std::size_t cells_ = 1;
+  std::size_t trials_ = 1;
+};
+
+}  // namespace slipbench

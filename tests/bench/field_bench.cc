@@ -1,0 +1,55 @@
+// What one step of the element field costs: pads on a plane, sliding with rotation, everything in contact; with and without labels.
+#include <benchmark/benchmark.h>
+
+#include "sim/field/contact_labels.h"
+#include "sim/field/field.h"
+#include "tests/oracle/pads.h"
+
+namespace slipbench {
+namespace {
+
+constexpr double dt = 1e-3;
+
+// The pad turns and slides to and fro slowly enough to stay on its small circle, with some elements stuck and some slipping.
+Pose pose_at(std::size_t tick) {
+  const double phase = 1e-3 * static_cast<double>(tick % 6283);
+  Pose pose;
+  pose.rotation(0, 0) = pose.rotation(1, 1) = 1.0 - 0.5 * phase * phase * 1e-6;
+  pose.position = {1e-3 * phase, 0.5e-3 * phase, -1e-3};
+  return pose;
+}
+
+void steps(benchmark::State& state, const PadLayout& pad, bool labels) {
+  Field field(pad, Plane{}, {0.5, 0.5});
+  ContactLabels contact(field);
+  std::vector<Pose> poses;
+  for (std::size_t tick = 0; tick < 4096; ++tick) poses.push_back(pose_at(tick));
+  std::size_t tick = 0;
+  for (auto _ : state) {
+    field.step(poses[tick++ % poses.size()], dt);
+    if (labels) benchmark::DoNotOptimize(contact.update(field, dt, dt).force.data());
+    benchmark::ClobberMemory();
+  }
+  state.counters["ns/element"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * static_cast<double>(field.size()) * 1e-9,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+void field_step_9(benchmark::State& state) { steps(state, oracle::nine_pillars(), false); }
+void field_step_9_labelled(benchmark::State& state) { steps(state, oracle::nine_pillars(), true); }
+void field_step_54(benchmark::State& state) { steps(state, oracle::nine_pillars(6), false); }
+void field_step_54_labelled(benchmark::State& state) { steps(state, oracle::nine_pillars(6), true); }
+void field_step_256(benchmark::State& state) { steps(state, oracle::square_grid(16, 0.08, 1000.0, 600.0), false); }
+void field_step_1024(benchmark::State& state) { steps(state, oracle::square_grid(32, 0.08, 1000.0, 600.0), false); }
+
+BENCHMARK(field_step_9);
+BENCHMARK(field_step_9_labelled);
+BENCHMARK(field_step_54);
+BENCHMARK(field_step_54_labelled);
+BENCHMARK(field_step_256);
+BENCHMARK(field_step_1024);
+
+}  // namespace
+}  // namespace slipbench
+
+BENCHMARK_MAIN();

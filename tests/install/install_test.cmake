@@ -1,0 +1,32 @@
+# Installs BUILD into an empty prefix below WORK, builds the project CONSUMER against it and runs it, then runs the installed
+# program. All from folders that have nothing to do with the source tree.
+function(run)
+  cmake_parse_arguments(ARG "" "IN" "COMMAND" ${ARGN})
+  execute_process(COMMAND ${ARG_COMMAND} WORKING_DIRECTORY ${ARG_IN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    list(JOIN ARG_COMMAND " " command)
+    message(FATAL_ERROR "${command}\nended with ${status}:\n${output}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+file(MAKE_DIRECTORY ${WORK}/elsewhere)
+run(IN ${WORK}/elsewhere COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/first)
+# The prefix can be moved: nothing in it may point to where it was installed.
+file(RENAME ${WORK}/first ${WORK}/prefix)
+
+run(IN ${WORK}/elsewhere COMMAND ${CMAKE_COMMAND} -S ${CONSUMER} -B ${WORK}/consumer -G ${GENERATOR}
+  -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${WORK}/prefix)
+run(IN ${WORK}/elsewhere COMMAND ${CMAKE_COMMAND} --build ${WORK}/consumer)
+run(IN ${WORK}/elsewhere COMMAND ${WORK}/consumer/consumer)
+
+set(program ${WORK}/prefix/bin/slipbench)
+run(IN ${WORK}/elsewhere COMMAND ${program} doctor)
+run(IN ${WORK}/elsewhere COMMAND ${program} run ${WORK}/prefix/share/slipbench/scenes/papillarray/stage.yaml --seed 3 -o stage.h5)
+run(IN ${WORK}/elsewhere COMMAND ${program} report stage.h5 -o stage.html)
+foreach(file stage.h5 stage.html)
+  file(SIZE ${WORK}/elsewhere/${file} size)
+  if(size EQUAL 0)
+    message(FATAL_ERROR "${file} is empty")
+  endif()
+endforeach()

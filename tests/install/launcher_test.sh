@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# The launcher without a machine to set up: a copy of it and of tools/setup in an empty tree, with stand-ins for what it calls.
+# Argument: the project's root.
+# shellcheck disable=SC2016  # the stand-ins' bodies are expanded when they run
+set -euo pipefail
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir -p "$work/tree/tools" "$work/bin" "$work/elsewhere"
+cp "$1/slipbench" "$work/tree/"
+cp -r "$1/tools/setup" "$work/tree/tools/"
+cd "$work/elsewhere"
+
+fail() {
+  printf 'FAILED: %s\nstatus %s\nstdout: %s\nstderr: %s\n' "$1" "$status" "$(<"$work/stdout")" "$(<"$work/stderr")"
+  exit 1
+}
+stand_in() {
+  printf '#!/bin/bash\n%s\n' "$2" >"$work/bin/$1"
+  chmod +x "$work/bin/$1"
+}
+# Runs the launcher with the stand-ins before the machine's own programs.
+launch() {
+  status=0
+  PATH=$work/bin:$PATH "$work/tree/slipbench" "$@" >"$work/stdout" 2>"$work/stderr" || status=$?
+}
+
+# Neither root nor sudo: the one command to run, exit 2, nothing tried.
+stand_in dpkg-query 'exit 1'
+stand_in id 'echo 1000'
+stand_in sudo 'exit 1'
+stand_in apt-get 'echo "apt-get was called" >&2; exit 1'
+launch run scene.yaml </dev/null
+[[ $status == 2 ]] || fail "missing packages end with 2"
+grep -q 'apt-get install --yes --no-install-recommends g++ .*cmake' "$work/stderr" || fail "the command to run is printed"
+grep -q 'was called' "$work/stderr" && fail "apt-get is left alone without rights"
+[[ ! -s $work/stdout ]] || fail "set-up keeps off stdout"
+
+# Root: says what it installs, and does.
+stand_in id 'echo 0'
+stand_in apt-get "echo \"\$@\" >>'$work/apt'; exit 1"
+launch run scene.yaml
+[[ $status == 2 ]] || fail "a failed installation ends with 2"
+grep -q 'installing Debian packages: g++' "$work/stderr" || fail "set-up says what it installs"
+[[ $(<"$work/apt") == *update* ]] || fail "apt-get is called"
+
+# All installed: the program is built quietly and run in the caller's folder with the caller's words.
+stand_in dpkg-query 'for word in "${@:4}"; do echo "$word installed"; done'
+stand_in python3 'mkdir -p "${@: -1}/bin"; printf "#!/bin/bash\n" >"${@: -1}/bin/pip"; cp "${@: -1}/bin/pip" "${@: -1}/bin/python"
+chmod +x "${@: -1}"/bin/*'
+stand_in cmake 'echo chatter; echo "$*" >>calls
+if [[ $1 == --preset ]]; then mkdir -p build/release/bin; touch build/release/build.ninja; else
+printf "#!/bin/bash\nprintf \"<%%s>\" \"\$PWD\" \"\$@\"; exit 7\n" >build/release/bin/slipbench; chmod +x build/release/bin/slipbench; fi'
+launch run 'my scene.yaml' --json
+[[ $status == 7 ]] || fail "the program's exit status is the launcher's"
+[[ $(<"$work/stdout") == "<$work/elsewhere><run><my scene.yaml><--json>" ]] || fail "stdout holds what the program printed, alone"
+
+# Set-up once done is not done again; the build is asked each time.
+stand_in python3 'echo "python3 was called" >&2; exit 1'
+launch list
+[[ $status == 7 ]] || fail "a second call runs"
+[[ $(grep -c preset "$work/tree/calls") == 1 && $(grep -c build "$work/tree/calls") == 2 ]] || fail "configured once, built twice"
+
+# A build that fails shows its output on stderr.
+stand_in cmake 'echo "error: no such thing"; exit 1'
+launch run scene.yaml
+[[ $status == 2 ]] || fail "a failed build ends with 2"
+grep -q 'no such thing' "$work/stderr" || fail "a failed build is shown"
+[[ ! -s $work/stdout ]] || fail "a failed build keeps off stdout"
+
+# A second call waits for the first.
+stand_in cmake 'echo "$$ begins" >>order; sleep 0.3; echo "$$ ends" >>order'
+launch run & launch run & wait
+[[ $(awk '{ print $2 }' "$work/tree/order" | tr '\n' ' ') == "begins ends begins ends " ]] || fail "two builds at a time"
+
+launch demo now
+[[ $status == 2 ]] || fail "demo takes no arguments"

@@ -1,0 +1,217 @@
+#include "sensors/electronics/electronics.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/core/error.h"
+#include "tests/sensors/electronics/model.h"
+
+namespace slipbench {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// Five standard errors of a mean square of `many` normal draws, relative to the variance: 5*sqrt(2/many) = 5 %; of an sd, half.
+const double sd_tolerance = 2.5 * std::sqrt(2.0 / static_cast<double>(many));
+const double mean_tolerance = 5.0 / std::sqrt(static_cast<double>(many));
+
+double mean(const std::vector<double>& x) {
+  double sum = 0.0;
+  for (const double value : x) sum += value;
+  return sum / static_cast<double>(x.size());
+}
+
+double sd_about(double centre, const std::vector<double>& x) {
+  double sum = 0.0;
+  for (const double value : x) sum += (value - centre) * (value - centre);
+  return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+std::vector<double> slice(const std::vector<float>& x, std::size_t first, std::size_t count) {
+  const auto begin = x.begin() + static_cast<std::ptrdiff_t>(first);
+  return {begin, begin + static_cast<std::ptrdiff_t>(count)};
+}
+
+TEST(Electronics, EmptyChainLeavesTheSampleAlone) {
+  const auto y = outputs({}, two_values_a_source(10), 0.1F, {0.0, 1.0});
+  for (const auto& sample : y) EXPECT_THAT(sample, testing::Each(0.1F));
+}
+
+TEST(Electronics, ListsItsPartsInTheOrderOfTheSignalPath) {
+  std::vector<std::string> names;
+  for (const Entry& entry : electronics_entries()) {
+    names.push_back(entry.name);
+    EXPECT_FALSE(entry.summary.empty()) << entry.name;
+    EXPECT_FALSE(entry.law.empty()) << entry.name;
+    EXPECT_FALSE(entry.source.empty()) << entry.name;
+    EXPECT_EQ(defaults_of(entry.parameters).number("scale"), 1.0) << entry.name;
+  }
+  EXPECT_THAT(names, ElementsAre("coupling", "gain", "offset", "drift", "noise"));
+}
+
+TEST(Electronics, RefusesAnUnknownPart) {
+  try {
+    const Electronics electronics({{"ofset", {}}}, two_values_a_source(1), default_key);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("sensors.pad.electronics"), HasSubstr("'ofset'"),
+                                    HasSubstr("did you mean 'offset'"), HasSubstr("coupling, gain, offset, drift, noise")));
+  }
+}
+
+TEST(Electronics, RefusesAPartNamedTwice) {
+  try {
+    const Electronics electronics({part("gain"), part("noise"), part("gain")}, two_values_a_source(1), default_key);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("sensors.pad.electronics"), HasSubstr("'gain' is listed twice")));
+  }
+}
+
+TEST(Electronics, ScaleZeroLeavesTheSampleAlone) {
+  SignalModel model = two_values_a_source(10);
+  model.couplings = {{0, 1, 1.0}};
+  for (const Entry& entry : electronics_entries()) {
+    const auto y = outputs({part(entry.name, 0.0)}, model, 0.1F, {0.0, 0.5});
+    for (const auto& sample : y) EXPECT_THAT(sample, testing::Each(0.1F)) << entry.name;
+  }
+}
+
+TEST(Electronics, ScaleIsAFactorOnTheDisturbance) {
+  // A factor of two is exact in binary, so the disturbance of zero doubles to the bit.
+  for (const std::string name : {"offset", "drift", "noise"}) {
+    const auto once = outputs({part(name)}, two_values_a_source(10), 0.0F, {0.25, 0.5});
+    auto twice = outputs({part(name, 2.0)}, two_values_a_source(10), 0.0F, {0.25, 0.5});
+    for (auto& sample : twice) std::for_each(sample.begin(), sample.end(), [](float& value) { value /= 2.0F; });
+    EXPECT_EQ(once, twice) << name;
+  }
+}
+
+TEST(Electronics, DrawsDoNotShiftWhenAPartIsAdded) {
+  SignalModel model = two_values_a_source(10);
+  model.couplings = {{0, 1, 1.0}};
+  const std::vector<double> times{0.0, 0.001, 0.002, 0.003};
+  const auto noise = outputs({part("noise")}, model, 0.0F, times);
+  const auto offset = outputs({part("offset")}, model, 0.0F, times);
+  // Coupling and gain, which come first, leave zero at zero. The noise is then added to zero, and the offset to the noise: the
+  // one rounding of the sum is the same as here.
+  const auto all = outputs({part("coupling"), part("gain"), part("noise"), part("offset")}, model, 0.0F, times);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    for (std::size_t v = 0; v < model.source.size(); ++v) EXPECT_EQ(all[k][v], noise[k][v] + offset[k][v]);
+  }
+}
+
+TEST(Electronics, StreamsAreKeyedBySeedTrialDeviceAndName) {
+  const SignalModel model = two_values_a_source(10);
+  const auto with = [&](const std::string& name, const ElectronicsKey& key) {
+    return outputs({part(name)}, model, 1.0F, {1.0}, key);
+  };
+  const ElectronicsKey seed{.seed = 12, .trial = 3, .device = 0, .sensor_name = "pad"};
+  const ElectronicsKey trial{.seed = 11, .trial = 4, .device = 0, .sensor_name = "pad"};
+  const ElectronicsKey device{.seed = 11, .trial = 3, .device = 1, .sensor_name = "pad"};
+  const ElectronicsKey sensor{.seed = 11, .trial = 3, .device = 0, .sensor_name = "pad2"};
+  for (const std::string name : {"offset", "drift", "noise", "gain"}) {
+    const auto reference = with(name, default_key);
+    EXPECT_EQ(with(name, default_key), reference) << name;
+    EXPECT_NE(with(name, seed), reference) << name;
+    EXPECT_NE(with(name, sensor), reference) << name;
+    // A gain belongs to the device and outlives the trial; the others are new in each trial.
+    EXPECT_EQ(with(name, trial) == reference, name == "gain") << name;
+    EXPECT_EQ(with(name, device) != reference, name == "gain") << name;
+  }
+}
+
+TEST(Offset, IsConstantWithTheStatedSpread) {
+  const auto y = outputs({part("offset")}, two_values_a_source(many), 0.0F, {0.0, 0.5, 10.0});
+  EXPECT_EQ(y[0], y[1]);
+  EXPECT_EQ(y[0], y[2]);
+  const auto unit = slice(y[0], 0, many);
+  EXPECT_NEAR(mean(unit), 0.0, mean_tolerance);
+  EXPECT_NEAR(sd_about(0.0, unit), 1.0, sd_tolerance);
+  for (std::size_t s = 0; s < many; ++s) ASSERT_FLOAT_EQ(y[0][many + s], 3.0F * y[0][s]);
+}
+
+TEST(Drift, GrowsInProportionToTimeWithTheStatedSpread) {
+  const auto y = outputs({part("drift")}, two_values_a_source(many), 0.0F, {0.0, 1.0, 2.0});
+  EXPECT_THAT(y[0], testing::Each(0.0F));
+  const auto slope = slice(y[1], 0, many);
+  EXPECT_NEAR(mean(slope), 0.0, mean_tolerance);
+  EXPECT_NEAR(sd_about(0.0, slope), 1.0, sd_tolerance);
+  for (std::size_t s = 0; s < many; ++s) {
+    ASSERT_EQ(y[2][s], 2.0F * y[1][s]);
+    ASSERT_FLOAT_EQ(y[1][many + s], 3.0F * y[1][s]);
+  }
+}
+
+TEST(Gain, HasMeanOneAndTheStatedSpread) {
+  const auto y = outputs({part("gain")}, two_values_a_source(many), 1.0F, {0.0, 5.0});
+  EXPECT_EQ(y[0], y[1]);
+  EXPECT_GT(*std::min_element(y[0].begin(), y[0].end()), 0.0F);
+  // Lognormal with sd 0.3: s^2 = ln(1.09) = 0.0862, kurtosis e^{4s^2} + 2e^{3s^2} + 3e^{2s^2} - 3 = 4.57, so the relative
+  // standard error of the sd is sqrt((4.57 - 1)/many)/2 = 0.67 %; with sd 0.1 (kurtosis 3.16) it is 0.52 %.
+  const auto narrow = slice(y[0], 0, many);
+  const auto wide = slice(y[0], many, many);
+  EXPECT_NEAR(mean(narrow), 1.0, 0.1 * mean_tolerance);
+  EXPECT_NEAR(sd_about(1.0, narrow) / 0.1, 1.0, 5.0 * 0.0052);
+  EXPECT_NEAR(mean(wide), 1.0, 0.3 * mean_tolerance);
+  EXPECT_NEAR(sd_about(1.0, wide) / 0.3, 1.0, 5.0 * 0.0067);
+}
+
+TEST(Gain, LeavesAValueWithoutGainErrorAlone) {
+  SignalModel model = two_values_a_source(2);
+  model.gain_sd[1] = 0.0;
+  const auto y = outputs({part("gain")}, model, 0.1F, {0.0});
+  EXPECT_EQ(y[0][1], 0.1F);
+  EXPECT_NE(y[0][0], 0.1F);
+}
+
+TEST(Gain, MultipliesTheValue) {
+  const SignalModel model = two_values_a_source(10);
+  const auto gain = outputs({part("gain")}, model, 1.0F, {0.0});
+  const auto y = outputs({part("gain")}, model, -0.7F, {0.0});
+  for (std::size_t v = 0; v < model.source.size(); ++v) EXPECT_EQ(y[0][v], -0.7F * gain[0][v]);
+}
+
+TEST(CouplingPart, DrawsItsCoefficientsUniformlyWithinTheLimit) {
+  // Value v+1 leaks into value v for even v; the even values of the input are zero, so the output is the coefficient itself.
+  SignalModel model = two_values_a_source(many);
+  for (std::size_t v = 0; v < 2 * many; v += 2) model.couplings.push_back({v, v + 1, 0.5});
+  Electronics electronics({part("coupling")}, model, default_key);
+  std::vector<float> sample(2 * many);
+  for (std::size_t v = 1; v < sample.size(); v += 2) sample[v] = 1.0F;
+  electronics.apply(sample, 0.0);
+
+  std::vector<double> coefficients;
+  for (std::size_t v = 0; v < sample.size(); v += 2) {
+    coefficients.push_back(static_cast<double>(sample[v]));
+    ASSERT_EQ(sample[v + 1], 1.0F);
+    ASSERT_LE(std::abs(sample[v]), 0.5F);
+  }
+  // Uniform in [-L, L]: variance L^2/3; its estimate has the relative standard error sqrt(4/5/many), the sd half of it.
+  const double n = static_cast<double>(many);
+  EXPECT_NEAR(mean(coefficients), 0.0, 5.0 * 0.5 / std::sqrt(3.0 * n));
+  EXPECT_NEAR(sd_about(0.0, coefficients) * std::sqrt(3.0) / 0.5, 1.0, 2.5 * std::sqrt(0.8 / n));
+}
+
+TEST(CouplingPart, ReadsTheUndisturbedSample) {
+  // Two values that leak into each other: y(1,1) = y(1,0) + y(0,1) holds for any linear map, but if the second read the first
+  // after it was disturbed, y(1,0) and y(0,1) would hold products of coefficients: the diagonal would not be 1.
+  SignalModel model = two_values_a_source(1);
+  model.couplings = {{0, 1, 0.5}, {1, 0, 0.5}};
+  Electronics electronics({part("coupling")}, model, default_key);
+  std::vector<float> first{1.0F, 0.0F};
+  std::vector<float> second{0.0F, 1.0F};
+  electronics.apply(first, 0.0);
+  electronics.apply(second, 0.0);
+  EXPECT_EQ(first[0], 1.0F);
+  EXPECT_EQ(second[1], 1.0F);
+  EXPECT_NE(first[1], 0.0F);
+  EXPECT_NE(second[0], 0.0F);
+}
+
+}  // namespace
+}  // namespace slipbench

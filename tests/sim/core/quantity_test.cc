@@ -1,0 +1,145 @@
+#include "sim/core/quantity.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "sim/core/random.h"
+
+namespace slipbench {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+struct Case {
+  const char* text;
+  Quantity quantity;
+  double value;
+};
+
+class EveryUnit : public testing::TestWithParam<Case> {};
+
+TEST_P(EveryUnit, IsTurnedIntoSi) {
+  const Case& c = GetParam();
+  // Exact: a decimal unit shifts the decimal point, it does not multiply.
+  EXPECT_EQ(parse_quantity(c.text, c.quantity), c.value) << c.text;
+  EXPECT_EQ(quantity_of(c.text), c.quantity) << c.text;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Quantity, EveryUnit,
+    testing::Values(
+        Case{"9", Quantity::none, 9.0}, Case{"9 %", Quantity::none, 0.09}, Case{"9 m", Quantity::length, 9.0},
+        Case{"9 mm", Quantity::length, 0.009}, Case{"9 um", Quantity::length, 9e-6}, Case{"9 \u00b5m", Quantity::length, 9e-6},
+        Case{"9 \u03bcm", Quantity::length, 9e-6}, Case{"9 cm", Quantity::length, 0.09}, Case{"9 nm", Quantity::length, 9e-9},
+        Case{"9 s", Quantity::time, 9.0}, Case{"9 ms", Quantity::time, 0.009}, Case{"9 us", Quantity::time, 9e-6},
+        Case{"9 min", Quantity::time, 540.0}, Case{"9 m/s", Quantity::speed, 9.0}, Case{"9 mm/s", Quantity::speed, 0.009},
+        Case{"9 cm/s", Quantity::speed, 0.09}, Case{"9 um/s", Quantity::speed, 9e-6}, Case{"9 m/s2", Quantity::acceleration, 9.0},
+        Case{"9 mm/s2", Quantity::acceleration, 0.009}, Case{"9 cm/s2", Quantity::acceleration, 0.09},
+        Case{"9 m/s^2", Quantity::acceleration, 9.0}, Case{"9 mm/s^2", Quantity::acceleration, 0.009},
+        Case{"9 rad", Quantity::angle, 9.0}, Case{"9 deg", Quantity::angle, 9.0 * degree},
+        Case{"9 rad/s", Quantity::angular_speed, 9.0}, Case{"9 deg/s", Quantity::angular_speed, 9.0 * degree},
+        Case{"9 rad/s2", Quantity::angular_acceleration, 9.0}, Case{"9 deg/s2", Quantity::angular_acceleration, 9.0 * degree},
+        Case{"9 deg/s^2", Quantity::angular_acceleration, 9.0 * degree}, Case{"9 Hz", Quantity::frequency, 9.0},
+        Case{"9 kHz", Quantity::frequency, 9e3}, Case{"9 MHz", Quantity::frequency, 9e6}, Case{"9 N", Quantity::force, 9.0},
+        Case{"9 mN", Quantity::force, 0.009}, Case{"9 kN", Quantity::force, 9e3}, Case{"9 kg", Quantity::mass, 9.0},
+        Case{"9 g", Quantity::mass, 0.009}, Case{"9 N/m", Quantity::stiffness, 9.0}, Case{"9 N/mm", Quantity::stiffness, 9e3},
+        Case{"9 kN/m", Quantity::stiffness, 9e3}, Case{"9 N s/m", Quantity::damping, 9.0},
+        Case{"9 Ns/m", Quantity::damping, 9.0}));
+
+TEST(ParseQuantity, ReadsTheFormsOfANumber) {
+  EXPECT_EQ(parse_quantity("0.004", Quantity::speed), 0.004);
+  EXPECT_EQ(parse_quantity("4mm/s", Quantity::speed), 0.004);
+  EXPECT_EQ(parse_quantity("  4   mm/s ", Quantity::speed), 0.004);
+  EXPECT_EQ(parse_quantity("-4 mm/s", Quantity::speed), -0.004);
+  EXPECT_EQ(parse_quantity("+4 mm/s", Quantity::speed), 0.004);
+  EXPECT_EQ(parse_quantity(".5", Quantity::none), 0.5);
+  EXPECT_EQ(parse_quantity("5.", Quantity::none), 5.0);
+  EXPECT_EQ(parse_quantity("4e-3", Quantity::speed), 0.004);
+  EXPECT_EQ(parse_quantity("4E+3 mm/s", Quantity::speed), 4.0);
+  EXPECT_EQ(parse_quantity("inf", Quantity::time), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(parse_quantity(".inf", Quantity::time), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(parse_quantity("-inf", Quantity::time), -std::numeric_limits<double>::infinity());
+}
+
+std::string refusal(const char* text, Quantity quantity) {
+  try {
+    parse_quantity(text, quantity);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ParseQuantity, RefusesWhatIsNoNumberOfTheQuantity) {
+  const std::string speeds = " is not a speed; allowed: a number in m/s, or one with a unit: m/s, mm/s, cm/s, um/s";
+  for (const std::string text : {"fast", "", "nan", "NaN", "-", ".", "e3", "- 4", "++4", "m/s", "infinity"}) {
+    EXPECT_EQ(refusal(text.c_str(), Quantity::speed), "'" + text + "'" + speeds);
+  }
+  EXPECT_EQ(refusal("much", Quantity::none), "'much' is not a number; allowed: a number, or one with a unit: %");
+  EXPECT_EQ(refusal("4 mmm/s", Quantity::speed),
+            "unknown unit 'mmm/s' of a speed in '4 mmm/s'; did you mean 'mm/s'? allowed: m/s, mm/s, cm/s, um/s");
+  EXPECT_EQ(refusal("4 mm", Quantity::speed), "unknown unit 'mm' of a speed in '4 mm'; allowed: m/s, mm/s, cm/s, um/s");
+  EXPECT_EQ(refusal("4 N", Quantity::none), "unknown unit 'N' of a number in '4 N'; allowed: %");
+  EXPECT_EQ(refusal("0x10", Quantity::time), "unknown unit 'x10' of a time in '0x10'; allowed: s, ms, us, min");
+  EXPECT_EQ(refusal("1,5 s", Quantity::time), "unknown unit ',5 s' of a time in '1,5 s'; allowed: s, ms, us, min");
+  EXPECT_EQ(refusal("inf s", Quantity::time),
+            "'inf s' is not a time; allowed: a number in s, or one with a unit: s, ms, us, min");
+}
+
+TEST(ParseQuantity, RefusesNumbersBeyondADouble) {
+  EXPECT_EQ(refusal("1e999", Quantity::none), "'1e999' is beyond the range of a double");
+  EXPECT_EQ(refusal("1e308 kHz", Quantity::frequency), "'1e308 kHz' is beyond the range of a double");
+  EXPECT_EQ(refusal("1e99999999999999999999", Quantity::none), "'1e99999999999999999999' is beyond the range of a double");
+  EXPECT_EQ(refusal("1e-999", Quantity::none), "'1e-999' is beyond the range of a double");
+  EXPECT_EQ(refusal("1e308 min", Quantity::time), "'1e308 min' is beyond the range of a double");
+}
+
+TEST(QuantityOf, TellsAQuantityByItsUnit) {
+  EXPECT_EQ(quantity_of("30 deg"), Quantity::angle);
+  EXPECT_EQ(quantity_of("30"), Quantity::none);
+  EXPECT_EQ(quantity_of("inf"), Quantity::none);
+  EXPECT_THROW(quantity_of("30 parsec"), std::invalid_argument);
+  EXPECT_THROW(quantity_of("thirty"), std::invalid_argument);
+}
+
+TEST(SiUnit, ComesFirstAndHasFactorOne) {
+  for (int i = 0; i <= static_cast<int>(Quantity::damping); ++i) {
+    const auto quantity = static_cast<Quantity>(i);
+    EXPECT_EQ(units_of(quantity).front().symbol, si_symbol(quantity));
+    EXPECT_EQ(units_of(quantity).front().factor, 1.0);
+  }
+}
+
+TEST(FormatQuantity, ChoosesTheShortestNumber) {
+  EXPECT_EQ(format_quantity(0.004, Quantity::speed), "4 mm/s");
+  EXPECT_EQ(format_quantity(0.5, Quantity::time), "0.5 s");
+  EXPECT_EQ(format_quantity(0.001, Quantity::time), "1 ms");
+  EXPECT_EQ(format_quantity(30.0 * degree, Quantity::angle), "30 deg");
+  EXPECT_EQ(format_quantity(1.0, Quantity::angle), "1 rad");
+  EXPECT_EQ(format_quantity(1000.0, Quantity::frequency), "1 kHz");
+  EXPECT_EQ(format_quantity(7100.0, Quantity::stiffness), "7.1 N/mm");
+  EXPECT_EQ(format_quantity(0.4, Quantity::none), "0.4");
+  EXPECT_EQ(format_quantity(0.0, Quantity::length), "0 m");
+  EXPECT_EQ(format_quantity(std::numeric_limits<double>::infinity(), Quantity::time), "inf");
+}
+
+TEST(FormatQuantity, ReadsBackAsTheSameDouble) {
+  RandomStream random(1, 0, "round trip");
+  for (int i = 0; i <= static_cast<int>(Quantity::damping); ++i) {
+    const auto quantity = static_cast<Quantity>(i);
+    for (int n = 0; n < 500; ++n) {
+      const double sign = random.uniform() < 0.5 ? -1.0 : 1.0;
+      const double value = sign * std::pow(10.0, random.uniform(-12.0, 12.0));
+      const std::string text = format_quantity(value, quantity);
+      ASSERT_EQ(parse_quantity(text, quantity), value) << text;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,77 @@
+// Fields with any list of effects on any surface, as a scene would install them.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/effects/catalogue.h"
+#include "sim/field/field.h"
+
+namespace slipbench::testing_effects {
+
+// An effect of the catalogue at its defaults but for `changes` (SI).
+struct Wanted {
+  std::string name;
+  std::map<std::string, double> changes;
+};
+
+inline const EffectKind& kind_named(const std::string& name) {
+  const auto& effects = effect_catalogue();
+  return *std::find_if(effects.begin(), effects.end(), [&](const EffectKind& kind) { return kind.about.name == name; });
+}
+
+inline EffectContext context_for(const PadLayout& pad, bool flat_surface, std::uint64_t seed, std::uint64_t trial) {
+  EffectContext context;
+  context.elements = pad.elements.size();
+  context.flat_surface = flat_surface;
+  context.seed = seed;
+  context.trial = trial;
+  for (const UnitRange& unit : pad.units)
+    context.share.insert(context.share.end(), unit.count, 1.0 / static_cast<double>(unit.count));
+  for (const Element& element : pad.elements) {
+    context.k_normal.push_back(element.k_normal);
+    context.k_tangential.push_back(element.k_tangential);
+  }
+  return context;
+}
+
+inline FieldEffects installed(const PadLayout& pad, const std::vector<Wanted>& wanted, bool flat_surface = true,
+                              std::uint64_t seed = 7, std::uint64_t trial = 0) {
+  FieldEffects effects;
+  const EffectContext context = context_for(pad, flat_surface, seed, trial);
+  for (const Wanted& effect : wanted) {
+    const EffectKind& kind = kind_named(effect.name);
+    Parameters parameters = defaults_of(kind.about.parameters);
+    for (const auto& [key, value] : effect.changes) parameters.set(key, value);
+    kind.install(parameters, context, effects);
+  }
+  return effects;
+}
+
+inline Field field_with(const PadLayout& pad, Friction friction, const std::vector<Wanted>& wanted, std::uint64_t seed = 7,
+                        std::uint64_t trial = 0) {
+  return Field(pad, Plane{}, friction, installed(pad, wanted, true, seed, trial));
+}
+
+inline Pose at(double x, double y, double z) {
+  Pose pose;
+  pose.position = {x, y, z};
+  return pose;
+}
+
+// One unit of `bristles` equal elements at the origin, with k_n and k_t in all.
+inline PadLayout one_unit(double k_n, double k_t, std::size_t bristles = 1) {
+  PadLayout pad;
+  Element element;
+  element.k_normal = k_n / static_cast<double>(bristles);
+  element.k_tangential = k_t / static_cast<double>(bristles);
+  pad.elements.assign(bristles, element);
+  pad.units = {{0, bristles}};
+  return pad;
+}
+
+}  // namespace slipbench::testing_effects

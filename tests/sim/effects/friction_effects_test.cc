@@ -1,0 +1,108 @@
+// Stribeck, load dependence and ageing against their laws; how friction effects combine.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/field/contact_labels.h"
+#include "tests/sim/effects/effect_rig.h"
+
+namespace slipbench::testing_effects {
+namespace {
+
+constexpr double k_n = 1000.0, k_t = 600.0, depth = 1e-3, load = k_n * depth;
+
+// Tangential force [N] after a slide of 5 mm at v, at a step of 10 um of travel.
+double steady_force(Field& field, double v) {
+  for (int tick = 0; tick <= 500; ++tick) field.step(at(10e-6 * tick, 0.0, -depth), 10e-6 / v);
+  return field.wrench_on_surface().force.x();
+}
+
+TEST(Stribeck, SteadyForceAtAnySpeed) {
+  // mu_k(v) = mu_k (1 - w (1 - exp(-(v/v_s)^p)))
+  const double mu_s = 0.6, mu_k = 0.5, weakening = 0.4, speed = 2e-3;
+  for (const double exponent : {0.5, 1.0, 2.0}) {
+    for (const double v : {0.1e-3, 2e-3, 5e-3, 50e-3}) {
+      Field field = field_with(one_unit(k_n, k_t), {mu_s, mu_k},
+                               {{"stribeck", {{"weakening", weakening}, {"speed", speed}, {"exponent", exponent}}}});
+      const double exact = mu_k * (1.0 - weakening * (1.0 - std::exp(-std::pow(v / speed, exponent)))) * load;
+      EXPECT_NEAR(steady_force(field, v), exact, 1e-11 * exact) << "v " << v << ", exponent " << exponent;
+      EXPECT_NEAR(field.stick_limit(0), mu_s * load, 1e-15) << "static friction does not weaken";
+    }
+  }
+}
+
+TEST(LoadDependence, SteadyForceFollowsThePowerOfTheLoad) {
+  // f_t = mu (f_n/reference)^(-1/3) f_n
+  const double mu = 0.5, reference = 2.0;
+  for (const double press : {0.01e-3, 0.3e-3, 2e-3}) {
+    const double f_n = k_n * press;
+    Field field = field_with(one_unit(k_n, k_t), {mu, mu}, {{"load_dependent_friction", {{"reference", reference}}}});
+    for (int tick = 0; tick <= 500; ++tick) field.step(at(20e-6 * tick, 0.0, -press), 1e-3);
+    const double exact = mu * std::pow(f_n / reference, -1.0 / 3.0) * f_n;
+    EXPECT_NEAR(field.wrench_on_surface().force.x(), exact, 1e-12 * exact);
+  }
+}
+
+TEST(LoadDependence, EqualBristlesBehaveAsOneElement) {
+  const double mu = 0.5, v = 4e-3, dt = 1e-3;
+  std::vector<double> onset, force;
+  for (const std::size_t bristles : {1U, 4U}) {
+    Field field = field_with(one_unit(k_n, k_t, bristles), {mu, mu}, {{"load_dependent_friction", {}}});
+    ContactLabels labels(field);
+    for (int tick = 0; tick <= 500; ++tick) {
+      field.step(at(v * tick * dt, 0.0, -depth), dt);
+      for (const ContactEvent& event : labels.update(field, tick * dt, dt).events) {
+        if (event.kind == EventKind::slip) onset.push_back(event.time);
+      }
+    }
+    force.push_back(labels.frame().force(0, 0));
+  }
+  // At 1 N, the reference, mu is the scene's: onset at mu f_n/(k_t v).
+  ASSERT_EQ(onset.size(), 2U);
+  EXPECT_NEAR(onset[0], mu * load / (k_t * v), 1e-12);
+  EXPECT_NEAR(onset[1], onset[0], 1e-12);
+  EXPECT_NEAR(force[0], -mu * load, 1e-12);
+  EXPECT_NEAR(force[1], force[0], 1e-12);
+}
+
+TEST(Ageing, StaticFrictionGrowsWithTheLogarithmOfTheWait) {
+  // Stuck since t = 0 and dragged at v from t = wait on: slip at the T that solves k_t v T = mu_s (1 + r ln(1 + (wait + T)/tau))
+  // f_n. The field takes the limit as linear within a step, which errs by dt^2/8 of its second derivative, mu_s f_n r/tau^2 at
+  // most; over the slope k_t v less the limit's own, that is under 1e-3 x 0.5 N x 0.05/(0.1 s)^2 x 1e-6 s^2/8 / (2.4 - 0.25) N/s
+  // = 1.5e-7 s for dt = 1 ms.
+  const double mu_s = 0.5, mu_k = 0.3, rate = 0.05, tau = 0.1, v = 4e-3, dt = 1e-3;
+  for (const double wait : {0.0, 0.1, 1.0, 10.0}) {
+    double exact = mu_s * load / (k_t * v);
+    for (int k = 0; k < 100; ++k) exact = mu_s * load * (1.0 + rate * std::log1p((wait + exact) / tau)) / (k_t * v);
+    Field field = field_with(one_unit(k_n, k_t), {mu_s, mu_k}, {{"ageing", {{"rate", rate}, {"time", tau}}}});
+    const int waiting = static_cast<int>(std::lround(wait / dt));
+    double onset = 0.0;
+    for (int tick = 0; tick < waiting + 500; ++tick) {
+      field.step(at(std::max(0, tick - waiting) * dt * v, 0.0, -depth), dt);
+      if (onset == 0.0 && field.state(0) == ElementState::slip) onset = (tick - waiting - 1 + field.events()[0].fraction) * dt;
+    }
+    EXPECT_NEAR(onset, exact, 2e-7) << "wait " << wait;
+    EXPECT_NEAR(field.tangential_force(0).x(), mu_k * load, 1e-12) << "kinetic friction does not age";
+    EXPECT_NEAR(field.stick_limit(0), mu_s * load, 1e-15) << "slip makes it young again";
+  }
+}
+
+TEST(FrictionEffects, TwoOfThemMultiply) {
+  const Friction friction{0.5, 0.4};
+  const PadLayout pad = one_unit(k_n, k_t);
+  const Wanted patchy{"patchy_friction", {}}, heavy{"load_dependent_friction", {{"reference", 0.2}}};
+  Field plain(pad, Plane{}, friction);
+  Field first = field_with(pad, friction, {patchy}), second = field_with(pad, friction, {heavy});
+  Field both = field_with(pad, friction, {patchy, heavy}), swapped = field_with(pad, friction, {heavy, patchy});
+  for (Field* field : {&plain, &first, &second, &both, &swapped}) field->step(at(1.3e-3, 0.7e-3, -depth), 1e-3);
+  const double factor_first = first.stick_limit(0) / plain.stick_limit(0),
+               factor_second = second.stick_limit(0) / plain.stick_limit(0);
+  EXPECT_NEAR(factor_second, std::cbrt(0.2), 1e-12);  // 1 N against 0.2 N, to the power -1/3
+  EXPECT_NE(factor_first, 1.0);
+  EXPECT_NEAR(both.stick_limit(0), plain.stick_limit(0) * factor_first * factor_second, 1e-12);
+  EXPECT_NEAR(swapped.stick_limit(0), both.stick_limit(0), 1e-12);
+}
+
+}  // namespace
+}  // namespace slipbench::testing_effects

@@ -1,0 +1,151 @@
+// The friction map of patchy_friction.
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/oracle/pads.h"
+#include "tests/sim/effects/effect_rig.h"
+
+namespace slipbench::testing_effects {
+namespace {
+
+constexpr double shortest = 2e-3, longest = 5e-3, sd = 0.3;
+constexpr double period = 16.0 * shortest;  // the map is tabulated at an eighth of the shortest wave, 128 times, and then repeats
+constexpr double cell = shortest / 8.0;
+
+// ln of the friction factor under a pad's elements, read as mu_s f_n over what it would be without the effect.
+class Map {
+ public:
+  explicit Map(PadLayout pad, std::uint64_t seed = 7, std::uint64_t trial = 0, const std::vector<Wanted>& others = {})
+      : plain_(pad, Plane{}, {0.5, 0.5}), field_(with(pad, seed, trial, others)) {}
+
+  std::vector<double> at(const Pose& pose) {
+    plain_.step(pose, 1e-3);
+    field_.step(pose, 1e-3);
+    std::vector<double> values;
+    for (std::size_t i = 0; i < field_.size(); ++i) values.push_back(std::log(field_.stick_limit(i) / plain_.stick_limit(i)));
+    return values;
+  }
+
+ private:
+  static Field with(const PadLayout& pad, std::uint64_t seed, std::uint64_t trial, std::vector<Wanted> others) {
+    others.push_back({"patchy_friction", {{"sd", sd}, {"shortest", shortest}, {"longest", longest}}});
+    return field_with(pad, {0.5, 0.5}, others, seed, trial);
+  }
+
+  Field plain_, field_;
+};
+
+// 64 x 64 elements at pitch `pitch`, whose first element is at the pad's origin.
+PadLayout patch(double pitch) {
+  PadLayout pad = oracle::square_grid(64, 64.0 * pitch, 1000.0, 600.0);
+  for (Element& element : pad.elements) element.tip += Eigen::Vector3d(31.5 * pitch, 31.5 * pitch, 0.0);
+  return pad;
+}
+
+TEST(PatchyFriction, LogarithmHasTheMeanAndDeviationAsked) {
+  // Over one period at the grid's points: each of 24 waves is a whole number of waves, so g has mean 0 and ln mu the mean
+  // -sd^2/2. The variance of g is 1 where the 24 waves are all different; two that coincide change it by 2/24 cos(difference of
+  // phases) at most. Among some 340 possible waves 24 draws give 24 x 23/2/340 = 0.8 coincidences on average: over 20 maps the
+  // mean variance strays by sqrt(0.8/2 x 20) x 2/24/20 = 0.012 (one sigma), taken three times.
+  double sum_variance = 0.0;
+  const int maps = 20;
+  const PadLayout pad = patch(cell);
+  for (int trial = 0; trial < maps; ++trial) {
+    Map map(pad, 7, static_cast<std::uint64_t>(trial));
+    double mean = 0.0, square = 0.0, count = 0.0;
+    for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{1.0, 0.0}, std::pair{0.0, 1.0}, std::pair{1.0, 1.0}}) {
+      for (const double value : map.at(at(0.5 * period * x, 0.5 * period * y, -1e-3))) {
+        mean += value;
+        square += (value + 0.5 * sd * sd) * (value + 0.5 * sd * sd);
+        count += 1.0;
+      }
+    }
+    EXPECT_NEAR(mean / count, -0.5 * sd * sd, 1e-9) << "trial " << trial;
+    sum_variance += square / count;
+  }
+  EXPECT_NEAR(sum_variance / maps / (sd * sd), 1.0, 3.0 * 0.012 + 0.01);
+}
+
+TEST(PatchyFriction, IsFixedToTheSurface) {
+  // One tip held over the same spot sees the same friction, however the pad stands and whatever way it came.
+  PadLayout pad = one_unit(1000.0, 600.0);
+  pad.elements[0].tip = {4e-3, 0.0, 0.0};
+  Map map(pad);
+  const Eigen::Vector3d spot(3.1e-3, -1.7e-3, -1e-3);
+  std::vector<double> seen;
+  for (const double angle : {0.0, 1.0, 2.5, -2.0}) {
+    const Pose turned = oracle::turned(angle, Eigen::Vector3d::Zero());
+    seen.push_back(map.at(oracle::turned(angle, spot - turned.rotation * pad.elements[0].tip))[0]);
+  }
+  for (const double value : seen) EXPECT_NEAR(value, seen[0], 1e-12);  // slopes of 22/mm times 1e-18 m of rounding
+  EXPECT_GT(std::abs(map.at(at(0.0, 0.0, -1e-3))[0] - seen[0]), 1e-6) << "and another one elsewhere";
+}
+
+TEST(PatchyFriction, DependsOnSeedAndTrialOnly) {
+  const PadLayout pad = patch(0.37e-3);
+  const Pose pose = at(0.0, 0.0, -1e-3);
+  const auto map = Map(pad, 7, 3).at(pose);
+  EXPECT_EQ(Map(pad, 7, 3).at(pose), map);
+  EXPECT_NE(Map(pad, 7, 4).at(pose), map);
+  EXPECT_NE(Map(pad, 8, 3).at(pose), map);
+  // Neither another effect before it nor the pad's own make-up shifts its draws.
+  EXPECT_EQ(Map(pad, 7, 3, {{"viscoelastic", {}}, {"ageing", {}}, {"texture", {{"height", 0.0}}}}).at(pose), map);
+  PadLayout half = pad;
+  half.elements.resize(2048);
+  half.units.resize(2048);
+  const auto part = Map(half, 7, 3).at(pose);
+  EXPECT_TRUE(std::equal(part.begin(), part.end(), map.begin()));
+}
+
+TEST(PatchyFriction, RepeatsWithoutASeam) {
+  // g has the slope sqrt(2/24) x 24 x 2 pi/shortest = 22/mm at most, so over 1 um ln mu changes by sd x 0.022 at most: across the
+  // seam as anywhere else.
+  Map map(one_unit(1000.0, 600.0));
+  const auto value = [&](double x, double y) { return map.at(at(x, y, -1e-3))[0]; };
+  for (const double y : {0.0, 1.234e-3, -7.7e-3}) {
+    for (const double x : {0.3e-3, 5.1e-3, 31.99e-3}) {
+      EXPECT_NEAR(value(x, y), value(x + period, y), 1e-9);
+      EXPECT_NEAR(value(x, y), value(x - 3.0 * period, y + 2.0 * period), 1e-9);
+    }
+    for (const double seam : {0.0, period, -period}) {
+      EXPECT_NEAR(value(seam - 0.5e-6, y), value(seam + 0.5e-6, y), sd * 0.022);
+      EXPECT_NEAR(value(y, seam - 0.5e-6), value(y, seam + 0.5e-6), sd * 0.022);
+    }
+  }
+}
+
+std::string refusal(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(PatchyFriction, RefusesCurvedSurfacesAndWavesOutOfOrder) {
+  const PadLayout pad = one_unit(1000.0, 600.0);
+  EXPECT_EQ(refusal([&] {
+              installed(pad, {{"patchy_friction", {}}}, false);
+            }),
+            "effects: patchy_friction needs a flat surface; allowed shapes: plane, box");
+  for (const double longer : {1.9e-3, 20.1e-3}) {
+    EXPECT_THAT(refusal([&] {
+                  installed(pad, {{"patchy_friction", {{"shortest", 2e-3}, {"longest", longer}}}});
+                }),
+                testing::AllOf(testing::HasSubstr("longest of patchy_friction is " + format_quantity(longer, Quantity::length)),
+                               testing::HasSubstr("allowed is shortest (2 mm) to ten times that")));
+  }
+  for (const double longer : {2e-3, 20e-3}) {
+    EXPECT_EQ(refusal([&] { installed(pad, {{"patchy_friction", {{"shortest", 2e-3}, {"longest", longer}}}}); }), "");
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::testing_effects

@@ -1,0 +1,279 @@
+// Units and pads: states, margin, the motion of the slip, and the order of events.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/field/contact_labels.h"
+#include "tests/oracle/pads.h"
+#include "tests/sim/field/random_case.h"
+
+namespace slipbench::testing_field {
+namespace {
+
+constexpr double k_n = 7100.0, k_t = 3900.0, compression = 1e-3, pi = std::numbers::pi;
+
+// Units in a row 10 mm apart; `weights[u]` lists the load of each bristle of unit u over the mean, at k_n and k_t a unit.
+PadLayout row(const std::vector<std::vector<double>>& weights) {
+  PadLayout pad;
+  for (const auto& unit : weights) {
+    const double n = static_cast<double>(unit.size());
+    const double x = 10e-3 * static_cast<double>(pad.units.size());
+    pad.units.push_back({pad.elements.size(), unit.size()});
+    for (const double weight : unit) {
+      Element element;
+      element.tip.x() = x;
+      element.k_normal = k_n * weight / n;
+      element.k_tangential = k_t / n;
+      pad.elements.push_back(element);
+    }
+  }
+  return pad;
+}
+
+const std::vector<double> six_weights{1.6, 1.36, 1.12, 0.88, 0.64, 0.4};
+
+struct Rig {
+  Rig(const PadLayout& pad, Friction friction, double step) : field(pad, Plane{}, friction), labels(field), dt(step) {}
+
+  const ContactFrame& to(const Pose& pose) {
+    field.step(pose, dt);
+    const ContactFrame& frame = labels.update(field, tick++ * dt, dt);
+    events.insert(events.end(), frame.events.begin(), frame.events.end());
+    return frame;
+  }
+
+  // The kinds of unit u's events.
+  [[nodiscard]] std::vector<EventKind> kinds(std::uint32_t u) const {
+    std::vector<EventKind> result;
+    for (const ContactEvent& event : events) {
+      if (event.unit == u) result.push_back(event.kind);
+    }
+    return result;
+  }
+
+  Field field;
+  ContactLabels labels;
+  double dt;
+  int tick = 0;
+  std::vector<ContactEvent> events;
+};
+
+TEST(ContactLabels, BeforeTheTouchEverythingIsNothing) {
+  Rig rig(oracle::nine_pillars(), {0.5, 0.5}, 1e-3);
+  const ContactFrame& frame = rig.to(at(0.0, 0.0, 1e-3));
+  EXPECT_EQ(frame.state, PadState::no_contact);
+  EXPECT_EQ(frame.state_micro, PadState::no_contact);
+  EXPECT_TRUE(std::isnan(frame.stuck_fraction));
+  EXPECT_TRUE(std::isnan(frame.slip_direction));
+  EXPECT_TRUE(frame.slip_centre.isNaN().all());
+  EXPECT_EQ(frame.slip_angle, 0.0);
+  for (Eigen::Index u = 0; u < 9; ++u) {
+    EXPECT_TRUE(std::isnan(frame.margin[u]));
+    EXPECT_TRUE((frame.force.col(u) == 0.0).all());
+    EXPECT_TRUE((frame.displacement.col(u) == 0.0).all());
+    EXPECT_EQ(frame.unit_state[static_cast<std::size_t>(u)], UnitState::detached);
+  }
+  EXPECT_TRUE(frame.events.empty());
+}
+
+TEST(ContactLabels, BothRulesAndTheStuckFractionAsBristlesLetGo) {
+  // Unit 0 has six bristles, unit 1 one bristle with the load 2. A bristle of weight w slips at w mu k_n d/k_t = w x 0.91 mm of
+  // travel.
+  const double mu = 0.5, reach = mu * k_n * compression / k_t;
+  Rig rig(row({six_weights, {2.0}}), {mu, mu}, 1e-3);
+  struct Stage {
+    double way;  // over `reach`
+    UnitState unit;
+    PadState strict, micro;
+    double stuck;
+  };
+  using enum UnitState;
+  const std::vector<Stage> stages{{0.0, stick, PadState::non_slip, PadState::non_slip, 1.0},
+                                  {0.39, stick, PadState::non_slip, PadState::non_slip, 1.0},
+                                  {0.41, partial, PadState::non_slip, PadState::incipient, 6.0 / 7.0},
+                                  {0.9, partial, PadState::non_slip, PadState::incipient, 4.0 / 7.0},
+                                  {1.59, partial, PadState::non_slip, PadState::incipient, 2.0 / 7.0},
+                                  {1.61, slip, PadState::incipient, PadState::incipient, 1.0 / 7.0},
+                                  {1.99, slip, PadState::incipient, PadState::incipient, 1.0 / 7.0},
+                                  {2.01, slip, PadState::gross, PadState::gross, 0.0}};
+  for (const Stage& stage : stages) {
+    const ContactFrame& frame = rig.to(at(0.0, stage.way * reach, -compression));
+    EXPECT_EQ(frame.unit_state[0], stage.unit) << stage.way;
+    EXPECT_EQ(frame.state, stage.strict) << stage.way;
+    EXPECT_EQ(frame.state_micro, stage.micro) << stage.way;
+    EXPECT_EQ(frame.stuck_fraction, stage.stuck) << stage.way;
+    EXPECT_EQ(std::isnan(frame.slip_direction), stage.micro == PadState::non_slip) << stage.way;
+  }
+}
+
+TEST(ContactLabels, ForceDisplacementAndMarginOfAUnitAreThoseOfItsBristles) {
+  // Stuck unit at way s: f = (-k_t s, 0, k_n d), tip displaced by (-s, 0, d), margin 1 - k_t s/(mu_s k_n d). Slipping: 1 -
+  // mu_k/mu_s.
+  const double mu_s = 0.6, mu_k = 0.45;
+  for (const std::vector<double>& weights : {std::vector<double>{1.0}, std::vector<double>(6, 1.0)}) {
+    Rig rig(row({weights}), {mu_s, mu_k}, 1e-3);
+    rig.to(at(0.0, 0.0, -compression));
+    for (const double s : {0.1e-3, 0.5e-3, 1.0e-3}) {  // slip would begin at 1.09 mm
+      const ContactFrame& frame = rig.to(at(s, 0.0, -compression));
+      EXPECT_NEAR(frame.force(0, 0), -k_t * s, 1e-11);
+      EXPECT_NEAR(frame.force(1, 0), 0.0, 1e-11);
+      EXPECT_NEAR(frame.force(2, 0), k_n * compression, 1e-11);
+      EXPECT_NEAR(frame.displacement(0, 0), -s, 1e-15);
+      EXPECT_NEAR(frame.displacement(2, 0), compression, 1e-15);
+      EXPECT_NEAR(frame.margin[0], 1.0 - k_t * s / (mu_s * k_n * compression), 1e-12);
+    }
+    const ContactFrame& frame = rig.to(at(2e-3, 0.0, -compression));
+    EXPECT_NEAR(frame.margin[0], 1.0 - mu_k / mu_s, 1e-12);
+    EXPECT_EQ(frame.unit_state[0], UnitState::slip);
+  }
+}
+
+TEST(ContactLabels, MarginIsANumberWhileAUnitTouchesAFrictionlessSurface) {
+  Rig rig(row({{1.0}}), {0.0, 0.0}, 1e-3);
+  EXPECT_FALSE(std::isnan(rig.to(at(0.0, 0.0, -compression)).margin[0])) << "NaN means detached";
+  EXPECT_FALSE(std::isnan(rig.to(at(1e-3, 0.0, -compression)).margin[0]));
+}
+
+TEST(ContactLabels, SlipOfAPureTranslationHasADirectionAndNoCentre) {
+  const double v = 4e-3, dt = 1e-3;
+  for (const double direction : {0.0, 0.5, 2.0, -3.0}) {
+    for (const double turned : {0.0, 0.7}) {  // of the pad against the surface, before it slides
+      Rig rig(oracle::nine_pillars(), {0.5, 0.5}, dt);
+      for (int tick = 0; tick < 500; ++tick) {
+        rig.to(oracle::turned(turned, {v * tick * dt * std::cos(direction), v * tick * dt * std::sin(direction), -compression}));
+      }
+      const ContactFrame& frame = rig.labels.frame();
+      EXPECT_EQ(frame.state, PadState::gross);
+      EXPECT_NEAR(std::remainder(frame.slip_direction - (direction - turned), 2.0 * pi), 0.0, 1e-9) << "in the pad's own frame";
+      EXPECT_TRUE(frame.slip_centre.isNaN().all());
+      for (Eigen::Index u = 0; u < 9; ++u) EXPECT_NEAR(frame.slip_velocity.col(u).matrix().norm(), v, 1e-12);
+    }
+  }
+}
+
+TEST(ContactLabels, SlipOfASteadyTurnIsThatTurnAboutItsPivot) {
+  // In a steady turn every anchor runs on a circle about the pivot at the pad's own rate, trailing its root by mu f_n/k_t (oracle
+  // 3): the slip is a rigid turn about the pivot. The way of a step is a chord; seen from the step's end it is turned back by
+  // rate dt/2 = 2.5e-5 and short by (rate dt)^2/24: some 1e-4 of the pad's size in the centre, 1e-9 in the rate.
+  const double rate = 0.5, dt = 1e-4, mu = 0.3;
+  for (const Eigen::Vector2d& pivot : {Eigen::Vector2d(1e-3, 2e-3), Eigen::Vector2d(-20e-3, 5e-3)}) {
+    const PadLayout pad = oracle::nine_pillars();
+    Rig rig(pad, {mu, mu}, dt);
+    const Eigen::Vector3d p(pivot.x(), pivot.y(), 0.0);
+    double before = 0.0;
+    for (int tick = 0; tick < 40000; ++tick) {  // 2 rad
+      Pose pose = oracle::turned(rate * tick * dt, {0.0, 0.0, -compression});
+      pose.position += p - pose.rotation * p;
+      before = rig.labels.frame().slip_angle;
+      rig.to(pose);
+    }
+    const ContactFrame& frame = rig.labels.frame();
+    EXPECT_EQ(frame.state, PadState::gross);
+    EXPECT_NEAR((frame.slip_angle - before) / dt, rate, 1e-6 * rate);
+    EXPECT_NEAR((frame.slip_centre.matrix() - pivot).norm(), 0.0, 1e-4 * 20e-3);
+  }
+}
+
+TEST(ContactLabels, SlipOfACombinedMotionTurnsAboutItsInstantaneousCentre) {
+  // Pad velocity (v, 0) and rate w: the centre lies at (0, v/w) from the pad's origin in the surface's axes. Springs 1,000 times
+  // as stiff trail by e = mu f_n/k_t < 1 um, so tips move as their roots do but for w e; the chord turns by w dt/2 = 2.5e-5. Both
+  // are under 1e-3 of the slip speeds, which are w x some mm.
+  const double v = 4e-3, w = 0.5, dt = 1e-4;
+  Rig rig(oracle::nine_pillars(1, k_n, 1e3 * k_t), {0.5, 0.5}, dt);
+  double t = 0.0, before = 0.0;
+  for (int tick = 0; tick < 3000; ++tick) {
+    t = tick * dt;
+    before = rig.labels.frame().slip_angle;
+    rig.to(oracle::turned(w * t, {v * t, 0.0, -compression}));
+  }
+  const ContactFrame& frame = rig.labels.frame();
+  EXPECT_EQ(frame.state, PadState::gross);
+  const Eigen::Vector2d centre(v / w * std::sin(w * t), v / w * std::cos(w * t));  // (0, v/w) turned by -w t into the pad's axes
+  EXPECT_NEAR((frame.slip_centre.matrix() - centre).norm(), 0.0, 1e-3 * v / w);
+  EXPECT_NEAR((frame.slip_angle - before) / dt, w, 1e-3 * w);
+  // The mean of the nine tips is the pad's origin: it moves along the surface's +X.
+  EXPECT_NEAR(frame.slip_direction, -w * t, 1e-3);
+}
+
+TEST(ContactLabels, OneBristleTouchesSlipsSticksAndDetachesInOrder) {
+  // Down at 4 mm/s to 1 mm, 2 mm sideways (slip at 0.91 mm), rest, up again. Resting, the shear force stays on the cone; as the
+  // load falls while the pad lifts, the unit slips again until it detaches.
+  Rig rig(row({{1.0}}), {0.5, 0.5}, 1e-3);
+  for (int k = 0; k <= 300; ++k) rig.to(at(0.0, 0.0, 0.2e-3 - 4e-6 * k));
+  for (int k = 1; k <= 500; ++k) rig.to(at(4e-6 * k, 0.0, -1e-3));
+  for (int k = 0; k < 10; ++k) rig.to(at(2e-3, 0.0, -1e-3));
+  for (int k = 1; k <= 300; ++k) rig.to(at(2e-3, 0.0, -1e-3 + 4e-6 * k));
+  using enum EventKind;
+  EXPECT_EQ(rig.kinds(0),
+            (std::vector<EventKind>{touch, micro, EventKind::slip, EventKind::stick, micro, EventKind::slip, detach}));
+  EXPECT_NEAR(rig.events[0].time, 0.2e-3 / 4e-3, 1e-12);
+  EXPECT_EQ(rig.events[1].time, rig.events[2].time) << "of one bristle the first slip is the whole slip";
+  EXPECT_NEAR(rig.events[1].time, 0.3 + 0.5 * k_n * 1e-3 / (k_t * 4e-3), 1e-9);
+  EXPECT_NEAR(rig.events[3].time, 0.8, 1e-9);
+  EXPECT_NEAR(rig.events[6].time, 0.81 + 1e-3 / 4e-3, 1e-9);
+}
+
+TEST(ContactLabels, SixBristlesSlipInPartsAndDetachTogether) {
+  const double reach = 0.5 * k_n * compression / k_t, v = 4e-3;
+  Rig rig(row({six_weights}), {0.5, 0.5}, 1e-3);
+  rig.to(at(0.0, 0.0, 0.1e-3));
+  for (int k = 0; k <= 500; ++k) rig.to(at(4e-6 * k, 0.0, -compression));
+  rig.to(at(2e-3, 0.0, -compression));
+  rig.to(at(2e-3, 0.0, 0.5e-3));
+  using enum EventKind;
+  EXPECT_EQ(rig.kinds(0), (std::vector<EventKind>{touch, micro, EventKind::slip, EventKind::stick, detach}));
+  EXPECT_NEAR(rig.events[0].time, 0.1e-3 / 1.1e-3 * 1e-3, 1e-12);
+  EXPECT_NEAR(rig.events[1].time, 1e-3 + 0.4 * reach / v, 1e-9);
+  EXPECT_NEAR(rig.events[2].time, 1e-3 + 1.6 * reach / v, 1e-9);
+  EXPECT_NEAR(rig.events[4].time, 0.502 + 1e-3 * compression / (compression + 0.5e-3), 1e-9);
+}
+
+TEST(ContactLabels, BristlesThatLetGoTogetherReportNoSlip) {
+  // Half of the bristles slip when the pad is pulled off within one step: the rest must not look like a unit that began to slip.
+  Rig rig(row({six_weights, six_weights}), {0.5, 0.5}, 1e-3);
+  const double reach = 0.5 * k_n * compression / k_t;
+  rig.to(at(0.0, 0.0, -compression));
+  EXPECT_EQ(rig.to(at(reach, 0.0, -compression)).unit_state[0], UnitState::partial);
+  rig.to(at(reach, 0.0, 0.3e-3));
+  using enum EventKind;
+  for (const std::uint32_t unit : {0U, 1U}) EXPECT_EQ(rig.kinds(unit), (std::vector<EventKind>{touch, micro, detach}));
+}
+
+TEST(ContactLabels, EventsOfAllUnitsAreInOrderOfTimeAndInsideTheirStep) {
+  RandomStream draw(11, 0, "event order");
+  const PadLayout pad = random_pad(draw, 200, false);
+  const RandomMotion motion(draw, Pose{});
+  Rig rig(pad, {0.5, 0.4}, 10e-3);
+  std::size_t seen = 0;
+  std::vector<bool> touching(pad.units.size(), false);
+  for (int tick = 0; tick < 200; ++tick) {
+    const ContactFrame& frame = rig.to(motion.at(tick * rig.dt));
+    seen += frame.events.size();
+    EXPECT_TRUE(std::is_sorted(frame.events.begin(), frame.events.end(),
+                               [](const ContactEvent& a, const ContactEvent& b) { return a.time < b.time; }));
+    for (const ContactEvent& event : frame.events) {
+      EXPECT_LE(event.time, frame.time);
+      EXPECT_GE(event.time, frame.time - rig.dt);
+      if (event.kind == EventKind::touch) touching[event.unit] = true;
+      if (event.kind == EventKind::detach) touching[event.unit] = false;
+    }
+    // Events and states tell the same story.
+    for (std::size_t u = 0; u < touching.size(); ++u) EXPECT_EQ(touching[u], frame.unit_state[u] != UnitState::detached);
+  }
+  EXPECT_GT(seen, 100U);
+}
+
+TEST(ContactLabels, SlippedDistanceIsTheMeanOfAUnitsElements) {
+  // Bristle of weight w has slipped s - w reach.
+  const double reach = 0.5 * k_n * compression / k_t, way = 3e-3;
+  Rig rig(row({six_weights}), {0.5, 0.5}, 1e-3);
+  for (int k = 0; k <= 300; ++k) rig.to(at(way * k / 300.0, 0.0, -compression));
+  EXPECT_NEAR(rig.labels.frame().slip_distance[0], way - reach, 1e-15);  // the mean weight is 1
+}
+
+}  // namespace
+}  // namespace slipbench::testing_field

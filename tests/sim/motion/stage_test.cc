@@ -1,0 +1,217 @@
+// The stage: where the pad is, how fast, when; and what it refuses.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "sim/core/random.h"
+#include "sim/motion/motion.h"
+
+namespace slipbench {
+namespace {
+
+constexpr double inf = std::numeric_limits<double>::infinity(), pi = std::numbers::pi;
+
+using Changes = std::vector<std::pair<std::string, Parameters::Value>>;
+
+std::unique_ptr<Motion> stage(const Changes& changes = {}) {
+  const MotionKind& kind = motion_catalogue().front();
+  Parameters parameters = defaults_of(kind.about.parameters);
+  for (const auto& [name, value] : changes) parameters.set(name, value);
+  return kind.create(parameters);
+}
+
+std::string refusal(const Changes& changes) {
+  try {
+    stage(changes);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+double height(const Motion& motion, double t) { return motion.pad_at(t).pose.position.z(); }
+
+TEST(MotionCatalogue, EntriesAreDocumentedAndTheirDefaultsWork) {
+  for (const MotionKind& kind : motion_catalogue()) {
+    EXPECT_FALSE(kind.about.summary.empty() || kind.about.law.empty() || kind.about.source.empty()) << kind.about.name;
+    for (const ParameterSpec& parameter : kind.about.parameters) {
+      EXPECT_FALSE(parameter.doc.empty() || parameter.source.empty()) << kind.about.name << "." << parameter.name;
+    }
+    EXPECT_NE(kind.create(defaults_of(kind.about.parameters)), nullptr);
+  }
+  EXPECT_EQ(motion_catalogue().front().about.name, "stage");
+}
+
+TEST(Stage, PressesFromTheGapToTheCompressionAndLiftsOff) {
+  // 1.5 mm at 4 mm/s and 50 mm/s^2: 1.5/4 + 4/50 = 0.455 s; half of the way in half of the time.
+  const auto motion = stage({{"retract", 5.0}});
+  EXPECT_NEAR(height(*motion, 0.0), 0.5e-3, 1e-18);
+  EXPECT_NEAR(height(*motion, 0.2275), -0.25e-3, 1e-15);
+  EXPECT_NEAR(motion->pad_at(0.2275).velocity.z(), -4e-3, 1e-15);
+  for (const double t : {0.455, 1.0, 5.0}) {
+    EXPECT_NEAR(height(*motion, t), -1e-3, 1e-15);
+    EXPECT_NEAR(motion->pad_at(t).velocity.z(), 0.0, 1e-12);
+  }
+  EXPECT_NEAR(height(*motion, 5.2275), -0.25e-3, 1e-15);
+  EXPECT_NEAR(height(*motion, 5.455), 0.5e-3, 1e-15);
+  EXPECT_NEAR(height(*motion, 100.0), 0.5e-3, 1e-15);
+}
+
+TEST(Stage, TallestTipReachesTheCompressionWhateverTheTilt) {
+  // The middle pillar's tip is the pad's origin: pressed in by the compression, turned or not.
+  for (const double about_x : {0.0, 0.02, -0.05}) {
+    for (const double about_y : {0.0, 0.03}) {
+      const auto motion = stage(
+          {{"tilt", std::vector<double>{about_x, about_y}}, {"rotation", 0.4}, {"pivot", std::vector<double>{3e-3, -2e-3}}});
+      for (const double t : {1.0, 2.5, 4.0})
+        EXPECT_NEAR((motion->pad_at(t).pose * Eigen::Vector3d(0.0, 0.0, 0.0)).z(), -1e-3, 1e-15);
+      // A tip at +x sinks by x sin(tilt about Y), one at +y rises by y sin(tilt about X) cos(tilt about Y).
+      const Pose pose = motion->pad_at(1.0).pose;
+      EXPECT_NEAR((pose * Eigen::Vector3d(7e-3, 0.0, 0.0)).z(), -1e-3 - 7e-3 * std::sin(about_y), 1e-15);
+      EXPECT_NEAR((pose * Eigen::Vector3d(0.0, 7e-3, 0.0)).z(), -1e-3 + 7e-3 * std::sin(about_x) * std::cos(about_y), 1e-15);
+    }
+  }
+}
+
+TEST(Stage, SlidesAlongItsDirectionFromTheStart) {
+  // s(t) = a (t - 2)^2/2 up to 0.08 s, then 4 mm/s (t - 2 - 0.04).
+  const double direction = 0.7;
+  const auto motion = stage({{"direction", direction}});
+  const Eigen::Vector3d d(std::cos(direction), std::sin(direction), 0.0);
+  for (const auto& [t, way, speed] :
+       std::vector<std::array<double, 3>>{{1.99, 0.0, 0.0}, {2.04, 0.04e-3, 2e-3}, {2.08, 0.16e-3, 4e-3}, {4.0, 7.84e-3, 4e-3}}) {
+    const BodyState pad = motion->pad_at(t);
+    EXPECT_NEAR((pad.pose.position - way * d - Eigen::Vector3d(0.0, 0.0, -1e-3)).norm(), 0.0, 1e-15) << "t " << t;
+    EXPECT_NEAR((pad.velocity - speed * d).norm(), 0.0, 1e-12) << "t " << t;
+    EXPECT_EQ(pad.angular_velocity.norm(), 0.0);
+    EXPECT_EQ(pad.pose.rotation, Eigen::Matrix3d::Identity());
+  }
+  EXPECT_FALSE(motion->turns());
+}
+
+TEST(Stage, StopsAndReversesOnTime) {
+  // Braked 0.5 s after the start: v x 0.5 s in all, at rest after another 0.08 s.
+  const auto stopped = stage({{"stop", 0.5}});
+  EXPECT_NEAR(stopped->pad_at(2.5).velocity.x(), 4e-3, 1e-15);
+  EXPECT_NEAR(stopped->pad_at(2.54).velocity.x(), 2e-3, 1e-14);
+  for (const double t : {2.58, 3.0, 9.0}) {
+    EXPECT_NEAR(stopped->pad_at(t).pose.position.x(), 2e-3, 1e-15);
+    EXPECT_NEAR(stopped->pad_at(t).velocity.x(), 0.0, 1e-14);
+  }
+  // Reversed at 0.5 s: v t - v^2/(2 a) forth = 1.84 mm by then, +-0.16 mm during the turn, 0 again after 1.84/4 = 0.46 s more.
+  const auto reversed = stage({{"reverse", 0.5}});
+  EXPECT_NEAR(reversed->pad_at(2.5).pose.position.x(), 1.84e-3, 1e-15);
+  EXPECT_NEAR(reversed->pad_at(2.58).pose.position.x(), 2.0e-3, 1e-15);
+  EXPECT_NEAR(reversed->pad_at(2.66).velocity.x(), -4e-3, 1e-14);
+  EXPECT_NEAR(reversed->pad_at(2.66 + 0.46).pose.position.x(), 0.0, 1e-15);
+  // Stopped in the middle of the turn-back, where its velocity is exactly zero: 1/16 m/s at 1/4 m/s^2 takes 0.25 s.
+  const auto both = stage({{"speed", 0.0625}, {"acceleration", 0.25}, {"reverse", 1.0}, {"stop", 1.25}});
+  EXPECT_NEAR(both->pad_at(3.25).velocity.x(), 0.0, 1e-15);
+  EXPECT_NEAR(both->pad_at(6.0).velocity.x(), 0.0, 1e-15) << "it stays at rest";
+}
+
+TEST(Stage, PivotMovesOnAStraightLineWhileThePadTurnsAboutIt) {
+  const Eigen::Vector3d pivot(4e-3, -2.5e-3, 0.0), d(std::cos(0.5), std::sin(0.5), 0.0);
+  const auto motion = stage({{"rotation", 0.5},
+                             {"direction", 0.5},
+                             {"pivot", std::vector<double>{pivot.x(), pivot.y()}},
+                             {"angular_acceleration", inf},
+                             {"acceleration", inf}});
+  EXPECT_TRUE(motion->turns());
+  for (const double t : {2.0, 2.3, 3.7, 10.0}) {
+    const BodyState pad = motion->pad_at(t);
+    const double way = 4e-3 * (t - 2.0), angle = 0.5 * (t - 2.0);
+    EXPECT_NEAR((pad.pose * pivot - pivot - way * d - Eigen::Vector3d(0.0, 0.0, -1e-3)).norm(), 0.0, 1e-15) << "t " << t;
+    EXPECT_NEAR((pad.pose.rotation - Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix()).norm(), 0.0, 1e-14);
+    // Velocity of the pivot point: v d, nothing of the turn.
+    const Eigen::Vector3d at_pivot = pad.velocity + pad.angular_velocity.cross(pad.pose * pivot - pad.pose.position);
+    EXPECT_NEAR((at_pivot - 4e-3 * d).norm(), 0.0, 1e-15);
+  }
+  // Tilted, the pivot is met in the surface's plane: the pad's own point strays by |pivot| tilt^2/2 at most, and stays at one
+  // height.
+  const double tilt = 0.03;
+  const auto tilted = stage({{"rotation", 0.5},
+                             {"pivot", std::vector<double>{pivot.x(), pivot.y()}},
+                             {"tilt", std::vector<double>{0.0, tilt}},
+                             {"speed", 0.0}});
+  for (const double t : {2.3, 5.0}) {
+    EXPECT_LE((tilted->pad_at(t).pose * pivot - pivot).head<2>().norm(), 2.0 * pivot.norm() * tilt * tilt / 2.0);
+    EXPECT_NEAR((tilted->pad_at(t).pose * pivot).z(), (tilted->pad_at(2.0).pose * pivot).z(), 1e-15);
+  }
+}
+
+TEST(Stage, VelocitiesAreTheDerivativesOfThePose) {
+  // The central difference over +-h errs by h/2 times the largest acceleration, and by 1e-17 m/h of rounding. Accelerations: 50
+  // mm/s^2 sideways and down, lever x (alpha + rate^2) <= 5 mm x (8.8 + 0.3) = 45 mm/s^2 for turning about the pivot; the angle's
+  // own is 8.8 rad/s^2.
+  const double h = 1e-6, acceleration = 2.0 * 50e-3 + 45e-3, alpha = 8.8;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    RandomStream draw(seed, 0, "stage");
+    const auto motion = stage({{"rotation", draw.uniform(-0.5, 0.5)},
+                               {"direction", draw.uniform(-pi, pi)},
+                               {"speed", draw.uniform(0.0, 16e-3)},
+                               {"pivot", std::vector<double>{draw.uniform(-3e-3, 3e-3), draw.uniform(-3e-3, 3e-3)}},
+                               {"tilt", std::vector<double>{draw.uniform(-0.05, 0.05), draw.uniform(-0.05, 0.05)}},
+                               {"reverse", draw.uniform(0.2, 0.6)},
+                               {"stop", draw.uniform(0.7, 1.0)},
+                               {"retract", 3.2}});
+    for (double t = 0.01; t < 4.0; t += 0.013) {
+      const BodyState before = motion->pad_at(t - h), now = motion->pad_at(t), after = motion->pad_at(t + h);
+      const Eigen::Vector3d velocity = (after.pose.position - before.pose.position) / (2.0 * h);
+      ASSERT_NEAR((velocity - now.velocity).norm(), 0.0, 0.5 * h * acceleration + 1e-10) << "t " << t;
+      const Eigen::Matrix3d spin = (after.pose.rotation - before.pose.rotation) / (2.0 * h) * now.pose.rotation.transpose();
+      const Eigen::Vector3d rate(spin(2, 1), spin(0, 2), spin(1, 0));
+      ASSERT_NEAR((rate - now.angular_velocity).norm(), 0.0, 0.5 * h * alpha + 1e-9) << "t " << t;
+      ASSERT_NEAR((now.pose.rotation * now.pose.rotation.transpose() - Eigen::Matrix3d::Identity()).norm(), 0.0, 1e-14);
+    }
+  }
+}
+
+TEST(Stage, TopSpeedBoundsEveryPointOfThePad) {
+  const double reach = 10e-3;
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    RandomStream draw(seed, 1, "stage top speed");
+    const auto motion = stage({{"rotation", draw.uniform(-1.0, 1.0)},
+                               {"speed", draw.uniform(0.0, 16e-3)},
+                               {"reverse", 0.5},
+                               {"pivot", std::vector<double>{draw.uniform(-9e-3, 9e-3), draw.uniform(-9e-3, 9e-3)}},
+                               {"retract", 3.0}});
+    const double bound = motion->top_speed(reach);
+    double fastest = 0.0;
+    for (double t = 0.0; t < 4.0; t += 0.01) {
+      const BodyState pad = motion->pad_at(t);
+      for (int k = 0; k < 16; ++k) {
+        const Eigen::Vector3d arm =
+            pad.pose.rotation * Eigen::Vector3d(reach * std::cos(k * pi / 8.0), reach * std::sin(k * pi / 8.0), 0.0);
+        fastest = std::max(fastest, (pad.velocity + pad.angular_velocity.cross(arm)).norm());
+      }
+    }
+    EXPECT_LE(fastest, bound * (1.0 + 1e-12));
+    EXPECT_GE(fastest, bound / 4.0) << "a useful bound: slide, press and turn never add up fully";
+  }
+}
+
+TEST(Stage, RefusesTimesOutOfOrder) {
+  EXPECT_EQ(refusal({{"start", 0.45}}), "motion.start: 450 ms is too early; pressing ends at 0.455 s, allowed is that or later");
+  EXPECT_EQ(refusal({{"start", 0.456}}), "");
+  EXPECT_EQ(refusal({{"reverse", 0.5}, {"stop", 0.4}}),
+            "motion.reverse: 0.5 s comes after motion.stop (0.4 s); allowed is an earlier time");
+  EXPECT_NE(refusal({{"reverse", 0.4}, {"stop", 0.4}}), "");
+  EXPECT_EQ(refusal({{"reverse", 0.4}, {"stop", 0.5}}), "");
+  EXPECT_EQ(refusal({{"reverse", inf}, {"stop", 0.5}}), "");
+  EXPECT_EQ(refusal({{"retract", 0.1}}),
+            "motion.retract: 0.1 s is too early; pressing ends at 0.455 s, allowed is that or later");
+  EXPECT_EQ(refusal({{"retract", 0.456}}), "");
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,130 @@
+// Values given on the command line.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tests/sim/scene/test_catalogues.h"
+
+namespace slipbench {
+namespace {
+
+constexpr const char* base = R"(slipbench: 1
+motion: {speed: 1 mm/s, tilt: [0 deg, 1 deg]}
+sensors: {pad: {type: papillarray}}
+effects: [{ageing: {rate: 0.1}}]
+)";
+
+SceneFile with(const std::vector<Override>& changes, const std::string& text = base) {
+  SceneFile file = SceneFile::from_text(text, "s.yaml");
+  for (const Override& change : changes) file.apply(change);
+  return file;
+}
+
+Scene read(const std::vector<Override>& changes) {
+  const Catalogues catalogues = test_catalogues();
+  return parse_scene(with(changes), catalogues);
+}
+
+std::string refusal(const std::vector<Override>& changes, const std::string& text = base) {
+  const Catalogues catalogues = test_catalogues();
+  try {
+    parse_scene(with(changes, text), catalogues);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Override, ReplacesAValue) {
+  EXPECT_EQ(read({{"motion.speed", "8 mm/s"}}).motion.parameters.number("speed"), 0.008);
+  EXPECT_EQ(read({{"motion.tilt.0", "0.2"}}).motion.parameters.vector("tilt")[0], 0.2);
+  EXPECT_EQ(read({{"effects.0.ageing.rate", "0.2"}}).effects[0].parameters.number("rate"), 0.2);
+  EXPECT_EQ(read({{"effects", "[stribeck]"}}).effects[0].name, "stribeck");
+  EXPECT_TRUE(read({{"effects", "[]"}}).effects.empty());
+  EXPECT_EQ(read({{"motion", "{start: 1 s}"}}).motion.parameters.number("speed"), 0.004) << "a map is replaced, not merged";
+}
+
+TEST(Override, AddsAValueAndTheMapsOnTheWay) {
+  EXPECT_EQ(read({{"friction.static", "0.3"}}).friction.static_coefficient, 0.3);
+  EXPECT_EQ(read({{"seed", "9"}}).seed, 9u);
+  EXPECT_EQ(read({{"sensors.second", "{type: papillarray}"}}).sensors.size(), 2u);
+}
+
+TEST(Override, TheLastOneWins) {
+  EXPECT_EQ(read({{"seed", "1"}, {"seed", "2"}}).seed, 2u);
+  EXPECT_EQ(read({{"motion.speed", "1"}, {"motion", "{speed: 2}"}}).motion.parameters.number("speed"), 2.0);
+}
+
+TEST(Override, IsNamedInMessages) {
+  EXPECT_EQ(refusal({{"motion.speed", "8 N"}}),
+            "--set motion.speed=8 N: motion.speed: unknown unit 'N' of a speed in '8 N'; allowed: m/s, mm/s, cm/s, um/s");
+  EXPECT_EQ(
+      refusal({{"motion.sped", "8"}}),
+      "--set motion.sped=8: unknown key 'sped' in motion; did you mean 'speed'? allowed: acceleration, angular_acceleration, "
+      "approach_speed, compression, direction, gap, kind, pivot, retract, reverse, rotation, speed, start, stop, tilt");
+  EXPECT_EQ(refusal({{"effects", "[ageing"}}), "--set effects=[ageing: a key that is not text; are all brackets closed?");
+  EXPECT_EQ(refusal({{"seed", ""}}), "--set seed=: empty");
+}
+
+TEST(Override, RefusesPathsThatCannotExist) {
+  EXPECT_EQ(refusal({{"motion.speed.x", "1"}}), "--set motion.speed.x=1: no key 'x' in 'motion.speed', which is '1 mm/s'");
+  EXPECT_EQ(refusal({{"motion.tilt.2", "1"}}), "--set motion.tilt.2=1: no item '2' in 'motion.tilt'; allowed: 0 to 1");
+  EXPECT_EQ(refusal({{"effects.1", "ageing"}}), "--set effects.1=ageing: no item '1' in 'effects'; allowed: 0");
+  EXPECT_EQ(refusal({{"effects.first", "ageing"}}), "--set effects.first=ageing: no item 'first' in 'effects'; allowed: 0");
+  EXPECT_EQ(refusal({{"motion.tilt.99999999999999999999", "1"}}),
+            "--set motion.tilt.99999999999999999999=1: no item '99999999999999999999' in 'motion.tilt'; allowed: 0 to 1");
+  EXPECT_EQ(refusal({{"motion.pivot.0", "1"}}),
+            "--set motion.pivot.0=1: no item '0' in 'motion.pivot', which the scene does not give");
+  const std::string example = " is not a path; allowed: keys joined by dots, such as 'motion.speed' or 'motion.tilt.0'";
+  EXPECT_EQ(refusal({{"motion..speed", "1"}}), "--set motion..speed=1: 'motion..speed'" + example);
+  EXPECT_EQ(refusal({{"", "1"}}), "--set =1: ''" + example);
+}
+
+constexpr const char* swept = R"(slipbench: 1
+motion: {tilt: [0 deg, 0 deg]}
+sensors: {pad: {type: papillarray}}
+sweep:
+  motion: [{speed: 1 mm/s, rotation: 1 deg/s}, {speed: 2 mm/s}]
+  motion.compression: [1 mm, 2 mm, 3 mm]
+  motion.tilt: [[0, 0], [0.1, 0.1]]
+)";
+
+TrialPlan plan(const Catalogues& catalogues, const std::vector<Override>& changes) {
+  return {with(changes, swept), catalogues, 0, 0};
+}
+
+TEST(Override, TakesItsPathOutOfTheSweep) {
+  const Catalogues catalogues = test_catalogues();
+  EXPECT_EQ(plan(catalogues, {}).size(), 12u);
+  const TrialPlan fixed = plan(catalogues, {{"motion.compression", "0.5 mm"}});
+  EXPECT_EQ(fixed.size(), 4u);
+  for (std::size_t i = 0; i < fixed.size(); ++i) EXPECT_EQ(fixed.trial(i).scene.motion.parameters.number("compression"), 0.0005);
+  // The whole map is fixed: every axis below it goes.
+  EXPECT_EQ(plan(catalogues, {{"motion", "{speed: 3 mm/s}"}}).size(), 1u);
+}
+
+TEST(Override, TakesItsKeyOutOfAnAxisOfMaps) {
+  const Catalogues catalogues = test_catalogues();
+  const TrialPlan fixed = plan(catalogues, {{"motion.speed", "9 mm/s"}});
+  ASSERT_EQ(fixed.size(), 12u);
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    const TrialPlan::Trial trial = fixed.trial(i);
+    EXPECT_EQ(trial.scene.motion.parameters.number("speed"), 0.009);
+    for (const auto& [path, value] : trial.drawn) EXPECT_NE(path, "motion.speed");
+  }
+  EXPECT_EQ(refusal({{"motion.tilt.0", "0.2"}}, swept),
+            "s.yaml:7 (drawn): sweep.motion.tilt sets what a --set below it fixes; allowed: --set motion.tilt=... as a whole");
+}
+
+TEST(Override, ChangesTheSweepItself) {
+  const Catalogues catalogues = test_catalogues();
+  EXPECT_EQ(plan(catalogues, {{"sweep.motion.compression", "[1 mm]"}}).size(), 4u);
+  EXPECT_EQ(plan(catalogues, {{"sweep.trials", "3"}}).size(), 36u);
+  EXPECT_EQ(plan(catalogues, {{"sweep", "{}"}}).size(), 1u);
+}
+
+}  // namespace
+}  // namespace slipbench

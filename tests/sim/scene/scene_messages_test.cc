@@ -1,0 +1,279 @@
+// What a scene that is wrong is answered: every message names the place, what was found, what is allowed and the nearest name.
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tests/sim/scene/test_catalogues.h"
+
+namespace slipbench {
+namespace {
+
+// Two lines that make a valid scene: what a case adds stands in line 3 and below.
+const std::string head = "slipbench: 1\nsensors: {pad: {type: papillarray}}\n";
+
+std::string answer(const std::string& text) {
+  const Catalogues catalogues = test_catalogues();
+  try {
+    parse_scene(SceneFile::from_text(text, "s.yaml"), catalogues);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+struct Case {
+  const char* name;
+  std::string text;
+  std::string message;
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class Refusal : public testing::TestWithParam<Case> {};
+
+TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().message) << GetParam().text; }
+
+std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
+
+const std::string scene_keys =
+    "controller, description, detector, duration, effects, fidelity, friction, motion, seed, sensors, slipbench, surface, sweep, "
+    "time_step";
+const std::string sensor_keys = "bias, bristle_spread, bristles, electronics, profile, rate, type";
+const std::string materials = "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic";
+
+INSTANTIATE_TEST_SUITE_P(
+    Yaml, Refusal,
+    testing::Values(
+        Case{"Empty", "", "s.yaml:1: empty"},  //
+        Case{"CommentOnly", "# nothing\n", "s.yaml:1: empty"},
+        Case{"Syntax", head + "motion: {speed: 1\n", "s.yaml:4: not valid YAML: end of map flow not found"},
+        Case{"Tab", head + "motion:\n\tspeed: 1\n", "s.yaml:4: not valid YAML: illegal map value"},
+        Case{"SecondDocument", head + "---\nslipbench: 1\n", "s.yaml:3: a second document; allowed: one document a file"},
+        Case{"DuplicateKey", head + "seed: 1\nseed: 2\n", "s.yaml:4: duplicate key 'seed', first at s.yaml:3"},
+        Case{"DuplicateNestedKey", head + "motion:\n  speed: 1\n  gap: 1\n  speed: 2\n",
+             "s.yaml:6: duplicate key 'speed', first at s.yaml:4"},
+        Case{"Anchor", head + "motion: &a {speed: 1}\n", "s.yaml:3: anchors ('&name') are not allowed"},
+        Case{"Alias", head + "seed: 1\nmotion: *a\n", "s.yaml:4: not valid YAML: the referenced anchor is not defined"},
+        Case{"Tag", head + "seed: !!int 1\n", "s.yaml:3: tags ('!name') are not allowed"},
+        Case{"MergeKey", head + "motion: {<<: {speed: 1}}\n", "s.yaml:3: merge keys ('<<') are not allowed"},
+        Case{"MapAsKey", head + "? {a: b}\n: 1\n", "s.yaml:3: a key that is not text; are all brackets closed?"},
+        Case{"NullKey", head + "~: 1\n", "s.yaml:3: a key that is not text; are all brackets closed?"},
+        Case{"ControlCharacter", head + "seed: 1\x01\n", "s.yaml:3: byte 56 is not text; allowed: UTF-8 text"},
+        Case{"NotUtf8", head + "description: \xff\n", "s.yaml:3: byte 62 is not text; allowed: UTF-8 text"},
+        Case{"Overlong", head + "description: \xc0\xaf\n", "s.yaml:3: byte 62 is not text; allowed: UTF-8 text"},
+        Case{"Surrogate", head + "description: \xed\xa0\x80\n", "s.yaml:3: byte 62 is not text; allowed: UTF-8 text"},
+        Case{"ZeroByte", head + "description: \"a\\0b\"\n", "s.yaml:3: 'a\\x00b' holds a zero byte"},
+        Case{"TooLong", std::string(1'000'001, '#'), "s.yaml: longer than 1000000 bytes; allowed: at most that"},
+        Case{"TooDeep", head + "effects: " + std::string(64, '[') + std::string(64, ']') + "\n",
+             "s.yaml:3: nested too deeply; allowed: 64 levels"},
+        Case{"NotAMap", "- 1\n", "s.yaml:1: the scene is a sequence; allowed: a map of keys with values, 'slipbench: 1' first"}),
+    case_name);
+
+INSTANTIATE_TEST_SUITE_P(
+    TopLevel, Refusal,
+    testing::Values(
+        Case{"NoVersion", "sensors: {pad: {type: papillarray}}\n",
+             "s.yaml:1: no key 'slipbench'; a scene says its schema version: 'slipbench: 1'"},
+        Case{"OtherVersion", "slipbench: 2\n", "s.yaml:1: slipbench is '2'; allowed: 1, the schema version"},
+        Case{"UnknownKey", head + "motoin: {}\n",
+             "s.yaml:3: unknown key 'motoin' in the scene; did you mean 'motion'? allowed: " + scene_keys},
+        Case{"KeyOfALaterVersion", head + "expect: {}\n", "s.yaml:3: unknown key 'expect' in the scene; allowed: " + scene_keys},
+        Case{"DescriptionAsMap", head + "description: {a: b}\n", "s.yaml:3: description is a map; allowed: text"},
+        Case{"NoDuration", head + "duration: 0 s\n", "s.yaml:3: duration: '0 s' is out of range; allowed: > 0 s and <= 86400 s"},
+        Case{"EndlessDuration", head + "duration: inf\n", "s.yaml:3: duration: 'inf' is infinite; allowed: a finite number"},
+        Case{"DurationInMetres", head + "duration: 4 m\n",
+             "s.yaml:3: duration: unknown unit 'm' of a time in '4 m'; allowed: s, ms, us, min"},
+        Case{"EmptyDuration", head + "duration:\n", "s.yaml:3: duration is nothing; allowed: a number such as 4 s"},
+        Case{"DurationAsSequence", head + "duration: [4]\n", "s.yaml:3: duration is a sequence; allowed: a number such as 4 s"},
+        Case{"TimeStepWord", head + "time_step: small\n",
+             "s.yaml:3: time_step: 'small' is not a time; allowed: a number in s, or one with a unit: s, ms, us, min"},
+        Case{"TimeStepTooLong", head + "duration: 1 s\ntime_step: 2 s\n",
+             "s.yaml:4: time_step 2 s exceeds the duration; allowed: at most 1 s, or auto"},
+        Case{"TimeStepTooShort", head + "time_step: 10 us\nduration: 1001 s\n",
+             "s.yaml:3: time_step 10 us makes more than 100,000,000 steps; allowed: at least 10.01 us, or auto"},
+        Case{"Fidelity", head + "fidelity: feild\n",
+             "s.yaml:3: fidelity: unknown value 'feild'; did you mean 'field'? allowed: field, articulated"},
+        Case{"NegativeSeed", head + "seed: -1\n", "s.yaml:3: seed: '-1' is no seed; allowed: 0 to 18446744073709551615"},
+        Case{"HugeSeed", head + "seed: 18446744073709551616\n",
+             "s.yaml:3: seed: '18446744073709551616' is no seed; allowed: 0 to 18446744073709551615"},
+        Case{"Detector", head + "detector: {type: gst_hd}\n", "s.yaml:3: unknown detector 'gst_hd'; allowed: none"},
+        Case{"DetectorWithoutType", head + "detector: {}\n", "s.yaml:3: no key 'type' in detector; allowed: none"},
+        Case{"DetectorKey", head + "detector: {type: none, gain: 1}\n",
+             "s.yaml:3: unknown key 'gain' in detector; allowed: type"},
+        Case{"Controller", head + "controller: none\n",
+             "s.yaml:3: controller is 'none'; allowed: a map of 'type' and parameters"}),
+    case_name);
+
+INSTANTIATE_TEST_SUITE_P(
+    Parts, Refusal,
+    testing::Values(
+        Case{"Material", head + "surface: {material: acryl}\n",
+             "s.yaml:3: unknown material 'acryl'; did you mean 'acrylic'? allowed: " + materials},
+        Case{"Shape", head + "surface:\n  shape: plan\n",
+             "s.yaml:4: unknown surface shape 'plan'; did you mean 'plane'? allowed: cylinder, plane"},
+        Case{"ShapeParameterOfAnotherShape", head + "surface: {radius: 1 m}\n",
+             "s.yaml:3: unknown key 'radius' in surface; allowed: material, shape"},
+        Case{"SurfaceAsName", head + "surface: ptfe\n", "s.yaml:3: surface is 'ptfe'; allowed: a map of 'shape' and parameters"},
+        Case{"FrictionKey", head + "friction: {mu: 1}\n",
+             "s.yaml:3: unknown key 'mu' in friction; allowed: kinetic, scale, static"},
+        Case{"NegativeFriction", head + "friction: {static: -0.1}\n",
+             "s.yaml:3: friction.static: '-0.1' is out of range; allowed: >= 0"},
+        Case{"KineticAboveStatic", head + "friction:\n  static: 0.5\n  kinetic: 0.6\n",
+             "s.yaml:5: friction.kinetic 0.6 exceeds the static coefficient 0.5; allowed: at most that"},
+        Case{"KineticAboveTheMaterials", head + "friction: {kinetic: 0.6}\n",
+             "s.yaml:3: friction.kinetic 0.6 exceeds the static coefficient 0.5 of acrylic; allowed: at most that"},
+        Case{"NoScale", head + "friction: {scale: 0}\n", "s.yaml:3: friction.scale: '0' is out of range; allowed: > 0"},
+        Case{"Motion", head + "motion: {kind: satge}\n",
+             "s.yaml:3: unknown motion 'satge'; did you mean 'stage'? allowed: stage"},
+        Case{"InfiniteSpeed", head + "motion: {speed: inf}\n",
+             "s.yaml:3: motion.speed: 'inf' is infinite; allowed: a finite number"},
+        Case{
+            "SpeedNaN", head + "motion: {speed: .nan}\n",
+            "s.yaml:3: motion.speed: '.nan' is not a speed; allowed: a number in m/s, or one with a unit: m/s, mm/s, cm/s, um/s"},
+        Case{"VectorAsNumber", head + "motion: {pivot: 1 mm}\n",
+             "s.yaml:3: motion.pivot is '1 mm'; allowed: a sequence of 2 such as [0 mm, 0 mm]"},
+        Case{"VectorTooLong", head + "motion: {pivot: [1, 2, 3]}\n",
+             "s.yaml:3: motion.pivot has 3 entries; allowed: a sequence of 2 such as [0 mm, 0 mm]"},
+        Case{"VectorEntry", head + "motion:\n  tilt:\n    - 1 deg\n    - 90 deg\n",
+             "s.yaml:6: motion.tilt.1: '90 deg' is out of range; allowed: >= -0.5 rad and <= 0.5 rad"},
+        Case{"NoSensors", "slipbench: 1\nseed: 2\n",
+             "s.yaml:1: no key 'sensors'; allowed: a map of at least one sensor, such as 'pad: {type: papillarray}'"},
+        Case{"EmptySensors", "slipbench: 1\nsensors: {}\n",
+             "s.yaml:2: sensors is empty; allowed: a map of at least one sensor, such as 'pad: {type: papillarray}'"},
+        Case{"SensorName", "slipbench: 1\nsensors: {2nd pad: {type: papillarray}}\n",
+             "s.yaml:2: '2nd pad' cannot name a sensor; allowed: letters, digits and '_', no digit first"},
+        Case{"SensorWithoutType", "slipbench: 1\nsensors:\n  pad: {rate: 1 kHz}\n",
+             "s.yaml:3: no key 'type' in sensors.pad; allowed: papillarray"},
+        Case{"SensorType", "slipbench: 1\nsensors: {pad: {type: papilarray}}\n",
+             "s.yaml:2: unknown sensor 'papilarray'; did you mean 'papillarray'? allowed: papillarray"},
+        Case{"SensorKey", "slipbench: 1\nsensors: {pad: {type: papillarray, bristle: 6}}\n",
+             "s.yaml:2: unknown key 'bristle' in sensors.pad; did you mean 'bristles'? allowed: " + sensor_keys},
+        Case{"SensorChoice", "slipbench: 1\nsensors: {pad: {type: papillarray, profile: grip}}\n",
+             "s.yaml:2: sensors.pad.profile: unknown value 'grip'; allowed: gripper, hexapod"},
+        Case{"SensorInteger", "slipbench: 1\nsensors: {pad: {type: papillarray, bristles: 2.5}}\n",
+             "s.yaml:2: sensors.pad.bristles: '2.5' is not a whole number; allowed: digits, with a leading '-' if negative"},
+        Case{"SensorFlag", "slipbench: 1\nsensors: {pad: {type: papillarray, bias: on}}\n",
+             "s.yaml:2: sensors.pad.bias: 'on' is not a flag; allowed: true, false"},
+        Case{"ElectronicsWord", "slipbench: 1\nsensors: {pad: {type: papillarray, electronics: idea}}\n",
+             "s.yaml:2: sensors.pad.electronics: unknown value 'idea'; did you mean 'ideal'? allowed: ideal, typical, or a "
+             "sequence "
+             "of parts"},
+        Case{"ElectronicsPart", "slipbench: 1\nsensors: {pad: {type: papillarray, electronics: [nose]}}\n",
+             "s.yaml:2: unknown part of the electronics 'nose'; did you mean 'noise'? allowed: drift, noise"},
+        Case{"EffectsAsName", head + "effects: ageing\n",
+             "s.yaml:3: effects is 'ageing'; allowed: a sequence of names or of {name: {parameters}}"},
+        Case{"Effect", head + "effects: [agein]\n",
+             "s.yaml:3: unknown effect 'agein'; did you mean 'ageing'? allowed: ageing, stribeck"},
+        Case{"EffectTwice", head + "effects:\n  - ageing\n  - ageing: {rate: 1}\n",
+             "s.yaml:5: effect 'ageing' is named twice in effects"},
+        Case{"EffectOfTwoKeys", head + "effects: [{ageing: {}, stribeck: {}}]\n",
+             "s.yaml:3: effects.0 is a map of 2 keys; allowed: a name, or one {name: {parameters}}"},
+        Case{"EffectParameter", head + "effects: [{ageing: {rte: 1}}]\n",
+             "s.yaml:3: unknown key 'rte' in ageing; did you mean 'rate'? allowed: rate"},
+        Case{"EffectParametersAsNumber", head + "effects: [{ageing: 3}]\n",
+             "s.yaml:3: effects.ageing is '3'; allowed: a map of parameters"}),
+    case_name);
+
+std::string paths_of(int count) {
+  std::string text = "{";
+  for (int i = 0; i < count; ++i) text += "motion.p" + std::to_string(i) + ": [1], ";
+  return text + "}";
+}
+
+// What follows "sweep: " in line 3.
+std::string sweep(const std::string& text) { return head + "sweep: " + text + "\n"; }
+
+std::string four_axes_of_32() {
+  std::string values = "[0";
+  for (int i = 1; i < 32; ++i) values += "," + std::to_string(i);
+  values += "]";
+  return "{motion.speed: " + values + ", motion.gap: " + values + ", motion.rotation: " + values +
+         ", motion.direction: " + values + "}";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Sweep, Refusal,
+    testing::Values(
+        Case{"SweepAsSequence", sweep("[1]"),
+             "s.yaml:3: sweep is a sequence; allowed: a map of paths, such as 'motion.speed: [1 mm/s, 4 mm/s]'"},
+        Case{"TooManyPaths", sweep(paths_of(1001)), "s.yaml:3: sweep has 1001 entries; allowed: at most 1000"},
+        Case{"AxisAsNumber", sweep("{motion.speed: 1}"),
+             "s.yaml:3: sweep.motion.speed is '1'; allowed: a sequence of values, or {draw: ...}"},
+        Case{"EmptyAxis", sweep("{motion.speed: []}"),
+             "s.yaml:3: sweep.motion.speed is empty; allowed: a sequence of at least one value"},
+        Case{"SweptPath", sweep("{motion.sped: [1]}"),
+             "s.yaml:3 (drawn): unknown key 'sped' in motion; did you mean 'speed'? allowed: acceleration, angular_acceleration, "
+             "approach_speed, compression, direction, gap, kind, pivot, retract, reverse, rotation, speed, start, stop, tilt"},
+        Case{"SweptPathSyntax", sweep("{motion.: [1]}"),
+             "s.yaml:3: 'motion.' is not a path; allowed: keys joined by dots, such as 'motion.speed' or 'motion.tilt.0'"},
+        Case{"SweptSeed", sweep("{seed: [1, 2]}"), "s.yaml:3: 'seed' cannot be swept; allowed: any other key of the scene"},
+        Case{"SweptItemOfNothing", sweep("{motion.tilt.0: [1]}"),
+             "s.yaml:3 (drawn): no item '0' in 'motion.tilt', which the scene does not give"},
+        Case{"SweptTwice", sweep("{motion: [{speed: 1}, {gap: 2}], motion.speed: [1]}"),
+             "s.yaml:3 (drawn): sweep.motion.speed sets what sweep.motion sets, too; allowed: each value once"},
+        Case{"SweptBelow", sweep("{motion.tilt: [[0, 0]], motion.tilt.0: [1]}"),
+             "s.yaml:3 (drawn): sweep.motion.tilt.0 sets what sweep.motion.tilt sets, too; allowed: each value once"},
+        Case{"AxisValue", sweep("\n  motion.speed:\n    - 1 mm/s\n    - 2 mm"),
+             "s.yaml:6 (drawn): motion.speed: unknown unit 'mm' of a speed in '2 mm'; allowed: m/s, mm/s, cm/s, um/s"},
+        Case{"Trials", sweep("{trials: 0}"), "s.yaml:3: sweep.trials is '0'; allowed: 1 to 1000000"},
+        Case{"TrialsAsMap", sweep("{trials: {}}"), "s.yaml:3: sweep.trials is a map; allowed: 1 to 1000000"},
+        Case{"TooManyTrials", sweep("{motion.speed: [1, 2], trials: 500001}"),
+             "s.yaml: 2 grid cells of 500001 trials each; allowed: at most 1,000,000 trials"},
+        Case{"TooManyCells", sweep(four_axes_of_32()),
+             "s.yaml:3 (drawn): the sweep has more than 1,000,000 grid cells; allowed: at most that"},
+        Case{"DrawWithoutKind", sweep("{motion.speed: {min: 1, max: 2}}"),
+             "s.yaml:3: no key 'draw' in sweep.motion.speed; allowed: choice, log_uniform, lognormal, normal, uniform"},
+        Case{
+            "DrawKind", sweep("{motion.speed: {draw: unifrom, min: 1, max: 2}}"),
+            "s.yaml:3: unknown draw 'unifrom'; did you mean 'uniform'? allowed: choice, log_uniform, lognormal, normal, uniform"},
+        Case{"DrawKey", sweep("{motion.speed: {draw: uniform, min: 1, max: 2, mean: 1}}"),
+             "s.yaml:3: unknown key 'mean' in sweep.motion.speed; did you mean 'max'? allowed: draw, max, min"},
+        Case{"DrawWithoutBound", sweep("{motion.speed: {draw: uniform, min: 1}}"),
+             "s.yaml:3: no key 'max' in sweep.motion.speed; a draw 'uniform' needs it"},
+        Case{"DrawBounds", sweep("{motion.speed: {draw: uniform, min: 2, max: 1}}"),
+             "s.yaml:3: sweep.motion.speed.max: '1' is out of range; allowed: more than min"},
+        Case{"DrawTooWide", sweep("{motion.speed: {draw: uniform, min: -1e308, max: 1e308}}"),
+             "s.yaml:3: sweep.motion.speed.max: '1e308' is out of range; allowed: an interval within a double's range"},
+        Case{"DrawInfinite", sweep("{motion.speed: {draw: uniform, min: 1, max: inf}}"),
+             "s.yaml:3: sweep.motion.speed.max: 'inf' is infinite; allowed: a finite number"},
+        Case{"DrawNotANumber", sweep("{motion.speed: {draw: uniform, min: 1, max: fast}}"),
+             "s.yaml:3: sweep.motion.speed.max: 'fast' is not a number; allowed: a number, or one with a unit: %"},
+        Case{"DrawNumberAsMap", sweep("{motion.speed: {draw: uniform, min: 1, max: {}}}"),
+             "s.yaml:3: sweep.motion.speed.max is a map; allowed: a number"},
+        Case{"DrawOfTwoQuantities", sweep("{motion.speed: {draw: uniform, min: 1 mm/s, max: 2 mm}}"),
+             "s.yaml:3: sweep.motion.speed.max: '2 mm' does not fit the other numbers; allowed: a number in m/s"},
+        Case{"DrawOfAnotherQuantity", sweep("{motion.speed: {draw: uniform, min: 1 N, max: 1.0000000000000002 N}}"),
+             "s.yaml:3 (drawn): motion.speed: unknown unit 'N' of a speed in '1 N'; allowed: m/s, mm/s, cm/s, um/s"},
+        Case{"NegativeDeviation", sweep("{motion.speed: {draw: normal, mean: 1, sd: -1}}"),
+             "s.yaml:3: sweep.motion.speed.sd: '-1' is out of range; allowed: >= 0"},
+        Case{"LognormalMedian", sweep("{motion.speed: {draw: lognormal, median: 0, sd: 1}}"),
+             "s.yaml:3: sweep.motion.speed.median: '0' is out of range; allowed: > 0"},
+        Case{"LognormalDeviation", sweep("{motion.speed: {draw: lognormal, median: 1 m/s, sd: 1 m/s}}"),
+             "s.yaml:3: sweep.motion.speed.sd: unknown unit 'm/s' of a number in '1 m/s'; allowed: %"},
+        Case{"LogUniformFromZero", sweep("{motion.speed: {draw: log_uniform, min: 0, max: 1}}"),
+             "s.yaml:3: sweep.motion.speed.min: '0' is out of range; allowed: > 0"},
+        Case{"UnreachableBounds", sweep("{motion.speed: {draw: normal, mean: 0, sd: 1 mm/s, min: 1 m/s}}"),
+             "s.yaml:3 (drawn): no draw within [1 m/s, inf] in 1000 tries; allowed: bounds nearer to the mean"},
+        Case{"EmptyChoice", sweep("{motion.speed: {draw: choice, values: []}}"),
+             "s.yaml:3: sweep.motion.speed.values is empty; allowed: a sequence of at least one value"}),
+    case_name);
+
+TEST(Refusal, OfAFileThatCannotBeReadSaysWhy) {
+  const auto load = [](const std::string& path) -> std::string {
+    try {
+      static_cast<void>(SceneFile::load(path));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(load("/no/such/scene.yaml"), "/no/such/scene.yaml: cannot be read: No such file or directory");
+  EXPECT_EQ(load("/tmp"), "/tmp: cannot be read: Is a directory");
+  EXPECT_EQ(load("/dev/zero"), "/dev/zero: longer than 1000000 bytes; allowed: at most that");
+}
+
+}  // namespace
+}  // namespace slipbench

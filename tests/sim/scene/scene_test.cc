@@ -1,0 +1,124 @@
+// What a valid scene is read as.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "sim/scene/parser.h"
+#include "tests/sim/scene/test_catalogues.h"
+
+namespace slipbench {
+namespace {
+
+const std::string minimal = "slipbench: 1\nsensors: {pad: {type: papillarray}}\n";
+
+Scene read(const std::string& text) {
+  const Catalogues catalogues = test_catalogues();
+  return parse_scene(SceneFile::from_text(text, "s.yaml"), catalogues);
+}
+
+TEST(Scene, HasDefaultsForAllButItsSensors) {
+  const Scene scene = read(minimal);
+  EXPECT_EQ(scene.description, "");
+  EXPECT_EQ(scene.duration, 4.0);
+  EXPECT_FALSE(scene.time_step.has_value());
+  EXPECT_EQ(scene.fidelity, "field");
+  EXPECT_EQ(scene.seed, 0u);
+  EXPECT_EQ(scene.material, "acrylic");
+  EXPECT_EQ(scene.surface.name, "plane");
+  EXPECT_EQ(scene.friction.static_coefficient, 0.5);
+  EXPECT_EQ(scene.motion.name, "stage");
+  EXPECT_EQ(scene.motion.parameters.number("compression"), 0.001);
+  EXPECT_EQ(scene.motion.parameters.vector("pivot"), (std::vector{0.0, 0.0}));
+  EXPECT_EQ(scene.motion.parameters.number("stop"), std::numeric_limits<double>::infinity());
+  ASSERT_EQ(scene.sensors.size(), 1u);
+  EXPECT_EQ(scene.sensors[0].name, "pad");
+  EXPECT_EQ(scene.sensors[0].type, "papillarray");
+  EXPECT_EQ(scene.sensors[0].parameters.number("rate"), 1000.0);
+  EXPECT_TRUE(scene.sensors[0].electronics.empty());
+  EXPECT_TRUE(scene.effects.empty());
+}
+
+TEST(Scene, ReadsEveryKey) {
+  const Scene scene = read(R"(
+slipbench: 1
+description: 'text: with colon'
+duration: 500 ms
+time_step: 0.1 ms
+fidelity: articulated
+seed: 18446744073709551615
+surface: {shape: cylinder, material: ptfe, radius: 20 mm}
+friction: {static: 0.4, kinetic: 0.3, scale: 2}
+motion:
+  kind: stage
+  pivot: [1 mm, -2e-3]
+  stop: inf
+  acceleration: inf
+sensors:
+  left: {type: papillarray, rate: 100 Hz, bristles: 6, profile: hexapod, bias: false, electronics: typical}
+  right_2: {type: papillarray, electronics: [{drift: {slope: 2 mN}}]}
+effects:
+  - stribeck
+  - ageing: {rate: 0.1}
+detector: {type: none}
+controller: {type: none}
+)");
+  EXPECT_EQ(scene.description, "text: with colon");
+  EXPECT_EQ(scene.duration, 0.5);
+  EXPECT_EQ(scene.time_step, 1e-4);
+  EXPECT_EQ(scene.fidelity, "articulated");
+  EXPECT_EQ(scene.seed, std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(scene.material, "ptfe");
+  EXPECT_EQ(scene.surface.name, "cylinder");
+  EXPECT_EQ(scene.surface.parameters.number("radius"), 0.02);
+  EXPECT_EQ(scene.friction.static_coefficient, 0.8);
+  EXPECT_EQ(scene.friction.kinetic_coefficient, 0.6);
+  EXPECT_EQ(scene.friction.scale, 2.0);
+  EXPECT_EQ(scene.motion.parameters.vector("pivot"), (std::vector{0.001, -0.002}));
+  ASSERT_EQ(scene.sensors.size(), 2u);
+  const Parameters& left = scene.sensors[0].parameters;
+  EXPECT_EQ(left.number("rate"), 100.0);
+  EXPECT_EQ(left.integer("bristles"), 6);
+  EXPECT_EQ(left.choice("profile"), "hexapod");
+  EXPECT_FALSE(left.flag("bias"));
+  // typical: every part of the catalogue at its defaults.
+  ASSERT_EQ(scene.sensors[0].electronics.size(), 2u);
+  EXPECT_EQ(scene.sensors[0].electronics[0].name, "noise");
+  EXPECT_EQ(scene.sensors[0].electronics[1].name, "drift");
+  EXPECT_EQ(scene.sensors[0].electronics[1].parameters.number("slope"), 0.001);
+  ASSERT_EQ(scene.sensors[1].electronics.size(), 1u);
+  EXPECT_EQ(scene.sensors[1].electronics[0].parameters.number("slope"), 0.002);
+  ASSERT_EQ(scene.effects.size(), 2u);
+  EXPECT_EQ(scene.effects[0].name, "stribeck");
+  EXPECT_EQ(scene.effects[0].parameters.number("speed"), 0.001);
+  EXPECT_EQ(scene.effects[1].name, "ageing");
+  EXPECT_EQ(scene.effects[1].parameters.number("rate"), 0.1);
+}
+
+TEST(Scene, TakesFrictionFromTheMaterialUnlessItGivesItsOwn) {
+  // ptfe is 0.35 / 0.3325, a ratio of 0.95.
+  const std::string ptfe = minimal + "surface: {material: ptfe}\n";
+  EXPECT_EQ(read(ptfe).friction.static_coefficient, 0.35);
+  EXPECT_EQ(read(ptfe).friction.kinetic_coefficient, 0.3325);
+  EXPECT_DOUBLE_EQ(read(ptfe + "friction: {static: 0.2}\n").friction.kinetic_coefficient, 0.19);
+  EXPECT_EQ(read(ptfe + "friction: {kinetic: 0.1}\n").friction.static_coefficient, 0.35);
+  EXPECT_EQ(read(ptfe + "friction: {kinetic: 0.1}\n").friction.kinetic_coefficient, 0.1);
+  EXPECT_EQ(read(ptfe + "friction: {scale: 2}\n").friction.static_coefficient, 0.7);
+  EXPECT_EQ(read(ptfe + "friction: {static: 0}\n").friction.kinetic_coefficient, 0.0);
+}
+
+TEST(Scene, TakesAnEffectWithoutParametersInEitherForm) {
+  const Scene scene = read(minimal + "effects:\n  - ageing:\n  - stribeck: {}\n");
+  ASSERT_EQ(scene.effects.size(), 2u);
+  EXPECT_EQ(scene.effects[0].parameters.number("rate"), 0.03);
+}
+
+TEST(Scene, KeepsItsTextAsItWasRead) {
+  SceneFile file = SceneFile::from_text(minimal, "s.yaml");
+  file.apply({"seed", "3"});
+  EXPECT_EQ(file.text(), minimal);
+  EXPECT_EQ(file.name(), "s.yaml");
+}
+
+}  // namespace
+}  // namespace slipbench

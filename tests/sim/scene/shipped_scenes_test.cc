@@ -1,0 +1,87 @@
+// The scenes that come with the program.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <string>
+
+#include "sim/scene/parser.h"
+#include "tests/sim/scene/test_catalogues.h"
+
+namespace slipbench {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+SceneFile shipped(const std::string& name) { return SceneFile::load(std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/" + name); }
+
+TEST(ShippedScenes, StageIsThePressAndSlideOfFourSeconds) {
+  const Catalogues catalogues = test_catalogues();
+  const Scene scene = parse_scene(shipped("papillarray/stage.yaml"), catalogues);
+  EXPECT_EQ(scene.duration, 4.0);
+  EXPECT_EQ(scene.time_step, 0.001);
+  EXPECT_EQ(scene.seed, 7u);
+  EXPECT_EQ(scene.material, "acrylic");
+  EXPECT_EQ(scene.friction.static_coefficient, 0.5);
+  EXPECT_EQ(scene.friction.kinetic_coefficient, 0.5);
+  EXPECT_EQ(scene.motion.parameters.number("compression"), 0.001);
+  EXPECT_EQ(scene.motion.parameters.number("speed"), 0.004);
+  EXPECT_DOUBLE_EQ(scene.motion.parameters.number("direction"), 30.0 * degree);
+  EXPECT_EQ(scene.motion.parameters.number("acceleration"), 0.05);
+  ASSERT_EQ(scene.sensors.size(), 1u);
+  EXPECT_EQ(scene.sensors[0].name, "pad");
+  EXPECT_EQ(scene.sensors[0].parameters.number("rate"), 1000.0);
+  EXPECT_TRUE(scene.sensors[0].electronics.empty());
+  EXPECT_TRUE(scene.effects.empty());
+  EXPECT_EQ(TrialPlan(shipped("papillarray/stage.yaml"), catalogues, 0, 7).size(), 1u);
+}
+
+TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
+  const Catalogues catalogues = test_catalogues();
+  const TrialPlan plan(shipped("papillarray/hexapod.yaml"), catalogues, 0, 1);
+  ASSERT_EQ(plan.size(), 200u);
+  std::map<std::string, int> kinds;
+  std::set<double> compressions;
+  std::set<double> directions;
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    const Scene scene = plan.trial(i).scene;
+    const Parameters& motion = scene.motion.parameters;
+    EXPECT_EQ(scene.duration, 4.0);
+    EXPECT_EQ(scene.sensors[0].parameters.number("rate"), 1000.0);
+    EXPECT_EQ(scene.sensors[0].parameters.integer("bristles"), 6);
+    EXPECT_EQ(scene.sensors[0].parameters.choice("profile"), "hexapod");
+    EXPECT_EQ(motion.number("start"), 2.0);
+    const bool slides = motion.number("speed") > 0.0;
+    const bool turns = motion.number("rotation") != 0.0;
+    EXPECT_TRUE(slides || turns) << "trial " << i;
+    ++kinds[slides && turns ? "both" : slides ? "translation" : "rotation"];
+    EXPECT_EQ(motion.vector("pivot") != (std::vector{0.0, 0.0}), slides && turns) << "trial " << i;
+    if (slides) {
+      EXPECT_GE(motion.number("speed"), 0.0005);
+      EXPECT_LE(motion.number("speed"), 0.016);
+    }
+    // 16 mm/s at 9.9 mm is 92.6 deg/s.
+    EXPECT_LE(std::abs(motion.number("rotation")), 92.7 * degree);
+    // A stop trial halts 50 to 100 ms after the start; other turns brake late, to stay within what a hexapod can turn. Speeding up
+    // loses as much of the angle as braking adds, so the pad turns by rate x stop.
+    EXPECT_GE(motion.number("stop"), 0.050);
+    if (motion.number("stop") <= 0.100) ++kinds["stop"];
+    EXPECT_LE(std::abs(motion.number("rotation")) * std::min(motion.number("stop"), 2.0), 35.0 * degree);
+    for (const double tilt : motion.vector("tilt")) EXPECT_LE(std::abs(tilt), 3.0 * degree);
+    compressions.insert(motion.number("compression"));
+    directions.insert(motion.number("direction"));
+    EXPECT_NE(scene.friction.static_coefficient, 0.5);
+  }
+  // 10 kinds of 5 speeds x 4 compressions = 20 trials each: 4 translations, 3 rotations, 3 of both; 2 of the 10 stop.
+  EXPECT_EQ(kinds["translation"], 80);
+  EXPECT_EQ(kinds["rotation"], 60);
+  EXPECT_EQ(kinds["both"], 60);
+  EXPECT_EQ(kinds["stop"], 40);
+  EXPECT_EQ(compressions, (std::set{0.0006, 0.0009, 0.00105, 0.0013}));
+  EXPECT_EQ(directions.size(), 200u) << "every trial draws its own direction";
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,160 @@
+"""Each check of tools/checks passes a clean tree and finds a violation planted in it. Argument: the project's root."""
+
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(sys.argv.pop(1))
+
+CLEAN = {
+    "sim/core/README.md": "# sim/core\n",
+    "sim/core/a.h": "// A.\n#pragma once\n\n#include <vector>\n\n#include <Eigen/Core>\n",
+    "sim/mujoco/README.md": "# sim/mujoco\n",
+    "sim/mujoco/b.cc": '#include <mujoco/mujoco.h>\n\n#include "sim/core/a.h"\n',
+    "sensors/pad/README.md": "# sensors/pad\n",
+    "sensors/pad/c.cc": '#include "sensors/pad/c.h"\n\n#include "sensors/electronics/d.h"\n#include "sim/core/a.h"\n',
+    "tests/sim/core/a_test.cc": '#include "tools/run/run.h"\n',
+    "run.sh": '#!/usr/bin/env bash\necho "$1"\n',
+}
+
+
+class ChecksTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.tree = Path(folder.name)
+        for path, text in CLEAN.items():
+            self.plant(path, text)
+        shutil.copy(ROOT / ".clang-format", self.tree)
+        shutil.copy(ROOT / ".clang-tidy", self.tree)
+
+    def plant(self, path, text):
+        (self.tree / path).parent.mkdir(parents=True, exist_ok=True)
+        (self.tree / path).write_text(text, encoding="utf-8")
+
+    def run_check(self, check, *arguments):
+        return subprocess.run(
+            [sys.executable, ROOT / "tools/checks" / f"{check}.py", self.tree, *arguments], capture_output=True, text=True, check=False)
+
+    def assert_found(self, check, path, text, *words):
+        """The check is content with the clean tree, and no more once `text` stands in `path`; its finding holds `words`."""
+        before = self.run_check(check)
+        self.assertEqual(before.returncode, 0, before.stdout + before.stderr)
+        self.plant(path, text)
+        after = self.run_check(check)
+        self.assertEqual(after.returncode, 1, after.stdout + after.stderr)
+        self.assertEqual(len(after.stdout.splitlines()), 1, after.stdout)
+        for word in (path, *words):
+            self.assertIn(word, after.stdout)
+
+    def test_sensor_includes_detector(self):
+        self.assert_found("include_rule", "sensors/pad/d.h", '\n#include "detectors/e.h"\n', ":2:", "sensors/pad/")
+
+    def test_sensor_includes_other_sensor(self):
+        self.assert_found("include_rule", "sensors/pad/d.h", '#include "sensors/skin/e.h"\n', "sensors/electronics/")
+
+    def test_sensor_includes_simulation(self):
+        self.assert_found("include_rule", "sensors/pad/d.h", '#include "sim/field/field.h"\n', "sim/core/")
+
+    def test_detector_includes_truth(self):
+        self.assert_found("include_rule", "detectors/d.h", '#include "sim/field/field.h"\n', "sim/core/")
+
+    def test_controller_includes_detector(self):
+        self.assert_found("include_rule", "controllers/d.h", '#include "detectors/e.h"\n', "controllers/")
+
+    def test_simulation_includes_tools(self):
+        self.assert_found("include_rule", "sim/field/d.h", '#include "tools/run/run.h"\n', "sim/")
+
+    def test_tool_includes_test(self):
+        self.assert_found("include_rule", "tools/run/d.h", '#include "tests/e.h"\n', "tools/")
+
+    def test_mujoco_outside_its_folder(self):
+        self.assert_found("include_rule", "sim/motion/d.h", "#include <mujoco/mujoco.h>\n", "only sim/mujoco")
+
+    def test_field_includes_mujoco_folder(self):
+        self.assert_found("include_rule", "sim/field/d.h", '#include "sim/mujoco/version.h"\n', "free of MuJoCo")
+
+    def test_core_includes_library(self):
+        self.assert_found("include_rule", "sim/core/d.h", "#include <yaml-cpp/yaml.h>\n", "standard library")
+
+    def test_core_header_includes_random123(self):
+        self.assert_found("include_rule", "sim/core/d.h", "#include <Random123/philox.h>\n", "standard library")
+
+    def test_include_not_from_the_root(self):
+        self.assert_found("include_rule", "sim/core/d.h", '#include "a.h"\n', "project root")
+
+    def test_folder_without_readme(self):
+        self.plant("sim/core/a.h", "\n")
+        self.plant("sim/field/f.h", "\n")
+        self.assertIn("sim/field: no README.md", self.run_check("folder_readmes").stdout)
+
+    def test_tests_folder_that_mirrors_nothing(self):
+        self.plant("tests/oracle/f.cc", "\n")
+        self.assertIn("tests/oracle: no README.md", self.run_check("folder_readmes").stdout)
+
+    def test_readme_over_a_page(self):
+        self.assert_found("folder_readmes", "sim/core/README.md", "line\n" * 61, "61 lines")
+
+    def test_marker(self):
+        self.assert_found("no_leftovers", "sim/core/d.h", "// TO" "DO: more\n", ":1:", "marker")
+
+    def test_code_in_comment(self):
+        self.assert_found("no_leftovers", "sim/core/d.cc", "int a;\n// int b = 1;\n", ":2:", "code in a comment")
+
+    def test_disabled_block(self):
+        self.assert_found("no_leftovers", "sim/core/d.cc", "#if 0\n", ":1:", "code in a comment")
+
+    def test_python_code_in_comment(self):
+        self.assert_found("no_leftovers", "tools/d.py", "# print(1)\n", ":1:", "code in a comment")
+
+    def test_long_source(self):
+        self.assert_found("no_leftovers", "sim/core/d.cc", "\n" * 601, "601 lines")
+
+    def test_large_file(self):
+        self.assert_found("no_leftovers", "data.bin", "x" * 1_000_001, "1000001 bytes")
+
+    def test_type_defined_twice(self):
+        self.plant("sim/core/d.h", "class Gauge {\n};\n")
+        self.assert_found("one_definition", "tools/e.h", "struct Gauge final : public Base {\n};\n", "Gauge", "sim/core/d.h:1")
+
+    def test_type_announced_twice(self):
+        self.plant("sim/core/d.h", "class Gauge;\n")
+        self.plant("tools/e.h", "class Gauge;\nclass Gauge {\n};\n")
+        self.assertEqual(self.run_check("one_definition").returncode, 0)
+
+    def test_layout(self):
+        self.assert_found("clang_format", "sim/core/d.cc", "int  a;\n", "--fix")
+
+    def test_layout_is_mended(self):
+        self.plant("sim/core/d.cc", "int  a;\n")
+        self.assertEqual(self.run_check("clang_format", "--fix").returncode, 0)
+        self.assertEqual((self.tree / "sim/core/d.cc").read_text(encoding="utf-8"), "int a;\n")
+
+    def test_shell_script(self):
+        self.assert_found("shell_check", "run.sh", "#!/usr/bin/env bash\nrm $1\n", "SC2086")
+
+    def test_lint(self):
+        # A std::string moved from and then read: bugprone-use-after-move.
+        faulty = ("#include <string>\n#include <utility>\nstd::string f(std::string s) {\n"
+                  "  std::string t = std::move(s);\n  return s + t;\n}\n")
+        build = self.tree / "build"
+        build.mkdir()
+        command = {"directory": str(build), "file": "../sim/core/d.cc", "command": "g++ -std=c++20 -o d.o -c ../sim/core/d.cc"}
+        (build / "compile_commands.json").write_text(json.dumps([command]), encoding="utf-8")
+        self.plant("sim/core/d.cc", faulty.replace("return s + t", "return t"))
+        for _ in range(2):  # the second time from memory
+            clean = self.run_check("clang_tidy", build)
+            self.assertEqual(clean.returncode, 0, clean.stdout + clean.stderr)
+        self.plant("sim/core/d.cc", faulty)
+        for _ in range(2):
+            found = self.run_check("clang_tidy", build)
+            self.assertEqual(found.returncode, 1, found.stdout + found.stderr)
+            self.assertIn("bugprone-use-after-move", found.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,41 @@
+// Runs the built program and keeps what it says.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace slipbench {
+
+struct ChildResult {
+  int status = 0;  // exit status; 128 + signal when a signal ended it
+  std::string out;
+  std::string err;
+};
+
+// A folder that is empty at first and removed with its object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// Runs `slipbench arguments...` with stdout and stderr in files: nobody watches. `out`: where stdout goes instead, e.g. /dev/full.
+ChildResult run_program_file(const std::vector<std::string>& arguments, const std::string& out = "");
+
+// The same with all streams on a terminal of 120 columns and `environment` ("NAME=value") added; everything it writes is in `out`.
+ChildResult run_program_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
+
+// Starts the program with its streams in files, sends `signal` as soon as `ready` exists, and waits for the end.
+ChildResult run_program_interrupted(const std::vector<std::string>& arguments, const std::string& ready, int signal);
+
+}  // namespace slipbench

@@ -1,0 +1,155 @@
+#include "tools/cli/options.h"
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::string refusal(const std::vector<std::string>& arguments) {
+  try {
+    parse_options(arguments);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::vector<std::string> paths(const Options& options) {
+  std::vector<std::string> result;
+  for (const Override& change : options.overrides) result.push_back(change.path + " -> " + change.value);
+  return result;
+}
+
+TEST(Options, RunTakesEverything) {
+  const Options options =
+      parse_options({"run", "s.yaml", "--seed", "7", "--trials", "3", "--jobs", "2", "-o", "out.h5", "--quiet"});
+  EXPECT_EQ(options.command, "run");
+  EXPECT_EQ(options.scene, "s.yaml");
+  EXPECT_EQ(options.seed, 7U);
+  EXPECT_EQ(options.trials, 3U);
+  EXPECT_EQ(options.jobs, 2U);
+  EXPECT_EQ(options.output, "out.h5");
+  EXPECT_TRUE(options.quiet);
+  EXPECT_FALSE(options.json);
+}
+
+TEST(Options, WhatIsNotGivenIsEmpty) {
+  const Options options = parse_options({"sweep", "s.yaml"});
+  EXPECT_EQ(options.command, "sweep");
+  EXPECT_FALSE(options.seed || options.trials || options.jobs || options.trial);
+  EXPECT_EQ(options.output, "");
+}
+
+TEST(Options, SeedHolds64Bits) {
+  EXPECT_EQ(parse_options({"run", "s.yaml", "--seed", "18446744073709551615"}).seed, std::numeric_limits<std::uint64_t>::max());
+  EXPECT_THAT(refusal({"run", "s.yaml", "--seed", "18446744073709551616"}),
+              "run: --seed is '18446744073709551616'; allowed: a whole number from 0 to 18446744073709551615");
+}
+
+TEST(Options, SetTakesSeveralValuesWhereverItStands) {
+  const auto expected = ElementsAre("motion.speed -> 8 mm/s", "friction.static -> 0.4");
+  EXPECT_THAT(paths(parse_options({"run", "s.yaml", "--set", "motion.speed=8 mm/s", "friction.static=0.4"})), expected);
+  EXPECT_THAT(paths(parse_options({"run", "--set", "motion.speed=8 mm/s", "friction.static=0.4", "s.yaml"})), expected);
+  EXPECT_THAT(paths(parse_options({"run", "--set", "motion.speed=8 mm/s", "s.yaml", "--set", "friction.static=0.4"})), expected);
+  EXPECT_EQ(parse_options({"run", "--set", "a=1", "b=2", "s.yaml", "--seed", "1"}).scene, "s.yaml");
+}
+
+TEST(Options, SetValueMayHoldEqualsSignsBracketsAndSpaces) {
+  EXPECT_THAT(paths(parse_options({"run", "s.yaml", "--set", "effects=[stribeck, {ageing: {}}]", "description=a = b"})),
+              ElementsAre("effects -> [stribeck, {ageing: {}}]", "description -> a = b"));
+}
+
+TEST(Options, JsonMayStandBeforeTheCommand) {
+  EXPECT_TRUE(parse_options({"--json", "list"}).json);
+  EXPECT_TRUE(parse_options({"list", "--json"}).json);
+}
+
+TEST(Options, ReportAndExport) {
+  const Options report = parse_options({"report", "a.h5", "--trial", "4", "-o", "a.html"});
+  EXPECT_EQ(report.dataset, "a.h5");
+  EXPECT_EQ(report.trial, 4U);
+  EXPECT_EQ(report.output, "a.html");
+  const Options exported = parse_options({"export", "a.h5", "--format", "training-csv", "-o", "dir"});
+  EXPECT_EQ(exported.format, ExportFormat::training_csv);
+  EXPECT_EQ(exported.slip_rule, SlipRule::strict);
+  EXPECT_EQ(exported.output, "dir");
+}
+
+TEST(Options, ExportReadsTheRuleAndItsSpeed) {
+  const Options options = parse_options({"export", "a.h5", "--format", "vendor-csv", "-o", "dir", "--slip", "paper",
+                                         "--label-speed", "0.2 mm/s", "--sensor", "pad"});
+  EXPECT_EQ(options.slip_rule, SlipRule::paper);
+  EXPECT_DOUBLE_EQ(options.label_speed.value(), 2e-4);
+  EXPECT_EQ(options.sensor, "pad");
+  EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor-csv", "-o", "dir", "--label-speed", "0 mm/s"}),
+              HasSubstr("export: --label-speed"));
+}
+
+TEST(Options, HelpIsTextToPrint) {
+  EXPECT_THAT(parse_options({}).help, HasSubstr("Usage: slipbench"));
+  EXPECT_THAT(parse_options({"--help"}).help, HasSubstr("describe"));
+  EXPECT_EQ(parse_options({"--version"}).command, "--version");
+}
+
+TEST(Options, EveryCommandExplainsItself) {
+  for (const std::string& command : command_names()) {
+    const std::string text = parse_options({command, "--help"}).help;
+    EXPECT_THAT(text, HasSubstr("Usage: slipbench " + command)) << command;
+    EXPECT_THAT(text, HasSubstr("--json")) << command;
+  }
+}
+
+// One refusal: the words typed and the whole message.
+struct Refusal {
+  std::vector<std::string> arguments;
+  std::string message;
+};
+
+class OptionsRefusal : public ::testing::TestWithParam<Refusal> {};
+
+TEST_P(OptionsRefusal, SaysWhatIsAllowed) { EXPECT_EQ(refusal(GetParam().arguments), GetParam().message); }
+
+INSTANTIATE_TEST_SUITE_P(
+    All, OptionsRefusal,
+    ::testing::Values(
+        Refusal{{"swep", "s.yaml"},
+                "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, report, export, list, describe, doctor"},
+        Refusal{{"xyzzy"}, "unknown command 'xyzzy'; commands: run, sweep, report, export, list, describe, doctor"},
+        Refusal{{"--json", "lst"},
+                "unknown command 'lst'; did you mean 'list'? commands: run, sweep, report, export, list, describe, doctor"},
+        Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
+        Refusal{{"--json"}, "no command given; commands: run, sweep, report, export, list, describe, doctor"},
+        Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
+        Refusal{{"run", "s.yaml", "--job", "2"},
+                "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --trials, --jobs, "
+                "--output, --quiet"},
+        Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
+        Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
+        Refusal{{"run", "s.yaml", "--set"}, "run: --set needs one value"},
+        Refusal{{"run", "s.yaml", "--set", "speed"},
+                "run: --set 'speed'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
+        Refusal{{"run", "s.yaml", "--set", "=1"}, "run: --set '=1'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
+        Refusal{{"run", "s.yaml", "--seed", "-1"}, "run: --seed is '-1'; allowed: a whole number from 0 to 18446744073709551615"},
+        Refusal{{"run", "s.yaml", "--seed", "1e3"},
+                "run: --seed is '1e3'; allowed: a whole number from 0 to 18446744073709551615"},
+        Refusal{{"run", "s.yaml", "--trials", "0"},
+                "run: --trials is '0'; allowed: a whole number from 1 to 18446744073709551615"},
+        Refusal{{"sweep", "s.yaml", "--jobs", "0"},
+                "sweep: --jobs is '0'; allowed: a whole number from 1 to 18446744073709551615"},
+        Refusal{{"report", "a.h5", "--trial", "first"},
+                "report: --trial is 'first'; allowed: a whole number from 0 to 18446744073709551615"},
+        Refusal{{"export", "a.h5", "-o", "dir"}, "export: --format is required"}));
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,201 @@
+// The built program, run as scripts run it: exit status, what stands on which stream, and the words of its messages.
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/cli/child_process.h"
+
+namespace slipbench {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+const std::string stage = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
+const std::string three_speeds = "sweep={motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]}";
+
+// Refused: status 2, one line on stderr, nothing on stdout.
+void expect_refusal(const std::vector<std::string>& arguments, const ::testing::Matcher<std::string>& message) {
+  for (const bool json : {false, true}) {
+    std::vector<std::string> words = arguments;
+    if (json) words.emplace_back("--json");
+    const ChildResult result = run_program_file(words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err, AllOf(StartsWith("slipbench: "), message, EndsWith("\n")));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+}
+
+nlohmann::json json_of(const ChildResult& result) {
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  return nlohmann::json::parse(result.out);  // throws when anything else stands there
+}
+
+TEST(Program, HelpAndVersion) {
+  const ChildResult help = run_program_file({"--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_THAT(help.out, AllOf(HasSubstr("Usage: slipbench"), HasSubstr("sweep"), HasSubstr("Exit status")));
+  EXPECT_EQ(run_program_file({}).out, help.out);
+  const ChildResult version = run_program_file({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_THAT(version.out, StartsWith("slipbench "));
+  EXPECT_THAT(version.out, HasSubstr(json_of(run_program_file({"--version", "--json"}))["version"].get<std::string>()));
+}
+
+TEST(Program, UnknownCommand) {
+  expect_refusal({"swep"}, HasSubstr("unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, report"));
+}
+
+TEST(Program, UnknownOption) {
+  expect_refusal({"run", stage, "--sead", "1"}, HasSubstr("unknown option '--sead'; did you mean '--seed'?"));
+}
+
+TEST(Program, MissingSceneFile) { expect_refusal({"run", "nowhere.yaml"}, HasSubstr("nowhere.yaml")); }
+
+TEST(Program, UnknownSceneKeyOnTheCommandLine) {
+  expect_refusal({"run", stage, "--set", "motion.sped=1"},
+                 AllOf(HasSubstr("--set motion.sped=1"), HasSubstr("did you mean 'speed'?")));
+}
+
+TEST(Program, ValueWithAWrongUnit) {
+  expect_refusal({"run", stage, "--set", "motion.speed=4 kg"}, AllOf(HasSubstr("--set motion.speed=4 kg"), HasSubstr("mm/s")));
+}
+
+TEST(Program, PathThroughANumber) { expect_refusal({"run", stage, "--set", "duration.length=4"}, HasSubstr("duration")); }
+
+TEST(Program, UnknownNames) {
+  expect_refusal({"describe", "papilarray"}, HasSubstr("did you mean 'papillarray'? `slipbench list` shows all names"));
+  expect_refusal({"list", "effect"}, HasSubstr("did you mean 'effects'?"));
+  expect_refusal({"export", "a.h5", "--format", "vendor-cvs", "-o", "dir"}, HasSubstr("vendor-csv"));
+}
+
+TEST(Program, UnreadableDatasets) {
+  expect_refusal({"report", "nowhere.h5"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"export", "nowhere.h5", "--format", "vendor-csv", "-o", "dir"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"report", stage}, HasSubstr("stage.yaml"));
+}
+
+TEST(Program, MissingOutputFolder) {
+  const TemporaryFolder folder;
+  expect_refusal({"run", stage, "-o", folder / "none/out.h5"}, HasSubstr("none"));
+}
+
+TEST(Program, FullStandardOutputIsAnError) {
+  const ChildResult result = run_program_file({"list"}, "/dev/full");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("cannot write to standard output: No space left on device"));
+}
+
+TEST(Program, ListAndDescribe) {
+  const nlohmann::json list = json_of(run_program_file({"list", "--json"}));
+  for (const char* kind : {"effects", "sensors", "surfaces", "materials", "motions", "electronics"}) {
+    EXPECT_FALSE(list.at(kind).empty()) << kind;
+  }
+  EXPECT_EQ(json_of(run_program_file({"list", "sensors", "--json"})).size(), 1U);
+  const nlohmann::json entry = json_of(run_program_file({"describe", "papillarray", "--json"}))["entries"].at(0);
+  EXPECT_EQ(entry["kind"], "sensor");
+  const ChildResult page = run_program_file({"describe", "papillarray"});
+  EXPECT_EQ(page.status, 0);
+  for (const nlohmann::json& parameter : entry["parameters"]) {
+    EXPECT_THAT(page.out, HasSubstr("default: " + parameter["default"].get<std::string>()));
+  }
+}
+
+TEST(Program, DoctorJsonIsOneObjectAlone) {
+  const ChildResult result = run_program_file({"doctor", "--json"});
+  EXPECT_LE(result.status, 1);  // 1 where something required is missing on this machine
+  EXPECT_TRUE(nlohmann::json::parse(result.out).is_object());
+  EXPECT_EQ(result.err, "");
+}
+
+TEST(Program, RunShowsThePhysicsAtOnce) {
+  const ChildResult result = run_program_file({"run", stage});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out, AllOf(HasSubstr("acrylic"), HasSubstr("P0"), HasSubstr("P8"), HasSubstr("x real time"),
+                                HasSubstr("gross slip at"), HasSubstr("next:"), Not(HasSubstr("\033"))));
+  // The centre pillar, pressed by d = 1 mm, slips when its tip has been dragged by mu k_n d / k_t = 0.5 * 7.1/3.9 * 1 mm = 0.91026 mm.
+  // The stage starts at 2 s and covers v^2/(2a) = 0.16 mm in v/a = 0.08 s, then 4 mm/s: 2.08 s + 0.75026 mm / (4 mm/s) = 2.2676 s.
+  // It bears the most, so it is the last of the nine and the gross slip.
+  EXPECT_THAT(result.out, HasSubstr("gross slip at 2.2676 s"));
+}
+
+TEST(Program, RunJsonIsOneObjectAlone) {
+  const nlohmann::json json = json_of(run_program_file({"run", stage, "--json"}));
+  EXPECT_TRUE(json.is_object());
+  EXPECT_EQ(json["trials"].size(), 1U);
+  EXPECT_GT(json["times_real_time"].get<double>(), 1.0);
+}
+
+TEST(Program, RunTakesTheFirstTrialsOfASweep) {
+  EXPECT_EQ(json_of(run_program_file({"run", stage, "--set", three_speeds, "--json"}))["trials"].size(), 1U);
+  EXPECT_EQ(json_of(run_program_file({"run", stage, "--set", three_speeds, "--trials", "2", "--json"}))["trials"].size(), 2U);
+  // More than the sweep has: the grid is repeated.
+  EXPECT_EQ(json_of(run_program_file({"run", stage, "--set", three_speeds, "--trials", "5", "--json"}))["trials"].size(), 5U);
+}
+
+TEST(Program, SweepRunsTheGridTimesTheDraws) {
+  EXPECT_EQ(json_of(run_program_file({"sweep", stage, "--set", three_speeds, "--json"}))["trials"].size(), 3U);
+  EXPECT_EQ(json_of(run_program_file({"sweep", stage, "--set", three_speeds, "--trials", "2", "--json"}))["trials"].size(), 6U);
+}
+
+TEST(Program, SweepPrintsPlainLinesAndATable) {
+  const ChildResult result = run_program_file({"sweep", stage, "--set", three_speeds});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("3/3 trials (100 %)"), Not(HasSubstr("\r")), Not(HasSubstr("\033"))));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("3 trials"), HasSubstr("gross slip"), HasSubstr("time in each class")));
+}
+
+TEST(Program, QuietSaysNothing) {
+  const ChildResult result = run_program_file({"sweep", stage, "--set", three_speeds, "--quiet"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST(Program, FromSceneToReportAndExports) {
+  const TemporaryFolder folder;
+  const std::string dataset = folder / "speeds.h5";
+  const ChildResult sweep = run_program_file({"sweep", stage, "--set", three_speeds, "-o", dataset});
+  EXPECT_EQ(sweep.status, 0) << sweep.err;
+  EXPECT_THAT(sweep.out, AllOf(HasSubstr("written: " + dataset), HasSubstr("next: slipbench report " + dataset)));
+  EXPECT_TRUE(std::filesystem::exists(dataset));
+
+  // The page stands beside the dataset unless told otherwise.
+  EXPECT_EQ(json_of(run_program_file({"report", dataset, "--json"}))["report"], folder / "speeds.html");
+  EXPECT_TRUE(std::filesystem::exists(folder / "speeds.html"));
+  expect_refusal({"report", dataset, "--trial", "3"}, HasSubstr("3"));  // trials are 0 to 2
+
+  const nlohmann::json files =
+      json_of(run_program_file({"export", dataset, "--format", "training-csv", "-o", folder / "csv", "--json"}))["files"];
+  EXPECT_EQ(files.size(), 3U);
+  std::ifstream file(files.at(0).get<std::string>());
+  std::string line;
+  ASSERT_TRUE(std::getline(file, line));
+  EXPECT_EQ(std::count(line.begin(), line.end(), ','), 72);  // 73 columns
+}
+
+TEST(Program, ControlCKeepsWhatIsFinished) {
+  const TemporaryFolder folder;
+  const std::string dataset = folder / "long.h5";
+  // 100,000 trials take minutes; the signal comes once the temporary file is there.
+  const ChildResult result =
+      run_program_interrupted({"sweep", stage, "--trials", "100000", "-o", dataset}, dataset + ".partial", SIGINT);
+  EXPECT_EQ(result.status, 130);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("interrupted: "), HasSubstr(" of 100000 trials finished")));
+  EXPECT_FALSE(std::filesystem::exists(dataset));
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,141 @@
+#include "tools/cli/summary.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace slipbench {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr double never = std::numeric_limits<double>::quiet_NaN();
+constexpr float nan_f = std::numeric_limits<float>::quiet_NaN();
+
+// Two units over two samples: A slips at 1.25 s after a micro-slip at 1.2 s, B never touches.
+TrialRecord small_trial() {
+  SensorRecord sensor;
+  sensor.name = "pad";
+  sensor.type = "twopad";
+  sensor.rate = 2.0;
+  sensor.channel_names = {"A_FX", "A_FY", "B_FX", "B_FY"};
+  sensor.time = {1.0, 1.5};
+  sensor.channels = {{"force", "N", {2, 2}, std::vector<float>(8, 0.0F)}};
+  LabelRecord& labels = sensor.labels;
+  labels.k_normal = {1.0, 1.0};
+  labels.margin = {0.5F, nan_f, -1e-7F, nan_f};  // a slipping unit's, with its rounding
+  labels.slip_distance = {0.0F, 0.0F, 0.00125F, 0.0F};
+  labels.force = std::vector<float>(12, 0.0F);
+  labels.force[3 * 2 + 2] = 3.5F;  // second sample, unit A, z
+  labels.state_count = {0, 1, 0, 1};
+  labels.state_micro_count = {0, 0, 1, 1};
+  labels.event_time = {0.25, 1.2, 1.25};
+  labels.event_unit = {0, 0, 0};
+  labels.event_kind = {0, 4, 1};
+  labels.onset_time = {1.25, never};
+  labels.micro_onset_time = {1.2, never};
+  TrialRecord record;
+  record.sensors = {sensor};
+  record.outcome.touch_time = 0.25;
+  record.outcome.first_micro_slip_time = 1.2;
+  record.outcome.first_slip_time = 1.25;
+  record.outcome.gross_slip_time = 1.25;
+  return record;
+}
+
+TEST(Summary, SharesAddUpToAHundredPercent) {
+  EXPECT_EQ(shares_text({1, 0, 2, 1}), "none 25.0 %, non-slip 0.0 %, incipient 50.0 %, gross 25.0 %");
+}
+
+TEST(Summary, OnsetsAreShownToATenthOfAMillisecond) {
+  EXPECT_EQ(onset_text(2.26756), "2.2676 s");
+  EXPECT_EQ(onset_text(never), "-");
+}
+
+TEST(Summary, TrialShowsEveryUnit) {
+  EXPECT_EQ(trial_text(small_trial(), Style(false)),
+            "pad  twopad, 2 units at 2 Hz\n"
+            "  unit     touch  first micro-slip  full slip  order  slipped  load at end  margin at end\n"
+            "  A     0.2500 s          1.2000 s   1.2500 s      1  1.25 mm       3.50 N          0.000\n"
+            "  B            -                 -          -      -  0.00 mm       0.00 N              -\n"
+            "  time in each class  strict: none 0.0 %, non-slip 50.0 %, incipient 0.0 %, gross 50.0 %\n"
+            "                      micro: none 0.0 %, non-slip 0.0 %, incipient 50.0 %, gross 50.0 %\n"
+            "  gross slip at 1.2500 s, 50.0 ms after the first micro-slip\n");
+}
+
+TEST(Summary, TrialWithoutGrossSlipSaysSo) {
+  TrialRecord record = small_trial();
+  record.outcome.gross_slip_time = never;
+  EXPECT_THAT(trial_text(record, Style(false)), HasSubstr("first slip at 1.2000 s, never all of the pad"));
+  record.outcome.first_micro_slip_time = never;
+  EXPECT_THAT(trial_text(record, Style(false)), HasSubstr("nothing slips"));
+}
+
+TEST(Summary, SweepShowsHowManyTrialsReachedEachStageAndWhen) {
+  SweepSummary summary;
+  summary.trials.resize(4);
+  const double gross[] = {1.0, 3.0, never, 1.5};
+  for (std::size_t i = 0; i < 4; ++i) {
+    summary.trials[i].outcome.touch_time = 0.25;
+    summary.trials[i].outcome.gross_slip_time = gross[i];
+    summary.trials[i].sensors.resize(1);
+    summary.trials[i].sensors[0].state_count = {1, 1, 0, 2};
+    summary.trials[i].sensors[0].state_micro_count = {1, 0, 1, 2};
+  }
+  EXPECT_EQ(sweep_text(summary, Style(false)),
+            "4 trials\n"
+            "                    trials  earliest    median    latest\n"
+            "  touch                  4  0.2500 s  0.2500 s  0.2500 s\n"
+            "  first micro-slip       0         -         -         -\n"
+            "  first full slip        0         -         -         -\n"
+            "  gross slip             3  1.0000 s  1.5000 s  3.0000 s\n"
+            "  time in each class  strict: none 25.0 %, non-slip 25.0 %, incipient 0.0 %, gross 50.0 %\n"
+            "                      micro: none 25.0 %, non-slip 0.0 %, incipient 25.0 %, gross 50.0 %\n");
+}
+
+TEST(Summary, UnitsThatSlipTogetherShareARank) {
+  TrialRecord record = small_trial();
+  record.sensors[0].labels.onset_time = {1.25, 1.25 + 1e-12};  // the same instant but for rounding
+  EXPECT_THAT(trial_text(record, Style(false)),
+              AllOf(HasSubstr("1.2500 s      1  1.25 mm"), HasSubstr("1.2500 s      1  0.00 mm")));
+}
+
+TEST(Summary, SceneShowsWhatIsMoved) {
+  ParameterSpec speed;
+  speed.name = "speed";
+  speed.quantity = Quantity::speed;
+  ParameterSpec stop;
+  stop.name = "stop";
+  stop.quantity = Quantity::time;
+  Catalogues catalogues;
+  catalogues.motions = {{"stage", "", "", "", {speed, stop}}};
+  Scene scene;
+  scene.description = "A test";
+  scene.material = "glass";
+  scene.surface.name = "plane";
+  scene.friction = {0.5, 0.25};
+  scene.motion.name = "stage";
+  scene.motion.parameters.set("speed", 0.0040123456);
+  scene.motion.parameters.set("stop", std::numeric_limits<double>::infinity());  // never: not worth a word
+  EXPECT_EQ(scene_text(scene, catalogues, Style(false), 100),
+            "A test\n  surface: glass (plane), mu_static 0.5, mu_kinetic 0.25\n  motion:  stage, speed 4.012 mm/s\n  effects: "
+            "none\n\n");
+}
+
+TEST(Summary, SpeedIsSimulatedTimeOverRealTime) {
+  SweepSummary summary;
+  summary.trials.resize(100);
+  summary.simulated = 400.0;
+  summary.computed = 0.25;
+  // Of the command 400/2, of the steps 400/0.25.
+  EXPECT_EQ(speed_text(summary, 2.0), "400 s simulated in 2 s: 200 x real time, 50 trials/s; one core steps at 1.6k x real time");
+  summary.trials.resize(1);
+  EXPECT_EQ(speed_text(summary, 2.0), "400 s simulated in 2 s: 200 x real time; one core steps at 1.6k x real time");
+}
+
+}  // namespace
+}  // namespace slipbench

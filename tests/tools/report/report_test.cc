@@ -1,0 +1,175 @@
+#include "tools/report/report.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/report/sample.h"
+
+namespace slipbench::report {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const char* const scene = "slipbench: 1\ndescription: 'A <press> and \"slide\"'\n";
+
+std::string page_path(const std::string& name) { return (std::filesystem::path(::testing::TempDir()) / name).string(); }
+
+// The data inside a page.
+Json data_of(const std::string& path) {
+  const std::string page = read_text(path);
+  const std::string mark = "id=\"slipbench-data\">";
+  const std::size_t begin = page.find(mark) + mark.size();
+  return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+std::vector<TrialRecord> trials(std::size_t count) {
+  std::vector<TrialRecord> records;
+  for (std::size_t k = 0; k < count; ++k) {
+    records.push_back(sample_trial(k, R"({"motion.speed": ")" + std::to_string(k + 1) + R"( mm/s"})"));
+  }
+  return records;
+}
+
+std::vector<std::string> embedded(const Json& data) {
+  std::vector<std::string> names;
+  for (const auto& [name, curves] : data.at("curves").items()) names.push_back(name);
+  return names;
+}
+
+std::string refusal(const std::string& dataset, const std::string& page, const ReportOptions& options = {}) {
+  try {
+    write_report(dataset, page, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no refusal";
+}
+
+TEST(Report, SaysWhereTheDataComesFrom) {
+  const std::string dataset = write_dataset("report_origin.h5", scene, trials(1));
+  write_report(dataset, page_path("report_origin.html"));
+  const Json data = data_of(page_path("report_origin.html"));
+  EXPECT_EQ(data.at("file"), "report_origin.h5");
+  EXPECT_EQ(data.at("description"), "A <press> and \"slide\"");
+  EXPECT_EQ(data.at("scene"), scene);
+  EXPECT_EQ(data.at("command"), "slipbench run scene.yaml");
+  EXPECT_EQ(data.at("version"), "0.1.0");
+  EXPECT_EQ(data.at("seed"), "7");
+  EXPECT_EQ(data.at("content_sha256").at(0).get<std::string>().size(), 64U);
+  EXPECT_TRUE(data.at("complete").get<bool>());
+  EXPECT_TRUE(data.at("open").is_null());
+}
+
+TEST(Report, HoldsEverySampleOfATrial) {
+  const TrialRecord trial = sample_trial(0, "{}");
+  const LabelRecord& labels = trial.sensors[0].labels;
+  write_report(write_dataset("report_trial.h5", scene, {trial}), page_path("report_trial.html"));
+  const Json data = data_of(page_path("report_trial.html"));
+  const Json& pad = data.at("curves").at("0").at(0);
+  EXPECT_EQ(pad.at("name"), "pad");
+  EXPECT_EQ(pad.at("type"), "papillarray");
+  EXPECT_EQ(pad.at("positions"), Json::parse("[[0.007, 0.0], [-0.007, 0.0]]"));
+  EXPECT_EQ(pad.at("touch_s"), Json::parse("[0.0005, 0.0015]"));
+  EXPECT_EQ(pad.at("micro_onset_s"), Json::parse("[0.00225, 0.0045]"));
+  EXPECT_EQ(pad.at("onset_s"), Json::parse("[0.0035, 0.00575]"));
+  EXPECT_EQ(pad.at("stride"), 1);
+  EXPECT_THAT(unpack(pad.at("time"))[0], ::testing::Pointwise(::testing::DoubleNear(1e-9), trial.sensors[0].time));
+
+  const auto states = unpack(pad.at("states").at("unit"));
+  EXPECT_THAT(states[0], ElementsAre(0, 1, 1, 3, 2, 2, 2, 2));
+  EXPECT_THAT(states[1], ElementsAre(0, 0, 1, 1, 1, 3, 2, 2));
+  EXPECT_THAT(unpack(pad.at("states").at("strict"))[0], ElementsAre(0, 1, 1, 1, 2, 2, 3, 3));
+  EXPECT_THAT(unpack(pad.at("states").at("micro"))[0], ElementsAre(0, 1, 1, 2, 2, 3, 3, 3));
+  EXPECT_THAT(unpack(pad.at("states").at("paper"))[0], ElementsAre(0, 1, 1, 1, 1, 2, 3, 3));
+
+  std::vector<std::string> keys;
+  for (const Json& curve : pad.at("curves")) {
+    keys.push_back(curve.at("origin").get<std::string>() + "/" + curve.at("key").get<std::string>());
+    EXPECT_EQ(curve.at("data").at("rows"), 8);
+  }
+  EXPECT_THAT(keys, ElementsAre("labels/force", "labels/slip_velocity", "labels/slip_distance", "labels/margin",
+                                "labels/stuck_fraction", "labels/slip_direction", "labels/slip_angle", "labels/slip_centre",
+                                "sensor/force", "sensor/displacement"));
+  const Json& force = pad.at("curves").at(8);
+  EXPECT_EQ(force.at("components"), Json::parse(R"(["FX", "FY", "FZ"])"));
+  EXPECT_EQ(force.at("unit"), "N");
+  const auto columns = unpack(force.at("data"));
+  for (std::size_t row = 0; row < 8; ++row) {
+    for (std::size_t column = 0; column < 6; ++column) {
+      // The largest magnitude is 1.25 N (sample 0, component 5), so a step is 1.25/32767 N.
+      EXPECT_NEAR(columns[column][row], labels.force[6 * row + column], 0.5 * 1.25 / 32767.0 + 1e-12);
+    }
+  }
+}
+
+TEST(Report, ListsEveryTrialOfADataset) {
+  write_report(write_dataset("report_sweep.h5", scene, trials(11)), page_path("report_sweep.html"));
+  const Json data = data_of(page_path("report_sweep.html"));
+  ASSERT_EQ(data.at("trials").size(), 11U);
+  EXPECT_EQ(data.at("trials").at(10).at("index"), 10);
+  EXPECT_EQ(data.at("trials").at(10).at("samples"), 8);
+  EXPECT_NEAR(data.at("trials").at(10).at("params").at("motion.speed").at("value").get<double>(), 0.011, 1e-15);
+  EXPECT_EQ(data.at("trials").at(10).at("motion_start_s"), 2e-3);
+  EXPECT_EQ(data.at("trials").at(10).at("sensors").at("pad").at("gross_s"), 5.75e-3);
+  EXPECT_EQ(data.at("axes").at(0).at("path"), "motion.speed");
+  EXPECT_TRUE(data.at("axes").at(0).at("varied").get<bool>());
+  // Six of eleven at equal distances: i * 10 / 5.
+  EXPECT_THAT(embedded(data), ElementsAre("0", "2", "4", "6", "8", "10"));
+}
+
+TEST(Report, EmbedsTheTrialAskedFor) {
+  const std::string dataset = write_dataset("report_ask.h5", scene, trials(11));
+  write_report(dataset, page_path("report_ask.html"), {.trial = 7, .max_trials = 3});
+  const Json data = data_of(page_path("report_ask.html"));
+  EXPECT_EQ(data.at("open"), 7);
+  EXPECT_THAT(embedded(data), ElementsAre("0", "7", "10"));  // 7 in place of 5, the nearest of 0, 5 and 10
+}
+
+TEST(Report, SameDatasetGivesSameBytes) {
+  const std::string dataset = write_dataset("report_same.h5", scene, trials(3));
+  write_report(dataset, page_path("report_same_1.html"));
+  write_report(dataset, page_path("report_same_2.html"));
+  EXPECT_EQ(read_text(page_path("report_same_1.html")), read_text(page_path("report_same_2.html")));
+}
+
+TEST(Report, RefusesATrialThatIsNotThere) {
+  const std::string dataset = write_dataset("report_none.h5", scene, trials(3));
+  EXPECT_THAT(refusal(dataset, page_path("report_none.html"), {.trial = 3}), HasSubstr("there is no trial 3; allowed: 0 to 2"));
+  EXPECT_FALSE(std::filesystem::exists(page_path("report_none.html")));
+}
+
+TEST(Report, RefusesWhatIsNoDataset) {
+  EXPECT_THAT(refusal(page_path("absent.h5"), page_path("x.html")), HasSubstr("absent.h5"));
+  write_text(page_path("text.h5"), "not HDF5");
+  EXPECT_THAT(refusal(page_path("text.h5"), page_path("x.html")), HasSubstr("text.h5"));
+  const std::string whole = read_text(write_dataset("report_whole.h5", scene, trials(2)));
+  write_text(page_path("cut.h5"), whole.substr(0, whole.size() / 2));
+  EXPECT_THAT(refusal(page_path("cut.h5"), page_path("x.html")), HasSubstr("cut.h5"));
+  EXPECT_FALSE(std::filesystem::exists(page_path("x.html")));
+}
+
+TEST(Report, RefusesBrokenContent) {
+  TrialRecord broken = sample_trial(0, "{}");
+  broken.sensors[0].labels.unit_state[2] = 7;
+  EXPECT_THAT(refusal(write_dataset("report_state.h5", scene, {broken}), page_path("x.html")),
+              HasSubstr("/data/demo_0: labels/pad holds state 7; allowed: 0 to 3"));
+  EXPECT_THAT(refusal(write_dataset("report_params.h5", scene, {sample_trial(0, "speed 4")}), page_path("x.html")),
+              HasSubstr("attribute params is not JSON: speed 4"));
+  EXPECT_THAT(refusal(write_dataset("report_scene.h5", "a: [b", trials(1)), page_path("x.html")),
+              HasSubstr("attribute scene is not a scene"));
+}
+
+TEST(Report, RefusesATargetThatCannotBeWritten) {
+  const std::string dataset = write_dataset("report_target.h5", scene, trials(1));
+  EXPECT_THAT(refusal(dataset, page_path("no_such_folder/x.html")),
+              HasSubstr("no_such_folder/x.html: cannot be written: No such file"));
+}
+
+}  // namespace
+}  // namespace slipbench::report

@@ -1,0 +1,84 @@
+// What can be checked of the scripts and styles without a browser.
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/report/sample.h"
+
+namespace slipbench::report {
+namespace {
+
+std::map<std::string, std::string> web_files(const std::string& extension) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(SLIPBENCH_SOURCE_DIR "/tools/report/web")) {
+    if (entry.path().extension() == extension) files[entry.path().filename().string()] = read_text(entry.path().string());
+  }
+  return files;
+}
+
+// First groups of all matches.
+std::set<std::string> matches(const std::string& text, const std::string& pattern) {
+  const std::regex regex(pattern);
+  std::set<std::string> found;
+  for (auto it = std::sregex_iterator(text.begin(), text.end(), regex); it != std::sregex_iterator(); ++it)
+    found.insert((*it)[1]);
+  return found;
+}
+
+TEST(Scripts, UseOnlyWhatSomeScriptDefines) {
+  std::set<std::string> defined;
+  std::map<std::string, std::set<std::string>> used;
+  for (const auto& [name, text] : web_files(".js")) {
+    defined.merge(matches(text, R"(\bsb\.(\w+) = )"));
+    used[name] = matches(text, R"(\bsb\.(\w+))");
+  }
+  ASSERT_GE(used.size(), 8U);
+  for (const auto& [name, names] : used) {
+    for (const std::string& member : names) EXPECT_TRUE(defined.contains(member)) << name << " uses sb." << member;
+  }
+}
+
+// Brackets outside of strings, comments and regular expressions pair up.
+TEST(Scripts, HaveBalancedBrackets) {
+  for (const auto& [name, text] : web_files(".js")) {
+    const std::string code =
+        std::regex_replace(text, std::regex(R"(//[^\n]*|'(?:\\.|[^'\\\n])*'|"(?:\\.|[^"\\\n])*"|`[^`]*`|/\^[^\n]*?/\.exec)"), "");
+    std::string open;
+    for (const char c : code) {
+      const std::size_t kind = std::string("([{)]}").find(c);
+      if (kind == std::string::npos) continue;
+      if (kind < 3) {
+        open += c;
+      } else {
+        ASSERT_FALSE(open.empty()) << name << ": a bracket too many";
+        ASSERT_EQ(open.back(), "([{"[kind - 3]) << name;
+        open.pop_back();
+      }
+    }
+    EXPECT_TRUE(open.empty()) << name << " leaves open: " << open;
+  }
+}
+
+TEST(Styles, DefineEveryColourInBothThemes) {
+  const std::string css = web_files(".css").at("report.css");
+  const auto block = [&](const std::string& selector) {
+    const std::size_t begin = css.find(selector + " {");
+    return matches(css.substr(begin, css.find('}', begin) - begin), R"(--(\w+):)");
+  };
+  const std::set<std::string> light = block(":root");
+  std::set<std::string> dark = block(":root[data-theme=\"dark\"]");
+  dark.insert("mono");  // a font
+  EXPECT_EQ(light, dark);
+  std::string all = css;
+  for (const auto& [name, text] : web_files(".js")) all += text;
+  for (const std::string& variable : matches(all, R"(var\(--(\w+)\))")) EXPECT_TRUE(light.contains(variable)) << variable;
+  for (const std::string& variable : matches(all, R"(colour\('(\w+)'\))")) EXPECT_TRUE(light.contains(variable)) << variable;
+}
+
+}  // namespace
+}  // namespace slipbench::report

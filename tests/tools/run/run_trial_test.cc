@@ -1,0 +1,145 @@
+#include "tools/run/run_trial.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tools/run/sensors.h"
+
+namespace slipbench {
+namespace {
+
+// The published press-and-slide, with values set.
+Scene stage_scene(const std::vector<Override>& overrides) {
+  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml");
+  for (const Override& change : overrides) file.apply(change);
+  return parse_scene(file, program_catalogues());
+}
+
+TEST(RunTrial, IdealSensorReportsTheTruth) {
+  const TrialRecord record = run_trial(stage_scene({}), 0, Recording::full);
+  ASSERT_EQ(record.sensors.size(), 1U);
+  const SensorRecord& sensor = record.sensors[0];
+  EXPECT_EQ(sensor.name, "pad");
+  EXPECT_EQ(sensor.type, "papillarray");
+  EXPECT_EQ(sensor.rate, 1000.0);
+  ASSERT_EQ(sensor.time.size(), 4000U);  // 4 s at 1 kHz
+  EXPECT_EQ(sensor.time[0], 0.0);
+  EXPECT_DOUBLE_EQ(sensor.time[3999], 3.999);
+  ASSERT_EQ(sensor.channels[0].name, "force");
+  EXPECT_EQ(sensor.channels[0].values, sensor.labels.force);
+  EXPECT_EQ(sensor.channel_names.size(), 54U);
+}
+
+TEST(RunTrial, OutcomeDoesNotDependOnTheRecording) {
+  const Scene scene = stage_scene({});
+  const TrialRecord full = run_trial(scene, 0, Recording::full);
+  const TrialRecord brief = run_trial(scene, 0, Recording::outcome);
+  EXPECT_EQ(outcome_json(full.outcome), outcome_json(brief.outcome));
+  EXPECT_EQ(full.sensors[0].labels.onset_time, brief.sensors[0].labels.onset_time);
+  EXPECT_EQ(full.sensors[0].labels.state_count, brief.sensors[0].labels.state_count);
+  EXPECT_TRUE(brief.sensors[0].labels.force.empty());
+  EXPECT_TRUE(brief.sensors[0].channels.empty());
+}
+
+// Onset of a pillar under a slide at speed v that starts at rest with acceleration a (closed form of PHYSICS, oracle 1, with the
+// ramp): the shear mu*f_n/k_t is reached at t = start + d/v + v/(2a), once v is reached.
+TEST(RunTrial, OnsetsFollowTheClosedForm) {
+  const TrialRecord record =
+      run_trial(stage_scene({{"motion.speed", "4 mm/s"}, {"motion.acceleration", "1 m/s2"}, {"motion.compression", "1 mm"}}), 0,
+                Recording::full);
+  const LabelRecord& labels = record.sensors[0].labels;
+  double latest = 0.0;
+  for (std::size_t pillar = 0; pillar < 9; ++pillar) {
+    const double f_n = labels.k_normal[pillar] * (1e-3 - labels.unit_heights[pillar]);
+    const double shear = labels.mu_static[pillar] * f_n / labels.k_tangential[pillar];
+    const double onset = 2.0 + shear / 4e-3 + 4e-3 / (2.0 * 1.0);
+    EXPECT_NEAR(labels.onset_time[pillar], onset, 1e-3 * (onset - 2.0)) << pillar;
+    latest = std::max(latest, labels.onset_time[pillar]);
+  }
+  EXPECT_EQ(record.outcome.gross_slip_time, latest);
+  EXPECT_EQ(record.outcome.first_slip_time, *std::min_element(labels.onset_time.begin(), labels.onset_time.end()));
+  // What one bristle a pillar begins, the pillar begins.
+  EXPECT_EQ(labels.micro_onset_time, labels.onset_time);
+}
+
+TEST(RunTrial, SlowSensorsSampleEveryNthTick) {
+  const TrialRecord fast = run_trial(stage_scene({}), 0, Recording::full);
+  const TrialRecord slow = run_trial(stage_scene({{"sensors.pad.rate", "250 Hz"}, {"time_step", "1 ms"}}), 0, Recording::full);
+  const SensorRecord& sensor = slow.sensors[0];
+  ASSERT_EQ(sensor.time.size(), 1000U);
+  EXPECT_EQ(slow.num_samples(), 1000U);
+  for (std::size_t row = 0; row < sensor.time.size(); ++row) {
+    EXPECT_EQ(sensor.time[row], fast.sensors[0].time[4 * row]);
+    EXPECT_EQ(sensor.labels.force[27 * row + 14], fast.sensors[0].labels.force[4 * 27 * row + 14]);
+    EXPECT_EQ(slow.body_time[row], fast.body_time[4 * row]);
+  }
+  // Events come from every tick.
+  EXPECT_EQ(sensor.labels.event_time, fast.sensors[0].labels.event_time);
+}
+
+TEST(RunTrial, BodiesMoveAsTheSceneSays) {
+  const TrialRecord record = run_trial(stage_scene({{"motion.direction", "0 deg"}}), 0, Recording::full);
+  ASSERT_EQ(record.bodies.size(), 2U);
+  const BodyRecord& pad = record.bodies[0];
+  EXPECT_EQ(pad.name, "pad");
+  EXPECT_EQ(record.bodies[1].name, "surface");
+  // 0.5 s before the end the pad slides along x at 4 mm/s.
+  const float* velocity = pad.velocity.data() + 6 * 3500;
+  EXPECT_FLOAT_EQ(velocity[0], 4e-3F);
+  for (std::size_t i = 1; i < 6; ++i) EXPECT_EQ(velocity[i], 0.0F);
+  for (std::size_t row = 0; row < record.num_samples(); ++row) {
+    const float* q = pad.pose.data() + 7 * row + 3;
+    EXPECT_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1.0F, 1e-6F);
+  }
+}
+
+// Through more than half a turn the quaternion leaves the half-space in which it began: its sign must not jump there.
+TEST(RunTrial, QuaternionsAreContinuous) {
+  const TrialRecord record = run_trial(
+      stage_scene({{"motion.rotation", "360 deg/s"}, {"motion.angular_acceleration", "3600 deg/s2"}}), 0, Recording::full);
+  const BodyRecord& pad = record.bodies[0];
+  float least = 1.0F;
+  for (std::size_t row = 1; row < record.num_samples(); ++row) {
+    const float* q = pad.pose.data() + 7 * row + 3;
+    least = std::min(least, q[0] * q[-7] + q[1] * q[-6] + q[2] * q[-5] + q[3] * q[-4]);
+  }
+  // 0.36 degrees a sample: the dot product of neighbours is cos(0.18 deg) = 1 - 5e-6.
+  EXPECT_GT(least, 0.9999F);
+}
+
+TEST(RunTrial, SeveralSensorsAreRecordedSideBySide) {
+  const TrialRecord record =
+      run_trial(stage_scene({{"sensors.second", "{type: papillarray, rate: 500 Hz}"}}), 0, Recording::full);
+  ASSERT_EQ(record.sensors.size(), 2U);
+  EXPECT_EQ(record.sensors[1].name, "second");
+  EXPECT_EQ(record.sensors[0].time.size(), 4000U);
+  EXPECT_EQ(record.sensors[1].time.size(), 2000U);
+  EXPECT_EQ(record.num_samples(), 4000U);  // of the fastest
+}
+
+TEST(MakeSensor, RefusesAnUnknownType) {
+  SensorScene scene;
+  scene.name = "pad";
+  scene.type = "nose";
+  EXPECT_THROW(make_sensor(scene, 0, 0), InputError);
+}
+
+TEST(ProgramCatalogues, NameEverythingOnce) {
+  const Catalogues catalogues = program_catalogues();
+  EXPECT_FALSE(catalogues.materials.empty());
+  for (const auto* entries :
+       {&catalogues.surfaces, &catalogues.motions, &catalogues.sensors, &catalogues.electronics, &catalogues.effects}) {
+    std::vector<std::string> names;
+    for (const Entry& entry : *entries) names.push_back(entry.name);
+    ASSERT_FALSE(names.empty());
+    std::sort(names.begin(), names.end());
+    EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
+  }
+}
+
+}  // namespace
+}  // namespace slipbench

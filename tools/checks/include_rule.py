@@ -1,0 +1,65 @@
+"""Who may include whom. A detector that could include the simulation could read the truth; this check keeps that out.
+
+- sim/core: itself, the standard library and Eigen; Random123 in a .cc.
+- sensors/X: sim/core, sensors/X, and sensors/electronics, which every sensor is composed of.
+- detectors, controllers: sim/core and themselves.
+- the rest of sim: sim only. MuJoCo's headers: sim/mujoco and its tests only; sim/field does not include sim/mujoco either.
+- tools: everything but tests. tests: everything.
+"""
+
+import re
+
+from tree import lines_of, main, project_files
+
+INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
+STANDARD = re.compile(r"[a-z_0-9]+")
+TOP_FOLDERS = ("sim", "sensors", "detectors", "controllers", "tools", "tests")
+
+
+def allowed_folders(path):
+    """Project folders that a file may include from."""
+    top = path.parts[0]
+    if top == "sim":
+        return ("sim/core/",) if path.parts[1] == "core" else ("sim/",)
+    if top == "sensors":
+        return ("sim/core/", f"sensors/{path.parts[1]}/", "sensors/electronics/")
+    if top in ("detectors", "controllers"):
+        return ("sim/core/", f"{top}/")
+    if top == "tools":
+        return tuple(f"{folder}/" for folder in TOP_FOLDERS if folder != "tests")
+    return tuple(f"{folder}/" for folder in TOP_FOLDERS)
+
+
+def fault_of(path, quoted, header):
+    """What is wrong with a file's include of a header, or None."""
+    folder = path.parent.as_posix()
+    if quoted:
+        if not header.startswith(tuple(f"{top}/" for top in TOP_FOLDERS)):
+            return f'"{header}" is not given from the project root'
+        if not header.startswith(allowed_folders(path)):
+            return f'{folder} may include {", ".join(allowed_folders(path))} only, not "{header}"'
+        if folder.startswith("sim/field") and header.startswith("sim/mujoco/"):
+            return f'sim/field is free of MuJoCo, found "{header}"'
+        return None
+    if header.startswith("mujoco/") and folder not in ("sim/mujoco", "tests/sim/mujoco"):
+        return f"only sim/mujoco may include <{header}>"
+    if folder == "sim/core":
+        generator = path.suffix == ".cc" and header.startswith("Random123/")
+        if not (STANDARD.fullmatch(header) or header.startswith("Eigen/") or generator):
+            return f"sim/core may include the standard library and Eigen only, not <{header}>"
+    return None
+
+
+def check(root):
+    for path in project_files(root):
+        if path.suffix not in (".h", ".cc") or path.parts[0] not in TOP_FOLDERS:
+            continue
+        for number, line in lines_of(root, path):
+            include = INCLUDE.match(line)
+            fault = include and fault_of(path, include[1] == '"', include[2])
+            if fault:
+                yield f"{path}:{number}: {fault}"
+
+
+if __name__ == "__main__":
+    main(check)

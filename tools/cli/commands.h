@@ -1,0 +1,20 @@
+// The commands. Each prints its result on stdout and returns the exit status; bad input is an InputError.
+#pragma once
+
+#include "tools/cli/options.h"
+
+namespace slipbench {
+
+inline constexpr int exit_good = 0;
+inline constexpr int exit_bad_input = 2;
+inline constexpr int exit_interrupted = 130;  // 128 + SIGINT, as shells count
+
+int run_command(const Options& options);       // run
+int sweep_command(const Options& options);     // sweep
+int report_command(const Options& options);    // report
+int export_command(const Options& options);    // export
+int list_command(const Options& options);      // list
+int describe_command(const Options& options);  // describe
+int version_command(const Options& options);   // --version
+
+}  // namespace slipbench

@@ -1,0 +1,294 @@
+#include "tools/cli/options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <stdexcept>
+#include <string_view>
+#include <variant>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "sim/core/error.h"
+#include "tools/cli/suggestion.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::string_view program_footer = R"(
+Exit status: 0 good, 1 a check failed, 2 bad input, 130 interrupted. Errors go to stderr.
+`slipbench COMMAND --help` explains a command. Start with: slipbench run scenes/papillarray/stage.yaml)";
+
+constexpr std::string_view run_footer = R"(
+One trial, the first of the scene's sweep where it has one. With --trials N: the first N trials of the sweep; a scene with
+fewer trials is repeated with fresh random draws until there are N. The same command and seed give the same bytes in FILE.h5,
+whatever --jobs is.
+
+Examples:
+  slipbench run scenes/papillarray/stage.yaml
+  slipbench run scenes/papillarray/stage.yaml --set motion.speed="8 mm/s" friction.static=0.4 -o slide.h5
+  slipbench run scenes/papillarray/stage.yaml --set "effects=[stribeck, {ageing: {}}]" --json)";
+
+constexpr std::string_view sweep_footer = R"(
+All trials of the scene's sweep: every cell of its grid, times the number of random draws of each cell. --trials N sets the number
+of draws of each cell (otherwise the scene's sweep.trials, or 1). Without -o the trials are simulated and summed up, and nothing is written.
+
+FILE.h5 is written under a temporary name and renamed at the end; a file of that name is replaced. Above 1 GB it is split into
+FILE.h5, FILE-0001.h5, ... Ctrl-C: running trials finish, all finished ones are kept in FILE.partial.h5, the exit status is 130;
+a second Ctrl-C stops at once.
+
+Examples:
+  slipbench sweep scenes/papillarray/hexapod.yaml -o hexapod.h5
+  slipbench sweep scenes/papillarray/stage.yaml --set "sweep={motion.speed: [1 mm/s, 4 mm/s]}" -o speeds.h5)";
+
+constexpr std::string_view report_footer = R"(
+One self-contained HTML file that opens in any browser, without a network.
+
+Examples:
+  slipbench report hexapod.h5
+  slipbench report hexapod.h5 --trial 17 -o trial17.html)";
+
+constexpr std::string_view export_footer = R"(
+Formats:
+  vendor-csv    the log layout of the sensor vendor's own software, one file a trial
+  training-csv  73 columns, no header, 1000 Hz, one file a trial: time, then contact, slip, displacement, force of each pillar
+
+Examples:
+  slipbench export hexapod.h5 --format training-csv -o training
+  slipbench export hexapod.h5 --format vendor-csv --slip paper -o logs)";
+
+constexpr std::string_view list_footer = R"(
+Examples:
+  slipbench list
+  slipbench list effects)";
+
+constexpr std::string_view describe_footer = R"(
+Generated from the declarations that the scene parser reads.
+
+Examples:
+  slipbench describe papillarray
+  slipbench describe stage
+  slipbench describe acrylic --json)";
+
+constexpr std::string_view doctor_footer = R"(
+Exit status 0 when everything required is there, 1 otherwise, with the command that installs it.)";
+
+// The footers above begin with a line end, which is there for the source only.
+std::string footer_text(std::string_view footer) { return std::string(footer.substr(1)); }
+
+// Reads a whole number of at least `min`.
+template <class Integer>
+Integer parse_integer(const std::string& command, const std::string& option, const std::string& text, Integer min) {
+  Integer value{};
+  const char* const end = text.data() + text.size();
+  const auto [stop, status] = std::from_chars(text.data(), end, value);
+  if (status != std::errc{} || stop != end || text.empty() || value < min) {
+    throw InputError(fmt::format("{}: {} is '{}'; allowed: a whole number from {} to {}", command, option, text, min,
+                                 std::numeric_limits<Integer>::max()));
+  }
+  return value;
+}
+
+// Reads a speed above zero, in m/s or with its unit.
+double parse_speed(const std::string& command, const std::string& option, const std::string& text) {
+  ParameterSpec spec;
+  spec.name = option;
+  spec.quantity = Quantity::speed;
+  spec.range = positive;
+  try {
+    return std::get<double>(parse_scalar(spec, text));
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("{}: {}: {}", command, option, error.what()));
+  }
+}
+
+Override parse_override(const std::string& command, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw InputError(fmt::format("{}: --set '{}'; expected key=value, as in --set motion.speed=\"8 mm/s\"", command, text));
+  }
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+// A scene key, then '=': what may follow the first value of --set.
+bool looks_like_override(const std::string& word) {
+  const auto is_key_character = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
+  };
+  const std::size_t equals = word.find('=');
+  return equals != std::string::npos && equals > 0 &&
+         std::all_of(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(equals), is_key_character);
+}
+
+// "--set a=1 b=2 SCENE" and "--set a=1 --set b=2 SCENE" mean the same; the second form leaves no doubt where the values end.
+std::vector<std::string> repeat_set(const std::vector<std::string>& arguments) {
+  std::vector<std::string> result;
+  bool inside = false;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (inside && looks_like_override(arguments[i])) result.emplace_back("--set");
+    result.push_back(arguments[i]);
+    if (arguments[i] == "--set" && i + 1 < arguments.size()) {
+      result.push_back(arguments[++i]);
+      inside = true;
+    } else {
+      inside = inside && looks_like_override(arguments[i]);
+    }
+  }
+  return result;
+}
+
+// CLI11's view of the command line: numbers stay text, so that our own messages say what is allowed.
+struct Parser {
+  Options options;
+  std::vector<std::string> sets;
+  std::optional<std::string> seed, trials, jobs, trial, format, slip_rule, label_speed;
+  bool version = false;
+  CLI::App app{"A physics testbench for tactile slip detection.", "slipbench"};
+
+  Parser();
+  CLI::App* command(const char* name, const char* summary, std::string_view footer);
+  void simulation(const char* name, const char* summary, std::string_view footer, const char* trials_help);
+};
+
+CLI::App* Parser::command(const char* name, const char* summary, std::string_view footer) {
+  CLI::App* sub = app.add_subcommand(name, summary);
+  sub->footer(footer_text(footer));
+  sub->add_flag("--json", options.json, "Print one JSON object on stdout and nothing else there");
+  return sub;
+}
+
+void Parser::simulation(const char* name, const char* summary, std::string_view footer, const char* trials_help) {
+  CLI::App* sub = command(name, summary, footer);
+  sub->add_option("SCENE", options.scene, "Scene file (YAML)")->required()->option_text(" ");
+  sub->add_option("--set", sets, "Replace or add a value of the scene, e.g. motion.speed=\"8 mm/s\"; several may follow")
+      ->option_text("KEY=VALUE ...")
+      ->allow_extra_args(false);
+  sub->add_option("--seed", seed, "Seed of all random draws (default: the scene's own)")->option_text("N");
+  sub->add_option("--trials", trials, trials_help)->option_text("N");
+  sub->add_option("--jobs", jobs, "Worker threads (default: one a hardware thread)")->option_text("N");
+  sub->add_option("-o,--output", options.output, "Write the dataset (HDF5)")->option_text("FILE.h5");
+  sub->add_flag("--quiet", options.quiet, "No progress and no summary");
+}
+
+Parser::Parser() {
+  app.footer(footer_text(program_footer));
+  app.add_flag("--version", version, "Print the version");
+  app.add_flag("--json", options.json, "Print one JSON object on stdout and nothing else there");
+  simulation("run", "Simulate one trial of a scene", run_footer, "Simulate N trials instead of one");
+  simulation("sweep", "Simulate all trials of a scene's sweep", sweep_footer, "Number of random draws of each cell of the grid");
+
+  CLI::App* report = command("report", "Turn a dataset into an HTML page", report_footer);
+  report->add_option("FILE", options.dataset, "Dataset (HDF5)")->required()->option_text(" ");
+  report->add_option("-o,--output", options.output, "Page to write (default: the dataset's name with .html)")
+      ->option_text("FILE.html");
+  report->add_option("--trial", trial, "Trial to show in full (default: the first)")->option_text("K");
+
+  CLI::App* exporting = command("export", "Write a dataset in another format", export_footer);
+  exporting->add_option("FILE", options.dataset, "Dataset (HDF5)")->required()->option_text(" ");
+  exporting->add_option("--format", format, fmt::format("{}, see below", fmt::join(export_format_names(), " or ")))
+      ->required()
+      ->option_text("NAME");
+  exporting->add_option("-o,--output", options.output, "Folder to write into")->required()->option_text("DIR");
+  exporting
+      ->add_option("--slip", slip_rule,
+                   fmt::format("When a pillar counts as slipping: {} (default: strict)", fmt::join(slip_rule_names(), ", ")))
+      ->option_text("RULE");
+  exporting->add_option("--label-speed", label_speed, "Tip speed above which the rule paper says slip (default: 0.1 mm/s)")
+      ->option_text("SPEED");
+  exporting->add_option("--sensor", options.sensor, "The scene's name of the sensor (default: the only one)")
+      ->option_text("NAME");
+  exporting->add_option("--trial", trial, "Trial to export (default: all)")->option_text("K");
+
+  CLI::App* list = command("list", "List what a scene may name", list_footer);
+  list->add_option("CATALOGUE", options.name, "effects, sensors, surfaces, materials, motions or electronics (default: all)")
+      ->option_text(" ");
+  CLI::App* describe = command("describe", "Explain one name: parameters, units, defaults, law, source", describe_footer);
+  describe->add_option("NAME", options.name, "A name that `slipbench list` shows")->required()->option_text(" ");
+  command("doctor", "Check the installation", doctor_footer);
+
+  for (CLI::App* sub : app.get_subcommands({})) sub->get_formatter()->column_width(26);
+  app.get_formatter()->column_width(26);
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+// A word that CLI11 had no place for.
+InputError unexpected(const CLI::App& app, const std::string& prefix, const std::string& word) {
+  if (word.rfind('-', 0) != 0)
+    return InputError(fmt::format("{}unexpected argument '{}'; see slipbench {} --help", prefix, word, app.get_name()));
+  const std::vector<std::string> names = option_names(app);
+  const std::string name = word.substr(0, word.find('='));
+  return InputError(
+      fmt::format("{}unknown option '{}'{} options: {}", prefix, name, suggestion(name, names), fmt::join(names, ", ")));
+}
+
+void check_command(const std::vector<std::string>& arguments) {
+  const auto word = std::find_if(arguments.begin(), arguments.end(), [](const std::string& a) { return a.rfind('-', 0) != 0; });
+  const std::vector<std::string> names = command_names();
+  if (word == arguments.end() || std::find(names.begin(), names.end(), *word) != names.end()) return;
+  throw InputError(fmt::format("unknown command '{}'{} commands: {}", *word, suggestion(*word, names), fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+std::vector<std::string> command_names() {
+  const Parser parser;
+  std::vector<std::string> names;
+  for (const CLI::App* sub : parser.app.get_subcommands({})) names.push_back(sub->get_name());
+  return names;
+}
+
+Options parse_options(const std::vector<std::string>& arguments) {
+  check_command(arguments);
+  Parser parser;
+  Options& options = parser.options;
+  if (arguments.empty()) {
+    options.help = parser.app.help();
+    return options;
+  }
+  std::vector<std::string> words = repeat_set(arguments);
+  std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
+  const auto chosen = [&parser]() -> const CLI::App& {
+    const std::vector<CLI::App*> subs = parser.app.get_subcommands();
+    return subs.empty() ? parser.app : *subs.front();
+  };
+  const auto prefix = [&] { return &chosen() == &parser.app ? std::string() : chosen().get_name() + ": "; };
+  try {
+    parser.app.parse(words);
+  } catch (const CLI::CallForHelp&) {
+    options.help = parser.app.help();
+    return options;
+  } catch (const CLI::ExtrasError&) {
+    throw unexpected(chosen(), prefix(), parser.app.remaining(true).front());
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string message = error.what();  // "--output: 1 required TEXT missing"
+    throw InputError(fmt::format("{}{} needs one value", prefix(), message.substr(0, message.find(':'))));
+  } catch (const CLI::ParseError& error) {
+    throw InputError(prefix() + error.what());
+  }
+  if (parser.version) {
+    options.command = "--version";
+    return options;
+  }
+  if (&chosen() == &parser.app) throw InputError(fmt::format("no command given; commands: {}", fmt::join(command_names(), ", ")));
+  options.command = chosen().get_name();
+  const std::string& command = options.command;
+  for (const std::string& text : parser.sets) options.overrides.push_back(parse_override(command, text));
+  if (parser.seed) options.seed = parse_integer<std::uint64_t>(command, "--seed", *parser.seed, 0);
+  if (parser.trials) options.trials = parse_integer<std::size_t>(command, "--trials", *parser.trials, 1);
+  if (parser.jobs) options.jobs = parse_integer<std::size_t>(command, "--jobs", *parser.jobs, 1);
+  if (parser.trial) options.trial = parse_integer<std::size_t>(command, "--trial", *parser.trial, 0);
+  if (parser.format) options.format = parse_export_format(*parser.format);
+  if (parser.slip_rule) options.slip_rule = parse_slip_rule(*parser.slip_rule);
+  if (parser.label_speed) options.label_speed = parse_speed(command, "--label-speed", *parser.label_speed);
+  return options;
+}
+
+}  // namespace slipbench

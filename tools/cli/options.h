@@ -1,0 +1,49 @@
+// The command line, turned into checked values.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/scene/parser.h"
+#include "tools/export/export.h"
+
+namespace slipbench {
+
+// What the user asked for. Only the members of the command given are filled in.
+struct Options {
+  std::string command;  // "run", ...; "--version"; empty when `help` is asked for
+  std::string help;     // to be printed on stdout
+  bool json = false;
+  bool quiet = false;
+
+  // run and sweep
+  std::string scene;
+  std::vector<Override> overrides;
+  std::optional<std::uint64_t> seed;
+  std::optional<std::size_t> trials;
+  std::optional<std::size_t> jobs;
+
+  std::string output;  // run, sweep: dataset; report: HTML file; export: folder. Empty: not given
+
+  // report and export
+  std::string dataset;
+  std::optional<std::size_t> trial;
+  ExportFormat format{};                  // export
+  SlipRule slip_rule = SlipRule::strict;  // export
+  std::optional<double> label_speed;      // export [m/s]
+  std::string sensor;                     // export; empty: the only one
+
+  std::string name;  // list: a catalogue or empty; describe: the entry
+};
+
+// The commands, in the order the help shows them.
+std::vector<std::string> command_names();
+
+// Reads the arguments after the program's name. Throws InputError: unknown command, option or format with the nearest known one,
+// a missing argument, a number that is none.
+Options parse_options(const std::vector<std::string>& arguments);
+
+}  // namespace slipbench

@@ -1,0 +1,206 @@
+#include "tools/cli/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "sim/core/contact_frame.h"
+#include "tools/cli/progress.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::array<const char*, 4> state_names{"none", "non-slip", "incipient", "gross"};
+
+// A table with right-aligned columns, the first one left-aligned.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> head) : rows_{std::move(head)} {}
+
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+
+  [[nodiscard]] std::string text(const Style& style) const {
+    std::vector<std::size_t> widths(rows_.front().size(), 0);
+    for (const auto& row : rows_) {
+      for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+    }
+    std::string result;
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      std::string line = fmt::format("  {:<{}}", rows_[r][0], widths[0]);
+      for (std::size_t i = 1; i < rows_[r].size(); ++i) line += fmt::format("  {:>{}}", rows_[r][i], widths[i]);
+      result += (r == 0 ? style.dim(line) : line) + '\n';
+    }
+    return result;
+  }
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+// "P0" where the sensor names its units so ("P0_FX"), else the unit's number.
+std::string unit_name(const SensorRecord& sensor, std::size_t unit) {
+  const std::size_t units = sensor.labels.units();
+  if (!sensor.channels.empty() && sensor.channels.front().shape.front() == units) {
+    const std::vector<std::size_t>& shape = sensor.channels.front().shape;
+    const std::size_t stride = std::accumulate(shape.begin() + 1, shape.end(), std::size_t{1}, std::multiplies<>());
+    const std::string& channel = sensor.channel_names.at(unit * stride);
+    if (const std::size_t end = channel.find('_'); end != std::string::npos) return channel.substr(0, end);
+  }
+  return std::to_string(unit);
+}
+
+double first_event(const LabelRecord& labels, std::size_t unit, EventKind kind) {
+  for (std::size_t e = 0; e < labels.event_time.size(); ++e) {
+    if (labels.event_unit[e] == unit && labels.event_kind[e] == static_cast<std::uint8_t>(kind)) return labels.event_time[e];
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+// "1", ... in the order in which the units slipped; "-" for one that never did.
+std::string rank_text(const std::vector<double>& onsets, std::size_t unit) {
+  constexpr double tie = 1e-9;  // s, the same instant but for rounding
+  if (std::isnan(onsets[unit])) return "-";
+  return std::to_string(1 + std::count_if(onsets.begin(), onsets.end(), [&](double t) { return t < onsets[unit] - tie; }));
+}
+
+// A slipping unit's margin is zero but for rounding: no minus sign before it.
+std::string margin_text(float margin) {
+  if (std::isnan(margin)) return "-";
+  return fmt::format("{:.3f}", std::abs(margin) < 5e-4F ? 0.0F : margin);
+}
+
+std::string class_text(const StateCounts& strict, const StateCounts& micro) {
+  return fmt::format("  time in each class  strict: {}\n                      micro: {}\n", shares_text(strict),
+                     shares_text(micro));
+}
+
+std::string sensor_text(const SensorRecord& sensor, const Style& style) {
+  const LabelRecord& labels = sensor.labels;
+  const std::size_t units = labels.units();
+  Table table({"unit", "touch", "first micro-slip", "full slip", "order", "slipped", "load at end", "margin at end"});
+  const std::size_t last = (sensor.time.size() - 1) * units;  // of the labels' rows
+  for (std::size_t u = 0; u < units; ++u) {
+    const float margin = labels.margin[last + u];
+    table.add({unit_name(sensor, u), onset_text(first_event(labels, u, EventKind::touch)), onset_text(labels.micro_onset_time[u]),
+               onset_text(labels.onset_time[u]), rank_text(labels.onset_time, u),
+               fmt::format("{:.2f} mm", 1e3 * labels.slip_distance[last + u]),
+               fmt::format("{:.2f} N", labels.force[3 * (last + u) + 2]), margin_text(margin)});
+  }
+  const std::string title =
+      fmt::format("{}  {}, {} units at {:g} Hz\n", style.heading(sensor.name), sensor.type, units, sensor.rate);
+  return title + table.text(style) + class_text(labels.state_count, labels.state_micro_count);
+}
+
+// A value as a person reads it: four digits in the most readable unit.
+std::string short_quantity(double value, Quantity quantity) {
+  const std::string exact = format_quantity(value, quantity);
+  const std::size_t space = exact.find(' ');
+  const std::string unit = space == std::string::npos ? "" : exact.substr(space);
+  return fmt::format("{:.4g}{}", std::stod(exact), unit);
+}
+
+// The motion's numbers that are neither zero nor infinite: ", speed 4 mm/s, direction 30 deg".
+std::string motion_values(const Scene& scene, const Catalogues& catalogues) {
+  const auto entry = std::find_if(catalogues.motions.begin(), catalogues.motions.end(),
+                                  [&](const Entry& candidate) { return candidate.name == scene.motion.name; });
+  if (entry == catalogues.motions.end()) throw std::logic_error("motion is not in the catalogue: " + scene.motion.name);
+  std::string text;
+  for (const ParameterSpec& spec : entry->parameters) {
+    if (spec.type != ParameterType::number) continue;
+    const double value = scene.motion.parameters.number(spec.name);
+    if (value != 0.0 && std::isfinite(value)) text += fmt::format(", {} {}", spec.name, short_quantity(value, spec.quantity));
+  }
+  return text;
+}
+
+// How long the incipient phase warned of the gross slip.
+std::string gross_text(const TrialOutcome& outcome, const Style& style) {
+  if (std::isnan(outcome.first_micro_slip_time)) return "  nothing slips\n";
+  if (std::isnan(outcome.gross_slip_time)) {
+    return fmt::format("  {} at {}, never all of the pad\n", style.bold("first slip"), onset_text(outcome.first_micro_slip_time));
+  }
+  return fmt::format("  {} at {}, {:.1f} ms after the first micro-slip\n", style.bold("gross slip"),
+                     onset_text(outcome.gross_slip_time), 1e3 * (outcome.gross_slip_time - outcome.first_micro_slip_time));
+}
+
+// A row of the sweep's table: how many trials came to this, and when.
+std::vector<std::string> stage_row(const std::string& name, const std::vector<TrialSummary>& trials, double TrialOutcome::*time) {
+  std::vector<double> times;
+  for (const TrialSummary& trial : trials) {
+    if (!std::isnan(trial.outcome.*time)) times.push_back(trial.outcome.*time);
+  }
+  if (times.empty()) return {name, "0", "-", "-", "-"};
+  std::sort(times.begin(), times.end());
+  const double median = 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
+  return {name, std::to_string(times.size()), onset_text(times.front()), onset_text(median), onset_text(times.back())};
+}
+
+}  // namespace
+
+std::string shares_text(const StateCounts& counts) {
+  const auto total = static_cast<double>(std::max<std::size_t>(1, std::accumulate(counts.begin(), counts.end(), std::size_t{0})));
+  std::string text;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    text += fmt::format("{}{} {:.1f} %", i == 0 ? "" : ", ", state_names[i], 100.0 * static_cast<double>(counts[i]) / total);
+  }
+  return text;
+}
+
+std::string onset_text(double time) { return std::isnan(time) ? "-" : fmt::format("{:.4f} s", time); }
+
+std::string scene_text(const Scene& scene, const Catalogues& catalogues, const Style& style, std::size_t width) {
+  std::string effects;
+  for (const Named& effect : scene.effects) effects += (effects.empty() ? "" : ", ") + effect.name;
+  std::string text = scene.description.empty() ? "" : style.bold(scene.description) + '\n';
+  text += wrap_text(fmt::format("surface: {} ({}), mu_static {:.4g}, mu_kinetic {:.4g}", scene.material, scene.surface.name,
+                                scene.friction.static_coefficient, scene.friction.kinetic_coefficient),
+                    width, 2);
+  text += wrap_text(fmt::format("motion:  {}{}", scene.motion.name, motion_values(scene, catalogues)), width, 2);
+  text += wrap_text("effects: " + (effects.empty() ? "none" : effects), width, 2);
+  return text + '\n';
+}
+
+std::string trial_text(const TrialRecord& record, const Style& style) {
+  std::string text;
+  for (const SensorRecord& sensor : record.sensors) text += sensor_text(sensor, style);
+  return text + gross_text(record.outcome, style);
+}
+
+std::string sweep_text(const SweepSummary& summary, const Style& style) {
+  Table table({"", "trials", "earliest", "median", "latest"});
+  table.add(stage_row("touch", summary.trials, &TrialOutcome::touch_time));
+  table.add(stage_row("first micro-slip", summary.trials, &TrialOutcome::first_micro_slip_time));
+  table.add(stage_row("first full slip", summary.trials, &TrialOutcome::first_slip_time));
+  table.add(stage_row("gross slip", summary.trials, &TrialOutcome::gross_slip_time));
+  StateCounts strict{};
+  StateCounts micro{};
+  for (const TrialSummary& trial : summary.trials) {
+    for (const SensorOnsets& sensor : trial.sensors) {
+      for (std::size_t i = 0; i < strict.size(); ++i) {
+        strict[i] += sensor.state_count[i];
+        micro[i] += sensor.state_micro_count[i];
+      }
+    }
+  }
+  return fmt::format("{}\n", style.heading(fmt::format("{} trials", summary.trials.size()))) + table.text(style) +
+         class_text(strict, micro);
+}
+
+std::string speed_text(const SweepSummary& summary, double elapsed) {
+  constexpr double shortest = 1e-9;  // s, keeps the rates finite
+  const double seconds = std::max(elapsed, shortest);
+  std::string text = fmt::format("{:g} s simulated in {:.3g} s: {} x real time", summary.simulated, elapsed,
+                                 short_count(summary.simulated / seconds));
+  if (summary.trials.size() > 1) {
+    text += fmt::format(", {} trials/s", short_count(static_cast<double>(summary.trials.size()) / seconds));
+  }
+  return text +
+         fmt::format("; one core steps at {} x real time", short_count(summary.simulated / std::max(summary.computed, shortest)));
+}
+
+}  // namespace slipbench

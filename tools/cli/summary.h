@@ -1,0 +1,34 @@
+// What a person reads after a run: when each unit slipped, how much of the time was spent in each class, and how fast it went.
+#pragma once
+
+#include <string>
+
+#include "sim/scene/catalogues.h"
+#include "sim/scene/scene.h"
+#include "tools/cli/terminal.h"
+#include "tools/dataset/trial_record.h"
+#include "tools/run/run_sweep.h"
+
+namespace slipbench {
+
+// "none 7.5 %, non-slip 44 %, incipient 0.2 %, gross 48 %"
+std::string shares_text(const StateCounts& counts);
+
+// "2.0312 s" to 0.1 ms, or "-" where it never happened.
+std::string onset_text(double time);
+
+// What the scene is: description, surface, friction, motion, effects.
+std::string scene_text(const Scene& scene, const Catalogues& catalogues, const Style& style, std::size_t width);
+
+// One trial in full: a table of the units of each sensor (touch, first micro-slip, full slip and its rank, slipped distance, load
+// and margin at the end), the pad's gross slip and the shares of the classes. `record` holds every column.
+std::string trial_text(const TrialRecord& record, const Style& style);
+
+// Several trials: how many reached each stage of slip and when (earliest, median, latest), and the shares of the classes.
+std::string sweep_text(const SweepSummary& summary, const Style& style);
+
+// "800 s simulated in 3.2 s: 250 x real time, 62 trials/s; one core steps at 400 x real time". The first rate is that of the whole
+// command, with reading and writing; the second is that of the simulation alone.
+std::string speed_text(const SweepSummary& summary, double elapsed);
+
+}  // namespace slipbench

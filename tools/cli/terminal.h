@@ -1,0 +1,40 @@
+// What the program may do with the stream it writes to: colours, line width, redrawing.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace slipbench {
+
+// Marks up text. Every function returns its text unchanged when colours are off, so that a pipe or a file gets plain text.
+class Style {
+ public:
+  explicit Style(bool colour) : colour_(colour) {}
+
+  [[nodiscard]] bool colour() const { return colour_; }
+  [[nodiscard]] std::string bold(std::string_view text) const;
+  [[nodiscard]] std::string dim(std::string_view text) const;
+  [[nodiscard]] std::string good(std::string_view text) const;     // green
+  [[nodiscard]] std::string error(std::string_view text) const;    // bold red
+  [[nodiscard]] std::string heading(std::string_view text) const;  // bold cyan
+
+ private:
+  bool colour_;
+};
+
+// Whether a person watches `stream`: it is a terminal, and TERM is not "dumb".
+bool is_interactive(std::FILE* stream);
+
+// Colours only where a person watches and the variable NO_COLOR is unset or empty (no-color.org).
+Style style_for(std::FILE* stream);
+
+// Columns of the terminal behind `stream`, 100 where there is none.
+std::size_t terminal_width(std::FILE* stream);
+
+// Text broken at spaces so that no line is longer than `width`, unless one word is. Line ends of the text are kept. Every line
+// starts with `indent` spaces and ends with '\n'.
+std::string wrap_text(std::string_view text, std::size_t width, std::size_t indent);
+
+}  // namespace slipbench

@@ -1,0 +1,232 @@
+#include "tools/dataset/encoder.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <libdeflate.h>
+#include <openssl/evp.h>
+
+#include "tools/dataset/layout.h"
+
+namespace slipbench {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "columns are stored as they lie in memory");
+
+// A column of a record and where it goes.
+struct ArrayView {
+  std::string path;
+  std::string unit;
+  ElementType type = ElementType::f32;
+  Extents shape;
+  const std::uint8_t* bytes = nullptr;
+
+  [[nodiscard]] std::size_t row_bytes() const {
+    std::size_t size = size_of(type);
+    for (std::size_t axis = 1; axis < shape.size(); ++axis) size *= shape[axis];
+    return size;
+  }
+  [[nodiscard]] std::size_t size_bytes() const { return shape[0] * row_bytes(); }
+};
+
+template <class T>
+constexpr ElementType type_of();
+template <>
+constexpr ElementType type_of<double>() {
+  return ElementType::f64;
+}
+template <>
+constexpr ElementType type_of<float>() {
+  return ElementType::f32;
+}
+template <>
+constexpr ElementType type_of<std::uint32_t>() {
+  return ElementType::u32;
+}
+template <>
+constexpr ElementType type_of<std::uint8_t>() {
+  return ElementType::u8;
+}
+
+template <class T>
+ArrayView view_of(std::string path, std::string unit, std::size_t rows, const Extents& tail, const std::vector<T>& values) {
+  ArrayView view{std::move(path), std::move(unit), type_of<T>(), {rows}, reinterpret_cast<const std::uint8_t*>(values.data())};
+  view.shape.insert(view.shape.end(), tail.begin(), tail.end());
+  if (view.size_bytes() != values.size() * sizeof(T)) {
+    throw std::logic_error(fmt::format("{}: {} values do not fill {} rows", view.path, values.size(), rows));
+  }
+  return view;
+}
+
+// All arrays of a trial in ascending order of path.
+std::vector<ArrayView> arrays_of(const TrialRecord& record) {
+  std::vector<ArrayView> arrays;
+  for (const SensorRecord& sensor : record.sensors) {
+    const std::size_t rows = sensor.time.size();
+    const std::string samples = sensor_group(sensor.name) + "/";
+    arrays.push_back(view_of(samples + "t", "s", rows, {}, sensor.time));
+    for (const SensorColumn& channel : sensor.channels) {
+      arrays.push_back(view_of(samples + channel.name, channel.unit, rows, channel.shape, channel.values));
+    }
+    const std::string labels = label_group(sensor.name) + "/";
+    arrays.push_back(view_of(labels + "t", "s", rows, {}, sensor.time));
+    for_each_label(sensor.labels, sensor.labels.units(),
+                   [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
+                     arrays.push_back(view_of(labels + name, unit, rows, tail, column));
+                   });
+    const std::size_t events = sensor.labels.event_time.size();
+    for_each_event_column(sensor.labels, [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
+      arrays.push_back(view_of(labels + name, unit, events, tail, column));
+    });
+  }
+  for (const BodyRecord& body : record.bodies) {
+    const std::string truth = body_group(body.name) + "/";
+    arrays.push_back(view_of(truth + "t", "s", record.body_time.size(), {}, record.body_time));
+    for_each_body_column(body, [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
+      arrays.push_back(view_of(truth + name, unit, record.body_time.size(), tail, column));
+    });
+  }
+  std::sort(arrays.begin(), arrays.end(), [](const ArrayView& a, const ArrayView& b) { return a.path < b.path; });
+  return arrays;
+}
+
+std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
+  std::vector<EncodedAttribute> attributes;
+  attributes.push_back({"", "num_samples", static_cast<std::uint64_t>(record.num_samples())});
+  attributes.push_back({"", "seed", record.seed});
+  attributes.push_back({"", "params", record.params});
+  attributes.push_back({"", "outcome", outcome_json(record.outcome)});
+  for (const SensorRecord& sensor : record.sensors) {
+    const std::string samples = sensor_group(sensor.name);
+    std::vector<std::string> channels;
+    for (const SensorColumn& channel : sensor.channels) channels.push_back(channel.name);
+    attributes.push_back({samples, "type", sensor.type});
+    attributes.push_back({samples, "rate_hz", sensor.rate});
+    attributes.push_back({samples, "frame", sensor.frame});
+    attributes.push_back({samples, "channels", std::move(channels)});
+    attributes.push_back({samples, "channel_names", sensor.channel_names});
+    for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {
+      EncodedAttribute::Doubles matrix{{sensor.labels.units()}, values};
+      matrix.shape.insert(matrix.shape.end(), tail.begin(), tail.end());
+      attributes.push_back({label_group(sensor.name), name, std::move(matrix)});
+    });
+  }
+  return attributes;
+}
+
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
+    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) {
+      throw std::runtime_error("OpenSSL offers no SHA-256");
+    }
+  }
+  void update(const void* bytes, std::size_t size) { EVP_DigestUpdate(context_.get(), bytes, size); }
+  Digest finish() {
+    Digest digest{};
+    EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr);
+    return digest;
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
+// HDF5's shuffle filter: all first bytes of the elements, then all second bytes, and so on.
+template <std::size_t Size>
+void shuffle(const std::uint8_t* in, std::size_t bytes, std::uint8_t* out) {
+  const std::size_t count = bytes / Size;
+  for (std::size_t byte = 0; byte < Size; ++byte) {
+    for (std::size_t i = 0; i < count; ++i) out[byte * count + i] = in[i * Size + byte];
+  }
+}
+
+}  // namespace
+
+struct TrialEncoder::State {
+  std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor{
+      libdeflate_alloc_compressor(deflate_level), &libdeflate_free_compressor};
+  std::vector<std::uint8_t> padded;
+  std::vector<std::uint8_t> shuffled;
+  std::vector<std::uint8_t> deflated;
+
+  std::vector<std::uint8_t> deflate_chunk(const std::uint8_t* bytes, std::size_t size, std::size_t element) {
+    const std::uint8_t* source = bytes;
+    if (element > 1) {
+      shuffled.resize(size);
+      if (element == 8) {
+        shuffle<8>(bytes, size, shuffled.data());
+      } else {
+        shuffle<4>(bytes, size, shuffled.data());
+      }
+      source = shuffled.data();
+    }
+    deflated.resize(libdeflate_zlib_compress_bound(compressor.get(), size));
+    const std::size_t length = libdeflate_zlib_compress(compressor.get(), source, size, deflated.data(), deflated.size());
+    return {deflated.begin(), deflated.begin() + static_cast<std::ptrdiff_t>(length)};
+  }
+
+  EncodedArray encode_array(const ArrayView& view) {
+    EncodedArray array{view.path, view.unit, view.type, view.shape, 0, {}};
+    const std::size_t rows = view.shape[0];
+    const std::size_t row_bytes = view.row_bytes();
+    if (rows == 0 || row_bytes == 0) return array;
+    const std::size_t parts = std::max<std::size_t>(1, (view.size_bytes() + chunk_bytes - 1) / chunk_bytes);
+    array.chunk_rows = (rows + parts - 1) / parts;
+    for (std::size_t first = 0; first < rows; first += array.chunk_rows) {
+      const std::uint8_t* bytes = view.bytes + first * row_bytes;
+      const std::size_t present = std::min(array.chunk_rows, rows - first) * row_bytes;
+      const std::size_t whole = array.chunk_rows * row_bytes;
+      if (present < whole) {  // HDF5 stores chunks at full size
+        padded.assign(whole, 0);
+        std::memcpy(padded.data(), bytes, present);
+        bytes = padded.data();
+      }
+      array.chunks.push_back(deflate_chunk(bytes, whole, size_of(view.type)));
+    }
+    return array;
+  }
+};
+
+std::size_t EncodedTrial::stored_bytes() const {
+  std::size_t bytes = 0;
+  for (const EncodedArray& array : arrays) {
+    for (const auto& chunk : array.chunks) bytes += chunk.size();
+  }
+  return bytes;
+}
+
+TrialEncoder::TrialEncoder() : state_(std::make_unique<State>()) {
+  if (!state_->compressor) throw std::bad_alloc();
+}
+TrialEncoder::~TrialEncoder() = default;
+TrialEncoder::TrialEncoder(TrialEncoder&&) noexcept = default;
+TrialEncoder& TrialEncoder::operator=(TrialEncoder&&) noexcept = default;
+
+EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
+  EncodedTrial trial;
+  trial.trial = record.trial;
+  trial.material = record.material;
+  trial.attributes = attributes_of(record);
+  Sha256 hash;
+  for (const ArrayView& view : arrays_of(record)) {
+    hash.update(view.path.c_str(), view.path.size() + 1);  // with its final zero byte
+    hash.update(view.bytes, view.size_bytes());
+    trial.arrays.push_back(state_->encode_array(view));
+  }
+  trial.digest = hash.finish();
+  return trial;
+}
+
+std::string content_digest(const std::vector<Digest>& digests) {
+  Sha256 hash;
+  for (const Digest& digest : digests) hash.update(digest.data(), digest.size());
+  std::string hex;
+  for (const std::uint8_t byte : hash.finish()) hex += fmt::format("{:02x}", byte);
+  return hex;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,62 @@
+// Which arrays and attributes a trial has in the file: the one list that the writing and the reading side share.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/dataset/trial_record.h"
+
+namespace slipbench {
+
+using Extents = std::vector<std::size_t>;
+
+// Calls visit(name, unit, extents after the first axis, column) for every label that has a row a sample. `units`: N.
+template <class Labels, class Visit>
+void for_each_label(Labels& labels, std::size_t units, Visit&& visit) {
+  visit("unit_state", "1", Extents{units}, labels.unit_state);
+  visit("slip_velocity", "m/s", Extents{units, 2}, labels.slip_velocity);
+  visit("slip_distance", "m", Extents{units}, labels.slip_distance);
+  visit("margin", "1", Extents{units}, labels.margin);
+  visit("force", "N", Extents{units, 3}, labels.force);
+  visit("state", "1", Extents{}, labels.state);
+  visit("state_micro", "1", Extents{}, labels.state_micro);
+  visit("state_paper", "1", Extents{}, labels.state_paper);
+  visit("stuck_fraction", "1", Extents{}, labels.stuck_fraction);
+  visit("slip_direction", "rad", Extents{}, labels.slip_direction);
+  visit("slip_centre", "m", Extents{2}, labels.slip_centre);
+  visit("slip_angle", "rad", Extents{}, labels.slip_angle);
+}
+
+// The same for the columns of the events, which have a row an event.
+template <class Labels, class Visit>
+void for_each_event_column(Labels& labels, Visit&& visit) {
+  visit("events/t", "s", Extents{}, labels.event_time);
+  visit("events/unit", "1", Extents{}, labels.event_unit);
+  visit("events/kind", "1", Extents{}, labels.event_kind);
+}
+
+// Calls visit(name, extents after the first axis, values) for every attribute of the labels, which have a row a unit.
+template <class Labels, class Visit>
+void for_each_unit_attribute(Labels& labels, Visit&& visit) {
+  visit("unit_positions", Extents{2}, labels.unit_positions);
+  visit("unit_heights", Extents{}, labels.unit_heights);
+  visit("k_normal", Extents{}, labels.k_normal);
+  visit("k_tangential", Extents{}, labels.k_tangential);
+  visit("mu_static", Extents{}, labels.mu_static);
+  visit("mu_kinetic", Extents{}, labels.mu_kinetic);
+  visit("onset_time_s", Extents{}, labels.onset_time);
+  visit("micro_onset_time_s", Extents{}, labels.micro_onset_time);
+}
+
+// Calls visit(name, unit, extents after the first axis, column) for every array of a body.
+template <class Body, class Visit>
+void for_each_body_column(Body& body, Visit&& visit) {
+  visit("pose", "m, quaternion wxyz", Extents{7}, body.pose);
+  visit("velocity", "m/s, rad/s", Extents{6}, body.velocity);
+}
+
+inline std::string sensor_group(const std::string& sensor) { return "sensors/" + sensor; }
+inline std::string label_group(const std::string& sensor) { return "labels/" + sensor; }
+inline std::string body_group(const std::string& body) { return "truth/" + body; }
+
+}  // namespace slipbench

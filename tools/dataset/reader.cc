@@ -1,0 +1,433 @@
+#include "tools/dataset/reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/dataset/hdf5_handle.h"
+#include "tools/dataset/layout.h"
+
+namespace slipbench {
+namespace {
+
+using hdf5::check;
+using hdf5::Handle;
+
+// No array of a sound dataset is larger: a file that claims one is broken [bytes].
+constexpr std::uint64_t largest_array = std::uint64_t{16} << 30;
+
+template <class T>
+hid_t memory_type();
+template <>
+hid_t memory_type<double>() {
+  return H5T_NATIVE_DOUBLE;
+}
+template <>
+hid_t memory_type<float>() {
+  return H5T_NATIVE_FLOAT;
+}
+template <>
+hid_t memory_type<std::uint64_t>() {
+  return H5T_NATIVE_UINT64;
+}
+template <>
+hid_t memory_type<std::uint32_t>() {
+  return H5T_NATIVE_UINT32;
+}
+template <>
+hid_t memory_type<std::uint8_t>() {
+  return H5T_NATIVE_UINT8;
+}
+
+// An object of an open file, for messages.
+struct Place {
+  hid_t file;
+  const std::string& file_name;
+  std::string object;  // "/data/demo_0"
+
+  [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: {}: {}", file_name, object, what)); }
+  [[nodiscard]] Place below(const std::string& name) const { return {file, file_name, object + "/" + name}; }
+};
+
+Handle open_object(const Place& place) {
+  const hid_t id = H5Oopen(place.file, place.object.c_str(), H5P_DEFAULT);
+  if (id < 0) place.fail("missing or damaged");
+  return {id, &H5Oclose};
+}
+
+std::vector<std::size_t> extents_of(const Place& place, const Handle& space) {
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  if (rank < 0) place.fail("its extents cannot be read");
+  std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
+  check(H5Sget_simple_extent_dims(space.get(), extents.data(), nullptr));
+  return {extents.begin(), extents.end()};
+}
+
+// Number of elements, refused where it cannot be.
+std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents) {
+  std::uint64_t count = 1;
+  for (const std::size_t extent : extents) {
+    if (extent != 0 && count > largest_array / extent) place.fail("its extents are beyond all measure");
+    count *= extent;
+  }
+  return count;
+}
+
+template <class T>
+struct Array {
+  std::vector<std::size_t> shape;
+  std::vector<T> values;
+};
+
+template <class T>
+Array<T> read_array(const Place& place) {
+  const Handle object = open_object(place);
+  if (H5Iget_type(object.get()) != H5I_DATASET) place.fail("is no array");
+  const Handle space(H5Dget_space(object.get()), &H5Sclose);
+  Array<T> array{extents_of(place, space), {}};
+  array.values.resize(count_of(place, array.shape));
+  if (!array.values.empty() && H5Dread(object.get(), memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0) {
+    place.fail("cannot be read: " + hdf5::last_error());
+  }
+  return array;
+}
+
+// An array of the extents that the trial prescribes.
+template <class T>
+std::vector<T> read_column(const Place& place, std::size_t rows, const Extents& tail) {
+  Array<T> array = read_array<T>(place);
+  Extents expected{rows};
+  expected.insert(expected.end(), tail.begin(), tail.end());
+  if (array.shape != expected) {
+    place.fail(fmt::format("has extents [{}], expected [{}]", fmt::join(array.shape, ", "), fmt::join(expected, ", ")));
+  }
+  return std::move(array.values);
+}
+
+struct Attribute {
+  Handle handle;
+  Handle type;
+  std::vector<std::size_t> shape;
+};
+
+Attribute open_attribute(const Place& place, const Handle& object, const std::string& name) {
+  if (H5Aexists(object.get(), name.c_str()) <= 0) place.fail("has no attribute '" + name + "'");
+  Attribute attribute;
+  attribute.handle = Handle(H5Aopen(object.get(), name.c_str(), H5P_DEFAULT), &H5Aclose);
+  attribute.type = Handle(H5Aget_type(attribute.handle.get()), &H5Tclose);
+  attribute.shape = extents_of(place, Handle(H5Aget_space(attribute.handle.get()), &H5Sclose));
+  return attribute;
+}
+
+template <class T>
+Array<T> read_numbers(const Place& place, const Handle& object, const std::string& name) {
+  const Attribute attribute = open_attribute(place, object, name);
+  Array<T> array{attribute.shape, std::vector<T>(count_of(place, attribute.shape))};
+  const H5T_class_t kind = H5Tget_class(attribute.type.get());
+  if ((kind != H5T_INTEGER && kind != H5T_FLOAT) ||
+      (!array.values.empty() && H5Aread(attribute.handle.get(), memory_type<T>(), array.values.data()) < 0)) {
+    place.fail("attribute '" + name + "' is no number");
+  }
+  return array;
+}
+
+template <class T>
+T read_number(const Place& place, const Handle& object, const std::string& name) {
+  const Array<T> array = read_numbers<T>(place, object, name);
+  if (array.values.size() != 1) place.fail("attribute '" + name + "' is no single number");
+  return array.values.front();
+}
+
+std::vector<std::string> read_texts(const Place& place, const Handle& object, const std::string& name) {
+  const Attribute attribute = open_attribute(place, object, name);
+  if (H5Tis_variable_str(attribute.type.get()) <= 0) place.fail("attribute '" + name + "' is no text");
+  std::vector<char*> texts(count_of(place, attribute.shape), nullptr);
+  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+  check(H5Tset_size(type.get(), H5T_VARIABLE));
+  check(H5Tset_cset(type.get(), H5Tget_cset(attribute.type.get())));
+  if (!texts.empty() && H5Aread(attribute.handle.get(), type.get(), texts.data()) < 0) {
+    place.fail("attribute '" + name + "' cannot be read: " + hdf5::last_error());
+  }
+  std::vector<std::string> result;
+  for (char* text : texts) {
+    result.emplace_back(text != nullptr ? text : "");
+    if (text != nullptr) check(H5free_memory(text));
+  }
+  return result;
+}
+
+std::string read_text(const Place& place, const Handle& object, const std::string& name) {
+  std::vector<std::string> texts = read_texts(place, object, name);
+  if (texts.size() != 1) place.fail("attribute '" + name + "' is no single text");
+  return std::move(texts.front());
+}
+
+herr_t add_name(hid_t, const char* name, const H5L_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
+// Names of a group's members in ascending order.
+std::vector<std::string> members_of(const Place& place) {
+  const Handle group = open_object(place);
+  std::vector<std::string> names;
+  hsize_t position = 0;
+  if (H5Literate(group.get(), H5_INDEX_NAME, H5_ITER_INC, &position, &add_name, &names) < 0) {
+    place.fail("its members cannot be listed: " + hdf5::last_error());
+  }
+  return names;
+}
+
+// k of "demo_<k>".
+std::size_t demo_number(const Place& place, const std::string& name) {
+  constexpr std::string_view prefix = "demo_";
+  std::size_t number = 0;
+  const char* end = name.data() + name.size();
+  if (!name.starts_with(prefix)) place.fail("holds '" + name + "', which is no demo_<k>");
+  const auto [stop, error] = std::from_chars(name.data() + prefix.size(), end, number);
+  if (error != std::errc() || stop != end) place.fail("holds '" + name + "', which is no demo_<k>");
+  return number;
+}
+
+// Opens one file and hands back its root.
+Handle open_file(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) throw InputError(fmt::format("{}: is a folder, not a dataset", path));
+  if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
+  check(H5Pset_file_locking(access.get(), false, true));
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get());
+  if (file < 0) throw InputError(fmt::format("{}: is no readable HDF5 file: {}", path, hdf5::last_error()));
+  return {file, &H5Fclose};
+}
+
+// Name of the k-th file of the dataset whose first is `path`, be it finished, kept or that of a killed run.
+std::string sibling(const std::string& path, std::size_t k) {
+  constexpr std::string_view mark = ".partial";
+  if (!path.ends_with(mark)) return shard_path(path, k);
+  return temporary_path(shard_path(path.substr(0, path.size() - mark.size()), k));
+}
+
+StateCounts count_states(const Place& place, const std::vector<std::uint8_t>& states) {
+  StateCounts counts{};
+  for (const std::uint8_t state : states) {
+    if (state >= counts.size()) place.fail(fmt::format("holds {}, which is no state of a pad", state));
+    ++counts[state];
+  }
+  return counts;
+}
+
+// Channel extents as a sensor's array has them: the axes after the first.
+Extents tail_of(const std::vector<std::size_t>& shape) {
+  return shape.empty() ? Extents{} : Extents(shape.begin() + 1, shape.end());
+}
+
+}  // namespace
+
+struct DatasetReader::State {
+  struct File {
+    std::string name;
+    Handle handle;
+  };
+  DatasetHeader header;
+  std::vector<File> files;
+  std::vector<std::string> digests;
+  bool complete = false;
+  std::vector<std::size_t> trials;
+  std::map<std::size_t, std::size_t> file_of;  // trial -> index into files
+
+  [[nodiscard]] Place root(std::size_t file) const { return {files[file].handle.get(), files[file].name, "/"}; }
+  [[nodiscard]] Place demo(std::size_t trial) const {
+    const auto found = file_of.find(trial);
+    if (found == file_of.end()) {
+      throw InputError(fmt::format(
+          "{}: no trial {}; {}", files.front().name, trial,
+          trials.empty() ? "the file holds none" : fmt::format("the first is {}, the last {}", trials.front(), trials.back())));
+    }
+    const File& file = files[found->second];
+    return {file.handle.get(), file.name, fmt::format("/data/demo_{}", trial)};
+  }
+
+  // Reads one file's header; returns the number of files of the dataset, which a killed run has not noted.
+  std::size_t add_file(const std::string& path) {
+    const std::size_t index = files.size();
+    files.push_back({path, open_file(path)});
+    const Place place = root(index);
+    const Handle object = open_object(place);
+    const auto schema = read_number<std::uint64_t>(place, object, "schema");
+    if (schema != static_cast<std::uint64_t>(dataset_schema)) {
+      place.fail(fmt::format("has schema {}; this program reads {}", schema, dataset_schema));
+    }
+    DatasetHeader found{read_text(place, object, "version"), read_text(place, object, "scene"),
+                        read_text(place, object, "overrides"), read_number<std::uint64_t>(place, object, "seed"),
+                        read_text(place, object, "command")};
+    const auto shard = read_number<std::uint64_t>(place, object, "shard");
+    if (shard != index) {
+      place.fail(fmt::format("is file {} of its dataset, expected file {}; open the first", shard, index));
+    }
+    if (index > 0 && (found.seed != header.seed || found.command != header.command || found.scene != header.scene)) {
+      place.fail(fmt::format("belongs to another dataset than {}", files.front().name));
+    }
+    header = std::move(found);
+    for (const std::string& name : members_of({place.file, place.file_name, "/data"})) {
+      const std::size_t trial = demo_number({place.file, place.file_name, "/data"}, name);
+      trials.push_back(trial);
+      file_of.emplace(trial, index);
+    }
+    const bool finished = H5Aexists(object.get(), "shards") > 0;
+    digests.push_back(finished ? read_text(place, object, "content_sha256") : "");
+    if (!finished) return index + (std::filesystem::exists(sibling(files.front().name, index + 1)) ? 2 : 1);
+    complete = read_number<std::uint64_t>(place, object, "complete") != 0;
+    return read_number<std::uint64_t>(place, object, "shards");
+  }
+
+  [[nodiscard]] LabelRecord read_labels(const Place& place, const std::vector<double>& time) const {
+    LabelRecord labels;
+    const Handle group = open_object(place);
+    const std::size_t units = read_numbers<double>(place, group, "k_normal").values.size();
+    for_each_unit_attribute(labels, [&](const char* name, const Extents& tail, std::vector<double>& values) {
+      values = read_numbers<double>(place, group, name).values;
+      std::size_t expected = units;
+      for (const std::size_t extent : tail) expected *= extent;
+      if (values.size() != expected) place.fail(fmt::format("attribute '{}' does not fit {} units", name, units));
+    });
+    const auto read_into = [&place](std::size_t rows) {
+      return [&place, rows]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
+        column = read_column<T>(place.below(name), rows, tail);
+      };
+    };
+    for_each_label(labels, units, read_into(time.size()));
+    for_each_event_column(labels, read_into(read_array<double>(place.below("events/t")).values.size()));
+    labels.state_count = count_states(place.below("state"), labels.state);
+    labels.state_micro_count = count_states(place.below("state_micro"), labels.state_micro);
+    return labels;
+  }
+};
+
+DatasetReader::DatasetReader(const std::string& path) : state_(std::make_unique<State>()) {
+  hdf5::initialise();
+  try {
+    std::size_t shards = state_->add_file(path);
+    for (std::size_t k = 1; k < shards; ++k) shards = state_->add_file(sibling(path, k));
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw InputError(fmt::format("{}: is damaged: {}", path, error.what()));
+  }
+  std::sort(state_->trials.begin(), state_->trials.end());
+}
+
+DatasetReader::~DatasetReader() = default;
+DatasetReader::DatasetReader(DatasetReader&&) noexcept = default;
+DatasetReader& DatasetReader::operator=(DatasetReader&&) noexcept = default;
+
+const DatasetHeader& DatasetReader::header() const { return state_->header; }
+const std::vector<std::string>& DatasetReader::content_sha256() const { return state_->digests; }
+bool DatasetReader::complete() const { return state_->complete; }
+const std::vector<std::size_t>& DatasetReader::trials() const { return state_->trials; }
+
+std::vector<std::size_t> DatasetReader::mask(const std::string& split) const {
+  std::vector<std::size_t> trials;
+  for (std::size_t k = 0; k < state_->files.size(); ++k) {
+    const Place root = state_->root(k);
+    if (H5Lexists(root.file, "/mask", H5P_DEFAULT) <= 0) continue;
+    const Place place{root.file, root.file_name, "/mask/" + split};
+    const Handle object = open_object(place);
+    const Handle type(H5Dget_type(object.get()), &H5Tclose);
+    if (H5Tget_class(type.get()) != H5T_STRING) place.fail("is no list of names");
+    const std::size_t width = H5Tget_size(type.get());
+    const std::size_t count = count_of(place, extents_of(place, Handle(H5Dget_space(object.get()), &H5Sclose)));
+    std::string names(count_of(place, {count, width}), '\0');
+    if (count > 0 && H5Dread(object.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, names.data()) < 0) {
+      place.fail("cannot be read: " + hdf5::last_error());
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string padded = names.substr(i * width, width);
+      trials.push_back(demo_number(place, padded.substr(0, padded.find('\0'))));
+    }
+  }
+  return trials;
+}
+
+DemoInfo DatasetReader::info(std::size_t trial) const {
+  const Place place = state_->demo(trial);
+  const Handle object = open_object(place);
+  return {read_number<std::uint64_t>(place, object, "num_samples"), read_number<std::uint64_t>(place, object, "seed"),
+          read_text(place, object, "params"), read_text(place, object, "outcome")};
+}
+
+std::vector<std::string> DatasetReader::sensors(std::size_t trial) const {
+  return members_of(state_->demo(trial).below("sensors"));
+}
+
+std::vector<std::string> DatasetReader::bodies(std::size_t trial) const { return members_of(state_->demo(trial).below("truth")); }
+
+std::string DatasetReader::sensor_type(std::size_t trial, const std::string& sensor) const {
+  const Place place = state_->demo(trial).below(sensor_group(sensor));
+  return read_text(place, open_object(place), "type");
+}
+
+SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& sensor) const {
+  const Place demo = state_->demo(trial);
+  const Place place = demo.below(sensor_group(sensor));
+  const Handle group = open_object(place);
+  SensorRecord record;
+  record.name = sensor;
+  record.type = read_text(place, group, "type");
+  record.rate = read_number<double>(place, group, "rate_hz");
+  record.frame = read_text(place, group, "frame");
+  record.channel_names = read_texts(place, group, "channel_names");
+  record.time = read_array<double>(place.below("t")).values;
+  for (const std::string& name : read_texts(place, group, "channels")) {
+    const Place channel = place.below(name);
+    Array<float> array = read_array<float>(channel);
+    if (array.shape.empty() || array.shape[0] != record.time.size()) channel.fail("has not one row a sample");
+    record.channels.push_back(
+        {name, read_text(channel, open_object(channel), "unit"), tail_of(array.shape), std::move(array.values)});
+  }
+  record.labels = state_->read_labels(demo.below(label_group(sensor)), record.time);
+  return record;
+}
+
+TrialRecord DatasetReader::read_trial(std::size_t trial) const {
+  TrialRecord record;
+  DemoInfo demo = info(trial);
+  record.trial = trial;
+  record.seed = demo.seed;
+  record.params = std::move(demo.params);
+  record.outcome = parse_outcome(demo.outcome);
+  for (const std::string& sensor : sensors(trial)) record.sensors.push_back(read_sensor(trial, sensor));
+  for (const std::string& body : bodies(trial)) {
+    const Place place = state_->demo(trial).below(body_group(body));
+    record.body_time = read_array<double>(place.below("t")).values;
+    BodyRecord columns{body, {}, {}};
+    for_each_body_column(columns, [&](const char* name, const char*, const Extents& tail, std::vector<float>& column) {
+      column = read_column<float>(place.below(name), record.body_time.size(), tail);
+    });
+    record.bodies.push_back(std::move(columns));
+  }
+  return record;
+}
+
+template <class T>
+std::vector<T> DatasetReader::read(std::size_t trial, const std::string& path) const {
+  return read_array<T>(state_->demo(trial).below(path)).values;
+}
+
+template std::vector<float> DatasetReader::read<float>(std::size_t, const std::string&) const;
+template std::vector<double> DatasetReader::read<double>(std::size_t, const std::string&) const;
+template std::vector<std::uint8_t> DatasetReader::read<std::uint8_t>(std::size_t, const std::string&) const;
+template std::vector<std::uint32_t> DatasetReader::read<std::uint32_t>(std::size_t, const std::string&) const;
+
+std::vector<std::size_t> DatasetReader::shape(std::size_t trial, const std::string& path) const {
+  const Place place = state_->demo(trial).below(path);
+  const Handle object = open_object(place);
+  if (H5Iget_type(object.get()) != H5I_DATASET) place.fail("is no array");
+  return extents_of(place, Handle(H5Dget_space(object.get()), &H5Sclose));
+}
+
+}  // namespace slipbench

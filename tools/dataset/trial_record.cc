@@ -1,0 +1,53 @@
+#include "tools/dataset/trial_record.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON has no NaN: what never happened is null.
+Json nullable(double value) { return std::isnan(value) ? Json(nullptr) : Json(value); }
+
+double number_or_nan(const Json& value) {
+  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
+}  // namespace
+
+std::string outcome_json(const TrialOutcome& outcome) {
+  Json json;
+  for (const char* key :
+       {"dropped", "slip_translation_m", "slip_rotation_rad", "max_grip_force_N", "ideal_grip_force_N", "reaction_time_s"}) {
+    json[key] = nullptr;
+  }
+  json["touch_time_s"] = nullable(outcome.touch_time);
+  json["first_micro_slip_time_s"] = nullable(outcome.first_micro_slip_time);
+  json["first_slip_time_s"] = nullable(outcome.first_slip_time);
+  json["gross_slip_time_s"] = nullable(outcome.gross_slip_time);
+  json["max_slip_distance_m"] = outcome.max_slip_distance;
+  return json.dump();
+}
+
+TrialOutcome parse_outcome(const std::string& text) {
+  try {
+    const Json json = Json::parse(text);
+    TrialOutcome outcome;
+    outcome.touch_time = number_or_nan(json.at("touch_time_s"));
+    outcome.first_micro_slip_time = number_or_nan(json.at("first_micro_slip_time_s"));
+    outcome.first_slip_time = number_or_nan(json.at("first_slip_time_s"));
+    outcome.gross_slip_time = number_or_nan(json.at("gross_slip_time_s"));
+    outcome.max_slip_distance = json.at("max_slip_distance_m").get<double>();
+    return outcome;
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(fmt::format("outcome is not the JSON object of a press-and-slide trial: {}", error.what()));
+  }
+}
+
+}  // namespace slipbench

@@ -1,0 +1,106 @@
+// One trial in memory, column by column, as it stands in a dataset under /data/demo_<k>.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "sim/core/contact_frame.h"
+
+namespace slipbench {
+
+// One channel of a sensor: T samples of `shape` values each, in C order.
+struct SensorColumn {
+  std::string name;  // "force"
+  std::string unit;  // "N"
+  std::vector<std::size_t> shape;
+  std::vector<float> values;  // [T, shape...]
+};
+
+// Number of samples in each PadState.
+using StateCounts = std::array<std::size_t, 4>;
+
+// The truth about one pad's contact, sampled with its sensor: L = T samples of N units. Meanings as in ContactFrame.
+struct LabelRecord {
+  std::vector<std::uint8_t> unit_state;   // [L,N] UnitState
+  std::vector<float> slip_velocity;       // [L,N,2] m/s
+  std::vector<float> slip_distance;       // [L,N] m
+  std::vector<float> margin;              // [L,N], NaN while detached
+  std::vector<float> force;               // [L,N,3] N
+  std::vector<std::uint8_t> state;        // [L] PadState, rule strict
+  std::vector<std::uint8_t> state_micro;  // [L] PadState, rule micro
+  std::vector<std::uint8_t> state_paper;  // [L] PadState, the rule of the sensor's paper
+  std::vector<float> stuck_fraction;      // [L], NaN while nothing touches
+  std::vector<float> slip_direction;      // [L] rad, NaN while nothing slips
+  std::vector<float> slip_centre;         // [L,2] m, NaN while the slip has no rotation
+  std::vector<float> slip_angle;          // [L] rad, accumulated
+  std::vector<double> event_time;         // [E] s, resolved inside the step
+  std::vector<std::uint32_t> event_unit;  // [E]
+  std::vector<std::uint8_t> event_kind;   // [E] EventKind
+  std::vector<double> unit_positions;     // [N,2] m, mean of the tips of a unit's elements, in the pad plane
+  std::vector<double> unit_heights;       // [N] m, the same mean along the pad's normal: z of the pad frame
+  std::vector<double> k_normal;           // [N] N/m
+  std::vector<double> k_tangential;       // [N] N/m
+  std::vector<double> mu_static;          // [N]
+  std::vector<double> mu_kinetic;         // [N]
+  std::vector<double> onset_time;         // [N] s, first event slip; NaN: never
+  std::vector<double> micro_onset_time;   // [N] s, first event micro or slip; NaN: never
+
+  StateCounts state_count{};        // samples in each PadState by `state`; there in every mode of recording
+  StateCounts state_micro_count{};  // likewise by `state_micro`
+
+  [[nodiscard]] std::size_t units() const { return k_normal.size(); }
+};
+
+// What one sensor emitted, and the truth beside it.
+struct SensorRecord {
+  std::string name;                        // the scene's: "pad"
+  std::string type;                        // "papillarray"
+  double rate = 0.0;                       // Hz
+  std::string frame;                       // a sentence that says what the axes are
+  std::vector<std::string> channel_names;  // of all channels, in order
+  std::vector<double> time;                // [T] s
+  std::vector<SensorColumn> channels;
+  LabelRecord labels;
+};
+
+// A body's motion in the world frame, at TrialRecord::body_time.
+struct BodyRecord {
+  std::string name;
+  std::vector<float> pose;      // [T,7] m, then quaternion w x y z; the quaternion's sign is continuous in time
+  std::vector<float> velocity;  // [T,6] m/s of the body frame's origin, then rad/s
+};
+
+// How a trial ended. NaN: it never happened. With several sensors the earliest time and the largest distance count.
+struct TrialOutcome {
+  double touch_time = std::numeric_limits<double>::quiet_NaN();             // s
+  double first_micro_slip_time = std::numeric_limits<double>::quiet_NaN();  // s, a first part of a unit slips
+  double first_slip_time = std::numeric_limits<double>::quiet_NaN();        // s, a first unit slips as a whole
+  double gross_slip_time = std::numeric_limits<double>::quiet_NaN();        // s, all touching units slip
+  double max_slip_distance = 0.0;                                           // m, of any unit
+};
+
+// The JSON object of a demo's attribute `outcome`: touch_time_s, first_micro_slip_time_s, first_slip_time_s, gross_slip_time_s,
+// max_slip_distance_m, and the keys of a grasp, which are null here.
+std::string outcome_json(const TrialOutcome& outcome);
+// The inverse. Throws InputError when `text` is no such object.
+TrialOutcome parse_outcome(const std::string& text);
+
+struct TrialRecord {
+  std::size_t trial = 0;      // k of demo_<k>
+  std::uint64_t seed = 0;     // the dataset's; the trial's draws are keyed by (seed, trial)
+  std::string material;       // what /mask splits by
+  std::string params = "{}";  // JSON object: path -> value of what was swept
+  TrialOutcome outcome;
+  std::vector<SensorRecord> sensors;
+  std::vector<double> body_time;  // [T] s, samples of the fastest sensor
+  std::vector<BodyRecord> bodies;
+
+  // Samples of the fastest sensor.
+  [[nodiscard]] std::size_t num_samples() const { return body_time.size(); }
+};
+
+}  // namespace slipbench

@@ -1,0 +1,26 @@
+// What the machine that runs the program offers.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace slipbench {
+
+// Name of the processor as the kernel gives it, or "unknown".
+std::string cpu_name();
+
+// Name of the operating system from /etc/os-release, or "unknown".
+std::string operating_system();
+
+// Whether the processor runs AVX2 and FMA code (x86-64-v3), the faster path of the dispatched kernels.
+bool has_avx2();
+
+// Path of a program on PATH, or "".
+std::string find_program(std::string_view name);
+
+// Versions of those of the named Debian packages that are installed. Empty where dpkg is not there.
+std::map<std::string, std::string, std::less<>> installed_packages(std::span<const std::string> names);
+
+}  // namespace slipbench

@@ -1,0 +1,133 @@
+#include "tools/export/export.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/dataset/reader.h"
+#include "tools/export/papillarray_trial.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::array<std::pair<const char*, ExportFormat>, 2> formats{
+    {{"vendor-csv", ExportFormat::vendor_csv}, {"training-csv", ExportFormat::training_csv}}};
+constexpr std::array<std::pair<const char*, SlipRule>, 3> rules{
+    {{"strict", SlipRule::strict}, {"micro", SlipRule::micro}, {"paper", SlipRule::paper}}};
+
+template <class Table>
+std::vector<std::string> names_of(const Table& table) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : table) names.emplace_back(name);
+  return names;
+}
+
+template <class Table>
+auto parse_name(const Table& table, const std::string& name, const char* what) {
+  for (const auto& [known, value] : table) {
+    if (name == known) return value;
+  }
+  const std::vector<std::string> names = names_of(table);
+  const std::string nearest = nearest_name(name, names);
+  throw InputError(fmt::format("unknown {} '{}'{}; allowed: {}", what, name,
+                               nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest), fmt::join(names, ", ")));
+}
+
+void make_folder(const std::string& path) {
+  if (::mkdir(path.c_str(), 0777) == 0) return;
+  const int reason = errno;
+  if (reason == EEXIST && std::filesystem::is_directory(path)) return;
+  throw InputError(fmt::format("cannot make folder {}: {}", path, std::strerror(reason)));
+}
+
+// Writes a file under a temporary name, syncs it and gives it its own.
+void write_file(const std::string& path, const std::string& text) {
+  const std::string temporary = path + ".partial";
+  const auto fail = [&](int reason) {
+    std::remove(temporary.c_str());
+    throw InputError(fmt::format("cannot write {}: {}", path, std::strerror(reason)));
+  };
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  if (file == nullptr) fail(errno);
+  const bool written =
+      std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0 && ::fsync(::fileno(file)) == 0;
+  const int reason = errno;
+  const bool closed = std::fclose(file) == 0;
+  if (!written) fail(reason);
+  if (!closed || std::rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
+}
+
+std::string export_vendor(const DatasetReader& reader, std::size_t trial, const std::string& out_dir,
+                          const ExportOptions& options) {
+  std::vector<SensorRecord> records;
+  for (const std::string& name : papillarrays_of(reader, trial)) {
+    if (options.sensor.empty() || options.sensor == name) records.push_back(reader.read_sensor(trial, name));
+  }
+  if (records.empty()) {
+    throw InputError(fmt::format("trial {}: no papillarray '{}'; allowed: {}", trial, options.sensor,
+                                 fmt::join(papillarrays_of(reader, trial), ", ")));
+  }
+  std::vector<PapillarraySamples> sensors;
+  for (const SensorRecord& record : records) sensors.emplace_back(record, options.slip_rule, options.label_speed);
+  const std::string path = fmt::format("{}/LOG_demo_{}.csv", out_dir, trial);
+  write_file(path, vendor_csv(sensors));
+  return path;
+}
+
+std::string export_training(const DatasetReader& reader, std::size_t trial, const std::string& out_dir,
+                            const ExportOptions& options) {
+  const std::vector<std::string> names = papillarrays_of(reader, trial);
+  const std::string name = options.sensor.empty() && names.size() == 1 ? names.front() : options.sensor;
+  if (std::find(names.begin(), names.end(), name) == names.end()) {
+    throw InputError(
+        fmt::format("trial {}: training-csv holds one papillarray; which? allowed: {}", trial, fmt::join(names, ", ")));
+  }
+  const TrialRecord record = reader.read_trial(trial);
+  const auto sensor = std::find_if(record.sensors.begin(), record.sensors.end(),
+                                   [&](const SensorRecord& candidate) { return candidate.name == name; });
+  const auto pad = std::find_if(record.bodies.begin(), record.bodies.end(),
+                                [](const BodyRecord& candidate) { return candidate.name == "pad"; });
+  if (pad == record.bodies.end()) throw InputError(fmt::format("trial {}: has no truth/pad, which tells the move", trial));
+  const PapillarraySamples samples(*sensor, options.slip_rule, options.label_speed);
+  const std::filesystem::path path = std::filesystem::path(out_dir) / training_file_name(trial, samples, *pad);
+  const std::string text = training_csv(samples, sensor->rate);
+  make_folder(path.parent_path().string());
+  write_file(path.string(), text);
+  return path.string();
+}
+
+}  // namespace
+
+ExportFormat parse_export_format(const std::string& name) { return parse_name(formats, name, "format"); }
+SlipRule parse_slip_rule(const std::string& name) { return parse_name(rules, name, "slip rule"); }
+std::vector<std::string> export_format_names() { return names_of(formats); }
+std::vector<std::string> slip_rule_names() { return names_of(rules); }
+
+std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
+                                        const ExportOptions& options) {
+  const DatasetReader reader(dataset_path);
+  if (reader.trials().empty()) throw InputError(fmt::format("{}: holds no trial", dataset_path));
+  const std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
+  make_folder(out_dir);
+  std::vector<std::string> files;
+  for (const std::size_t trial : trials) {
+    switch (options.format) {
+      case ExportFormat::vendor_csv: files.push_back(export_vendor(reader, trial, out_dir, options)); break;
+      case ExportFormat::training_csv: files.push_back(export_training(reader, trial, out_dir, options)); break;
+    }
+  }
+  return files;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,21 @@
+// The HTML page around the data.
+#pragma once
+
+#include <string>
+
+#include "tools/report/json.h"
+
+namespace slipbench::report {
+
+// Text made safe for HTML content and quoted attributes.
+std::string escape_html(const std::string& text);
+
+// The page web/report.html with styles, libraries, scripts and `data` put in. Nothing in `data` can end its element: '<' and
+// everything beyond ASCII is written as an escape.
+std::string compose_page(const std::string& title, const Json& data);
+
+// Writes `text` under a temporary name beside `path`, syncs and renames it. Throws InputError when that is not possible; then
+// nothing is left behind.
+void write_file(const std::string& path, const std::string& text);
+
+}  // namespace slipbench::report

@@ -1,0 +1,134 @@
+#include "tools/report/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+#include "sim/core/error.h"
+#include "tools/dataset/reader.h"
+#include "tools/report/json.h"
+#include "tools/report/page.h"
+#include "tools/report/parameters.h"
+#include "tools/report/summary.h"
+#include "tools/report/trial.h"
+
+namespace slipbench {
+
+namespace {
+
+using report::Json;
+
+// Curve values embedded in all, so that the page stays below some 6 MB: six 4 s trials of nine pillars at 1 kHz fit in full.
+constexpr std::size_t curve_values_in_page = 4'000'000;
+
+// The trials whose curves go into the page: the one asked for and others at equal distances over the file.
+std::vector<std::size_t> embedded_trials(const std::vector<std::size_t>& trials, const ReportOptions& options) {
+  const std::size_t count = std::min(options.max_trials, trials.size());
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < count; ++i) {
+    chosen.push_back(trials[count == 1 ? 0 : i * (trials.size() - 1) / (count - 1)]);
+  }
+  if (options.trial && std::find(chosen.begin(), chosen.end(), *options.trial) == chosen.end()) {
+    // It takes the place of the nearest one.
+    const auto distance = [&](std::size_t trial) {
+      return trial > *options.trial ? trial - *options.trial : *options.trial - trial;
+    };
+    *std::min_element(chosen.begin(), chosen.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); }) =
+        *options.trial;
+  }
+  return chosen;
+}
+
+Json parse_json(const std::string& text, const std::string& subject) {
+  Json value = Json::parse(text, nullptr, false);
+  if (value.is_discarded()) throw InputError(subject + " is not JSON: " + text.substr(0, 60));
+  return value;
+}
+
+std::string description_of(const std::string& scene, const std::string& subject) {
+  try {
+    const YAML::Node description = YAML::Load(scene)["description"];
+    return description ? description.as<std::string>() : "";
+  } catch (const YAML::Exception& error) {
+    throw InputError(subject + " is not a scene: " + error.what());
+  }
+}
+
+// Drawn parameters of a trial: {path: plain value}.
+Json drawn_parameters(const std::string& params, const std::string& subject) {
+  const Json stored = parse_json(params, subject);
+  if (!stored.is_object()) throw InputError(subject + " is not a JSON object");
+  Json result = Json::object();
+  for (const auto& [path, value] : stored.items()) result[path] = report::plain_value(path, value);
+  return result;
+}
+
+// One row of the overview; with `curve_values` above 0 the trial's curves are added to `curves`.
+Json trial_row(const DatasetReader& dataset, const std::string& file, std::size_t trial, std::size_t curve_values, Json& curves) {
+  const std::string subject = file + ": /data/demo_" + std::to_string(trial);
+  const TrialRecord record = dataset.read_trial(trial);
+  Json row = {{"index", trial},
+              {"seed", std::to_string(record.seed)},
+              {"samples", record.num_samples()},
+              {"params", drawn_parameters(record.params, subject + ": attribute params")},
+              {"sensors", Json::object()}};
+  double first_touch = std::numeric_limits<double>::infinity();
+  for (const SensorRecord& sensor : record.sensors) {
+    report::check_labels(sensor, subject);
+    for (const double time : report::touch_times(sensor.labels)) first_touch = std::fmin(first_touch, time);
+    row["sensors"][sensor.name] = report::summarise(sensor);
+    if (curve_values > 0) {
+      curves[std::to_string(trial)].push_back(report::trial_payload(sensor, curve_values / record.sensors.size()));
+    }
+  }
+  row["motion_start_s"] = report::number_or_null(report::motion_start(record, first_touch));
+  return row;
+}
+
+}  // namespace
+
+void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options) {
+  if (options.max_trials == 0) throw std::logic_error("a report embeds at least one trial");
+  const DatasetReader dataset(dataset_path);
+  const std::vector<std::size_t>& trials = dataset.trials();
+  if (trials.empty()) throw InputError(dataset_path + ": holds no trial, so there is nothing to report");
+  if (options.trial && !std::binary_search(trials.begin(), trials.end(), *options.trial)) {
+    throw InputError(dataset_path + ": there is no trial " + std::to_string(*options.trial) +
+                     "; allowed: " + std::to_string(trials.front()) + " to " + std::to_string(trials.back()));
+  }
+  const std::vector<std::size_t> embedded = embedded_trials(trials, options);
+
+  const DatasetHeader& header = dataset.header();
+  Json page = {{"file", std::filesystem::path(dataset_path).filename().string()},
+               {"description", description_of(header.scene, dataset_path + ": attribute scene")},
+               {"version", header.version},
+               {"command", header.command},
+               {"seed", std::to_string(header.seed)},
+               {"scene", header.scene},
+               {"overrides", parse_json(header.overrides, dataset_path + ": attribute overrides")},
+               {"content_sha256", dataset.content_sha256()},
+               {"complete", dataset.complete()},
+               {"open", options.trial ? Json(*options.trial) : Json(nullptr)}};
+
+  Json rows = Json::array();
+  Json curves = Json::object();
+  std::vector<Json> drawn;
+  for (const std::size_t trial : trials) {
+    const bool embed = std::find(embedded.begin(), embedded.end(), trial) != embedded.end();
+    rows.push_back(trial_row(dataset, dataset_path, trial, embed ? curve_values_in_page / embedded.size() : 0, curves));
+    drawn.push_back(rows.back()["params"]);
+  }
+  page["trials"] = std::move(rows);
+  page["curves"] = std::move(curves);
+  page["axes"] = report::axes(drawn);
+
+  const auto description = page["description"].get<std::string>();
+  report::write_file(html_path, report::compose_page(description.empty() ? page["file"].get<std::string>() : description, page));
+}
+
+}  // namespace slipbench

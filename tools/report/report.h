@@ -1,0 +1,20 @@
+// A dataset turned into one HTML file that a person opens in a browser, without a network and without the program.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace slipbench {
+
+struct ReportOptions {
+  std::optional<std::size_t> trial;  // trial (k of demo_<k>) to open the page on; empty: the overview, or the only trial
+  std::size_t max_trials = 6;        // trials whose curves are embedded, spread over the file; at least 1
+};
+
+// Reads the dataset at `dataset_path` (HDF5, tools/dataset) and writes the page to `html_path`, under a temporary name first.
+// Throws InputError when the dataset cannot be read, misses something, has no trial `options.trial`, or when the page cannot be
+// written.
+void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options = {});
+
+}  // namespace slipbench

@@ -1,0 +1,103 @@
+#include "tools/report/trial.h"
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/report/pack.h"
+#include "tools/report/summary.h"
+
+namespace slipbench::report {
+
+namespace {
+
+struct Curve {
+  std::string key;
+  std::string origin;
+  std::string unit;  // SI symbol, "" for a pure number
+  std::vector<std::string> components;
+  bool per_unit;
+  std::span<const float> values;
+};
+
+std::vector<Curve> label_curves(const LabelRecord& labels) {
+  return {{"force", "labels", "N", {"FX", "FY", "FZ"}, true, labels.force},
+          {"slip_velocity", "labels", "m/s", {"VX", "VY"}, true, labels.slip_velocity},
+          {"slip_distance", "labels", "m", {"distance"}, true, labels.slip_distance},
+          {"margin", "labels", "", {"margin"}, true, labels.margin},
+          {"stuck_fraction", "labels", "", {"stuck fraction"}, false, labels.stuck_fraction},
+          {"slip_direction", "labels", "rad", {"direction"}, false, labels.slip_direction},
+          {"slip_angle", "labels", "rad", {"angle"}, false, labels.slip_angle},
+          {"slip_centre", "labels", "m", {"x", "y"}, false, labels.slip_centre}};
+}
+
+// "P3_FX" -> "FX": what a channel's value is called within its unit.
+std::string component_name(const std::string& channel_name) {
+  const std::size_t underscore = channel_name.find('_');
+  return underscore == std::string::npos ? channel_name : channel_name.substr(underscore + 1);
+}
+
+// A channel belongs to the units when its first extent counts them, or when it has one value for each.
+std::vector<Curve> sensor_curves(const SensorRecord& sensor) {
+  const std::size_t units = sensor.labels.units();
+  std::vector<Curve> curves;
+  std::size_t offset = 0;  // of the channel's first value in channel_names
+  for (const SensorColumn& channel : sensor.channels) {
+    std::size_t size = 1;
+    for (const std::size_t extent : channel.shape) size *= extent;
+    const bool per_unit = size == units || (!channel.shape.empty() && channel.shape[0] == units);
+    if (per_unit) {
+      std::vector<std::string> components;
+      for (std::size_t i = 0; i < size / units; ++i) components.push_back(component_name(sensor.channel_names.at(offset + i)));
+      curves.push_back({channel.name, "sensor", channel.unit == "1" ? "" : channel.unit, components, true, channel.values});
+    }
+    offset += size;
+  }
+  return curves;
+}
+
+}  // namespace
+
+Json trial_payload(const SensorRecord& sensor, std::size_t curve_values) {
+  const LabelRecord& labels = sensor.labels;
+  const std::size_t units = labels.units();
+  std::vector<Curve> curves = label_curves(labels);
+  for (Curve& curve : sensor_curves(sensor)) curves.push_back(std::move(curve));
+  std::size_t total = 0;
+  for (const Curve& curve : curves) total += curve.values.size();
+  const std::size_t stride = total <= curve_values ? 1 : (total + curve_values - 1) / curve_values;
+
+  Json payload = {{"name", sensor.name},
+                  {"type", sensor.type},
+                  {"rate_hz", sensor.rate},
+                  {"frame", sensor.frame},
+                  {"touch_s", numbers_or_null(touch_times(labels))},
+                  {"micro_onset_s", numbers_or_null(labels.micro_onset_time)},
+                  {"onset_s", numbers_or_null(labels.onset_time)},
+                  {"k_normal", numbers_or_null(labels.k_normal)},
+                  {"k_tangential", numbers_or_null(labels.k_tangential)},
+                  {"mu_static", numbers_or_null(labels.mu_static)},
+                  {"mu_kinetic", numbers_or_null(labels.mu_kinetic)},
+                  {"time", pack_times(sensor.time)},
+                  {"stride", stride}};
+  for (std::size_t unit = 0; unit < units; ++unit) {
+    payload["positions"].push_back({labels.unit_positions[2 * unit], labels.unit_positions[2 * unit + 1]});
+  }
+  for (const Curve& curve : curves) {
+    const std::size_t columns = curve.components.size() * (curve.per_unit ? units : 1);
+    payload["curves"].push_back({{"key", curve.key},
+                                 {"origin", curve.origin},
+                                 {"unit", curve.unit},
+                                 {"components", curve.components},
+                                 {"per_unit", curve.per_unit},
+                                 {"data", pack_curves(curve.values, columns, stride)}});
+  }
+  payload["states"] = {{"unit", pack_bytes(labels.unit_state, units)},
+                       {"strict", pack_bytes(labels.state, 1)},
+                       {"micro", pack_bytes(labels.state_micro, 1)},
+                       {"paper", pack_bytes(labels.state_paper, 1)}};
+  return payload;
+}
+
+}  // namespace slipbench::report

@@ -1,0 +1,115 @@
+// Builds the page: header, views, footer.
+(function(sb) {
+'use strict';
+const el = sb.element;
+const page = sb.page;
+let timeline = null;  // of the trial on the page
+let view = null;      // {trial: index or null, sensor: name}
+
+function header() {
+  const rows = [
+    ['file', page.file], ['trials', String(page.trials.length)], ['seed', page.seed], ['slipbench', page.version],
+    ['command', el('code', {}, page.command)]
+  ];
+  for (const [path, value] of Object.entries(page.overrides)) {
+    rows.push(['set', el('code', {}, path + ' = ' + (typeof value === 'string' ? value : JSON.stringify(value)))]);
+  }
+  return el(
+      'header', {}, el('p.eyebrow', {}, 'slipbench report'), el('h1', {}, page.description || page.file),
+      page.complete ?
+          null :
+          el('p.warning', {}, 'The run that wrote this file was interrupted: it holds the trials that were finished.'),
+      el('dl.meta', {}, rows.map(([name, value]) => el('div', {}, el('dt', {}, name), el('dd', {}, value)))),
+      el('details.scene', {}, el('summary', {}, 'Scene file'), el('pre.mono', {}, page.scene)));
+}
+
+function footer() {
+  return el(
+      'footer', {}, el('h2', {}, 'How each label is defined'),
+      el('dl', {}, sb.definitions.map(([name, text]) => [el('dt', {}, name), el('dd', {}, text)])),
+      el('p', {}, 'Curves are stored here with 16 bits of each quantity’s range; ', el('code', {}, page.file),
+         ' has them in full.'),
+      page.content_sha256.filter(text => text).map(text => el('p', {}, 'Content SHA-256 ', el('code', {}, text))),
+      el('details', {}, el('summary', {}, 'Licences of the libraries in this page'),
+         el('pre', {}, document.getElementById('licences').textContent.trim())));
+}
+
+// Parameters of one trial, as a line of words.
+function drawn(trial) {
+  const entries = Object.entries(trial.params);
+  const item = (name, value) => el('div', {}, el('dt', {}, name), el('dd', {}, value));
+  return el(
+      'dl.meta', {}, item('trial', String(trial.index)), item('seed', trial.seed), item('samples', String(trial.samples)),
+      entries.map(([path, value]) => item(sb.pathWord(path), sb.parameter(value, 4))));
+}
+
+function navigation() {
+  const several = page.trials.length > 1;
+  const embedded = page.trials.filter(trial => sb.isEmbedded(trial.index));
+  const tab = (text, trial) => el('button', {'aria-current': String(view.trial === trial), onclick: () => show({trial})}, text);
+  const sensors = view.trial === null ? [] : Object.keys(page.trials.find(trial => trial.index === view.trial).sensors);
+  if (!several && sensors.length < 2) return null;
+  return el(
+      'nav.views', {}, several ? [tab('All trials', null), embedded.map(trial => tab('Trial ' + trial.index, trial.index))] : [],
+      el('span.gap'),
+      sensors.length < 2 ?
+          null :
+          el('select', {'aria-label': 'Sensor', onchange: event => show({trial: view.trial, sensor: event.target.value})},
+             sensors.map(name => el('option', {value: name, selected: name === view.sensor ? '' : null}, name))));
+}
+
+// Shows the overview (trial null) or a trial.
+async function show(next) {
+  view = next;
+  if (timeline) timeline.play(false);
+  timeline = null;
+  const host = el('main');
+  const trial = page.trials.find(candidate => candidate.index === view.trial);
+  const nodes = [header(), navigation(), trial ? drawn(trial) : null, host, footer()];
+  document.getElementById('page').replaceChildren(...nodes.filter(node => node));
+  const address = view.trial === null ? '#all' : '#trial-' + view.trial;
+  if (location.hash !== address) history.replaceState(null, '', address);
+  if (trial)
+    timeline = await sb.showTrial(host, view.trial, view.sensor);
+  else
+    sb.showDataset(host, index => {
+      show({trial: index});
+      window.scrollTo(0, 0);
+    });
+}
+
+// The view that the address names, else the one that the report was made for.
+function firstView() {
+  const match = /^#trial-(\d+)$/.exec(location.hash);
+  if (match && sb.isEmbedded(+match[1])) return {trial: +match[1]};
+  if (location.hash === '#all' && page.trials.length > 1) return {trial: null};
+  if (page.open !== null) return {trial: page.open};
+  return {trial: page.trials.length === 1 ? page.trials[0].index : null};
+}
+
+const dark = window.matchMedia('(prefers-color-scheme: dark)');
+const setTheme = name => {
+  document.documentElement.dataset.theme = name;
+  if (timeline) timeline.tell('theme');
+};
+setTheme(dark.matches ? 'dark' : 'light');
+dark.addEventListener('change', () => setTheme(dark.matches ? 'dark' : 'light'));
+window.addEventListener('beforeprint', () => setTheme('light'));
+window.addEventListener('afterprint', () => setTheme(dark.matches ? 'dark' : 'light'));
+document.addEventListener('keydown', event => {
+  const typing =
+      ['INPUT', 'SELECT', 'BUTTON', 'TEXTAREA', 'SUMMARY'].includes(event.target.tagName) && event.target.type !== 'range';
+  if (timeline && !typing && !event.ctrlKey && !event.metaKey && !event.altKey) timeline.key(event);
+});
+
+const problem = text => document.getElementById('page').replaceChildren(el('p.wait', {}, text));
+sb.drawHatch();
+if (typeof DecompressionStream === 'undefined') {
+  problem('This browser is too old to unpack the recordings. Needed: Chrome or Edge 80, Firefox 113, Safari 16.4, or newer.');
+} else {
+  show(firstView()).catch(error => {
+    problem('The report could not be drawn: ' + error.message);
+    throw error;
+  });
+}
+})(window.slipbench);

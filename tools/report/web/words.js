@@ -1,0 +1,142 @@
+// Names, units and definitions: every word of the page that is said more than once.
+(function(sb) {
+'use strict';
+
+sb.states = {
+  // unit_state of the dataset
+  unit: [
+    {key: 'detached', name: 'detached', meaning: 'no contact'},
+    {key: 'stick', name: 'stick', meaning: 'all of it sticks'},
+    {key: 'slip', name: 'slip', meaning: 'all of it slips'},
+    {key: 'partial', name: 'partial', meaning: 'a part of it slips'},
+  ],
+  // state, state_micro, state_paper of the dataset
+  pad: [
+    {key: 'detached', name: 'no contact'},
+    {key: 'stick', name: 'non-slip'},
+    {key: 'partial', name: 'incipient'},
+    {key: 'slip', name: 'gross'},
+  ],
+};
+
+sb.rules = [
+  {key: 'strict', name: 'strict', note: 'a unit slips when all of it slips'},
+  {key: 'micro', name: 'micro', note: 'a unit slips as soon as a part of it does'},
+  {key: 'paper', name: 'paper', note: "the label rule of the sensor's paper"},
+];
+
+const unitWords = {
+  papillarray: ['pillar', 'P'],
+  nib_pad: ['nib', 'N'],
+  piezo_skin: ['patch', 'S'],
+  myrmex: ['taxel', 'T'],
+  biotac_sp: ['electrode', 'E']
+};
+sb.unitWord = type => (unitWords[type] || ['unit', 'U'])[0];
+sb.unitName = (type, index) => (unitWords[type] || ['unit', 'U'])[1] + index;
+
+// SI symbol -> factor and symbol shown.
+const shown = {
+  'm': [1e3, 'mm'],
+  'm/s': [1e3, 'mm/s'],
+  'm/s2': [1e3, 'mm/s²'],
+  'rad': [180 / Math.PI, '°'],
+  'rad/s': [180 / Math.PI, '°/s'],
+  'rad/s2': [180 / Math.PI, '°/s²'],
+  'N/m': [1e-3, 'N/mm'],
+};
+sb.factor = unit => (shown[unit] || [1, unit])[0];
+sb.symbol = unit => (shown[unit] || [1, unit])[1];
+
+const missing = '–';
+// A number with `digits` significant digits, plain notation where that is readable.
+sb.significant = (value, digits) => {
+  if (value === null || value === undefined || !isFinite(value)) return missing;
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-4) return value.toExponential(digits - 1);
+  return String(+value.toPrecision(digits)).replace('-', '−');
+};
+sb.fixed = (value, decimals) => {
+  if (value === null || value === undefined || !isFinite(value)) return missing;
+  const text = value.toFixed(decimals);
+  return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
+};
+// An SI value with its shown unit: 0.004 m/s -> "4 mm/s".
+sb.quantity = (value, unit, digits) => {
+  const text = sb.significant(value === null ? null : value * sb.factor(unit), digits || 3);
+  const symbol = sb.symbol(unit);
+  return text === missing || !symbol ? text : text + (symbol.startsWith('°') ? '' : ' ') + symbol;
+};
+sb.seconds = value => value === null ? 'never' : sb.fixed(value, 3) + ' s';
+sb.milliseconds = value =>
+    value === null ? missing : (Math.abs(value) < 0.1 ? sb.fixed(value * 1e3, 1) : sb.fixed(value * 1e3, 0)) + ' ms';
+sb.percent = value =>
+    value === null ? missing : (value > 0 && value < 0.1 ? sb.fixed(value * 100, 1) : sb.fixed(value * 100, 0)) + ' %';
+
+// Scene paths in words: "motion.speed" -> "speed".
+const pathWords = {
+  'motion.speed': 'speed',
+  'motion.compression': 'compression',
+  'motion.direction': 'direction',
+  'motion.rotation': 'rotation',
+  'motion.tilt.0': 'tilt about X',
+  'motion.tilt.1': 'tilt about Y',
+  'motion.pivot': 'pivot',
+  'motion.stop': 'stop',
+  'motion.acceleration': 'acceleration',
+  'friction.static': 'static friction',
+  'friction.kinetic': 'kinetic friction',
+  'friction.scale': 'friction scale',
+  'surface.material': 'material'
+};
+sb.pathWord = path => pathWords[path] || path;
+sb.parameter = (plain, digits) => plain === undefined ? missing :
+    'value' in plain                                  ? sb.quantity(plain.value, plain.unit, digits) :
+                                                        plain.text;
+
+sb.definitions = [
+  [
+    'unit states',
+    'Truth of the contact model, no threshold. Detached: no contact. Stick: all of the unit sticks. Partial: some of its ' +
+        'friction points slip. Slip: all of them slip.'
+  ],
+  ['strict', 'Non-slip: no touching unit slips as a whole. Incipient: some do. Gross: all do.'],
+  ['micro', 'The same, where a unit counts as slipping as soon as a part of it slips.'],
+  [
+    'paper',
+    "The label that the rule of the sensor's paper would give, computed from the same contact. Its difference from strict " +
+        "is the rule's own bias."
+  ],
+  [
+    'onsets',
+    'Located inside the time step. First micro-slip: a first part of a first unit slips. First full slip: a first unit ' +
+        'slips as a whole. Gross: the last touching unit lets go.'
+  ],
+  ['margin', '1 − f_t / (μ_s f_n) of a unit: 1 without tangential force, 0 on the edge of slipping.'],
+  ['stuck fraction', 'Share of the touching friction points that stick.'],
+  [
+    'slip speed', 'Speed of the slipping tip over the surface, mean over the step; a unit that slips in part counts by that part.'
+  ],
+  ['slip centre', 'The point of the pad about which the slip turns at that instant; the slip angle is its accumulated rotation.'],
+  ['motion start', 'The first sample after the first touch at which a body moves sideways or turns.'],
+];
+
+// DOM in one expression: element('p.note', {title: 'x'}, 'text', child). Text is never parsed as HTML.
+sb.element = (selector, attributes, ...children) => {
+  const [tag, ...classes] = selector.split('.');
+  const node = document.createElement(tag || 'div');
+  if (classes.length) node.className = classes.join(' ');
+  for (const [name, value] of Object.entries(attributes || {})) {
+    if (name.startsWith('on'))
+      node.addEventListener(name.slice(2), value);
+    else if (value !== undefined && value !== null)
+      node.setAttribute(name, value);
+  }
+  for (const child of children.flat(Infinity)) {
+    if (child !== null && child !== undefined) node.append(child);
+  }
+  return node;
+};
+sb.colour = name => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
+})(window.slipbench = window.slipbench || {});

@@ -1,0 +1,26 @@
+// Ctrl-C that lets running trials finish.
+#pragma once
+
+#include <atomic>
+#include <csignal>
+
+namespace slipbench {
+
+// While alive, the first SIGINT or SIGTERM sets the flag and the second ends the process as usual; a write beyond the process's
+// limit on file sizes fails instead of ending it. One at a time.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+  [[nodiscard]] static const std::atomic<bool>& flag();
+
+ private:
+  struct sigaction previous_int_ {};
+  struct sigaction previous_term_ {};
+  struct sigaction previous_file_size_ {};
+};
+
+}  // namespace slipbench

@@ -1,0 +1,177 @@
+#include "tools/run/recorder.h"
+
+#include <algorithm>
+
+#include "tools/dataset/layout.h"
+
+namespace slipbench {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::quiet_NaN();
+
+constexpr const char* pad_frame_text =
+    "pad frame P: x and y in the plane of the pad, +z into the sensor, so that compression is positive; forces act on the "
+    "sensor, "
+    "displacements are of its tips; a pad that faces down on a horizontal surface has P parallel to the world";
+
+// The earlier of two times of which either may be NaN.
+void keep_earliest(double& time, double candidate) {
+  if (!(time <= candidate)) time = candidate;
+}
+
+std::size_t samples_of(std::size_t ticks, std::size_t stride) { return (ticks + stride - 1) / stride; }
+
+void describe_units(const PadLayout& layout, const FrictionScene& friction, LabelRecord& labels) {
+  for (const UnitRange& unit : layout.units) {
+    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+    double k_normal = 0.0;
+    double k_tangential = 0.0;
+    for (std::size_t i = unit.first; i < unit.first + unit.count; ++i) {
+      tip += layout.elements[i].tip / static_cast<double>(unit.count);
+      k_normal += layout.elements[i].k_normal;
+      k_tangential += layout.elements[i].k_tangential;
+    }
+    labels.unit_positions.insert(labels.unit_positions.end(), {tip.x(), tip.y()});
+    labels.unit_heights.push_back(tip.z());
+    labels.k_normal.push_back(k_normal);
+    labels.k_tangential.push_back(k_tangential);
+  }
+  labels.mu_static.assign(layout.units.size(), friction.static_coefficient);
+  labels.mu_kinetic.assign(layout.units.size(), friction.kinetic_coefficient);
+  labels.onset_time.assign(layout.units.size(), never);
+  labels.micro_onset_time.assign(layout.units.size(), never);
+}
+
+// Writes an Eigen array of [C,N] as row `row` of a column [L,N,C].
+template <class Derived>
+void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBase<Derived>& values) {
+  Eigen::Map<Eigen::Array<float, Derived::RowsAtCompileTime, Derived::ColsAtCompileTime>>(
+      column.data() + row * static_cast<std::size_t>(values.size()), values.rows(), values.cols()) =
+      values.template cast<float>();
+}
+
+}  // namespace
+
+TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench,
+                             std::uint64_t trial, Recording recording)
+    : sensors_(sensors), bench_(bench), recording_(recording), rows_(sensors.size(), 0) {
+  record_.trial = trial;
+  record_.seed = scene.seed;
+  record_.material = scene.material;
+  record_.sensors.resize(sensors.size());
+  for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
+    record_.sensors[pad].name = scene.sensors[pad].name;
+    describe_units(sensors[pad]->layout(), scene.friction, record_.sensors[pad].labels);
+  }
+  if (recording == Recording::full) allocate(scene);
+}
+
+void TrialRecorder::allocate(const Scene& scene) {
+  body_stride_ = bench_.ticks();
+  for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
+    SensorRecord& sensor = record_.sensors[pad];
+    const std::size_t rows = samples_of(bench_.ticks(), bench_.stride(pad));
+    body_stride_ = std::min(body_stride_, bench_.stride(pad));
+    sensor.type = scene.sensors[pad].type;
+    sensor.rate = sensors_[pad]->rate();
+    sensor.frame = pad_frame_text;
+    sensor.time.resize(rows);
+    for (const Channel& channel : sensors_[pad]->channels()) {
+      sensor.channels.push_back({channel.name, channel.unit, channel.shape, std::vector<float>(rows * channel.size())});
+      sensor.channel_names.insert(sensor.channel_names.end(), channel.channel_names.begin(), channel.channel_names.end());
+    }
+    for_each_label(sensor.labels, sensor.labels.units(), [rows](const char*, const char*, const Extents& tail, auto& column) {
+      std::size_t size = rows;
+      for (const std::size_t extent : tail) size *= extent;
+      column.resize(size);
+    });
+  }
+  record_.body_time.resize(samples_of(bench_.ticks(), body_stride_));
+}
+
+void TrialRecorder::note_events(std::size_t pad, const ContactFrame& truth) {
+  LabelRecord& labels = record_.sensors[pad].labels;
+  TrialOutcome& outcome = record_.outcome;
+  for (const ContactEvent& event : truth.events) {
+    if (event.kind == EventKind::touch) keep_earliest(outcome.touch_time, event.time);
+    if (event.kind == EventKind::slip) {
+      keep_earliest(labels.onset_time[event.unit], event.time);
+      keep_earliest(outcome.first_slip_time, event.time);
+    }
+    if (event.kind == EventKind::slip || event.kind == EventKind::micro) {
+      keep_earliest(labels.micro_onset_time[event.unit], event.time);
+      keep_earliest(outcome.first_micro_slip_time, event.time);
+    }
+    if (recording_ == Recording::full) {
+      labels.event_time.push_back(event.time);
+      labels.event_unit.push_back(event.unit);
+      labels.event_kind.push_back(static_cast<std::uint8_t>(event.kind));
+    }
+  }
+}
+
+// The event that left no touching unit sticking is the last one of the step.
+void TrialRecorder::note_gross_slip(const ContactFrame& truth) {
+  record_.outcome.gross_slip_time = truth.events.empty() ? truth.time : truth.events.back().time;
+}
+
+void TrialRecorder::write_sample(std::size_t pad, const ContactFrame& truth, const SensorFrame& frame) {
+  SensorRecord& sensor = record_.sensors[pad];
+  LabelRecord& labels = sensor.labels;
+  const std::size_t row = rows_[pad]++;
+  const std::size_t units = labels.units();
+
+  sensor.time[row] = frame.time;
+  const float* values = frame.values.data();
+  for (std::size_t c = 0; c < sensor.channels.size(); ++c) {
+    const std::size_t size = sensors_[pad]->channels()[c].size();
+    std::copy_n(values, size, sensor.channels[c].values.data() + row * size);
+    values += size;
+  }
+
+  for (std::size_t unit = 0; unit < units; ++unit) {
+    labels.unit_state[row * units + unit] = static_cast<std::uint8_t>(truth.unit_state[unit]);
+  }
+  write_row(labels.slip_velocity, row, truth.slip_velocity);
+  write_row(labels.slip_distance, row, truth.slip_distance);
+  write_row(labels.margin, row, truth.margin);
+  write_row(labels.force, row, truth.force);
+  labels.state[row] = static_cast<std::uint8_t>(truth.state);
+  labels.state_micro[row] = static_cast<std::uint8_t>(truth.state_micro);
+  labels.state_paper[row] = static_cast<std::uint8_t>(sensors_[pad]->paper_label(truth, bench_.rotating()));
+  labels.stuck_fraction[row] = static_cast<float>(truth.stuck_fraction);
+  labels.slip_direction[row] = static_cast<float>(truth.slip_direction);
+  write_row(labels.slip_centre, row, truth.slip_centre);
+  labels.slip_angle[row] = static_cast<float>(truth.slip_angle);
+}
+
+void TrialRecorder::write_bodies(double time, const std::vector<NamedBody>& bodies) {
+  const std::size_t rows = record_.body_time.size();
+  if (record_.bodies.empty()) {
+    for (const NamedBody& body : bodies) {
+      record_.bodies.push_back({body.name, std::vector<float>(rows * 7), std::vector<float>(rows * 6)});
+    }
+  }
+  const std::size_t row = body_row_++;
+  record_.body_time[row] = time;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodyState& state = bodies[b].state;
+    float* pose = record_.bodies[b].pose.data() + row * 7;
+    Eigen::Vector4f turn = Eigen::Quaterniond(state.pose.rotation).coeffs().cast<float>();  // x y z w
+    if (row > 0 && turn.dot(Eigen::Vector4f(pose[-3], pose[-2], pose[-1], pose[-4])) < 0.0F) turn = -turn;
+    Eigen::Map<Eigen::Vector3f>{pose} = state.pose.position.cast<float>();
+    Eigen::Map<Eigen::Vector4f>{pose + 3} = Eigen::Vector4f(turn.w(), turn.x(), turn.y(), turn.z());
+    Eigen::Map<Eigen::Matrix<float, 6, 1>>{record_.bodies[b].velocity.data() + row * 6} << state.velocity.cast<float>(),
+        state.angular_velocity.cast<float>();
+  }
+}
+
+TrialRecord TrialRecorder::finish() {
+  for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
+    const Eigen::ArrayXd& distance = bench_.contact(pad).slip_distance;
+    record_.outcome.max_slip_distance = std::max(record_.outcome.max_slip_distance, distance.maxCoeff());
+  }
+  return std::move(record_);
+}
+
+}  // namespace slipbench

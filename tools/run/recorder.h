@@ -1,0 +1,63 @@
+// Listens to a trial and keeps what a dataset needs. It never speaks: nothing it does can reach the run.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/core/contact_frame.h"
+#include "sim/core/sensor.h"
+#include "sim/scene/scene.h"
+#include "sim/testbench/testbench.h"
+#include "tools/dataset/trial_record.h"
+#include "tools/run/run_trial.h"
+
+namespace slipbench {
+
+// Columns are allocated whole before the run; a sample is written in place.
+class TrialRecorder {
+ public:
+  // `sensors` and `bench` must outlive the recorder.
+  TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench, std::uint64_t trial,
+                Recording recording);
+
+  // Called every tick for every pad: events and onsets.
+  void observe(std::size_t pad, const ContactFrame& truth) {
+    if (!truth.events.empty()) note_events(pad, truth);
+    if (truth.state == PadState::gross && std::isnan(record_.outcome.gross_slip_time)) note_gross_slip(truth);
+  }
+  // Called when the pad's sensor has sampled.
+  void sample(std::size_t pad, const ContactFrame& truth, const SensorFrame& frame) {
+    LabelRecord& labels = record_.sensors[pad].labels;
+    ++labels.state_count[static_cast<std::size_t>(truth.state)];
+    ++labels.state_micro_count[static_cast<std::size_t>(truth.state_micro)];
+    if (recording_ == Recording::full) write_sample(pad, truth, frame);
+  }
+  // Called every tick after the pads.
+  void bodies(std::size_t tick, double time, const std::vector<NamedBody>& bodies) {
+    if (recording_ == Recording::full && tick % body_stride_ == 0) write_bodies(time, bodies);
+  }
+
+  // The record; the recorder is spent.
+  TrialRecord finish();
+
+ private:
+  void allocate(const Scene& scene);
+  void note_events(std::size_t pad, const ContactFrame& truth);
+  void note_gross_slip(const ContactFrame& truth);
+  void write_sample(std::size_t pad, const ContactFrame& truth, const SensorFrame& frame);
+  void write_bodies(double time, const std::vector<NamedBody>& bodies);
+
+  std::span<const std::unique_ptr<Sensor>> sensors_;
+  const Testbench& bench_;
+  Recording recording_;
+  std::size_t body_stride_ = 1;
+  std::size_t body_row_ = 0;
+  std::vector<std::size_t> rows_;  // samples written so far, by pad
+  TrialRecord record_;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,74 @@
+// All trials of a scene: expanded, run by worker threads, written in order.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/scene/catalogues.h"
+#include "sim/scene/parser.h"
+#include "tools/dataset/trial_record.h"
+#include "tools/dataset/writer.h"
+
+namespace slipbench {
+
+struct SweepOptions {
+  std::string verb = "sweep";  // the command's own name, for the dataset's attribute `command`
+  std::string scene_path;
+  std::vector<Override> overrides;
+  std::optional<std::uint64_t> seed;  // empty: the scene's
+  std::size_t trials = 0;             // repetitions of each cell of the grid; 0: the scene's
+  std::size_t limit = 0;              // run no more than the first so many trials, repeating cells as often as that needs; 0: all
+  std::size_t jobs = 0;               // worker threads; 0: as many as the machine has
+  std::string output;                 // dataset; empty: nothing is written
+  std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
+  const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials finish and no other starts
+};
+
+// Told from the calling thread after each trial, in order.
+struct SweepProgress {
+  std::size_t done = 0;
+  std::size_t total = 0;
+  double simulated = 0.0;  // s, of the trials done
+};
+using ProgressCallback = std::function<void(const SweepProgress&)>;
+
+struct SensorOnsets {
+  std::string name;
+  std::vector<double> onset_time;        // [N] s, NaN: never
+  std::vector<double> micro_onset_time;  // [N] s, NaN: never
+  StateCounts state_count{};             // samples in each PadState, rule strict
+  StateCounts state_micro_count{};       // likewise, rule micro
+};
+
+struct TrialSummary {
+  std::size_t trial = 0;
+  std::string params;  // JSON object of what was swept
+  TrialOutcome outcome;
+  std::vector<SensorOnsets> sensors;
+};
+
+struct SweepSummary {
+  std::uint64_t seed = 0;
+  std::string command;               // canonical
+  std::size_t planned = 0;           // trials
+  std::vector<TrialSummary> trials;  // finished, in order
+  double simulated = 0.0;            // s, of the finished trials
+  double computed = 0.0;             // s, what their simulation took on the clock, summed over the workers
+  bool interrupted = false;
+  std::vector<std::string> files;  // written; those of the kept partial dataset when interrupted
+};
+
+// Runs the sweep. Throws InputError for a scene or a target that cannot be used, and when a trial fails ("trial 17: ..."): the
+// trials before it are kept under OUT.partial.h5, which the message names. What is written does not depend on `jobs`.
+SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
+
+// The summary as the one JSON object of `--json`.
+std::string summary_json(const SweepSummary& summary);
+
+}  // namespace slipbench

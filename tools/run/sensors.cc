@@ -1,0 +1,51 @@
+#include "tools/run/sensors.h"
+
+#include <string>
+#include <vector>
+
+#include "sensors/papillarray/papillarray.h"
+#include "sim/core/error.h"
+#include "sim/testbench/testbench.h"
+
+namespace slipbench {
+namespace {
+
+std::vector<ElectronicsPart> parts_of(const SensorScene& scene) {
+  std::vector<ElectronicsPart> parts;
+  for (const Named& part : scene.electronics) parts.push_back({part.name, part.parameters});
+  return parts;
+}
+
+// A sensor that a scene may name.
+struct SensorKind {
+  Entry about;
+  std::unique_ptr<Sensor> (*create)(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
+                                    std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name);
+};
+
+// All sensors, one line each.
+const std::vector<SensorKind>& sensor_catalogue() {
+  static const std::vector<SensorKind> kinds{
+      {papillarray_entry(), make_papillarray},
+  };
+  return kinds;
+}
+
+}  // namespace
+
+Catalogues program_catalogues() {
+  Catalogues catalogues;
+  add_sim_catalogues(catalogues);
+  for (const SensorKind& kind : sensor_catalogue()) catalogues.sensors.push_back(kind.about);
+  catalogues.electronics = papillarray_electronics_entries();
+  return catalogues;
+}
+
+std::unique_ptr<Sensor> make_sensor(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
+  for (const SensorKind& kind : sensor_catalogue()) {
+    if (kind.about.name == scene.type) return kind.create(scene.parameters, parts_of(scene), seed, trial, scene.name);
+  }
+  throw InputError("sensor " + scene.name + ": unknown type " + quote(scene.type));
+}
+
+}  // namespace slipbench

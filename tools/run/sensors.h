@@ -1,0 +1,20 @@
+// Where the program's catalogues and sensors are composed: the one place that names them all.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "sim/core/sensor.h"
+#include "sim/scene/catalogues.h"
+#include "sim/scene/scene.h"
+
+namespace slipbench {
+
+// Everything that a scene may name in this program.
+Catalogues program_catalogues();
+
+// The sensor that `scene` describes. (`seed`, `trial`) key the random streams of its electronics. Throws InputError for a type
+// that the catalogue does not have, and what the sensor itself refuses.
+std::unique_ptr<Sensor> make_sensor(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial);
+
+}  // namespace slipbench
