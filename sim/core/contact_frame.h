@@ -35,16 +35,18 @@ struct ContactEvent {
   EventKind kind;
 };
 
-// Contact of one pad with N units. Columns are units. Vectors are in the pad frame P (pad_layout.h); +Z is compression.
+// Contact of one pad with N units. Columns are units. Vectors are in the pad frame P (pad_layout.h); +Z is compression. What lies in the
+// contact plane is given in P turned the shortest way until its Z is the surface's normal, so that a tilted pad's friction obeys the cone.
 struct ContactFrame {
-  double time = 0.0;                      // s
-  Eigen::Array3Xd force;                  // [3,N] N, what the object does to the unit: x, y tangential, z compression positive
-  Eigen::Array3Xd displacement;           // [3,N] m, deformed tip minus undeformed tip (mean of a unit's elements)
-  Eigen::Array2Xd slip_velocity;          // [2,N] m/s, velocity of the slipping tip over the surface, mean over the last step
-  Eigen::ArrayXd slip_distance;           // [N] m, path length slipped since the start, mean of a unit's elements
-  Eigen::ArrayXd margin;                  // [N] 1 - f_t/(mu_s f_n), NaN while detached
-  std::vector<UnitState> unit_state;      // [N]
-  PadState state = PadState::no_contact;  // rule strict: a unit slips when all of it slips
+  double time = 0.0;                  // s
+  Eigen::Array3Xd force;              // [3,N] N, what the object does to the unit, in P, as a sensor feels it
+  Eigen::Array3Xd contact_force;      // [3,N] N, the same in the contact plane: x, y tangential, z normal, compression positive
+  Eigen::Array3Xd displacement;       // [3,N] m, deformed tip minus undeformed tip (mean of a unit's elements)
+  Eigen::Array2Xd slip_velocity;      // [2,N] m/s, velocity of the slipping tip in the contact plane, mean over the last step
+  Eigen::ArrayXd slip_distance;       // [N] m, path length slipped since the start, mean of a unit's elements
+  Eigen::ArrayXd margin;              // [N] 1 - f_t/(mu_s f_n), NaN while detached
+  std::vector<UnitState> unit_state;  // [N]
+  PadState state = PadState::no_contact;        // rule strict: a unit slips when all of it slips
   PadState state_micro = PadState::no_contact;  // rule micro: a unit slips as soon as a part of it does
   double stuck_fraction = 0.0;                  // share of the touching elements that stick, NaN while nothing touches
   double slip_direction = 0.0;  // rad, direction of the translation of the slip in the pad plane, NaN while no unit slips

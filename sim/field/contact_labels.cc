@@ -34,6 +34,7 @@ ContactLabels::ContactLabels(const Field& field) : units_(field.layout().units),
     for (std::size_t i = 0; i < units_[u].count; ++i) unit_of_element_[units_[u].first + i] = static_cast<std::uint32_t>(u);
   }
   frame_.force.setZero(3, n);
+  frame_.contact_force.setZero(3, n);
   frame_.displacement.setZero(3, n);
   frame_.slip_velocity.setZero(2, n);
   frame_.slip_distance.setZero(n);
@@ -53,14 +54,23 @@ const ContactFrame& ContactLabels::update(Field& field, double time, double dt) 
   return frame_;
 }
 
+void ContactLabels::ContactPlane::face(const Eigen::Vector3d& normal) {
+  if (normal == normal_) return;
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d middle = normal + z;
+  normal_ = normal;
+  turn_ = Eigen::Matrix3d::Identity() - middle * middle.transpose() / (1.0 + normal.z()) + 2.0 * z * normal.transpose();
+  level_ = normal == z;
+}
+
 void ContactLabels::sum_units(Field& field, double dt) {
   field.view_from_pad();
+  const Eigen::Matrix3d to_pad = field.pad_in_surface().rotation.transpose();
   touching_elements_ = 0;
   sticking_elements_ = 0;
   for (std::size_t u = 0; u < units_.size(); ++u) {
     const std::size_t first = units_[u].first, end = first + units_[u].count;
-    Eigen::Array3d force = field.force_on_pad(first), deflection = field.deflection(first);
-    Eigen::Array2d slip = field.slip_in_pad(first);
+    Eigen::Vector3d force = field.force_on_pad(first), deflection = field.deflection(first), slip = field.slip_in_pad(first);
     Eigen::Vector3d tangential = field.tangential_force(first);
     double limit = field.stick_limit(first), distance = field.slip_path(first);
     UnitCount count;
@@ -80,9 +90,11 @@ void ContactLabels::sum_units(Field& field, double dt) {
     }
     const double share = 1.0 / static_cast<double>(units_[u].count);
     const auto c = static_cast<Eigen::Index>(u);
-    frame_.force.col(c) = force;
-    frame_.displacement.col(c) = share * deflection;
-    frame_.slip_velocity.col(c) = share / dt * slip;
+    contact_plane_.face(to_pad * field.normal(first));
+    frame_.force.col(c) = force.array();
+    frame_.contact_force.col(c) = contact_plane_.turned(force).array();
+    frame_.displacement.col(c) = (share * deflection).array();
+    frame_.slip_velocity.col(c) = (share / dt) * contact_plane_.turned(slip).head<2>().array();
     frame_.slip_distance[c] = share * distance;
     frame_.margin[c] = count.touching == 0 ? nan : 1.0 - field.cone_gauge(tangential, field.normal(first), limit);
     frame_.unit_state[u] = count.touching == 0                ? UnitState::detached

@@ -26,6 +26,18 @@ class ContactLabels {
     std::uint32_t slipping = 0;
   };
 
+  // The shortest turn that brings the surface's normal onto +Z. Units that meet the same normal share it.
+  class ContactPlane {
+   public:
+    void face(const Eigen::Vector3d& normal);
+    [[nodiscard]] Eigen::Vector3d turned(const Eigen::Vector3d& v) const { return level_ ? v : turn_ * v; }
+
+   private:
+    Eigen::Vector3d normal_ = Eigen::Vector3d::UnitZ();
+    Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();
+    bool level_ = true;
+  };
+
   void sum_units(Field& field, double dt);
   void judge_pad();
   void fit_slip_motion(double dt);
@@ -36,6 +48,7 @@ class ContactLabels {
   Eigen::Array2Xd undeformed_;     // [2,N] m, mean of a unit's undeformed tips in P
   std::vector<UnitCount> counts_;  // as of the last event
   std::vector<ElementEvent> in_order_;
+  ContactPlane contact_plane_;
   std::size_t touching_elements_ = 0;
   std::size_t sticking_elements_ = 0;
   ContactFrame frame_;

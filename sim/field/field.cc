@@ -84,9 +84,16 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     columns_[mu_static][i] = friction.mu_static;
     columns_[mu_kinetic][i] = friction.mu_kinetic;
   }
+  if (extended) {
+    std::copy_n(columns_[k_normal], count_, columns_[k_normal_spring]);
+    std::copy_n(columns_[k_tangential], count_, columns_[k_tangential_spring]);
+    std::copy_n(columns_[mu_static], count_, columns_[mu_static_surface]);
+    std::copy_n(columns_[mu_kinetic], count_, columns_[mu_kinetic_surface]);
+  }
   std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
   flat_pad_ = std::all_of(layout_.elements.begin(), layout_.elements.end(),
                           [&](const Element& e) { return e.axis == layout_.elements.front().axis; });
+  plain_ = std::holds_alternative<Plane>(surface_) && flat_pad_ && !extended && effects_.surface.empty() && !effects_.cone;
 }
 
 void Field::step(const Pose& pad_in_surface, double dt) {
@@ -98,55 +105,66 @@ void Field::step(const Pose& pad_in_surface, double dt) {
   }
   keep_as_before(press, press_before);
   keep_as_before(gap, gap_before);
-  keep_as_before(limit_now, limit_before);
+  keep_as_before(limit, limit_before);
   keep_as_before(mode, mode_before);
 
-  find_contact_points();
-  for (const auto& effect : effects_.surface)
-    effect->displace(count_, columns_[contact_x], columns_[contact_y], columns_[normal_z], columns_[gap]);
-  if (has_memory()) prepare_rheology(placed_ ? dt : 0.0);
-  if (!effects_.friction.empty()) rate_friction(placed_ ? dt : 0.0);
-  if (attached_ < count_) anchor_touched();
-  map_to_cone();
+  if (plain_ && attached_ == count_ && looks_at_plane()) {
+    kernel::slide_on_plane(columns_, pose_, padded_);
+  } else {
+    step_in_stages(placed_ ? dt : 0.0);
+  }
   if (std::memcmp(columns_[mode], columns_[mode_before], count_ * sizeof(double)) != 0) resolve_events();
   if (has_memory()) commit_rheology(placed_ ? dt : 0.0);
   placed_ = true;
 }
 
+void Field::step_in_stages(double dt) {
+  find_contact_points();
+  for (const auto& effect : effects_.surface) {
+    effect->displace(count_, columns_[contact_x], columns_[contact_y], columns_[normal_z], columns_[gap]);
+  }
+  if (has_memory()) prepare_rheology(dt);
+  if (!effects_.friction.empty()) rate_friction(dt);
+  if (attached_ < count_) anchor_touched();
+  if (effects_.cone) {
+    for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(i);
+  } else {
+    kernel::map(columns_, std::holds_alternative<Plane>(surface_), has_memory(), padded_);
+  }
+}
+
+// Whether the axes of a flat pad look at the plane.
+bool Field::looks_at_plane() const { return pose_.rotation.row(2).dot(layout_.elements.front().axis) < 0.0; }
+
 void Field::find_contact_points() {
   if (std::holds_alternative<Plane>(surface_)) {
-    kernel::plane_gap({pose_.rotation, pose_.position, !flat_pad_, layout_.elements.front().axis, columns_[tip_x],
-                       columns_[tip_y], columns_[tip_z], columns_[axis_x], columns_[axis_y], columns_[axis_z],
-                       columns_[contact_x], columns_[contact_y], columns_[contact_z], columns_[gap]},
-                      padded_);
+    kernel::plane_gap(columns_, pose_, padded_);
+    if (!flat_pad_ || !looks_at_plane()) kernel::turn_away(columns_, pose_, padded_);
     return;
   }
-  std::visit(
-      [this](const auto& shape) {
-        for (std::size_t i = 0; i < count_; ++i) {
-          const Eigen::Vector3d tip = pose_ * vector(tip_x, i);
-          const Eigen::Vector3d axis = pose_.rotation * vector(axis_x, i);
-          const SurfacePoint met = shape.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z());
-          columns_[gap][i] = met.gap;
-          columns_[normal_x][i] = met.nx;
-          columns_[normal_y][i] = met.ny;
-          columns_[normal_z][i] = met.nz;
-          columns_[contact_x][i] = tip.x() - met.gap * met.nx;
-          columns_[contact_y][i] = tip.y() - met.gap * met.ny;
-          columns_[contact_z][i] = tip.z() - met.gap * met.nz;
-        }
-      },
-      surface_);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Eigen::Vector3d tip = pose_ * vector(tip_x, i);
+    const Eigen::Vector3d axis = pose_.rotation * vector(axis_x, i);
+    const SurfacePoint met = std::visit(
+        [&](const auto& shape) { return shape.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z()); }, surface_);
+    columns_[gap][i] = met.gap;
+    columns_[normal_x][i] = met.nx;
+    columns_[normal_y][i] = met.ny;
+    columns_[normal_z][i] = met.nz;
+    columns_[contact_x][i] = tip.x() - met.gap * met.nx;
+    columns_[contact_y][i] = tip.y() - met.gap * met.ny;
+    columns_[contact_z][i] = tip.z() - met.gap * met.nz;
+  }
 }
 
 void Field::prepare_rheology(double dt) {
-  std::copy_n(columns_[k_normal], count_, columns_[k_normal_now]);
-  std::copy_n(columns_[k_tangential], count_, columns_[k_tangential_now]);
+  std::copy_n(columns_[k_normal_spring], count_, columns_[k_normal]);
+  std::copy_n(columns_[k_tangential_spring], count_, columns_[k_tangential]);
   for (const Column c : {h_normal, h_x, h_y, h_z}) std::fill_n(columns_[c], count_, 0.0);
-  const AffineForce force{columns_[k_normal_now], columns_[h_normal], columns_[k_tangential_now],
-                          columns_[h_x],          columns_[h_y],      columns_[h_z]};
+  const AffineForce force{columns_[k_normal], columns_[h_normal], columns_[k_tangential],
+                          columns_[h_x],      columns_[h_y],      columns_[h_z]};
   for (const auto& effect : effects_.rheology) effect->prepare(view(dt), force);
-  for (std::size_t i = 0; i < count_; ++i) columns_[compliance_now][i] = 1.0 / columns_[k_tangential_now][i];
+  for (std::size_t i = 0; i < count_; ++i) columns_[compliance][i] = 1.0 / columns_[k_tangential][i];
 }
 
 void Field::commit_rheology(double dt) {
@@ -163,8 +181,7 @@ void Field::commit_rheology(double dt) {
 }
 
 double Field::raw_press(std::size_t i) const {
-  return has_memory() ? kernel::raw_press(columns_[gap][i], columns_[k_normal_now][i], columns_[h_normal][i])
-                      : kernel::raw_press(columns_[gap][i], columns_[k_normal][i], 0.0);
+  return kernel::raw_press(columns_[gap][i], columns_[k_normal][i], has_memory() ? columns_[h_normal][i] : 0.0);
 }
 
 void Field::rate_friction(double dt) {
@@ -177,11 +194,11 @@ void Field::rate_friction(double dt) {
     columns_[velocity_y][i] = along.y();
     columns_[velocity_z][i] = along.z();
     columns_[depth][i] = penetration(i);
-    columns_[normal_force_now][i] = std::max(0.0, raw_press(i));
+    columns_[load][i] = std::max(0.0, raw_press(i));
   }
-  std::copy_n(columns_[mu_static], padded_, columns_[mu_static_now]);
-  std::copy_n(columns_[mu_kinetic], padded_, columns_[mu_kinetic_now]);
-  for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_[mu_static_now], columns_[mu_kinetic_now]);
+  std::copy_n(columns_[mu_static_surface], count_, columns_[mu_static]);
+  std::copy_n(columns_[mu_kinetic_surface], count_, columns_[mu_kinetic]);
+  for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_[mu_static], columns_[mu_kinetic]);
 }
 
 // Where inside the step an element touches: where its gap closes, or, if a dashpot had let go of it inside the surface, where it pushes again.
@@ -202,58 +219,19 @@ void Field::anchor_touched() {
   }
 }
 
-void Field::map_to_cone() {
-  const bool rated = !effects_.friction.empty(), memory = has_memory();
-  const kernel::Mapping pass{columns_[contact_x],
-                             columns_[contact_y],
-                             columns_[contact_z],
-                             columns_[normal_x],
-                             columns_[normal_y],
-                             columns_[normal_z],
-                             columns_[gap],
-                             columns_[memory ? k_normal_now : k_normal],
-                             columns_[memory ? k_tangential_now : k_tangential],
-                             columns_[memory ? compliance_now : compliance],
-                             columns_[rated ? mu_static_now : mu_static],
-                             columns_[rated ? mu_kinetic_now : mu_kinetic],
-                             columns_[mode_before],
-                             columns_[h_normal],
-                             columns_[h_x],
-                             columns_[h_y],
-                             columns_[h_z],
-                             columns_[press],
-                             columns_[anchor_x],
-                             columns_[anchor_y],
-                             columns_[anchor_z],
-                             columns_[slip_x],
-                             columns_[slip_y],
-                             columns_[slip_z],
-                             columns_[force_x],
-                             columns_[force_y],
-                             columns_[force_z],
-                             columns_[limit_now],
-                             columns_[mode],
-                             columns_[path]};
-  if (effects_.cone) {
-    for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(pass, i);
-  } else {
-    kernel::map(pass, std::holds_alternative<Plane>(surface_), memory, padded_);
-  }
-}
-
 // The same mapping as the kernel's, with the projection left to the effect.
-void Field::map_to_effect_cone(const kernel::Mapping& m, std::size_t i) {
+void Field::map_to_effect_cone(std::size_t i) {
   const Eigen::Vector3d n = vector(normal_x, i);
   const Eigen::Vector3d contact = vector(contact_x, i);
   const Eigen::Vector3d strain = contact - vector(anchor_x, i);
   const Eigen::Vector3d u = strain - n * n.dot(strain);
-  const double k = m.k_tangential[i], raw = raw_press(i), f_n = std::max(0.0, raw);
+  const double k = columns_[k_tangential][i], raw = raw_press(i), f_n = std::max(0.0, raw);
   const Eigen::Vector3d kept = has_memory() ? vector(h_x, i) : Eigen::Vector3d(0.0, 0.0, 0.0);
   const Eigen::Vector3d history = kept - n * n.dot(kept);  // it was made in an earlier tangent plane
   const Eigen::Vector3d trial = k * u + history;
-  const double limit_stick = m.mu_static[i] * f_n, limit_slide = m.mu_kinetic[i] * f_n;
+  const double limit_stick = columns_[mu_static][i] * f_n, limit_slide = columns_[mu_kinetic][i] * f_n;
   const bool touches = f_n > 0.0;
-  const bool slid = m.mode_before[i] == 2.0;
+  const bool slid = columns_[mode_before][i] == 2.0;
 
   Eigen::Vector3d force(0.0, 0.0, 0.0), stretch(0.0, 0.0, 0.0), slip(0.0, 0.0, 0.0);
   bool slides = false;
@@ -262,7 +240,7 @@ void Field::map_to_effect_cone(const kernel::Mapping& m, std::size_t i) {
                                                (slid ? limit_slide : limit_stick) + k * kernel::shortest_slip, limit_slide);
     slides = mapped.slides;
     force = {mapped.fx, mapped.fy, mapped.fz};
-    if (slides) slip = (trial - force) * m.compliance[i];
+    if (slides) slip = (trial - force) * columns_[compliance][i];
     stretch = u - slip;
   }
   const Eigen::Vector3d anchor = contact - stretch;
@@ -273,7 +251,7 @@ void Field::map_to_effect_cone(const kernel::Mapping& m, std::size_t i) {
     columns_[force_x + at][i] = force[c];
   }
   columns_[press][i] = raw;
-  columns_[limit_now][i] = limit_stick;
+  columns_[limit][i] = limit_stick;
   columns_[path][i] += slip.norm();
   columns_[mode][i] = touches ? (slides ? 2.0 : 1.0) : 0.0;
 }
@@ -281,11 +259,11 @@ void Field::map_to_effect_cone(const kernel::Mapping& m, std::size_t i) {
 // Where inside the step the trial force leaves the stick cone. Force and limit are linear in the step, so their difference is
 // convex and crosses zero once.
 double Field::onset_fraction(std::size_t i) const {
-  const double k = columns_[has_memory() ? k_tangential_now : k_tangential][i];
+  const double k = columns_[k_tangential][i];
   const Eigen::Vector3d start = vector(force_before_x, i);
   const Eigen::Vector3d end = vector(force_x, i) + k * vector(slip_x, i);
   const Eigen::Vector3d n = vector(normal_x, i);
-  const double limit_start = columns_[limit_before][i], limit_end = columns_[limit_now][i];
+  const double limit_start = columns_[limit_before][i], limit_end = columns_[limit][i];
   const auto inside = [&](double fraction) {
     const Eigen::Vector3d t = start + fraction * (end - start);
     const double limit = limit_start + fraction * (limit_end - limit_start);
@@ -330,7 +308,7 @@ ElementColumns Field::view(double dt) const {
           columns_[normal_y],
           columns_[normal_z],
           columns_[depth],
-          columns_[normal_force_now],
+          columns_[load],
           columns_[velocity_x],
           columns_[velocity_y],
           columns_[velocity_z],
@@ -342,18 +320,7 @@ double Field::cone_gauge(const Eigen::Vector3d& t, const Eigen::Vector3d& n, dou
   return effects_.cone ? effects_.cone->gauge(t.data(), n.data(), limit) : t.norm() / limit;
 }
 
-void Field::view_from_pad() {
-  kernel::view_from_pad({pose_.rotation.transpose(), columns_[normal_x],     columns_[normal_y],
-                         columns_[normal_z],         columns_[gap],          columns_[press],
-                         columns_[force_x],          columns_[force_y],      columns_[force_z],
-                         columns_[contact_x],        columns_[contact_y],    columns_[contact_z],
-                         columns_[anchor_x],         columns_[anchor_y],     columns_[anchor_z],
-                         columns_[slip_x],           columns_[slip_y],       columns_[slip_z],
-                         columns_[pad_force_x],      columns_[pad_force_y],  columns_[pad_force_z],
-                         columns_[deflection_x],     columns_[deflection_y], columns_[deflection_z],
-                         columns_[pad_slip_x],       columns_[pad_slip_y]},
-                        padded_);
-}
+void Field::view_from_pad() { kernel::view_from_pad(columns_, pose_.rotation.transpose(), padded_); }
 
 Wrench Field::wrench_on_surface() const {
   Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};

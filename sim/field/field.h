@@ -88,16 +88,16 @@ class Field {
   // Works out the three below for all elements; to be called after step() by whoever reads them.
   void view_from_pad();
   // Of element i, in the pad frame P: force of the surface on the pad [N], deformed tip minus undeformed tip [m], and slip of the tip over
-  // the surface in the last step, in the pad's plane [m].
-  [[nodiscard]] Eigen::Array3d force_on_pad(std::size_t i) const { return vector(pad_force_x, i).array(); }
-  [[nodiscard]] Eigen::Array3d deflection(std::size_t i) const { return vector(deflection_x, i).array(); }
-  [[nodiscard]] Eigen::Array2d slip_in_pad(std::size_t i) const { return {columns_[pad_slip_x][i], columns_[pad_slip_y][i]}; }
+  // the surface in the last step [m].
+  [[nodiscard]] Eigen::Vector3d force_on_pad(std::size_t i) const { return vector(pad_force_x, i); }
+  [[nodiscard]] Eigen::Vector3d deflection(std::size_t i) const { return vector(deflection_x, i); }
+  [[nodiscard]] Eigen::Vector3d slip_in_pad(std::size_t i) const { return vector(pad_slip_x, i); }
 
   // How far a tangential force t [N] reaches towards the friction cone of `limit` [N] around the normal n: |t|/limit for the circular
   // cone, 1 on the cone of an effect and where there is no friction at all.
   [[nodiscard]] double cone_gauge(const Eigen::Vector3d& t, const Eigen::Vector3d& n, double limit) const;
   // mu_s f_n of the element as the effects leave it [N].
-  [[nodiscard]] double stick_limit(std::size_t i) const { return columns_[limit_now][i]; }
+  [[nodiscard]] double stick_limit(std::size_t i) const { return columns_[limit][i]; }
 
   // What the surface does to the pad, about the pad's origin, in the pad frame P; and what the pad does to the surface, about the
   // surface's origin, in S.
@@ -108,88 +108,19 @@ class Field {
   [[nodiscard]] const Pose& pad_in_surface() const { return pose_; }
 
  private:
-  // Columns of the structure of arrays. Three in a row form a vector; "before" is the value at the end of the step before.
-  enum Column : std::size_t {
-    tip_x,
-    tip_y,
-    tip_z,
-    axis_x,
-    axis_y,
-    axis_z,
-    k_normal,
-    k_tangential,
-    compliance,
-    mu_static,
-    mu_kinetic,
-    contact_x,
-    contact_y,
-    contact_z,
-    contact_before_x,
-    contact_before_y,
-    contact_before_z,
-    normal_x,
-    normal_y,
-    normal_z,
-    gap,
-    gap_before,
-    press,
-    press_before,
-    limit_now,
-    limit_before,
-    anchor_x,
-    anchor_y,
-    anchor_z,
-    slip_x,
-    slip_y,
-    slip_z,
-    force_x,
-    force_y,
-    force_z,
-    force_before_x,
-    force_before_y,
-    force_before_z,
-    mode,
-    mode_before,
-    path,
-    pad_force_x,
-    pad_force_y,
-    pad_force_z,
-    deflection_x,
-    deflection_y,
-    deflection_z,
-    pad_slip_x,
-    pad_slip_y,
-    plain_columns,
-    // only where effects or dashpots ask for them
-    mu_static_now = plain_columns,
-    mu_kinetic_now,
-    velocity_x,
-    velocity_y,
-    velocity_z,
-    depth,
-    normal_force_now,
-    stretch_x,
-    stretch_y,
-    stretch_z,
-    k_normal_now,
-    h_normal,
-    k_tangential_now,
-    compliance_now,
-    h_x,
-    h_y,
-    h_z,
-    all_columns
-  };
+  using enum kernel::Column;
+  using Column = kernel::Column;
 
+  void step_in_stages(double dt);
   void find_contact_points();
+  [[nodiscard]] bool looks_at_plane() const;
   void prepare_rheology(double dt);
   void commit_rheology(double dt);
   void rate_friction(double dt);
   [[nodiscard]] double raw_press(std::size_t i) const;
   [[nodiscard]] double touch_fraction(std::size_t i) const;
   void anchor_touched();
-  void map_to_cone();
-  void map_to_effect_cone(const kernel::Mapping& pass, std::size_t i);
+  void map_to_effect_cone(std::size_t i);
   void resolve_events();
   [[nodiscard]] double onset_fraction(std::size_t i) const;
   [[nodiscard]] ElementColumns view(double dt) const;
@@ -209,10 +140,11 @@ class Field {
     void operator()(double* block) const;
   };
   std::unique_ptr<double[], Free> block_;
-  std::array<double*, all_columns> columns_{};  // into block_; "now" and "before" swap places instead of being copied
+  kernel::Columns columns_{};  // into block_; "now" and "before" swap places instead of being copied
   std::vector<ElementEvent> events_;
   Pose pose_;
   bool flat_pad_;
+  bool plain_;  // springs on a plane, and no effect: one pass does it all
   bool placed_ = false;
   std::size_t attached_ = 0;  // elements that touched after the last step
 };

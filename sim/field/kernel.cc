@@ -19,140 +19,149 @@ namespace slipbench::kernel {
 namespace {
 
 template <bool kPlane, bool kMemory>
-SLIPBENCH_INLINE void map_element(const Mapping& m, std::size_t i) {
-  const double raw = raw_press(m.gap[i], m.k_normal[i], kMemory ? m.h_normal[i] : 0.0);
+SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
+  const double raw = raw_press(c[gap][i], c[k_normal][i], kMemory ? c[h_normal][i] : 0.0);
   const double f_n = 0.5 * (raw + std::abs(raw));  // max(0, raw), exactly; a select here would be threaded into jumps
-  const double k = m.k_tangential[i], compliance = m.compliance[i];
+  const double k = c[k_tangential][i], softness = c[compliance][i];
   const bool touches = f_n > 0.0;
-  const bool slid = m.mode_before[i] == 2.0;
+  const bool slid = c[mode_before][i] == 2.0;
 
-  double ux = m.contact_x[i] - m.anchor_x[i];
-  double uy = m.contact_y[i] - m.anchor_y[i];
+  double ux = c[contact_x][i] - c[anchor_x][i];
+  double uy = c[contact_y][i] - c[anchor_y][i];
   double uz = 0.0;
   if constexpr (!kPlane) {
-    uz = m.contact_z[i] - m.anchor_z[i];
-    const double along = ux * m.normal_x[i] + uy * m.normal_y[i] + uz * m.normal_z[i];
-    ux -= along * m.normal_x[i];
-    uy -= along * m.normal_y[i];
-    uz -= along * m.normal_z[i];
+    uz = c[contact_z][i] - c[anchor_z][i];
+    const double along = ux * c[normal_x][i] + uy * c[normal_y][i] + uz * c[normal_z][i];
+    ux -= along * c[normal_x][i];
+    uy -= along * c[normal_y][i];
+    uz -= along * c[normal_z][i];
   }
   double tx = k * ux, ty = k * uy, tz = kPlane ? 0.0 : k * uz;
   if constexpr (kMemory) {
-    double hx = m.h_x[i], hy = m.h_y[i];
+    double hx = c[h_x][i], hy = c[h_y][i];
     if constexpr (!kPlane) {  // the history was made in an earlier tangent plane
-      double hz = m.h_z[i];
-      const double along = hx * m.normal_x[i] + hy * m.normal_y[i] + hz * m.normal_z[i];
-      hx -= along * m.normal_x[i];
-      hy -= along * m.normal_y[i];
-      hz -= along * m.normal_z[i];
+      double hz = c[h_z][i];
+      const double along = hx * c[normal_x][i] + hy * c[normal_y][i] + hz * c[normal_z][i];
+      hx -= along * c[normal_x][i];
+      hy -= along * c[normal_y][i];
+      hz -= along * c[normal_z][i];
       tz += hz;
     }
     tx += hx;
     ty += hy;
   }
 
-  const double limit_stick = m.mu_static[i] * f_n;
-  const double limit_slide = m.mu_kinetic[i] * f_n;
-  const double limit = slid ? limit_slide : limit_stick;
+  const double limit_stick = c[mu_static][i] * f_n;
+  const double limit_slide = c[mu_kinetic][i] * f_n;
+  const double cone = slid ? limit_slide : limit_stick;
   const double t2 = tx * tx + ty * ty + (kPlane ? 0.0 : tz * tz);
   const double size = std::sqrt(t2);
-  const bool slides = touches & (size > limit + k * shortest_slip);
+  const bool slides = touches & (size > cone + k * shortest_slip);
   const double ratio = limit_slide / size;
   const double scale = slides ? ratio : 1.0;
-  const double loss = (size - limit_slide) * compliance;
+  const double loss = (size - limit_slide) * softness;
 
   const double held = touches ? scale : 0.0;
   const double fx = held * tx, fy = held * ty, fz = held * tz;
   // With u = (f - h) / k the anchor lies at c - u; the slip of this step is what the stretch lost.
-  const double lost = slides ? (1.0 - scale) * compliance : 0.0;
+  const double lost = slides ? (1.0 - scale) * softness : 0.0;
   const double sx = lost * tx, sy = lost * ty, sz = kPlane ? 0.0 : lost * tz;
   const double vx = touches ? ux - sx : 0.0;
   const double vy = touches ? uy - sy : 0.0;
 
-  m.press[i] = raw;
-  m.slip_x[i] = sx;
-  m.slip_y[i] = sy;
-  m.anchor_x[i] = m.contact_x[i] - vx;
-  m.anchor_y[i] = m.contact_y[i] - vy;
-  m.force_x[i] = fx;
-  m.force_y[i] = fy;
+  c[press][i] = raw;
+  c[slip_x][i] = sx;
+  c[slip_y][i] = sy;
+  c[anchor_x][i] = c[contact_x][i] - vx;
+  c[anchor_y][i] = c[contact_y][i] - vy;
+  c[force_x][i] = fx;
+  c[force_y][i] = fy;
   if constexpr (!kPlane) {
     const double vz = touches ? uz - sz : 0.0;
-    m.slip_z[i] = sz;
-    m.anchor_z[i] = m.contact_z[i] - vz;
-    m.force_z[i] = fz;
+    c[slip_z][i] = sz;
+    c[anchor_z][i] = c[contact_z][i] - vz;
+    c[force_z][i] = fz;
   }
-  m.limit[i] = limit_stick;
-  m.path[i] += slides ? loss : 0.0;
+  c[limit][i] = limit_stick;
+  c[path][i] += slides ? loss : 0.0;
   const double moving = slides ? 2.0 : 1.0;
-  m.mode[i] = touches ? moving : 0.0;
+  c[mode][i] = touches ? moving : 0.0;
 }
 
 template <bool kPlane, bool kMemory>
-SLIPBENCH_INLINE void map_all(const Mapping& m, std::size_t count) {
+SLIPBENCH_INLINE void map_all(const Columns& c, std::size_t count) {
   SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) map_element<kPlane, kMemory>(m, i);
+  for (std::size_t i = 0; i < count; ++i) map_element<kPlane, kMemory>(c, i);
 }
 
-SLIPBENCH_DISPATCHED void map_on_plane(const Mapping& m, std::size_t count) { map_all<true, false>(m, count); }
-SLIPBENCH_DISPATCHED void map_on_plane_with_memory(const Mapping& m, std::size_t count) { map_all<true, true>(m, count); }
-SLIPBENCH_DISPATCHED void map_on_curve(const Mapping& m, std::size_t count) { map_all<false, false>(m, count); }
-SLIPBENCH_DISPATCHED void map_on_curve_with_memory(const Mapping& m, std::size_t count) { map_all<false, true>(m, count); }
+SLIPBENCH_DISPATCHED void map_on_plane(const Columns& c, std::size_t count) { map_all<true, false>(c, count); }
+SLIPBENCH_DISPATCHED void map_on_plane_with_memory(const Columns& c, std::size_t count) { map_all<true, true>(c, count); }
+SLIPBENCH_DISPATCHED void map_on_curve(const Columns& c, std::size_t count) { map_all<false, false>(c, count); }
+SLIPBENCH_DISPATCHED void map_on_curve_with_memory(const Columns& c, std::size_t count) { map_all<false, true>(c, count); }
+
+SLIPBENCH_INLINE void locate_element(const Columns& c, const Pose& pose, std::size_t i) {
+  const Eigen::Matrix3d& r = pose.rotation;
+  const Eigen::Vector3d& p = pose.position;
+  const double x = c[tip_x][i], y = c[tip_y][i], z = c[tip_z][i];
+  c[contact_x][i] = r(0, 0) * x + r(0, 1) * y + r(0, 2) * z + p.x();
+  c[contact_y][i] = r(1, 0) * x + r(1, 1) * y + r(1, 2) * z + p.y();
+  c[gap][i] = r(2, 0) * x + r(2, 1) * y + r(2, 2) * z + p.z();
+}
 
 }  // namespace
 
-SLIPBENCH_DISPATCHED void plane_gap(const PlaneGap& p, std::size_t count) {
-  const double r00 = p.rotation(0, 0), r01 = p.rotation(0, 1), r02 = p.rotation(0, 2);
-  const double r10 = p.rotation(1, 0), r11 = p.rotation(1, 1), r12 = p.rotation(1, 2);
-  const double r20 = p.rotation(2, 0), r21 = p.rotation(2, 1), r22 = p.rotation(2, 2);
-  const double x0 = p.position.x(), y0 = p.position.y(), z0 = p.position.z();
+SLIPBENCH_DISPATCHED void plane_gap(const Columns& c, const Pose& pose, std::size_t count) {
+  SLIPBENCH_VECTORISE
+  for (std::size_t i = 0; i < count; ++i) locate_element(c, pose, i);
+}
+
+SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::size_t count) {
+  const double rx = pose.rotation(2, 0), ry = pose.rotation(2, 1), rz = pose.rotation(2, 2);
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
-    const double x = p.tip_x[i], y = p.tip_y[i], z = p.tip_z[i];
-    p.contact_x[i] = r00 * x + r01 * y + r02 * z + x0;
-    p.contact_y[i] = r10 * x + r11 * y + r12 * z + y0;
-    p.gap[i] = r20 * x + r21 * y + r22 * z + z0;
-  }
-  if (p.axes_differ) {
-    SLIPBENCH_VECTORISE
-    for (std::size_t i = 0; i < count; ++i) {
-      const double looks = r20 * p.axis_x[i] + r21 * p.axis_y[i] + r22 * p.axis_z[i];
-      p.gap[i] = looks < 0.0 ? p.gap[i] : std::abs(p.gap[i]);
-    }
-  } else if (!(p.rotation.row(2).dot(p.axis_of_all) < 0.0)) {
-    for (std::size_t i = 0; i < count; ++i) p.gap[i] = std::abs(p.gap[i]);
+    const double looks = rx * c[axis_x][i] + ry * c[axis_y][i] + rz * c[axis_z][i];
+    c[gap][i] = looks < 0.0 ? c[gap][i] : std::abs(c[gap][i]);
   }
 }
 
-SLIPBENCH_DISPATCHED void view_from_pad(const PadView& p, std::size_t count) {
-  const double r00 = p.to_pad(0, 0), r01 = p.to_pad(0, 1), r02 = p.to_pad(0, 2);
-  const double r10 = p.to_pad(1, 0), r11 = p.to_pad(1, 1), r12 = p.to_pad(1, 2);
-  const double r20 = p.to_pad(2, 0), r21 = p.to_pad(2, 1), r22 = p.to_pad(2, 2);
+SLIPBENCH_DISPATCHED void slide_on_plane(const Columns& c, const Pose& pose, std::size_t count) {
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
-    const double nx = p.normal_x[i], ny = p.normal_y[i], nz = p.normal_z[i];
-    const double f_n = 0.5 * (p.press[i] + std::abs(p.press[i]));
-    const double depth = 0.5 * (std::abs(p.gap[i]) - p.gap[i]);
-    const double fx = f_n * nx - p.force_x[i], fy = f_n * ny - p.force_y[i], fz = f_n * nz - p.force_z[i];
-    const double dx = depth * nx - (p.contact_x[i] - p.anchor_x[i]);
-    const double dy = depth * ny - (p.contact_y[i] - p.anchor_y[i]);
-    const double dz = depth * nz - (p.contact_z[i] - p.anchor_z[i]);
-    p.pad_force_x[i] = r00 * fx + r01 * fy + r02 * fz;
-    p.pad_force_y[i] = r10 * fx + r11 * fy + r12 * fz;
-    p.pad_force_z[i] = r20 * fx + r21 * fy + r22 * fz;
-    p.deflection_x[i] = r00 * dx + r01 * dy + r02 * dz;
-    p.deflection_y[i] = r10 * dx + r11 * dy + r12 * dz;
-    p.deflection_z[i] = r20 * dx + r21 * dy + r22 * dz;
-    p.pad_slip_x[i] = r00 * p.slip_x[i] + r01 * p.slip_y[i] + r02 * p.slip_z[i];
-    p.pad_slip_y[i] = r10 * p.slip_x[i] + r11 * p.slip_y[i] + r12 * p.slip_z[i];
+    locate_element(c, pose, i);
+    map_element<true, false>(c, i);
   }
 }
 
-void map(const Mapping& pass, bool plane, bool memory, std::size_t count) {
+SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, std::size_t count) {
+  const double r00 = to_pad(0, 0), r01 = to_pad(0, 1), r02 = to_pad(0, 2);
+  const double r10 = to_pad(1, 0), r11 = to_pad(1, 1), r12 = to_pad(1, 2);
+  const double r20 = to_pad(2, 0), r21 = to_pad(2, 1), r22 = to_pad(2, 2);
+  SLIPBENCH_VECTORISE
+  for (std::size_t i = 0; i < count; ++i) {
+    const double nx = c[normal_x][i], ny = c[normal_y][i], nz = c[normal_z][i];
+    const double f_n = 0.5 * (c[press][i] + std::abs(c[press][i]));
+    const double indentation = 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
+    const double fx = f_n * nx - c[force_x][i], fy = f_n * ny - c[force_y][i], fz = f_n * nz - c[force_z][i];
+    const double dx = indentation * nx - (c[contact_x][i] - c[anchor_x][i]);
+    const double dy = indentation * ny - (c[contact_y][i] - c[anchor_y][i]);
+    const double dz = indentation * nz - (c[contact_z][i] - c[anchor_z][i]);
+    c[pad_force_x][i] = r00 * fx + r01 * fy + r02 * fz;
+    c[pad_force_y][i] = r10 * fx + r11 * fy + r12 * fz;
+    c[pad_force_z][i] = r20 * fx + r21 * fy + r22 * fz;
+    c[deflection_x][i] = r00 * dx + r01 * dy + r02 * dz;
+    c[deflection_y][i] = r10 * dx + r11 * dy + r12 * dz;
+    c[deflection_z][i] = r20 * dx + r21 * dy + r22 * dz;
+    c[pad_slip_x][i] = r00 * c[slip_x][i] + r01 * c[slip_y][i] + r02 * c[slip_z][i];
+    c[pad_slip_y][i] = r10 * c[slip_x][i] + r11 * c[slip_y][i] + r12 * c[slip_z][i];
+    c[pad_slip_z][i] = r20 * c[slip_x][i] + r21 * c[slip_y][i] + r22 * c[slip_z][i];
+  }
+}
+
+void map(const Columns& columns, bool plane, bool memory, std::size_t count) {
   if (plane) {
-    memory ? map_on_plane_with_memory(pass, count) : map_on_plane(pass, count);
+    memory ? map_on_plane_with_memory(columns, count) : map_on_plane(columns, count);
   } else {
-    memory ? map_on_curve_with_memory(pass, count) : map_on_curve(pass, count);
+    memory ? map_on_curve_with_memory(columns, count) : map_on_curve(columns, count);
   }
 }
 

@@ -1,54 +1,69 @@
-// The vectorised passes of a field step. Columns are 32-byte aligned and `count` is a multiple of kernel::lanes.
+// The vectorised passes of a field step over a structure of arrays.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 
 #include <Eigen/Core>
 
+#include "sim/core/pose.h"
+
 namespace slipbench::kernel {
 
-inline constexpr std::size_t lanes = 4;
-
-// Pass 1 against a plane: contact points, gaps [m] and whether the element's axis looks at the plane.
-struct PlaneGap {
-  Eigen::Matrix3d rotation;  // of the pad in the surface
-  Eigen::Vector3d position;  // m
-  bool axes_differ;          // else one check of axis_of_all stands for all
-  Eigen::Vector3d axis_of_all;
-  const double *tip_x, *tip_y, *tip_z, *axis_x, *axis_y, *axis_z;
-  double *contact_x, *contact_y, *contact_z, *gap;
+// Columns of the structure of arrays; one entry an element, 32-byte aligned, a multiple of `lanes` long. Three in a row form a vector.
+// "before" is the value at the end of the step before. In the surface frame S unless said otherwise.
+// clang-format off
+enum Column : std::size_t {
+  tip_x, tip_y, tip_z, axis_x, axis_y, axis_z,              // pad frame P [m], [1]
+  k_normal, k_tangential, compliance,                       // [N/m], [N/m], 1/k_tangential [m/N]
+  mu_static, mu_kinetic,
+  contact_x, contact_y, contact_z, contact_before_x, contact_before_y, contact_before_z,  // [m]
+  normal_x, normal_y, normal_z,                             // of the surface
+  gap, gap_before,                                          // [m], negative: penetration
+  press, press_before,                                      // raw normal force [N], negative while apart
+  limit, limit_before,                                      // mu_s f_n [N]
+  anchor_x, anchor_y, anchor_z,                             // [m]
+  slip_x, slip_y, slip_z,                                   // of the tip over the surface in the last step [m]
+  force_x, force_y, force_z, force_before_x, force_before_y, force_before_z,  // tangential, of the pad on the surface [N]
+  mode, mode_before,                                        // 0 detached, 1 stick, 2 slip; a double so that the loops vectorise
+  path,                                                     // slipped since the start [m]
+  pad_force_x, pad_force_y, pad_force_z,                    // of the surface on the pad, in P [N]
+  deflection_x, deflection_y, deflection_z,                 // deformed tip minus undeformed tip, in P [m]
+  pad_slip_x, pad_slip_y, pad_slip_z,                       // slip in P [m]
+  plain_columns,
+  // only where effects or dashpots ask for them
+  k_normal_spring = plain_columns, k_tangential_spring, mu_static_surface, mu_kinetic_surface,  // before effects
+  h_normal, h_x, h_y, h_z,                                  // history of the rheology: f = k u + h [N]
+  velocity_x, velocity_y, velocity_z, depth, load, stretch_x, stretch_y, stretch_z,     // what effects look at
+  all_columns
 };
-void plane_gap(const PlaneGap& pass, std::size_t count);
+// clang-format on
+using Columns = std::array<double*, all_columns>;
 
-// Raw normal force [N] at a gap [m]: negative while apart, so that its zero is the instant of touch. `h` is the history of a rheology.
-[[gnu::always_inline]] inline double raw_press(double gap, double k_normal, double h) {
-  return k_normal * -gap + (gap < 0.0 ? h : 0.0);
-}
+inline constexpr std::size_t lanes = 4;
 
 // A slip of a step [m] shorter than this is the rounding of coordinates (up to a hundred metres), not motion: an element at rest on its
 // cone sticks. Slower motion is not lost; the stretch gathers it until it is longer.
 inline constexpr double shortest_slip = 1e-13;
 
-// Pass 2: normal force, and return mapping onto the friction cone (field.h). mode: 0 detached, 1 stick, 2 slip.
-struct Mapping {
-  const double *contact_x, *contact_y, *contact_z, *normal_x, *normal_y, *normal_z;
-  const double *gap, *k_normal, *k_tangential, *compliance, *mu_static, *mu_kinetic, *mode_before;
-  const double *h_normal, *h_x, *h_y, *h_z;  // only with memory; compliance is 1/k_tangential [m/N]
-  double *press, *anchor_x, *anchor_y, *anchor_z, *slip_x, *slip_y, *slip_z;
-  double *force_x, *force_y, *force_z, *limit, *mode, *path;
-};
-void map(const Mapping& pass, bool plane, bool memory, std::size_t count);
+// Raw normal force [N] at a gap [m]: negative while apart, so that its zero is the instant of touch. `h` is the history of a rheology.
+[[gnu::always_inline]] inline double raw_press(double gap_now, double k, double h) {
+  return k * -gap_now + (gap_now < 0.0 ? h : 0.0);
+}
 
-// After the passes: what the surface does to every element, in the pad frame P.
-struct PadView {
-  Eigen::Matrix3d to_pad;  // rotation of the surface in the pad
-  const double *normal_x, *normal_y, *normal_z, *gap, *press, *force_x, *force_y, *force_z;
-  const double *contact_x, *contact_y, *contact_z, *anchor_x, *anchor_y, *anchor_z, *slip_x, *slip_y, *slip_z;
-  double *pad_force_x, *pad_force_y, *pad_force_z;     // N
-  double *deflection_x, *deflection_y, *deflection_z;  // m, deformed tip minus undeformed tip
-  double *pad_slip_x, *pad_slip_y;                     // m
-};
-void view_from_pad(const PadView& pass, std::size_t count);
+// Pass 1 against the plane z = 0: contact points and gaps. `pose`: of the pad in the surface.
+void plane_gap(const Columns& columns, const Pose& pose, std::size_t count);
+// Opens the gaps of elements whose axis does not look at the plane.
+void turn_away(const Columns& columns, const Pose& pose, std::size_t count);
+
+// Pass 2: normal force, and return mapping onto the friction cone (field.h).
+void map(const Columns& columns, bool plane, bool memory, std::size_t count);
+
+// Passes 1 and 2 at once, for springs on the plane.
+void slide_on_plane(const Columns& columns, const Pose& pose, std::size_t count);
+
+// After the passes: forces, deflections and slip as the pad sees them. `to_pad`: rotation of the surface in the pad.
+void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, std::size_t count);
 
 }  // namespace slipbench::kernel

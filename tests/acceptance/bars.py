@@ -94,7 +94,8 @@ def rotation(program):
 def cone(program):
     ok = True
     motions = {"translation": [], "rotation": ["--set", "motion.speed=0", "--set", "motion.rotation=20 deg/s"],
-               "both": ["--set", "motion.rotation=20 deg/s", "--set", "motion.pivot=[3 mm, 1 mm]"]}
+               "both": ["--set", "motion.rotation=20 deg/s", "--set", "motion.pivot=[3 mm, 1 mm]"],
+               "both, tilted": ["--set", "motion.rotation=20 deg/s", "--set", "motion.tilt=[1.5 deg, -1 deg]"]}
     for name, changes in motions.items():
         for friction in ("{static: 0.5, kinetic: 0.5}", "{static: 0.6, kinetic: 0.4}"):
             with tempfile.TemporaryDirectory() as folder:

@@ -11,8 +11,9 @@ constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
 constexpr const char* pad_frame_text =
     "pad frame P: x and y in the plane of the pad, +z into the sensor, so that compression is positive; forces act on the "
-    "sensor, "
-    "displacements are of its tips; a pad that faces down on a horizontal surface has P parallel to the world";
+    "sensor, displacements are of its tips; a pad that faces down on a horizontal surface has P parallel to the world. Labels: "
+    "force "
+    "and slip_velocity lie in the contact plane, P turned the shortest way until +z is the surface's normal";
 
 // The earlier of two times of which either may be NaN.
 void keep_earliest(double& time, double candidate) {
@@ -135,7 +136,7 @@ void TrialRecorder::write_sample(std::size_t pad, const ContactFrame& truth, con
   write_row(labels.slip_velocity, row, truth.slip_velocity);
   write_row(labels.slip_distance, row, truth.slip_distance);
   write_row(labels.margin, row, truth.margin);
-  write_row(labels.force, row, truth.force);
+  write_row(labels.force, row, truth.contact_force);
   labels.state[row] = static_cast<std::uint8_t>(truth.state);
   labels.state_micro[row] = static_cast<std::uint8_t>(truth.state_micro);
   labels.state_paper[row] = static_cast<std::uint8_t>(sensors_[pad]->paper_label(truth, bench_.rotating()));

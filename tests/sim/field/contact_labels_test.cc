@@ -267,6 +267,33 @@ TEST(ContactLabels, EventsOfAllUnitsAreInOrderOfTimeAndInsideTheirStep) {
   EXPECT_GT(seen, 100U);
 }
 
+TEST(ContactLabels, TiltedPadObeysTheConeInTheContactPlane) {
+  // Tilted about X by 20 degrees, the plane's normal in P is (0, sin, cos). What the sensor feels (force) is the vector as P sees it; in the
+  // contact plane its z is f_n = k_n delta and its x, y are f_t = mu f_n, and the slip is as long as the way.
+  const double tilt = 20.0 * pi / 180.0, mu = 0.5, step = 1e-4;
+  Rig rig(row({{1.0}}), {mu, mu}, 1e-3);
+  ContactFrame frame;
+  for (int i = 0; i <= 100; ++i) {
+    Pose pose;
+    pose.rotation = Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    pose.position = {0.3 * step * i, 0.4 * step * i, -compression};
+    frame = rig.to(pose);
+  }
+  const double f_n = k_n * compression;
+  EXPECT_EQ(frame.unit_state[0], UnitState::slip);
+  EXPECT_NEAR(frame.contact_force(2, 0), f_n, 1e-12);
+  EXPECT_NEAR(std::hypot(frame.contact_force(0, 0), frame.contact_force(1, 0)), mu * f_n, 1e-12);
+  EXPECT_NEAR(frame.slip_velocity.col(0).matrix().norm(), 0.5 * step / 1e-3, 1e-12);
+  // World force (-0.6 mu f_n, -0.8 mu f_n, f_n) seen in P = R_x(tilt)^T: y and z mix.
+  const double y = -0.8 * mu * f_n, s = std::sin(tilt), c = std::cos(tilt);
+  EXPECT_NEAR(frame.force(0, 0), -0.6 * mu * f_n, 1e-12);
+  EXPECT_NEAR(frame.force(1, 0), c * y + s * f_n, 1e-12);
+  EXPECT_NEAR(frame.force(2, 0), -s * y + c * f_n, 1e-12);
+  // The shortest turn onto the normal is that about X, so the contact plane's axes are the world's.
+  EXPECT_NEAR(frame.contact_force(0, 0), -0.6 * mu * f_n, 1e-12);
+  EXPECT_NEAR(frame.contact_force(1, 0), y, 1e-12);
+}
+
 TEST(ContactLabels, SlippedDistanceIsTheMeanOfAUnitsElements) {
   // Bristle of weight w has slipped s - w reach.
   const double reach = 0.5 * k_n * compression / k_t, way = 3e-3;

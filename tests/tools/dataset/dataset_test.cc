@@ -181,25 +181,5 @@ TEST_F(DatasetTest, ReaderNamesWhatIsWrong) {
   EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(reader.read<float>(0, "labels/pad")); }), HasSubstr("is no array"));
 }
 
-// Whatever bytes a file has lost or changed, reading ends in values or in an InputError.
-TEST_F(DatasetTest, DamagedFilesAreRefusedOrRead) {
-  const std::string whole = bytes_of(write("a.h5", 1, 20, DatasetWriter::default_shard_limit));
-  for (std::size_t step = 0; step < 300; ++step) {
-    std::string damaged = whole;
-    if (step % 3 == 0) {
-      damaged.resize(whole.size() * step / 300);
-    } else {
-      damaged[(step * 7919) % whole.size()] ^= static_cast<char>(1 + step % 255);
-    }
-    std::ofstream(path("b.h5"), std::ios::binary | std::ios::trunc) << damaged;
-    try {
-      const DatasetReader reader(path("b.h5"));
-      for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_trial(trial));
-    } catch (const InputError&) {
-      continue;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace slipbench::testing
