@@ -1,12 +1,18 @@
 #include "tools/run/recorder.h"
 
 #include <algorithm>
+#include <limits>
 
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
 #include "tools/dataset/layout.h"
 
 namespace slipbench {
 namespace {
 
+constexpr double max_record_bytes = 4e9;
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
 constexpr const char* pad_frame_text =
@@ -67,7 +73,31 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
   if (recording == Recording::full) allocate(scene);
 }
 
+// A trial is recorded in memory before it is written.
+void TrialRecorder::check_size(const Scene& scene) const {
+  double bytes = 0.0;
+  for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
+    std::size_t row = sizeof(double);
+    for (const Channel& channel : sensors_[pad]->channels()) row += channel.size() * sizeof(float);
+    LabelRecord labels;
+    for_each_label(labels, sensors_[pad]->layout().units.size(),
+                   [&row](const char*, const char*, const Extents& tail, const auto& column) {
+                     std::size_t size = sizeof(column.front());
+                     for (const std::size_t extent : tail) size *= extent;
+                     row += size;
+                   });
+    bytes += static_cast<double>(row) * static_cast<double>(samples_of(bench_.ticks(), bench_.stride(pad)));
+  }
+  if (bytes > max_record_bytes) {
+    throw SceneValueError("duration",
+                          fmt::format("{} makes a record of {:.3g} GB; allowed: at most {:.3g} GB, so a shorter trial or "
+                                      "slower sensors",
+                                      format_quantity(scene.duration, Quantity::time), 1e-9 * bytes, 1e-9 * max_record_bytes));
+  }
+}
+
 void TrialRecorder::allocate(const Scene& scene) {
+  check_size(scene);
   body_stride_ = bench_.ticks();
   for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
     SensorRecord& sensor = record_.sensors[pad];

@@ -20,7 +20,7 @@ namespace slipbench {
 // Columns are allocated whole before the run; a sample is written in place.
 class TrialRecorder {
  public:
-  // `sensors` and `bench` must outlive the recorder.
+  // `sensors` and `bench` must outlive the recorder. Throws SceneValueError when the record would not fit into memory.
   TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench, std::uint64_t trial,
                 Recording recording);
 
@@ -45,6 +45,7 @@ class TrialRecorder {
   TrialRecord finish();
 
  private:
+  void check_size(const Scene& scene) const;
   void allocate(const Scene& scene);
   void note_events(std::size_t pad, const ContactFrame& truth);
   void note_gross_slip(const ContactFrame& truth);

@@ -1,10 +1,27 @@
-// What somebody else's program does with the installed libraries. Exit status 0: the answers are right.
+// What somebody else's program does with the installed libraries: presses one pillar, slides it, and asks when it slips.
+// Exit status 0: at mu f_n/(k_t v), as it must.
+#include <cmath>
+
 #include "sim/core/quantity.h"
-#include "sim/core/random.h"
+#include "sim/field/contact_labels.h"
+#include "sim/field/field.h"
 
 int main() {
   const double speed = slipbench::parse_quantity("4 mm/s", slipbench::Quantity::speed);
-  slipbench::RandomStream one(7, 0, "consumer");
-  slipbench::RandomStream same(7, 0, "consumer");
-  return speed == 0.004 && one.uniform() == same.uniform() ? 0 : 1;
+  slipbench::PadLayout pad;
+  pad.elements.push_back({.k_normal = 7100.0, .k_tangential = 3900.0});
+  pad.units.push_back({0, 1});
+  slipbench::Field field(pad, slipbench::Plane{}, {0.5, 0.5});
+  slipbench::ContactLabels labels(field);
+  for (int tick = 0; tick < 1000; ++tick) {
+    slipbench::Pose pose;
+    pose.position = {speed * 1e-3 * tick, 0.0, -1e-3};
+    field.step(pose, 1e-3);
+    for (const slipbench::ContactEvent& event : labels.update(field, 1e-3 * tick, 1e-3).events) {
+      if (event.kind != slipbench::EventKind::slip) continue;
+      const double exact = 0.5 * 7100.0 * 1e-3 / (3900.0 * speed);
+      return std::abs(event.time - exact) < 1e-9 ? 0 : 1;
+    }
+  }
+  return 1;
 }

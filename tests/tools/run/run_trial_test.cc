@@ -111,6 +111,19 @@ TEST(RunTrial, QuaternionsAreContinuous) {
   EXPECT_GT(least, 0.9999F);
 }
 
+TEST(RunTrial, RecordThatWouldFillTheMemoryIsRefused) {
+  // A day at 1 kHz is 8.64e7 rows; with a frame of 9 x 2 x 3 floats alone that is 18.7 GB.
+  Scene scene = stage_scene({});
+  scene.duration = 86400.0;
+  try {
+    run_trial(scene, 0, Recording::full);
+    FAIL() << "was not refused";
+  } catch (const SceneValueError& error) {
+    EXPECT_EQ(error.path(), "duration");
+    EXPECT_THAT(error.what(), testing::HasSubstr("allowed: at most 4 GB"));
+  }
+}
+
 TEST(RunTrial, SeveralSensorsAreRecordedSideBySide) {
   const TrialRecord record =
       run_trial(stage_scene({{"sensors.second", "{type: papillarray, rate: 500 Hz}"}}), 0, Recording::full);
