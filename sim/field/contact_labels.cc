@@ -30,7 +30,8 @@ ContactLabels::ContactLabels(const Field& field) : units_(field.layout().units),
   for (std::size_t u = 0; u < units_.size(); ++u) {
     Eigen::Array2d sum(0.0, 0.0);
     for (std::size_t i = 0; i < units_[u].count; ++i) sum += field.layout().elements[units_[u].first + i].tip.head<2>().array();
-    undeformed_.col(static_cast<Eigen::Index>(u)) = sum / static_cast<double>(units_[u].count);
+    shares_.push_back(1.0 / static_cast<double>(units_[u].count));
+    undeformed_.col(static_cast<Eigen::Index>(u)) = shares_[u] * sum;
     for (std::size_t i = 0; i < units_[u].count; ++i) unit_of_element_[units_[u].first + i] = static_cast<std::uint32_t>(u);
   }
   frame_.force.setZero(3, n);
@@ -66,6 +67,7 @@ void ContactLabels::ContactPlane::face(const Eigen::Vector3d& normal) {
 void ContactLabels::sum_units(Field& field, double dt) {
   field.view_from_pad();
   const Eigen::Matrix3d to_pad = field.pad_in_surface().rotation.transpose();
+  const double rate = 1.0 / dt;
   touching_elements_ = 0;
   sticking_elements_ = 0;
   for (std::size_t u = 0; u < units_.size(); ++u) {
@@ -88,13 +90,13 @@ void ContactLabels::sum_units(Field& field, double dt) {
       distance += field.slip_path(i);
       tally(field.state(i));
     }
-    const double share = 1.0 / static_cast<double>(units_[u].count);
+    const double share = shares_[u];
     const auto c = static_cast<Eigen::Index>(u);
-    contact_plane_.face(to_pad * field.normal(first));
+    if (u == 0 || !field.on_plane()) contact_plane_.face(to_pad * field.normal(first));
     frame_.force.col(c) = force.array();
     frame_.contact_force.col(c) = contact_plane_.turned(force).array();
     frame_.displacement.col(c) = (share * deflection).array();
-    frame_.slip_velocity.col(c) = (share / dt) * contact_plane_.turned(slip).head<2>().array();
+    frame_.slip_velocity.col(c) = (share * rate) * contact_plane_.turned(slip).head<2>().array();
     frame_.slip_distance[c] = share * distance;
     frame_.margin[c] = count.touching == 0 ? nan : 1.0 - field.cone_gauge(tangential, field.normal(first), limit);
     frame_.unit_state[u] = count.touching == 0                ? UnitState::detached
@@ -123,36 +125,29 @@ void ContactLabels::fit_slip_motion(double dt) {
   frame_.slip_centre.setConstant(nan);
   if (frame_.state_micro == PadState::no_contact || frame_.state_micro == PadState::non_slip) return;
 
-  const auto slips = [this](Eigen::Index c) {
-    const UnitState state = frame_.unit_state[static_cast<std::size_t>(c)];
-    return state == UnitState::slip || state == UnitState::partial;
-  };
-  // The slipping tips are where the load has bent them to: in a steady turn they trail on smaller circles than their roots.
-  const auto position = [this](Eigen::Index c) -> Eigen::Array2d {
-    return undeformed_.col(c) + frame_.displacement.col(c).head<2>();
-  };
-  double n = 0.0;
-  Eigen::Array2d mean_position(0.0, 0.0), mean_velocity(0.0, 0.0);
-  for (Eigen::Index c = 0; c < undeformed_.cols(); ++c) {
-    if (!slips(c)) continue;
+  double n = 0.0, fastest = 0.0;
+  double x_sum = 0.0, y_sum = 0.0, vx_sum = 0.0, vy_sum = 0.0, moment_sum = 0.0, spread_sum = 0.0;
+  for (std::size_t u = 0; u < units_.size(); ++u) {
+    if (frame_.unit_state[u] != UnitState::slip && frame_.unit_state[u] != UnitState::partial) continue;
+    const auto c = static_cast<Eigen::Index>(u);
+    // The slipping tips are where the load has bent them to: in a steady turn they trail on smaller circles than their roots.
+    const double x = undeformed_(0, c) + frame_.displacement(0, c), y = undeformed_(1, c) + frame_.displacement(1, c);
+    const double vx = frame_.slip_velocity(0, c), vy = frame_.slip_velocity(1, c);
     n += 1.0;
-    mean_position += position(c);
-    mean_velocity += frame_.slip_velocity.col(c);
+    x_sum += x;
+    y_sum += y;
+    vx_sum += vx;
+    vy_sum += vy;
+    moment_sum += x * vy - y * vx;
+    spread_sum += x * x + y * y;
+    fastest = std::max(fastest, vx * vx + vy * vy);
   }
-  mean_position /= n;
-  mean_velocity /= n;
-  double moment = 0.0, spread = 0.0, fastest = 0.0;
-  for (Eigen::Index c = 0; c < undeformed_.cols(); ++c) {
-    if (!slips(c)) continue;
-    const Eigen::Array2d r = position(c) - mean_position;
-    const Eigen::Array2d v = frame_.slip_velocity.col(c);
-    moment += r.x() * (v.y() - mean_velocity.y()) - r.y() * (v.x() - mean_velocity.x());
-    spread += r.square().sum();
-    fastest = std::max(fastest, v.square().sum());
-  }
+  const Eigen::Array2d mean_position(x_sum / n, y_sum / n), mean_velocity(vx_sum / n, vy_sum / n);
+  const double moment = moment_sum - (x_sum * vy_sum - y_sum * vx_sum) / n;
+  const double spread = std::max(0.0, spread_sum - (x_sum * x_sum + y_sum * y_sum) / n);
   fastest = std::sqrt(fastest);
   const double speed = std::sqrt(mean_velocity.square().sum());
-  const double rate = spread > 0.0 ? moment / spread : 0.0;  // rad/s
+  const double rate = n > 1.0 && spread > 0.0 ? moment / spread : 0.0;  // rad/s
   if (speed > negligible * fastest) frame_.slip_direction = std::atan2(mean_velocity.y(), mean_velocity.x());
   if (std::abs(rate) * std::sqrt(spread) > negligible * fastest) {
     frame_.slip_centre = mean_position + Eigen::Array2d(-mean_velocity.y(), mean_velocity.x()) / rate;

@@ -44,6 +44,7 @@ class ContactLabels {
   void collect_events(const Field& field, double time, double dt);
 
   std::vector<UnitRange> units_;
+  std::vector<double> shares_;  // 1/elements of the unit
   std::vector<std::uint32_t> unit_of_element_;
   Eigen::Array2Xd undeformed_;     // [2,N] m, mean of a unit's undeformed tips in P
   std::vector<UnitCount> counts_;  // as of the last event

@@ -93,7 +93,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
   flat_pad_ = std::all_of(layout_.elements.begin(), layout_.elements.end(),
                           [&](const Element& e) { return e.axis == layout_.elements.front().axis; });
-  plain_ = std::holds_alternative<Plane>(surface_) && flat_pad_ && !extended && effects_.surface.empty() && !effects_.cone;
+  plain_ = on_plane() && flat_pad_ && !extended && effects_.surface.empty() && !effects_.cone;
 }
 
 void Field::step(const Pose& pad_in_surface, double dt) {
@@ -129,7 +129,7 @@ void Field::step_in_stages(double dt) {
   if (effects_.cone) {
     for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(i);
   } else {
-    kernel::map(columns_, std::holds_alternative<Plane>(surface_), has_memory(), padded_);
+    kernel::map(columns_, on_plane(), has_memory(), padded_);
   }
 }
 
@@ -137,7 +137,7 @@ void Field::step_in_stages(double dt) {
 bool Field::looks_at_plane() const { return pose_.rotation.row(2).dot(layout_.elements.front().axis) < 0.0; }
 
 void Field::find_contact_points() {
-  if (std::holds_alternative<Plane>(surface_)) {
+  if (on_plane()) {
     kernel::plane_gap(columns_, pose_, padded_);
     if (!flat_pad_ || !looks_at_plane()) kernel::turn_away(columns_, pose_, padded_);
     return;

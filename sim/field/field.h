@@ -104,6 +104,8 @@ class Field {
   [[nodiscard]] Wrench wrench_on_pad() const;
   [[nodiscard]] Wrench wrench_on_surface() const;
 
+  // Whether the surface is a plane, so that all elements meet one normal.
+  [[nodiscard]] bool on_plane() const { return std::holds_alternative<Plane>(surface_); }
   // The pose of the last step.
   [[nodiscard]] const Pose& pad_in_surface() const { return pose_; }
 

@@ -3,6 +3,7 @@
 # Argument: the project's root.
 # shellcheck disable=SC2016  # the stand-ins' bodies are expanded when they run
 set -euo pipefail
+unset SLIPBENCH_PRESET
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
