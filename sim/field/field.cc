@@ -26,8 +26,10 @@ void check(const PadLayout& layout, const Friction& friction) {
   for (std::size_t i = 0; i < layout.elements.size(); ++i) {
     const Element& element = layout.elements[i];
     const std::string name = "element " + std::to_string(i) + ": ";
-    if (!(element.k_normal > 0.0) || !(element.k_tangential > 0.0)) refuse(name + "stiffness must be positive");
-    if (!(element.c_normal >= 0.0) || !(element.c_tangential >= 0.0)) refuse(name + "a dashpot must not be negative");
+    const auto positive = [](double k) { return k > 0.0 && std::isfinite(k); };
+    const auto not_negative = [](double c) { return c >= 0.0 && std::isfinite(c); };
+    if (!positive(element.k_normal) || !positive(element.k_tangential)) refuse(name + "stiffness must be positive and finite");
+    if (!not_negative(element.c_normal) || !not_negative(element.c_tangential)) refuse(name + "a dashpot must not be negative");
     if (!(std::abs(element.axis.norm() - 1.0) < 1e-9)) refuse(name + "the axis must be a unit vector");
     if (!element.tip.allFinite()) refuse(name + "the tip must be finite");
   }
@@ -37,7 +39,7 @@ void check(const PadLayout& layout, const Friction& friction) {
     next += unit.count;
   }
   if (next != layout.elements.size()) refuse("units must tile the elements in order");
-  if (!(friction.mu_kinetic >= 0.0) || !(friction.mu_static >= friction.mu_kinetic)) {
+  if (!(friction.mu_kinetic >= 0.0) || !(friction.mu_static >= friction.mu_kinetic) || std::isinf(friction.mu_static)) {
     refuse("friction must satisfy 0 <= mu_kinetic <= mu_static");
   }
 }

@@ -56,7 +56,7 @@ class Field {
  public:
   static constexpr std::size_t max_elements = 4096;
 
-  // Throws std::invalid_argument when the layout is empty or larger than max_elements, a stiffness is not positive, a dashpot is
+  // Throws std::invalid_argument when the layout is empty or larger than max_elements, a stiffness is not positive and finite, a dashpot is
   // negative, an axis is not a unit vector, units do not tile the elements in order, or 0 <= mu_kinetic <= mu_static is violated.
   Field(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects effects = {});
 

@@ -44,9 +44,9 @@ TEST(FieldRefusal, PadOfMoreThan4096Elements) {
 TEST(FieldRefusal, StiffnessThatIsNotPositive) {
   for (const double bad : {0.0, -1.0, nan}) {
     EXPECT_EQ(refusal(changed([&](PadLayout& pad) { pad.elements[3].k_normal = bad; })),
-              "field: element 3: stiffness must be positive");
+              "field: element 3: stiffness must be positive and finite");
     EXPECT_EQ(refusal(changed([&](PadLayout& pad) { pad.elements[8].k_tangential = bad; })),
-              "field: element 8: stiffness must be positive");
+              "field: element 8: stiffness must be positive and finite");
   }
 }
 
