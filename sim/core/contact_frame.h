@@ -19,13 +19,15 @@ enum class UnitState : std::uint8_t {
 // State of a whole pad. Values are those of the dataset (state, state_micro).
 enum class PadState : std::uint8_t { no_contact = 0, non_slip = 1, incipient = 2, gross = 3 };
 
-// Kind of an event of a unit. Values are those of the dataset (events/kind).
+// Kind of an event of a unit. Values are those of the dataset (events/kind). Events tell every change of a unit's state: after touch and
+// stick it sticks, after micro a part of it slips, after slip all of it, after detach it is detached. A unit that lets go as a whole
+// reports micro and slip at the same time.
 enum class EventKind : std::uint8_t {
   touch = 0,
   slip = 1,   // the unit begins to slip as a whole
   stick = 2,  // no part of it slips any more, still touching
   detach = 3,
-  micro = 4,  // a first part of it begins to slip
+  micro = 4,  // a part of it begins to slip, or a part of it has stopped
 };
 
 // Something that happened to a unit inside the last step.

@@ -91,7 +91,15 @@ EffectKind patchy_friction() {
        "assumed: patches of 2 to 5 mm give a pad in slow slip the published energy below 8 Hz",
        {{"sd", ParameterType::number, Quantity::none, "0.2", {0.0, 2.0, false}, {}, 1, "standard deviation of ln mu", "assumed"},
         {"shortest", ParameterType::number, Quantity::length, "2 mm", positive, {}, 1, "shortest wavelength", "assumed"},
-        {"longest", ParameterType::number, Quantity::length, "5 mm", positive, {}, 1, "longest wavelength", "assumed"}}},
+        {"longest",
+         ParameterType::number,
+         Quantity::length,
+         "5 mm",
+         positive,
+         {},
+         1,
+         "longest wavelength, from `shortest` to ten times that",
+         "assumed"}}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!context.flat_surface)
           throw SceneValueError("effects", "patchy_friction needs a flat surface; allowed shapes: plane, box");

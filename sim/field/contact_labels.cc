@@ -178,10 +178,11 @@ void ContactLabels::collect_events(const Field& field, double time, double dt) {
       change(now.slipping, event.from == ElementState::slip, event.to == ElementState::slip);
     }
     const auto report = [&](EventKind kind) { frame_.events.push_back({time - (1.0 - fraction) * dt, unit, kind}); };
-    if (before.touching == 0 && now.touching > 0) report(EventKind::touch);
-    if (before.slipping == 0 && now.slipping > 0) report(EventKind::micro);
     const bool slipped = before.touching > 0 && before.slipping == before.touching;
-    if (now.touching > 0 && now.slipping == now.touching && !slipped) report(EventKind::slip);
+    const bool slips = now.touching > 0 && now.slipping == now.touching;
+    if (before.touching == 0 && now.touching > 0) report(EventKind::touch);
+    if (now.slipping > 0 && (before.slipping == 0 || (slipped && !slips))) report(EventKind::micro);
+    if (slips && !slipped) report(EventKind::slip);
     if (before.slipping > 0 && now.slipping == 0 && now.touching > 0) report(EventKind::stick);
     if (before.touching > 0 && now.touching == 0) report(EventKind::detach);
   }

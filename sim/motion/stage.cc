@@ -14,6 +14,14 @@ namespace {
 // The bench that the published PapillArray sequences were recorded on.
 constexpr const char* protocol = "Wang et al., IEEE RA-L 9 (2024) 1827: hexapod protocol";
 
+// Limits of what a bench could be; beyond them a number is a slip of the pen.
+constexpr Range bench_length{0.0, 0.1, true};
+constexpr Range bench_gap{0.0, 0.1, false};
+constexpr Range bench_speed{0.0, 10.0, true};
+constexpr Range bench_slide{0.0, 10.0, false};
+constexpr Range bench_rotation{-100.0, 100.0, false};
+constexpr Range bench_position{-1.0, 1.0, false};
+
 Entry about_stage() {
   return {"stage",
           "A stage presses the pad onto the surface, waits, then slides and/or turns it; it may stop, reverse and lift off.",
@@ -26,7 +34,7 @@ Entry about_stage() {
                ParameterType::number,
                Quantity::length,
                "1 mm",
-               positive,
+               bench_length,
                {},
                1,
                "how far the tallest element is pressed in",
@@ -35,7 +43,7 @@ Entry about_stage() {
                ParameterType::number,
                Quantity::speed,
                "4 mm/s",
-               non_negative,
+               bench_slide,
                {},
                1,
                "sideways speed of the pivot",
@@ -53,7 +61,7 @@ Entry about_stage() {
                ParameterType::number,
                Quantity::angular_speed,
                "0 deg/s",
-               any_value,
+               bench_rotation,
                {},
                1,
                "turning speed about the vertical through the pivot",
@@ -62,7 +70,7 @@ Entry about_stage() {
                ParameterType::vector,
                Quantity::length,
                "[0 mm, 0 mm]",
-               any_value,
+               bench_position,
                {},
                2,
                "point of the pad about which it turns",
@@ -98,16 +106,16 @@ Entry about_stage() {
                ParameterType::number,
                Quantity::length,
                "0.5 mm",
-               non_negative,
+               bench_gap,
                {},
                1,
-               "height of the tallest tip above the surface at t = 0",
+               "height of the pad's origin, the tallest tip, above the surface at t = 0",
                "assumed"},
               {"approach_speed",
                ParameterType::number,
                Quantity::speed,
                "4 mm/s",
-               positive,
+               bench_speed,
                {},
                1,
                "speed of pressing and lifting off",
@@ -182,10 +190,10 @@ class Stage final : public Motion {
       if (std::isfinite(stop)) profile->change_velocity(start + stop, 0.0, limit);
     }
     if (std::isfinite(retract)) {
-      if (retract < height_.end()) {
+      if (retract < start) {
         throw SceneValueError("motion.retract",
-                              fmt::format("{} is too early; pressing ends at {:.6g} s, allowed is that or later",
-                                          format_quantity(retract, Quantity::time), height_.end()));
+                              fmt::format("{} comes before motion.start ({}); allowed is a later time",
+                                          format_quantity(retract, Quantity::time), format_quantity(start, Quantity::time)));
       }
       height_.move(retract, stroke, p.number("approach_speed"), acceleration);
     }

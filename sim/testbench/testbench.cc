@@ -71,6 +71,19 @@ double longest_step(const FieldEffects& effects, double speed) {
   return longest;
 }
 
+// Depth of the deepest tip inside the surface [m]; 0 when all are outside.
+double deepest(const PadLayout& pad, const Surface& shape, const Pose& pad_in_surface) {
+  double depth = 0.0;
+  for (const Element& element : pad.elements) {
+    const Eigen::Vector3d tip = pad_in_surface * element.tip;
+    const Eigen::Vector3d axis = pad_in_surface.rotation * element.axis;
+    const SurfacePoint met =
+        std::visit([&](const auto& s) { return s.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z()); }, shape);
+    depth = std::max(depth, -met.gap);
+  }
+  return depth;
+}
+
 }  // namespace
 
 struct Testbench::State {
@@ -99,6 +112,15 @@ Testbench::Testbench(const Scene& scene, std::span<const PadLayout* const> pads,
   s.motion = kind_named(motion_catalogue(), scene.motion.name).create(scene.motion.parameters);
   const PlacedSurface surface = kind_named(surface_catalogue(), scene.surface.name).create(scene.surface.parameters);
   s.world_in_surface = surface.pose.inverse();
+
+  for (const PadLayout* pad : pads) {
+    const double depth = deepest(*pad, surface.shape, s.world_in_surface * s.motion->pad_at(0.0).pose);
+    if (depth > 0.0) {
+      throw SceneValueError("motion.gap",
+                            fmt::format("the tilted pad begins {} inside the surface; allowed: a gap that is larger by that",
+                                        format_quantity(depth, Quantity::length)));
+    }
+  }
 
   double longest = std::numeric_limits<double>::infinity();
   std::vector<FieldEffects> effects(pads.size());

@@ -232,6 +232,27 @@ TEST(ContactLabels, SixBristlesSlipInPartsAndDetachTogether) {
   EXPECT_NEAR(rig.events[4].time, 0.502 + 1e-3 * compression / (compression + 0.5e-3), 1e-9);
 }
 
+TEST(ContactLabels, EventsTellEveryChangeOfAUnitsState) {
+  // To and fro in several directions, off and on again: after each step the last event of a unit names its state.
+  Rig rig(row({six_weights, {1.0}, six_weights}), {0.6, 0.4}, 1e-3);
+  std::vector<UnitState> told(3, UnitState::detached);
+  std::size_t read = 0, changes = 0;
+  for (int k = 0; k < 12000; ++k) {
+    const double t = 1e-3 * k;
+    const ContactFrame& frame = rig.to(at(4e-3 * std::sin(23.0 * t), 3e-3 * std::sin(14.3 * t), -0.8e-3 * std::sin(1.1 * t)));
+    for (; read < rig.events.size(); ++read) {
+      const ContactEvent& event = rig.events[read];
+      told[event.unit] = event.kind == EventKind::detach  ? UnitState::detached
+                         : event.kind == EventKind::slip  ? UnitState::slip
+                         : event.kind == EventKind::micro ? UnitState::partial
+                                                          : UnitState::stick;
+      ++changes;
+    }
+    ASSERT_EQ(told, frame.unit_state) << "t " << t;
+  }
+  EXPECT_GT(changes, 100U);
+}
+
 TEST(ContactLabels, BristlesThatLetGoTogetherReportNoSlip) {
   // Half of the bristles slip when the pad is pulled off within one step: the rest must not look like a unit that began to slip.
   Rig rig(row({six_weights, six_weights}), {0.5, 0.5}, 1e-3);

@@ -208,9 +208,8 @@ TEST(Stage, RefusesTimesOutOfOrder) {
   EXPECT_NE(refusal({{"reverse", 0.4}, {"stop", 0.4}}), "");
   EXPECT_EQ(refusal({{"reverse", 0.4}, {"stop", 0.5}}), "");
   EXPECT_EQ(refusal({{"reverse", inf}, {"stop", 0.5}}), "");
-  EXPECT_EQ(refusal({{"retract", 0.1}}),
-            "motion.retract: 0.1 s is too early; pressing ends at 0.455 s, allowed is that or later");
-  EXPECT_EQ(refusal({{"retract", 0.456}}), "");
+  EXPECT_EQ(refusal({{"retract", 0.1}}), "motion.retract: 0.1 s comes before motion.start (2 s); allowed is a later time");
+  EXPECT_EQ(refusal({{"retract", 2.5}}), "");
 }
 
 }  // namespace

@@ -143,6 +143,12 @@ TEST(Testbench, RefusesWhatItCannotDo) {
   EXPECT_EQ(refusal(asked, {250.0, 100.0}),
             "time_step: 4 ms does not divide the sampling time 10 ms of sensor 'pad1'; allowed: 10 ms over a whole number");
 
+  // Tilted about X by 0.3 rad, the tips at y = -7 mm hang 7 mm sin(0.3) = 2.07 mm lower, and those 0.2 or 0.45 mm shorter are
+  // closer by cos(0.3): the edge at 0.5 - 2.07 + 0.19 = -1.38 mm is deepest.
+  asked = scene();
+  asked.motion.parameters.set("tilt", std::vector{0.3, 0.0});
+  EXPECT_EQ(refusal(asked, {1000.0}).find("motion.gap: the tilted pad begins 1.37"), 0U) << refusal(asked, {1000.0});
+
   asked = scene(1, {{"start", 0.1}});
   EXPECT_NE(refusal(asked, {1000.0}).find("motion.start"), std::string::npos);
   asked = scene();
