@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t centre_pillar = 4;
 
 constexpr double pitch = 7e-3;                            // m, vendor's drawing
+constexpr double pillar_height = 4.2e-3;                  // m, vendor's data sheet
 constexpr std::array<int, 4> rates{100, 250, 500, 1000};  // Hz, selectable on the device
 
 const PillarStiffness& stiffness_of(const Parameters& parameters) {
@@ -134,12 +135,13 @@ class PapillArray final : public Sensor {
   SensorFrame frame_;
 };
 
-ParameterSpec length(std::string name, std::string default_text, std::string doc, std::string source) {
+// How much shorter some pillars are: no more than they are high.
+ParameterSpec drop(std::string name, std::string default_text, std::string doc, std::string source) {
   return {.name = std::move(name),
           .type = ParameterType::number,
           .quantity = Quantity::length,
           .default_text = std::move(default_text),
-          .range = non_negative,
+          .range = {.min = 0.0, .max = pillar_height, .open_min = false},
           .choices = {},
           .size = 1,
           .doc = std::move(doc),
@@ -198,10 +200,10 @@ Entry papillarray_entry() {
           value("bristle_spread", ParameterType::number, Quantity::none, "0.4", {.min = 0.0, .max = 1.0, .open_min = true},
                 "Load share w of the least loaded bristle, as a factor on the mean; the most loaded has 2-w; 1 is equal.",
                 "assumed: resembles the statistics of published sequences"),
-          length("edge_drop", "0.20 mm", "How much shorter the four edge pillars are than the centre pillar.",
-                 "plane fits to public gripper recordings, 0.163 to 0.196 mm; the vendor's drawing scaled, 0.22 mm"),
-          length("corner_drop", "0.45 mm", "How much shorter the four corner pillars are than the centre pillar.",
-                 "plane fits to public gripper recordings, 0.29 to 0.45 mm; the vendor's drawing scaled, 0.52 mm"),
+          drop("edge_drop", "0.20 mm", "How much shorter the four edge pillars are than the centre pillar.",
+               "plane fits to public gripper recordings, 0.163 to 0.196 mm; the vendor's drawing scaled, 0.22 mm"),
+          drop("corner_drop", "0.45 mm", "How much shorter the four corner pillars are than the centre pillar.",
+               "plane fits to public gripper recordings, 0.29 to 0.45 mm; the vendor's drawing scaled, 0.52 mm"),
           value("stiffness_sd", ParameterType::number, Quantity::none, "0", {.min = 0.0, .max = 1.0, .open_min = false},
                 "Scatter of the pillars' stiffness, relative, lognormal with mean 1, normal and tangential alike.",
                 "0: none; the ratio of reported normal force to displacement scatters by 9.3 %, which is attributed to the part "

@@ -156,13 +156,12 @@ std::optional<int> decimal_shift(double factor) {
   return power == factor ? std::optional(exponent) : std::nullopt;
 }
 
-double to_double(const NumberText& number, int shift, std::string_view text) {
+// The number with its decimal point shifted; empty beyond the range of a double.
+std::optional<double> shifted(const NumberText& number, int shift) {
   const std::string decimal = number.digits + "e" + std::to_string(number.exponent + shift);
   double value = 0.0;
   const auto [end, error] = std::from_chars(decimal.data(), decimal.data() + decimal.size(), value);
-  if (error != std::errc{} || end != decimal.data() + decimal.size()) {
-    throw std::invalid_argument(quote(text) + " is beyond the range of a double");
-  }
+  if (error != std::errc{} || end != decimal.data() + decimal.size()) return std::nullopt;
   return number.negative ? -value : value;
 }
 
@@ -179,25 +178,34 @@ double to_double(const NumberText& number, int shift, std::string_view text) {
   throw std::invalid_argument(message);
 }
 
-double value_in(const NumberText& number, const Unit& unit, std::string_view text) {
-  if (const auto shift = decimal_shift(unit.factor)) return to_double(number, *shift, text);
-  const double value = to_double(number, 0, text) * unit.factor;
-  if (!std::isfinite(value)) throw std::invalid_argument(quote(text) + " is beyond the range of a double");
-  return value;
+// The number in `unit`, turned into SI; empty beyond the range of a double.
+std::optional<double> value_in(const NumberText& number, const Unit& unit) {
+  if (const auto shift = decimal_shift(unit.factor)) return shifted(number, *shift);
+  const std::optional<double> value = shifted(number, 0);
+  return value && std::isfinite(*value * unit.factor) ? std::optional(*value * unit.factor) : std::nullopt;
 }
 
-// The shortest text of `value` in `unit` that reads back as the same double; empty where no text does.
-std::string text_in(double value, const Unit& unit, Quantity quantity) {
+double checked(const std::optional<double>& value, std::string_view text) {
+  if (!value) throw std::invalid_argument(quote(text) + " is beyond the range of a double");
+  return *value;
+}
+
+// The shortest text of `value` in `unit` that reads back as the same double; empty where no text does, as in a unit in which the
+// value is beyond the range of a double.
+std::string text_in(double value, const Unit& unit) {
+  const double scaled = value / unit.factor;
+  if (!std::isfinite(scaled)) return "";
   std::string suffix(unit.symbol);
   if (!suffix.empty()) suffix.insert(suffix.begin(), ' ');
   for (int digits = 0; digits < std::numeric_limits<double>::max_digits10; ++digits) {
     std::array<char, 32> buffer{};
     const auto result =
-        std::to_chars(buffer.data(), buffer.data() + buffer.size(), value / unit.factor, std::chars_format::scientific, digits);
+        std::to_chars(buffer.data(), buffer.data() + buffer.size(), scaled, std::chars_format::scientific, digits);
     double rounded = 0.0;
-    std::from_chars(buffer.data(), result.ptr, rounded);
-    const std::string text = format_number(rounded) + suffix;
-    if (parse_quantity(text, quantity) == value) return text;
+    // Rounding up to few digits may leave the range of a double.
+    if (std::from_chars(buffer.data(), result.ptr, rounded).ec != std::errc{}) continue;
+    const std::string number = format_number(rounded);
+    if (value_in(*split(number), unit) == value) return number + suffix;
   }
   return "";
 }
@@ -215,9 +223,9 @@ double parse_quantity(std::string_view text, Quantity quantity) {
     const double infinity = std::numeric_limits<double>::infinity();
     return number->negative ? -infinity : infinity;
   }
-  if (number->unit.empty()) return to_double(*number, 0, text);
+  if (number->unit.empty()) return checked(shifted(*number, 0), text);
   for (const Unit& unit : units_of(quantity)) {
-    if (unit.symbol == number->unit) return value_in(*number, unit, text);
+    if (unit.symbol == number->unit) return checked(value_in(*number, unit), text);
   }
   throw std::invalid_argument("unknown unit " + quote(number->unit) + " of " + std::string(info(quantity).noun) + " in " +
                               quote(text) + allowed_names(number->unit, unit_names(quantity)));
@@ -250,7 +258,7 @@ std::string format_quantity(double value, Quantity quantity) {
   for (const std::string_view symbol : info(quantity).written) {
     for (const Unit& unit : units_of(quantity)) {
       if (unit.symbol != symbol) continue;
-      const std::string text = text_in(value, unit, quantity);
+      const std::string text = text_in(value, unit);
       // Only the number's length counts: a long symbol is not less readable.
       const std::size_t length = text.empty() ? std::string::npos : text.size() - symbol.size();
       if (length < best_length) {

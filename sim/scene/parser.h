@@ -24,7 +24,8 @@ struct Override {
 // A scene file as read, before its sweep is expanded. Cheap to copy.
 class SceneFile {
  public:
-  // Reads a file. Throws InputError when it cannot be read or is not YAML (yaml_tree.h says what is refused).
+  // Reads a file. Throws InputError when it is no file (a pipe, a device), cannot be read or is not YAML
+  // (yaml_tree.h says what is refused).
   static SceneFile load(const std::string& path);
   // The same from text; `name` stands in the messages where a path would.
   static SceneFile from_text(std::string text, std::string name);

@@ -17,6 +17,7 @@ namespace {
 constexpr std::string_view schema_version = "1";
 constexpr double max_steps = 1e8;
 constexpr std::size_t max_sensors = 64;
+constexpr double max_friction = 100.0;  // of a coefficient and of its scale: far beyond any dry pair, so likely a slip of the pen
 
 // What a closed loop may name; each later method adds its name.
 constexpr std::array<std::string_view, 1> detector_types{"none"};
@@ -39,18 +40,18 @@ const ParameterSpec time_step_spec{.name = "time_step",
 const ParameterSpec fidelity_spec{.name = "fidelity",
                                   .type = ParameterType::choice,
                                   .default_text = "field",
-                                  .choices = {"field", "articulated"},
+                                  .choices = {"field"},
                                   .doc = "model of the pad",
                                   .source = "assumed"};
 const ParameterSpec coefficient_spec{.name = "coefficient",
                                      .default_text = "0.5",
-                                     .range = non_negative,
+                                     .range = {0.0, max_friction},
                                      .choices = {},
                                      .doc = "friction coefficient",
                                      .source = "the material's"};
 const ParameterSpec scale_spec{.name = "scale",
                                .default_text = "1",
-                               .range = positive,
+                               .range = {0.0, max_friction, true},
                                .choices = {},
                                .doc = "multiplies both coefficients",
                                .source = "assumed"};
@@ -103,6 +104,9 @@ class SceneReader {
 
   Scene read(const YamlNode& root) {
     require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
+    if (const YamlNode* node = root.find("expect")) {
+      fail(node->key_origin, "expect is read by `slipbench check`, which this version does not have; leave it out");
+    }
     check_keys(root, "the scene",
                {"controller", "description", "detector", "duration", "effects", "fidelity", "friction", "motion", "seed",
                 "sensors", "slipbench", "surface", "sweep", "time_step"});
@@ -112,7 +116,7 @@ class SceneReader {
     if (const YamlNode* node = root.find("description")) scene.description = text_of(*node, "description", "text");
     scene.duration = number(root.find("duration"), "duration", duration_spec);
     scene.time_step = read_time_step(root.find("time_step"), scene.duration);
-    scene.fidelity = std::get<std::string>(value(root.find("fidelity"), "fidelity", fidelity_spec));
+    scene.fidelity = read_fidelity(root.find("fidelity"));
     scene.seed = read_seed(root);
     const Material& material = read_surface(root.find("surface"), scene);
     scene.friction = read_friction(root.find("friction"), material);
@@ -205,6 +209,13 @@ class SceneReader {
                              format_quantity(duration / max_steps, Quantity::time) + ", or auto");
     }
     return step;
+  }
+
+  std::string read_fidelity(const YamlNode* node) {
+    if (node != nullptr && node->kind == YamlNode::Kind::scalar && node->text == "articulated") {
+      fail(node->origin, "fidelity: 'articulated' is not available in this version; allowed: field");
+    }
+    return std::get<std::string>(value(node, "fidelity", fidelity_spec));
   }
 
   template <class Item>
@@ -372,7 +383,7 @@ class SceneReader {
     if (type == nullptr) fail(node->origin, "no key 'type' in " + path + allowed_names("", types));
     const std::string& name = text_of(*type, path + ".type", "a name such as none");
     if (std::ranges::find(types, name) == types.end()) {
-      fail(type->origin, "unknown " + path + " " + quote(name) + allowed_names(name, types));
+      fail(type->origin, path + " " + quote(name) + " is not available in this version" + allowed_names(name, types));
     }
     check_keys(*node, path, {"type"});
   }

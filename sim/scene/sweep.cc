@@ -45,14 +45,13 @@ void mark_drawn(YamlNode& node) {
   for (YamlNode& child : node.children) mark_drawn(child);
 }
 
-std::vector<YamlNode> drawn_values(const YamlNode& node, const std::string& where) {
+// The values to choose from: of an axis of the grid, or of a draw.
+std::vector<YamlNode> values_of(const YamlNode& node, const std::string& where) {
   if (node.kind != YamlNode::Kind::sequence || node.children.empty()) {
     const std::string found = node.kind == YamlNode::Kind::sequence ? "empty" : described(node);
     fail(node.origin, where + " is " + found + "; allowed: a sequence of at least one value");
   }
-  std::vector<YamlNode> values = node.children;
-  for (YamlNode& value : values) mark_drawn(value);
-  return values;
+  return node.children;
 }
 
 bool starts_with(std::span<const std::string> path, std::span<const std::string> prefix) {
@@ -70,7 +69,8 @@ class DrawReader {
     draw.origin.drawn = true;
     check_keys(kind);
     if (draw.kind == Draw::Kind::choice) {
-      values = drawn_values(*map_.find("values"), where_ + ".values");
+      values = values_of(*map_.find("values"), where_ + ".values");
+      for (YamlNode& value : values) mark_drawn(value);
       return draw;
     }
     const bool relative_sd = draw.kind == Draw::Kind::lognormal;
@@ -263,16 +263,16 @@ void Sweep::read_path(const YamlNode& node) {
                   .origin = node.key_origin,
                   .values = {},
                   .draw = std::nullopt};
-  swept.origin.drawn = true;
   const std::array<std::string_view, 3> fixed{"seed", "slipbench", "sweep"};
   if (std::ranges::find(fixed, swept.parts.front()) != fixed.end()) {
     fail(node.key_origin, quote(node.key) + " cannot be swept; allowed: any other key of the scene");
   }
   const std::string where = "sweep." + node.key;
   if (node.kind == YamlNode::Kind::sequence) {
-    swept.values = drawn_values(node, where);
+    swept.values = values_of(node, where);
   } else if (node.kind == YamlNode::Kind::map) {
     swept.draw = DrawReader(node, where).read(swept.values);
+    swept.origin.drawn = true;
   } else {
     fail(node.origin, where + " is " + described(node) + "; allowed: a sequence of values, or {draw: ...}");
   }

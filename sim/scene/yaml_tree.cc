@@ -173,6 +173,19 @@ std::size_t first_bad_byte(std::string_view text) {
   return std::string_view::npos;
 }
 
+// The first of the adjacent lines, ending with number `line`, that are indented with a tab; 0 where that line is not.
+int first_tabbed_line(std::string_view text, int line) {
+  int first = 0;
+  for (int number = 1; number <= line; ++number) {
+    const std::string_view current = text.substr(0, text.find('\n'));
+    const std::size_t indent = std::min(current.find_first_not_of(" \t"), current.size());
+    const bool tabbed = current.substr(0, indent).find('\t') != std::string_view::npos;
+    first = !tabbed ? 0 : first == 0 ? number : first;
+    text.remove_prefix(std::min(current.size() + 1, text.size()));
+  }
+  return first;
+}
+
 bool is_index(const std::string& part) {
   return !part.empty() && std::ranges::all_of(part, [](char c) { return c >= '0' && c <= '9'; });
 }
@@ -229,6 +242,10 @@ YamlNode parse_yaml(const std::string& text, const std::string& source, bool has
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(bad), '\n');
     fail(at_line(static_cast<std::size_t>(line)), "byte " + std::to_string(bad) + " is not text; allowed: UTF-8 text");
   }
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos) fail(at_line(1), "empty");
+  if (text.find('\n') == std::string::npos && text.find('\r') != std::string::npos) {
+    fail(at_line(1), "lines end with a carriage return alone; allowed: a line feed, with or without a carriage return");
+  }
   TreeBuilder builder(shared_source, has_lines);
   try {
     std::istringstream stream(text);
@@ -237,6 +254,10 @@ YamlNode parse_yaml(const std::string& text, const std::string& source, bool has
     while (parser.HandleNextDocument(builder)) {
     }
   } catch (const YAML::Exception& error) {
+    if (const int line = first_tabbed_line(text, error.mark.line + 1); line > 0) {
+      fail(at_line(static_cast<std::size_t>(line)),
+           "a tab before the first word; allowed: spaces, since tabs cannot indent YAML");
+    }
     fail(builder.origin_of(error.mark), "not valid YAML: " + error.msg);
   }
   return std::move(builder.root());

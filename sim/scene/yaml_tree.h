@@ -21,7 +21,7 @@ inline constexpr std::size_t max_yaml_bytes = 1'000'000;
 struct Origin {
   std::shared_ptr<const std::string> source;  // file name, or "--set path=value"
   int line = 0;                               // 1 is the first; 0 where the source has no lines
-  bool drawn = false;                         // the value was chosen by the sweep
+  bool drawn = false;                         // the value was drawn at random by the sweep
 
   [[nodiscard]] std::string text() const;  // "stage.yaml:12", "stage.yaml:12 (drawn)", "--set motion.speed=8"
 };

@@ -1,5 +1,6 @@
 #include <chrono>
 #include <cstdio>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,7 +11,6 @@
 #include "tools/cli/terminal.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/run_sweep.h"
-#include "tools/run/run_trial.h"
 #include "tools/run/sensors.h"
 
 namespace slipbench {
@@ -34,7 +34,9 @@ SweepOptions sweep_options(const Options& options) {
 }
 
 Finished simulate(SweepOptions sweep, const Options& options, const Catalogues& catalogues) {
-  const InterruptGuard guard;
+  // Until the scene is checked there is nothing to keep: a signal ends the program as usual.
+  std::optional<InterruptGuard> guard;
+  sweep.on_start = [&guard] { guard.emplace(); };
   sweep.interrupt = &InterruptGuard::flag();
   Progress progress = Progress::for_stream(stderr, options.quiet || options.json);
   const auto start = std::chrono::steady_clock::now();
@@ -61,17 +63,11 @@ void print_json(const Finished& finished) {
   fmt::print("{}\n", json.dump());
 }
 
-// The first trial again, this time with every column: a run without a file keeps none.
-void print_first_trial(const Options& options, const SweepSummary& summary, const Catalogues& catalogues, const Style& style) {
-  SceneFile file = SceneFile::load(options.scene);
-  for (const Override& change : options.overrides) file.apply(change);
-  const TrialPlan plan(file, catalogues, 0, summary.seed);
-  Scene scene = plan.trial(0).scene;
-  scene.seed = summary.seed;
-  const TrialRecord record = run_trial(scene, 0, Recording::full);
-  fmt::print("{}{}", scene_text(scene, catalogues, style, terminal_width(stdout)), trial_text(record, style));
-  if (plan.size() > 1) {
-    fmt::print("  this is the first of the {} trials of the scene's sweep; all of them: slipbench sweep {}\n", plan.size(),
+void print_only_trial(const Options& options, const SweepSummary& summary, const Catalogues& catalogues, const Style& style) {
+  fmt::print("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
+             trial_text(summary.trials.front(), sensors_of(summary.scene), style));
+  if (summary.available > 1) {
+    fmt::print("  this is the first of the {} trials of the scene's sweep; all of them: slipbench sweep {}\n", summary.available,
                options.scene);
   }
 }
@@ -89,7 +85,7 @@ void print_summary(const Options& options, const Finished& finished, const Catal
   const SweepSummary& summary = finished.summary;
   const Style style = style_for(stdout);
   if (summary.trials.size() == 1) {
-    print_first_trial(options, summary, catalogues, style);
+    print_only_trial(options, summary, catalogues, style);
   } else {
     fmt::print("{}", sweep_text(summary, style));
   }

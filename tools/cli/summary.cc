@@ -1,16 +1,18 @@
 #include "tools/cli/summary.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
-#include <functional>
-#include <limits>
+#include <memory>
 #include <numeric>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "sim/core/contact_frame.h"
+#include "sim/core/sensor.h"
 #include "tools/cli/progress.h"
+#include "tools/run/sensors.h"
 
 namespace slipbench {
 namespace {
@@ -43,29 +45,22 @@ class Table {
 };
 
 // "P0" where the sensor names its units so ("P0_FX"), else the unit's number.
-std::string unit_name(const SensorRecord& sensor, std::size_t unit) {
-  const std::size_t units = sensor.labels.units();
-  if (!sensor.channels.empty() && sensor.channels.front().shape.front() == units) {
-    const std::vector<std::size_t>& shape = sensor.channels.front().shape;
-    const std::size_t stride = std::accumulate(shape.begin() + 1, shape.end(), std::size_t{1}, std::multiplies<>());
-    const std::string& channel = sensor.channel_names.at(unit * stride);
-    if (const std::size_t end = channel.find('_'); end != std::string::npos) return channel.substr(0, end);
+std::string unit_name(const Sensor& sensor, std::size_t unit) {
+  const Channel& first = sensor.channels().front();
+  const std::size_t units = sensor.layout().units.size();
+  if (first.shape.front() == units) {
+    const std::string& name = first.channel_names.at(unit * (first.size() / units));
+    if (const std::size_t end = name.find('_'); end != std::string::npos) return name.substr(0, end);
   }
   return std::to_string(unit);
 }
 
-double first_event(const LabelRecord& labels, std::size_t unit, EventKind kind) {
-  for (std::size_t e = 0; e < labels.event_time.size(); ++e) {
-    if (labels.event_unit[e] == unit && labels.event_kind[e] == static_cast<std::uint8_t>(kind)) return labels.event_time[e];
-  }
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
 // "1", ... in the order in which the units slipped; "-" for one that never did.
-std::string rank_text(const std::vector<double>& onsets, std::size_t unit) {
+std::string rank_text(const std::vector<UnitOutcome>& units, double onset) {
   constexpr double tie = 1e-9;  // s, the same instant but for rounding
-  if (std::isnan(onsets[unit])) return "-";
-  return std::to_string(1 + std::count_if(onsets.begin(), onsets.end(), [&](double t) { return t < onsets[unit] - tie; }));
+  if (std::isnan(onset)) return "-";
+  return std::to_string(
+      1 + std::count_if(units.begin(), units.end(), [&](const UnitOutcome& unit) { return unit.onset_time < onset - tie; }));
 }
 
 // A slipping unit's margin is zero but for rounding: no minus sign before it.
@@ -79,21 +74,18 @@ std::string class_text(const StateCounts& strict, const StateCounts& micro) {
                      shares_text(micro));
 }
 
-std::string sensor_text(const SensorRecord& sensor, const Style& style) {
-  const LabelRecord& labels = sensor.labels;
-  const std::size_t units = labels.units();
+std::string sensor_text(const SensorSummary& sensor, const SensorAbout& about, const Style& style) {
+  const std::size_t units = sensor.units.size();
   Table table({"unit", "touch", "first micro-slip", "full slip", "order", "slipped", "load at end", "margin at end"});
-  const std::size_t last = (sensor.time.size() - 1) * units;  // of the labels' rows
   for (std::size_t u = 0; u < units; ++u) {
-    const float margin = labels.margin[last + u];
-    table.add({unit_name(sensor, u), onset_text(first_event(labels, u, EventKind::touch)), onset_text(labels.micro_onset_time[u]),
-               onset_text(labels.onset_time[u]), rank_text(labels.onset_time, u),
-               fmt::format("{:.2f} mm", 1e3 * labels.slip_distance[last + u]),
-               fmt::format("{:.2f} N", labels.force[3 * (last + u) + 2]), margin_text(margin)});
+    const UnitOutcome& unit = sensor.units[u];
+    table.add({about.unit_names[u], onset_text(unit.touch_time), onset_text(unit.micro_onset_time), onset_text(unit.onset_time),
+               rank_text(sensor.units, unit.onset_time), fmt::format("{:.2f} mm", 1e3 * unit.slip_distance),
+               fmt::format("{:.2f} N", unit.load), margin_text(unit.margin)});
   }
   const std::string title =
-      fmt::format("{}  {}, {} units at {:g} Hz\n", style.heading(sensor.name), sensor.type, units, sensor.rate);
-  return title + table.text(style) + class_text(labels.state_count, labels.state_micro_count);
+      fmt::format("{}  {}, {} units at {:g} Hz\n", style.heading(sensor.name), about.type, units, about.rate);
+  return title + table.text(style) + class_text(sensor.state_count, sensor.state_micro_count);
 }
 
 // A value as a person reads it: four digits in the most readable unit.
@@ -101,7 +93,9 @@ std::string short_quantity(double value, Quantity quantity) {
   const std::string exact = format_quantity(value, quantity);
   const std::size_t space = exact.find(' ');
   const std::string unit = space == std::string::npos ? "" : exact.substr(space);
-  return fmt::format("{:.4g}{}", std::stod(exact), unit);
+  double number = 0.0;
+  std::from_chars(exact.data(), exact.data() + exact.size(), number);
+  return fmt::format("{:.4g}{}", number, unit);
 }
 
 // The motion's numbers that are neither zero nor infinite: ", speed 4 mm/s, direction 30 deg".
@@ -165,10 +159,21 @@ std::string scene_text(const Scene& scene, const Catalogues& catalogues, const S
   return text + '\n';
 }
 
-std::string trial_text(const TrialRecord& record, const Style& style) {
+std::vector<SensorAbout> sensors_of(const Scene& scene) {
+  std::vector<SensorAbout> result;
+  for (const SensorScene& description : scene.sensors) {
+    const std::unique_ptr<Sensor> sensor = make_sensor(description, scene.seed, 0);
+    SensorAbout about{description.type, sensor->rate(), {}};
+    for (std::size_t u = 0; u < sensor->layout().units.size(); ++u) about.unit_names.push_back(unit_name(*sensor, u));
+    result.push_back(std::move(about));
+  }
+  return result;
+}
+
+std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>& sensors, const Style& style) {
   std::string text;
-  for (const SensorRecord& sensor : record.sensors) text += sensor_text(sensor, style);
-  return text + gross_text(record.outcome, style);
+  for (std::size_t i = 0; i < trial.sensors.size(); ++i) text += sensor_text(trial.sensors[i], sensors.at(i), style);
+  return text + gross_text(trial.outcome, style);
 }
 
 std::string sweep_text(const SweepSummary& summary, const Style& style) {
@@ -180,7 +185,7 @@ std::string sweep_text(const SweepSummary& summary, const Style& style) {
   StateCounts strict{};
   StateCounts micro{};
   for (const TrialSummary& trial : summary.trials) {
-    for (const SensorOnsets& sensor : trial.sensors) {
+    for (const SensorSummary& sensor : trial.sensors) {
       for (std::size_t i = 0; i < strict.size(); ++i) {
         strict[i] += sensor.state_count[i];
         micro[i] += sensor.state_micro_count[i];

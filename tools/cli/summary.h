@@ -2,11 +2,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
 #include "tools/cli/terminal.h"
-#include "tools/dataset/trial_record.h"
 #include "tools/run/run_sweep.h"
 
 namespace slipbench {
@@ -20,9 +20,19 @@ std::string onset_text(double time);
 // What the scene is: description, surface, friction, motion, effects.
 std::string scene_text(const Scene& scene, const Catalogues& catalogues, const Style& style, std::size_t width);
 
+// What the table of a trial says of a sensor beside its outcome.
+struct SensorAbout {
+  std::string type;                     // "papillarray"
+  double rate = 0.0;                    // Hz
+  std::vector<std::string> unit_names;  // "P0", ...
+};
+
+// Of each sensor of a scene. A unit is named where its sensor names it ("P0_FX"), else it has its number.
+std::vector<SensorAbout> sensors_of(const Scene& scene);
+
 // One trial in full: a table of the units of each sensor (touch, first micro-slip, full slip and its rank, slipped distance, load
-// and margin at the end), the pad's gross slip and the shares of the classes. `record` holds every column.
-std::string trial_text(const TrialRecord& record, const Style& style);
+// and margin at the end), the pad's gross slip and the shares of the classes. `sensors` in the order of the trial's.
+std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>& sensors, const Style& style);
 
 // Several trials: how many reached each stage of slip and when (earliest, median, latest), and the shares of the classes.
 std::string sweep_text(const SweepSummary& summary, const Style& style);

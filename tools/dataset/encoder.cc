@@ -108,6 +108,7 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
     attributes.push_back({samples, "frame", sensor.frame});
     attributes.push_back({samples, "channels", std::move(channels)});
     attributes.push_back({samples, "channel_names", sensor.channel_names});
+    attributes.push_back({label_group(sensor.name), "frame", std::string(label_frame_text)});
     for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {
       EncodedAttribute::Doubles matrix{{sensor.labels.units()}, values};
       matrix.shape.insert(matrix.shape.end(), tail.begin(), tail.end());
@@ -134,6 +135,15 @@ class Sha256 {
  private:
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
+
+Digest digest_of_arrays(const std::vector<ArrayView>& arrays) {
+  Sha256 hash;
+  for (const ArrayView& view : arrays) {
+    hash.update(view.path.c_str(), view.path.size() + 1);  // with its final zero byte
+    hash.update(view.bytes, view.size_bytes());
+  }
+  return hash.finish();
+}
 
 // HDF5's shuffle filter: all first bytes of the elements, then all second bytes, and so on.
 template <std::size_t Size>
@@ -211,15 +221,13 @@ EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
   trial.trial = record.trial;
   trial.material = record.material;
   trial.attributes = attributes_of(record);
-  Sha256 hash;
-  for (const ArrayView& view : arrays_of(record)) {
-    hash.update(view.path.c_str(), view.path.size() + 1);  // with its final zero byte
-    hash.update(view.bytes, view.size_bytes());
-    trial.arrays.push_back(state_->encode_array(view));
-  }
-  trial.digest = hash.finish();
+  const std::vector<ArrayView> arrays = arrays_of(record);
+  for (const ArrayView& view : arrays) trial.arrays.push_back(state_->encode_array(view));
+  trial.digest = digest_of_arrays(arrays);
   return trial;
 }
+
+Digest trial_digest(const TrialRecord& record) { return digest_of_arrays(arrays_of(record)); }
 
 std::string content_digest(const std::vector<Digest>& digests) {
   Sha256 hash;

@@ -81,6 +81,9 @@ class TrialEncoder {
   std::unique_ptr<State> state_;
 };
 
+// EncodedTrial::digest of a trial, without encoding it.
+Digest trial_digest(const TrialRecord& record);
+
 // SHA-256 over the trials' digests in order, as 64 hexadecimal digits: a file's content_sha256.
 std::string content_digest(const std::vector<Digest>& digests);
 

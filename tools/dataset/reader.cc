@@ -9,6 +9,7 @@
 
 #include "sim/core/error.h"
 #include "tools/dataset/hdf5_handle.h"
+#include "tools/dataset/heap_check.h"
 #include "tools/dataset/layout.h"
 
 namespace slipbench {
@@ -241,14 +242,17 @@ struct DatasetReader::State {
   std::map<std::size_t, std::size_t> file_of;  // trial -> index into files
 
   [[nodiscard]] Place root(std::size_t file) const { return {files[file].handle.get(), files[file].name, "/"}; }
-  [[nodiscard]] Place demo(std::size_t trial) const {
+  [[nodiscard]] std::size_t index_of(std::size_t trial) const {
     const auto found = file_of.find(trial);
     if (found == file_of.end()) {
       throw InputError(fmt::format(
           "{}: no trial {}; {}", files.front().name, trial,
           trials.empty() ? "the file holds none" : fmt::format("the first is {}, the last {}", trials.front(), trials.back())));
     }
-    const File& file = files[found->second];
+    return found->second;
+  }
+  [[nodiscard]] Place demo(std::size_t trial) const {
+    const File& file = files[index_of(trial)];
     return {file.handle.get(), file.name, fmt::format("/data/demo_{}", trial)};
   }
 
@@ -262,6 +266,8 @@ struct DatasetReader::State {
     if (schema != static_cast<std::uint64_t>(dataset_schema)) {
       place.fail(fmt::format("has schema {}; this program reads {}", schema, dataset_schema));
     }
+    const bool finished = H5Aexists(object.get(), "shards") > 0;
+    if (finished) check_heaps(path);
     DatasetHeader found{read_text(place, object, "version"), read_text(place, object, "scene"),
                         read_text(place, object, "overrides"), read_number<std::uint64_t>(place, object, "seed"),
                         read_text(place, object, "command")};
@@ -278,7 +284,6 @@ struct DatasetReader::State {
       trials.push_back(trial);
       file_of.emplace(trial, index);
     }
-    const bool finished = H5Aexists(object.get(), "shards") > 0;
     digests.push_back(finished ? read_text(place, object, "content_sha256") : "");
     if (!finished) return index + (std::filesystem::exists(sibling(files.front().name, index + 1)) ? 2 : 1);
     complete = read_number<std::uint64_t>(place, object, "complete") != 0;
@@ -326,9 +331,16 @@ DatasetReader::DatasetReader(DatasetReader&&) noexcept = default;
 DatasetReader& DatasetReader::operator=(DatasetReader&&) noexcept = default;
 
 const DatasetHeader& DatasetReader::header() const { return state_->header; }
+std::vector<std::string> DatasetReader::files() const {
+  std::vector<std::string> names;
+  for (const State::File& file : state_->files) names.push_back(file.name);
+  return names;
+}
 const std::vector<std::string>& DatasetReader::content_sha256() const { return state_->digests; }
 bool DatasetReader::complete() const { return state_->complete; }
 const std::vector<std::size_t>& DatasetReader::trials() const { return state_->trials; }
+
+std::size_t DatasetReader::file_of(std::size_t trial) const { return state_->index_of(trial); }
 
 std::vector<std::size_t> DatasetReader::mask(const std::string& split) const {
   std::vector<std::size_t> trials;
@@ -403,7 +415,9 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
   for (const std::string& sensor : sensors(trial)) record.sensors.push_back(read_sensor(trial, sensor));
   for (const std::string& body : bodies(trial)) {
     const Place place = state_->demo(trial).below(body_group(body));
-    record.body_time = read_array<double>(place.below("t")).values;
+    const std::vector<double> time = read_array<double>(place.below("t")).values;
+    if (!record.bodies.empty() && time != record.body_time) place.fail("has not the times of the other bodies");
+    record.body_time = time;
     BodyRecord columns{body, {}, {}};
     for_each_body_column(columns, [&](const char* name, const char*, const Extents& tail, std::vector<float>& column) {
       column = read_column<float>(place.below(name), record.body_time.size(), tail);

@@ -21,6 +21,7 @@ struct DemoInfo {
 
 // A dataset of one or several shards, opened by the name of the first. A file that a killed or interrupted run left behind opens
 // as well: complete() says which. All functions throw InputError when the file is not what it should be, naming file and place.
+// HDF5 itself may crash on damaged bytes: a program reads files that are not its own inside guarded() (guarded.h).
 // The HDF5 library is not thread-safe: use all readers and writers of a process from one thread.
 class DatasetReader {
  public:
@@ -30,6 +31,8 @@ class DatasetReader {
   DatasetReader& operator=(DatasetReader&&) noexcept;
 
   [[nodiscard]] const DatasetHeader& header() const;
+  // Names of the shards in order.
+  [[nodiscard]] std::vector<std::string> files() const;
   // The digest of each shard in order (README.md says over what); empty strings where the run was killed.
   [[nodiscard]] const std::vector<std::string>& content_sha256() const;
   // Whether the run that wrote it came to its end.
@@ -37,6 +40,8 @@ class DatasetReader {
 
   // The k of every demo_<k>, ascending.
   [[nodiscard]] const std::vector<std::size_t>& trials() const;
+  // Index into files() of the one that holds a trial.
+  [[nodiscard]] std::size_t file_of(std::size_t trial) const;
   // Trials of a split: "train", "valid" or "test". Empty where the file has no masks (a killed run).
   [[nodiscard]] std::vector<std::size_t> mask(const std::string& split) const;
 

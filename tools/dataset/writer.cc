@@ -14,6 +14,7 @@
 
 #include "sim/core/error.h"
 #include "tools/dataset/mask.h"
+#include "tools/dataset/output_file.h"
 #include "tools/dataset/shard.h"
 
 namespace slipbench {
@@ -22,26 +23,14 @@ namespace {
 // Room for what a file gets when it is finished: masks and closing attributes [bytes].
 std::uint64_t closing_bytes(std::size_t trials) { return 32768 + 32 * static_cast<std::uint64_t>(trials); }
 
-// What can be known to be wrong before anything is simulated.
-void check_target(const std::string& path) {
-  if (path.empty() || path.back() == '/') {
-    throw InputError(fmt::format("cannot write '{}': no file name; allowed: a path such as out.h5", path));
-  }
-  struct stat status {};
-  if (::stat(path.c_str(), &status) == 0) {
-    if (S_ISDIR(status.st_mode)) {
-      throw InputError(fmt::format("cannot write {}: it is a folder; allowed: a file in it, such as {}/out.h5", path, path));
-    }
-    if (!S_ISREG(status.st_mode)) throw InputError(fmt::format("cannot write {}: it is no regular file", path));
-    // The file would be replaced, not written to, so that the system would not object; its owner meant it to stay.
-    if (::access(path.c_str(), W_OK) != 0 || (status.st_mode & 0222U) == 0) {
-      throw InputError(fmt::format("cannot write {}: it is read-only", path));
-    }
-    return;
-  }
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-    throw InputError(fmt::format("cannot write {}: there is no folder {}", path, folder.string()));
+// Refuses what a dataset must not replace. An empty file holds nothing to lose.
+void check_replaced(const std::string& path) {
+  check_target(path);
+  std::error_code error;
+  const bool holds_bytes = std::filesystem::exists(path, error) && std::filesystem::file_size(path, error) > 0;
+  if (holds_bytes && !begins_as_hdf5(path)) {
+    throw InputError(
+        fmt::format("cannot write {}: it exists and is no dataset; allowed: a new name, or a dataset to replace", path));
   }
 }
 
@@ -49,6 +38,12 @@ void rename_file(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) {
     throw InputError(fmt::format("cannot rename {} to {}: {}", from, to, std::strerror(errno)));
   }
+}
+
+// Removes what an earlier run has left under name_of(first), name_of(first + 1), ...
+template <class Name>
+void remove_stale(std::size_t first, const Name& name_of) {
+  for (std::size_t k = first; ::unlink(name_of(k).c_str()) == 0;) ++k;
 }
 
 // Makes renamings in the folder of `path` last.
@@ -95,15 +90,19 @@ struct DatasetWriter::State {
       rename_file(shards[k].path(), shard_path(target, k));
       names.insert(names.begin(), shard_path(target, k));
     }
-    sync_folder(target);
+    const std::size_t count = shards.size();
     shards.clear();
+    remove_stale(count, [&](std::size_t k) { return temporary_path(shard_path(path, k)); });
+    remove_stale(complete ? 0 : count, [&](std::size_t k) { return shard_path(kept_path(path), k); });
+    sync_folder(target);
     return names;
   }
 };
 
 DatasetWriter::DatasetWriter(std::string path, DatasetHeader header, std::size_t planned, std::uint64_t shard_limit)
     : state_(std::make_unique<State>()) {
-  check_target(path);
+  check_replaced(path);
+  check_replaced(kept_path(path));
   state_->path = std::move(path);
   state_->header = std::move(header);
   state_->planned = planned;

@@ -20,8 +20,8 @@ class DatasetWriter {
  public:
   static constexpr std::uint64_t default_shard_limit = 1'000'000'000;  // bytes
 
-  // Refuses at once what cannot become a dataset: a folder, a special file, a read-only file, a missing folder, a target that
-  // another run is writing.
+  // Refuses at once what cannot become a dataset: a folder, a special file, a symbolic link, a read-only file, a missing folder,
+  // a target that another run is writing, and a file with content that is no dataset, such as the scene itself.
   // `planned`: trials that will come, for which a file makes room in its list beforehand.
   DatasetWriter(std::string path, DatasetHeader header, std::size_t planned = most_trials_per_file,
                 std::uint64_t shard_limit = default_shard_limit);
@@ -35,7 +35,8 @@ class DatasetWriter {
   // Trials safely in the file.
   [[nodiscard]] std::size_t size() const;
 
-  // Writes masks and digests, closes, syncs and renames to the final names, which it returns.
+  // Writes masks and digests, closes, syncs and renames to the final names, which it returns. What earlier runs that did not
+  // come to their end have left of this target is removed.
   std::vector<std::string> commit();
   // Ends a run that did not come to its end: what is finished is kept under OUT.partial.h5, whose names are returned; without a
   // finished trial nothing is left. Works after a failed append too.

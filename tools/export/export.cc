@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <memory>
 #include <utility>
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/dataset/guarded.h"
+#include "tools/dataset/output_file.h"
 #include "tools/dataset/reader.h"
+#include "tools/export/commanded_motion.h"
 #include "tools/export/papillarray_trial.h"
 
 namespace slipbench {
@@ -51,22 +51,12 @@ void make_folder(const std::string& path) {
   throw InputError(fmt::format("cannot make folder {}: {}", path, std::strerror(reason)));
 }
 
-// Writes a file under a temporary name, syncs it and gives it its own.
-void write_file(const std::string& path, const std::string& text) {
-  const std::string temporary = path + ".partial";
-  const auto fail = [&](int reason) {
-    std::remove(temporary.c_str());
-    throw InputError(fmt::format("cannot write {}: {}", path, std::strerror(reason)));
-  };
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  if (file == nullptr) fail(errno);
-  const bool written =
-      std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0 && ::fsync(::fileno(file)) == 0;
-  const int reason = errno;
-  const bool closed = std::fclose(file) == 0;
-  if (!written) fail(reason);
-  if (!closed || std::rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
+void write_file(const DatasetReader& reader, const std::string& path, const std::string& text) {
+  for (const std::string& input : reader.files()) check_text_target(path, input);
+  write_text_file(path, text);
 }
+
+double label_speed(const ExportOptions& options) { return options.label_speed.value_or(default_label_speed); }
 
 std::string export_vendor(const DatasetReader& reader, std::size_t trial, const std::string& out_dir,
                           const ExportOptions& options) {
@@ -79,9 +69,9 @@ std::string export_vendor(const DatasetReader& reader, std::size_t trial, const 
                                  fmt::join(papillarrays_of(reader, trial), ", ")));
   }
   std::vector<PapillarraySamples> sensors;
-  for (const SensorRecord& record : records) sensors.emplace_back(record, options.slip_rule, options.label_speed);
+  for (const SensorRecord& record : records) sensors.emplace_back(record, options.slip_rule, label_speed(options));
   const std::string path = fmt::format("{}/LOG_demo_{}.csv", out_dir, trial);
-  write_file(path, vendor_csv(sensors));
+  write_file(reader, path, vendor_csv(sensors));
   return path;
 }
 
@@ -99,23 +89,17 @@ std::string export_training(const DatasetReader& reader, std::size_t trial, cons
   const auto pad = std::find_if(record.bodies.begin(), record.bodies.end(),
                                 [](const BodyRecord& candidate) { return candidate.name == "pad"; });
   if (pad == record.bodies.end()) throw InputError(fmt::format("trial {}: has no truth/pad, which tells the move", trial));
-  const PapillarraySamples samples(*sensor, options.slip_rule, options.label_speed);
-  const std::filesystem::path path = std::filesystem::path(out_dir) / training_file_name(trial, samples, *pad);
+  const PapillarraySamples samples(*sensor, options.slip_rule, label_speed(options));
+  const std::filesystem::path path =
+      std::filesystem::path(out_dir) / training_file_name(trial, commanded_motion(reader, trial), *pad, record.body_time);
   const std::string text = training_csv(samples, sensor->rate);
   make_folder(path.parent_path().string());
-  write_file(path.string(), text);
+  write_file(reader, path.string(), text);
   return path.string();
 }
 
-}  // namespace
-
-ExportFormat parse_export_format(const std::string& name) { return parse_name(formats, name, "format"); }
-SlipRule parse_slip_rule(const std::string& name) { return parse_name(rules, name, "slip rule"); }
-std::vector<std::string> export_format_names() { return names_of(formats); }
-std::vector<std::string> slip_rule_names() { return names_of(rules); }
-
-std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
-                                        const ExportOptions& options) {
+std::vector<std::string> export_trials(const std::string& dataset_path, const std::string& out_dir,
+                                       const ExportOptions& options) {
   const DatasetReader reader(dataset_path);
   if (reader.trials().empty()) throw InputError(fmt::format("{}: holds no trial", dataset_path));
   const std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
@@ -127,6 +111,29 @@ std::vector<std::string> export_dataset(const std::string& dataset_path, const s
       case ExportFormat::training_csv: files.push_back(export_training(reader, trial, out_dir, options)); break;
     }
   }
+  return files;
+}
+
+}  // namespace
+
+ExportFormat parse_export_format(const std::string& name) { return parse_name(formats, name, "format"); }
+SlipRule parse_slip_rule(const std::string& name) { return parse_name(rules, name, "slip rule"); }
+std::vector<std::string> export_format_names() { return names_of(formats); }
+std::vector<std::string> slip_rule_names() { return names_of(rules); }
+
+std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
+                                        const ExportOptions& options) {
+  if (options.label_speed && options.slip_rule != SlipRule::paper) {
+    throw InputError("a label speed was given, which only the slip rule 'paper' has; allowed: --label-speed with --slip paper");
+  }
+  // A path holds no zero byte, which therefore ends each in what the child process hands back.
+  const std::string names = guarded(dataset_path, [&] {
+    std::string text;
+    for (const std::string& file : export_trials(dataset_path, out_dir, options)) text += file + '\0';
+    return text;
+  });
+  std::vector<std::string> files;
+  for (std::size_t first = 0; first < names.size(); first += files.back().size() + 1) files.emplace_back(names.c_str() + first);
   return files;
 }
 

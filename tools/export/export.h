@@ -19,12 +19,14 @@ enum class SlipRule {
   paper,   // its tip slides faster than `label_speed`, as a camera would see it
 };
 
+inline constexpr double default_label_speed = 1e-4;  // m/s
+
 struct ExportOptions {
   ExportFormat format = ExportFormat::vendor_csv;
   SlipRule slip_rule = SlipRule::strict;
-  double label_speed = 1e-4;         // m/s, SlipRule::paper
-  std::string sensor;                // training_csv: which; empty: the only PapillArray of the dataset
-  std::optional<std::size_t> trial;  // empty: all
+  std::optional<double> label_speed;  // m/s, only with SlipRule::paper; empty: default_label_speed
+  std::string sensor;                 // training_csv: which; empty: the only PapillArray of the dataset
+  std::optional<std::size_t> trial;   // empty: all
 };
 
 // The formats' and rules' names on the command line: "vendor-csv", "strict". The parsers throw InputError with the nearest name.
@@ -34,8 +36,9 @@ std::vector<std::string> export_format_names();
 std::vector<std::string> slip_rule_names();
 
 // Writes the trials of a dataset to `out_dir`, which is made if it is missing (its parent is not), and returns the files written.
-// Each file appears under its name only when it is whole. Throws InputError when the dataset does not fit the format or a file
-// cannot be written; files that were finished before stay.
+// Each file appears under its name only when it is whole. Throws InputError when the options contradict each other, the dataset
+// is damaged or does not fit the format, or a file cannot be written; files that were finished before stay. Reads in a child
+// process (tools/dataset/guarded.h).
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
                                         const ExportOptions& options);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/dataset/reader.h"
+#include "tools/export/commanded_motion.h"
 #include "tools/export/export.h"
 
 namespace slipbench {
@@ -61,7 +62,8 @@ std::string vendor_csv(const std::vector<PapillarraySamples>& sensors);
 // The text of a file of 73 columns. Throws InputError when the rate is not 1000 Hz.
 std::string training_csv(const PapillarraySamples& samples, double rate);
 
-// The name that the published training code expects: "translation/demo_3-v_4.0-slip.csv" (README.md).
-std::string training_file_name(std::size_t trial, const PapillarraySamples& samples, const BodyRecord& pad);
+// The name that the published training code expects: "translation/demo_3-v_4.0-slip.csv" (README.md). `time`: of the pad's samples.
+std::string training_file_name(std::size_t trial, const CommandedMotion& motion, const BodyRecord& pad,
+                               const std::vector<double>& time);
 
 }  // namespace slipbench

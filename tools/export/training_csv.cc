@@ -12,25 +12,35 @@ namespace {
 
 constexpr double training_rate = 1000.0;  // Hz, which the training code takes for granted
 
-// A pad moves sideways or turns from here on; what is below is the rounding of float32.
-constexpr double least_speed = 1e-6;          // m/s
-constexpr double least_angular_speed = 1e-4;  // rad/s
-
 // Distance of a corner pillar from the centre, at which a rotation's speed is given [m].
 constexpr double corner_radius = 9.9e-3;
 
-// Whether at some time every touching pillar slips.
-bool slips_as_a_whole(const PapillarraySamples& samples) {
-  for (std::size_t row = 0; row < samples.size(); ++row) {
-    std::size_t touching = 0;
-    std::size_t slipping = 0;
-    for (std::size_t p = 0; p < pillars; ++p) {
-      touching += samples.touching(row, p) ? 1 : 0;
-      slipping += samples.slipping(row, p) ? 1 : 0;
-    }
-    if (touching > 0 && slipping == touching) return true;
+// What is slower is the rounding of float32 [m/s].
+constexpr double at_rest = 1e-6;
+
+// A "stop" trial of the published protocol brakes 50 to 100 ms after its start [s].
+constexpr double longest_stop = 0.1;
+
+// For how long the pad moves in the plane at more than half of its top pace [s]. With the same limit for speeding up and braking
+// this is the time from the start of the motion to the start of the braking, whatever the limit.
+double time_in_motion(const BodyRecord& pad, const std::vector<double>& time) {
+  std::vector<double> pace;  // m/s, of the centre and of a corner about it
+  for (std::size_t row = 0; row < time.size(); ++row) {
+    const float* velocity = pad.velocity.data() + 6 * row;
+    pace.push_back(std::hypot(velocity[0], velocity[1]) + corner_radius * std::abs(velocity[5]));
   }
-  return false;
+  const double top = pace.empty() ? 0.0 : *std::max_element(pace.begin(), pace.end());
+  if (top < at_rest) return 0.0;
+  double moving = 0.0;
+  for (std::size_t row = 1; row < time.size(); ++row) moving += pace[row] > 0.5 * top ? time[row] - time[row - 1] : 0.0;
+  return moving;
+}
+
+// In mm/s with all its digits and at least one decimal, without an exponent, whose "-" would cut the name: "0.5", "4.0", "1.25".
+std::string speed_text(double speed) {
+  std::string text = fmt::format("{:.9f}", 1e3 * speed);
+  while (text.ends_with('0') && !text.ends_with(".0")) text.pop_back();
+  return text;
 }
 
 }  // namespace
@@ -54,19 +64,19 @@ std::string training_csv(const PapillarraySamples& samples, double rate) {
   return fmt::to_string(text);
 }
 
-std::string training_file_name(std::size_t trial, const PapillarraySamples& samples, const BodyRecord& pad) {
-  double speed = 0.0;
-  double angular_speed = 0.0;
-  for (std::size_t first = 0; first + 6 <= pad.velocity.size(); first += 6) {
-    const float* velocity = pad.velocity.data() + first;
-    speed = std::max<double>(speed, std::hypot(velocity[0], velocity[1]));
-    angular_speed = std::max<double>(angular_speed, std::abs(velocity[5]));
+std::string training_file_name(std::size_t trial, const CommandedMotion& motion, const BodyRecord& pad,
+                               const std::vector<double>& time) {
+  const double moving = time_in_motion(pad, time);
+  // The samples at both ends may each add one to the count.
+  const double tolerance = time.size() < 2 ? 0.0 : 2.0 * (time[1] - time[0]);
+  const char* end = moving <= longest_stop + tolerance ? "stop" : "slip";
+  const bool turns = motion.rotation != 0.0;
+  const bool slides = motion.speed != 0.0;
+  if (moving == 0.0 || (!turns && !slides)) return fmt::format("press/demo_{}-v_0.0-{}.csv", trial, end);
+  if (slides) {
+    return fmt::format("{}/demo_{}-v_{}-{}.csv", turns ? "combined" : "translation", trial, speed_text(motion.speed), end);
   }
-  const bool turns = angular_speed > least_angular_speed;
-  const bool moves = speed > least_speed;
-  const char* move = turns ? (moves ? "combined" : "rotation") : (moves ? "translation" : "press");
-  const double nominal = turns && !moves ? angular_speed * corner_radius : speed;
-  return fmt::format("{}/demo_{}-v_{:.1f}-{}.csv", move, trial, 1e3 * nominal, slips_as_a_whole(samples) ? "slip" : "stop");
+  return fmt::format("rotation/demo_{}-v_{:.1f}-{}.csv", trial, 1e3 * corner_radius * std::abs(motion.rotation), end);
 }
 
 }  // namespace slipbench

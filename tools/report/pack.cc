@@ -8,15 +8,13 @@
 
 #include <zlib.h>
 
-#include "sim/core/error.h"
-
 namespace slipbench::report {
 
 namespace {
 
 constexpr std::uint16_t not_finite = 0x8000;  // -32768, the one code that no value uses
-constexpr double time_step = 1e-6;            // s
-constexpr double longest_time = 1800.0;       // s: 32 bit microseconds end at 2147 s
+constexpr double finest_time = 1e-6;          // s
+constexpr double largest_code = 2147483647.0;
 
 std::string deflate_base64(const std::vector<std::uint8_t>& bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
@@ -86,12 +84,12 @@ Json pack_bytes(std::span<const std::uint8_t> values, std::size_t columns) {
 
 Json pack_times(std::span<const double> times) {
   std::vector<std::uint8_t> bytes(4 * times.size());
+  double latest = 0.0;
+  for (const double time : times) latest = std::max(latest, std::abs(time));
+  const double step = std::max(finest_time, latest / largest_code);
   std::uint32_t previous = 0;
   for (std::size_t row = 0; row < times.size(); ++row) {
-    if (!(std::abs(times[row]) <= longest_time)) {
-      throw InputError("time " + std::to_string(times[row]) + " s cannot be drawn; allowed: up to 1800 s");
-    }
-    const auto code = static_cast<std::uint32_t>(std::lround(times[row] / time_step));
+    const auto code = static_cast<std::uint32_t>(std::lround(times[row] / step));
     const std::uint32_t difference = code - previous;
     for (std::size_t k = 0; k < 4; ++k) {
       bytes[k * times.size() + row] = static_cast<std::uint8_t>((difference >> (8U * k)) & 0xFFU);
@@ -99,7 +97,7 @@ Json pack_times(std::span<const double> times) {
     previous = code;
   }
   Json result = packed("delta32", times.size(), 1, bytes);
-  result["step"] = time_step;
+  result["step"] = step;
   return result;
 }
 

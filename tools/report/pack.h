@@ -22,8 +22,8 @@ Json pack_curves(std::span<const float> values, std::size_t columns, std::size_t
 // Packs bytes [rows, columns] without loss, column-major. Returns {"codec": "bytes", "rows", "columns", "data"}.
 Json pack_bytes(std::span<const std::uint8_t> values, std::size_t columns);
 
-// Packs times [s] as 32 bit multiples of 1 us. Returns {"codec": "delta32", "rows", "columns": 1, "step", "data"}.
-// Throws InputError when a time is not finite or beyond half an hour.
+// Packs finite times [s] as signed 32 bit multiples of a step: 1 us up to 2147 s, for longer times the finest that reaches them.
+// Returns {"codec": "delta32", "rows", "columns": 1, "step", "data"}.
 Json pack_times(std::span<const double> times);
 
 }  // namespace slipbench::report

@@ -1,15 +1,8 @@
 #include "tools/report/page.h"
 
-#include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <stdexcept>
 #include <string_view>
 
-#include <unistd.h>
-
-#include "sim/core/error.h"
 #include "tools/report/assets.h"
 
 namespace slipbench::report {
@@ -93,29 +86,6 @@ std::string compose_page(const std::string& title, const Json& data) {
     }
     rest.remove_prefix(close + 2);
   }
-}
-
-void write_file(const std::string& path, const std::string& text) {
-  const std::string temporary = path + ".partial";
-  const auto fail = [&](const std::string& what) {
-    const std::string reason = std::strerror(errno);
-    std::remove(temporary.c_str());
-    throw InputError(path + ": " + what + ": " + reason);
-  };
-  std::FILE* const file = std::fopen(temporary.c_str(), "wb");
-  if (file == nullptr) {
-    throw InputError(path + ": cannot be written: " + std::strerror(errno));
-  }
-  const bool written =
-      std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0 && ::fsync(::fileno(file)) == 0;
-  if (!written) {
-    const int reason = errno;
-    std::fclose(file);
-    errno = reason;
-    fail("cannot be written");
-  }
-  if (std::fclose(file) != 0) fail("cannot be written");
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) fail("cannot be put in place");
 }
 
 }  // namespace slipbench::report

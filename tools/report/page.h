@@ -14,8 +14,4 @@ std::string escape_html(const std::string& text);
 // everything beyond ASCII is written as an escape.
 std::string compose_page(const std::string& title, const Json& data);
 
-// Writes `text` under a temporary name beside `path`, syncs and renames it. Throws InputError when that is not possible; then
-// nothing is left behind.
-void write_file(const std::string& path, const std::string& text);
-
 }  // namespace slipbench::report

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -109,7 +110,9 @@ Json plain_value(const std::string& path, const Json& drawn) {
   if (drawn.is_array()) return {{"text", list_text(path, drawn)}};
   if (!drawn.is_string()) return {{"text", drawn.dump()}};
   const auto text = drawn.get<std::string>();
-  if (const auto number = number_with_unit(path, text)) return {{"value", number->first}, {"unit", number->second}};
+  if (const auto number = number_with_unit(path, text)) {
+    return {{"value", std::isfinite(number->first) ? Json(number->first) : Json(nullptr)}, {"unit", number->second}};
+  }
   return {{"text", text}};
 }
 

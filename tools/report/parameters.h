@@ -9,7 +9,7 @@
 namespace slipbench::report {
 
 // Turns one drawn value into {"value": number in SI, "unit": SI symbol} or {"text": ...}. Text such as "4 mm/s" becomes a number.
-// A bare number takes the unit of the scene key that ends `path` ("motion.speed": m/s), "" where the key is not known.
+// An infinite number, which JSON does not have, is {"value": null, "unit"}. A bare number takes the unit of the scene key that ends `path` ("motion.speed": m/s), "" where the key is not known.
 Json plain_value(const std::string& path, const Json& drawn);
 
 // The axes of the sweep: every path of any trial, in the order of first appearance, as

@@ -10,6 +10,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include "sim/core/error.h"
+#include "tools/dataset/content_check.h"
+#include "tools/dataset/guarded.h"
+#include "tools/dataset/output_file.h"
 #include "tools/dataset/reader.h"
 #include "tools/report/json.h"
 #include "tools/report/page.h"
@@ -69,10 +72,9 @@ Json drawn_parameters(const std::string& params, const std::string& subject) {
 }
 
 // One row of the overview; with `curve_values` above 0 the trial's curves are added to `curves`.
-Json trial_row(const DatasetReader& dataset, const std::string& file, std::size_t trial, std::size_t curve_values, Json& curves) {
-  const std::string subject = file + ": /data/demo_" + std::to_string(trial);
-  const TrialRecord record = dataset.read_trial(trial);
-  Json row = {{"index", trial},
+Json trial_row(const TrialRecord& record, const std::string& file, std::size_t curve_values, Json& curves) {
+  const std::string subject = file + ": /data/demo_" + std::to_string(record.trial);
+  Json row = {{"index", record.trial},
               {"seed", std::to_string(record.seed)},
               {"samples", record.num_samples()},
               {"params", drawn_parameters(record.params, subject + ": attribute params")},
@@ -83,17 +85,15 @@ Json trial_row(const DatasetReader& dataset, const std::string& file, std::size_
     for (const double time : report::touch_times(sensor.labels)) first_touch = std::fmin(first_touch, time);
     row["sensors"][sensor.name] = report::summarise(sensor);
     if (curve_values > 0) {
-      curves[std::to_string(trial)].push_back(report::trial_payload(sensor, curve_values / record.sensors.size()));
+      curves[std::to_string(record.trial)].push_back(report::trial_payload(sensor, curve_values / record.sensors.size()));
     }
   }
   row["motion_start_s"] = report::number_or_null(report::motion_start(record, first_touch));
   return row;
 }
 
-}  // namespace
-
-void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options) {
-  if (options.max_trials == 0) throw std::logic_error("a report embeds at least one trial");
+// The page of a dataset.
+std::string page_of(const std::string& dataset_path, const ReportOptions& options) {
   const DatasetReader dataset(dataset_path);
   const std::vector<std::size_t>& trials = dataset.trials();
   if (trials.empty()) throw InputError(dataset_path + ": holds no trial, so there is nothing to report");
@@ -118,17 +118,29 @@ void write_report(const std::string& dataset_path, const std::string& html_path,
   Json rows = Json::array();
   Json curves = Json::object();
   std::vector<Json> drawn;
+  ContentCheck check(dataset);
   for (const std::size_t trial : trials) {
     const bool embed = std::find(embedded.begin(), embedded.end(), trial) != embedded.end();
-    rows.push_back(trial_row(dataset, dataset_path, trial, embed ? curve_values_in_page / embedded.size() : 0, curves));
+    const TrialRecord record = dataset.read_trial(trial);
+    check.add(record);
+    rows.push_back(trial_row(record, dataset_path, embed ? curve_values_in_page / embedded.size() : 0, curves));
     drawn.push_back(rows.back()["params"]);
   }
+  check.finish();
   page["trials"] = std::move(rows);
   page["curves"] = std::move(curves);
   page["axes"] = report::axes(drawn);
 
   const auto description = page["description"].get<std::string>();
-  report::write_file(html_path, report::compose_page(description.empty() ? page["file"].get<std::string>() : description, page));
+  return report::compose_page(description.empty() ? page["file"].get<std::string>() : description, page);
+}
+
+}  // namespace
+
+void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options) {
+  if (options.max_trials == 0) throw std::logic_error("a report embeds at least one trial");
+  check_text_target(html_path, dataset_path);
+  write_text_file(html_path, guarded(dataset_path, [&] { return page_of(dataset_path, options); }));
 }
 
 }  // namespace slipbench

@@ -12,9 +12,10 @@ struct ReportOptions {
   std::size_t max_trials = 6;        // trials whose curves are embedded, spread over the file; at least 1
 };
 
-// Reads the dataset at `dataset_path` (HDF5, tools/dataset) and writes the page to `html_path`, under a temporary name first.
-// Throws InputError when the dataset cannot be read, misses something, has no trial `options.trial`, or when the page cannot be
-// written.
+// Reads the dataset at `dataset_path` (HDF5, tools/dataset) in a child process (tools/dataset/guarded.h) and writes the page to
+// `html_path`, under a temporary name first. Trials of any length are shown.
+// Throws InputError when the dataset cannot be read, is damaged (its content_sha256 is checked), misses something, has no trial
+// `options.trial`, or when the page cannot be written or would replace a dataset.
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options = {});
 
 }  // namespace slipbench

@@ -85,6 +85,9 @@ void check_labels(const SensorRecord& sensor, const std::string& place) {
   const LabelRecord& labels = sensor.labels;
   const std::string subject = place + ": labels/" + sensor.name;
   if (sensor.time.empty() || labels.units() == 0) throw InputError(subject + " holds no sample");
+  if (!std::all_of(sensor.time.begin(), sensor.time.end(), [](double time) { return std::isfinite(time); })) {
+    throw InputError(place + ": sensors/" + sensor.name + " has a time that is not finite");
+  }
   for (const auto* states : {&labels.unit_state, &labels.state, &labels.state_micro, &labels.state_paper}) {
     for (const std::uint8_t state : *states) {
       if (state > 3) throw InputError(subject + " holds state " + std::to_string(state) + "; allowed: 0 to 3");

@@ -16,8 +16,8 @@ Json numbers_or_null(const std::vector<double>& values);
 // First touch of each unit [s]; NaN: never.
 std::vector<double> touch_times(const LabelRecord& labels);
 
-// Throws InputError when the labels hold a state, a unit or a kind of event that does not exist, or no sample at all. `place`
-// names the trial in the message.
+// Throws InputError when the labels hold a state, a unit or a kind of event that does not exist, no sample at all, or a time that
+// is not finite. `place` names the trial in the message.
 void check_labels(const SensorRecord& sensor, const std::string& place);
 
 // Time [s] of the first sideways (world x, y) or turning motion of any body of the trial at or after `from` [s]; NaN when there

@@ -1,17 +1,39 @@
 #include "tools/run/interrupt.h"
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <string_view>
+
 namespace slipbench {
 namespace {
 
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
 
-void note_interrupt(int) { interrupted.store(true); }
+constexpr std::string_view notice = "slipbench: finishing the running trials; once more to stop at once\n";
+constexpr std::string_view clear_line = "\r\033[K";  // on a terminal a progress bar may stand in it
+volatile std::sig_atomic_t on_terminal = 0;
+
+// Nothing can be done where stderr cannot be written.
+void say(std::string_view text) { [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size()); }
+
+void note_interrupt(int signal) {
+  if (interrupted.exchange(true)) {
+    std::raise(signal);  // the other signal came first; this one's action is the default again
+    return;
+  }
+  const int before = errno;
+  if (on_terminal != 0) say(clear_line);
+  say(notice);
+  errno = before;
+}
 
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
   interrupted.store(false);
+  on_terminal = isatty(STDERR_FILENO);
   struct sigaction action {};
   action.sa_handler = &note_interrupt;
   action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;

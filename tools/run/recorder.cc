@@ -8,6 +8,7 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "tools/dataset/layout.h"
+#include "tools/run/finite.h"
 
 namespace slipbench {
 namespace {
@@ -61,7 +62,7 @@ void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBa
 
 TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench,
                              std::uint64_t trial, Recording recording)
-    : sensors_(sensors), bench_(bench), recording_(recording), rows_(sensors.size(), 0) {
+    : sensors_(sensors), bench_(bench), recording_(recording), rows_(sensors.size(), 0), last_(sensors.size()) {
   record_.trial = trial;
   record_.seed = scene.seed;
   record_.material = scene.material;
@@ -69,6 +70,7 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
     record_.sensors[pad].name = scene.sensors[pad].name;
     describe_units(sensors[pad]->layout(), scene.friction, record_.sensors[pad].labels);
+    units_.emplace_back(sensors[pad]->layout().units.size());
   }
   if (recording == Recording::full) allocate(scene);
 }
@@ -124,7 +126,10 @@ void TrialRecorder::note_events(std::size_t pad, const ContactFrame& truth) {
   LabelRecord& labels = record_.sensors[pad].labels;
   TrialOutcome& outcome = record_.outcome;
   for (const ContactEvent& event : truth.events) {
-    if (event.kind == EventKind::touch) keep_earliest(outcome.touch_time, event.time);
+    if (event.kind == EventKind::touch) {
+      keep_earliest(units_[pad][event.unit].touch_time, event.time);
+      keep_earliest(outcome.touch_time, event.time);
+    }
     if (event.kind == EventKind::slip) {
       keep_earliest(labels.onset_time[event.unit], event.time);
       keep_earliest(outcome.first_slip_time, event.time);
@@ -197,12 +202,26 @@ void TrialRecorder::write_bodies(double time, const std::vector<NamedBody>& bodi
   }
 }
 
-TrialRecord TrialRecorder::finish() {
+TrialResult TrialRecorder::finish() {
+  if (recording_ == Recording::full) check_finite(record_);
   for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
-    const Eigen::ArrayXd& distance = bench_.contact(pad).slip_distance;
-    record_.outcome.max_slip_distance = std::max(record_.outcome.max_slip_distance, distance.maxCoeff());
+    const ContactFrame& last = bench_.contact(pad);
+    check_finite(record_.sensors[pad].name, last);
+    check_finite(record_.sensors[pad].name, sensors_[pad]->channels(), last_[pad]);
+    record_.outcome.max_slip_distance = std::max(record_.outcome.max_slip_distance, last.slip_distance.maxCoeff());
+    const LabelRecord& labels = record_.sensors[pad].labels;
+    for (std::size_t u = 0; u < labels.units(); ++u) {
+      UnitOutcome& unit = units_[pad][u];
+      const auto column = static_cast<Eigen::Index>(u);
+      unit.micro_onset_time = labels.micro_onset_time[u];
+      unit.onset_time = labels.onset_time[u];
+      unit.slip_distance = static_cast<float>(last.slip_distance(column));
+      unit.load = static_cast<float>(last.contact_force(2, column));
+      unit.margin = static_cast<float>(last.margin(column));
+    }
   }
-  return std::move(record_);
+  check_finite(bench_.contact(0).time, bench_.bodies());
+  return {std::move(record_), std::move(units_)};
 }
 
 }  // namespace slipbench

@@ -34,6 +34,7 @@ class TrialRecorder {
     LabelRecord& labels = record_.sensors[pad].labels;
     ++labels.state_count[static_cast<std::size_t>(truth.state)];
     ++labels.state_micro_count[static_cast<std::size_t>(truth.state_micro)];
+    last_[pad] = frame;
     if (recording_ == Recording::full) write_sample(pad, truth, frame);
   }
   // Called every tick after the pads.
@@ -41,8 +42,8 @@ class TrialRecorder {
     if (recording_ == Recording::full && tick % body_stride_ == 0) write_bodies(time, bodies);
   }
 
-  // The record; the recorder is spent.
-  TrialRecord finish();
+  // The result; the recorder is spent. Throws InputError as run_trial does.
+  TrialResult finish();
 
  private:
   void check_size(const Scene& scene) const;
@@ -59,6 +60,8 @@ class TrialRecorder {
   std::size_t body_row_ = 0;
   std::vector<std::size_t> rows_;  // samples written so far, by pad
   TrialRecord record_;
+  std::vector<std::vector<UnitOutcome>> units_;
+  std::vector<SensorFrame> last_;  // by pad; the values are the sensor's own
 };
 
 }  // namespace slipbench

@@ -64,12 +64,13 @@ struct FinishedTrial {
   std::optional<EncodedTrial> encoded;
 };
 
-TrialSummary summary_of(const TrialRecord& record) {
+TrialSummary summary_of(TrialResult& result) {
+  const TrialRecord& record = result.record;
   TrialSummary summary{record.trial, record.params, record.outcome, {}};
-  for (const SensorRecord& sensor : record.sensors) {
-    const LabelRecord& labels = sensor.labels;
+  for (std::size_t i = 0; i < record.sensors.size(); ++i) {
+    const SensorRecord& sensor = record.sensors[i];
     summary.sensors.push_back(
-        {sensor.name, labels.onset_time, labels.micro_onset_time, labels.state_count, labels.state_micro_count});
+        {sensor.name, std::move(result.units[i]), sensor.labels.state_count, sensor.labels.state_micro_count});
   }
   return summary;
 }
@@ -78,11 +79,11 @@ FinishedTrial run_one(const TrialPlan& plan, std::uint64_t seed, std::size_t ind
   TrialPlan::Trial trial = plan.trial(index);
   trial.scene.seed = seed;
   const auto start = std::chrono::steady_clock::now();
-  TrialRecord record = run_trial(trial.scene, index, encoder != nullptr ? Recording::full : Recording::outcome);
+  TrialResult result = run_trial(trial.scene, index, encoder != nullptr ? Recording::full : Recording::outcome);
   const std::chrono::duration<double> computed = std::chrono::steady_clock::now() - start;
-  record.params = params_json(trial.drawn);
-  FinishedTrial finished{summary_of(record), trial.scene.duration, computed.count(), std::nullopt};
-  if (encoder != nullptr) finished.encoded = encoder->encode(record);
+  result.record.params = params_json(trial.drawn);
+  FinishedTrial finished{summary_of(result), trial.scene.duration, computed.count(), std::nullopt};
+  if (encoder != nullptr) finished.encoded = encoder->encode(result.record);
   return finished;
 }
 
@@ -139,6 +140,14 @@ std::string kept_text(const std::vector<std::string>& files, std::size_t held, s
   return fmt::format("; {} {} {} of {} trials", fmt::join(files, ", "), files.size() == 1 ? "holds" : "hold", held, planned);
 }
 
+// One number of every unit; nlohmann writes NaN as null.
+template <class Number>
+Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) {
+  Json values = Json::array();
+  for (const UnitOutcome& unit : units) values.push_back(unit.*member);
+  return values;
+}
+
 std::size_t thread_count(std::size_t jobs, std::size_t trials) {
   if (jobs == 0) jobs = std::max(1U, std::thread::hardware_concurrency());
   return std::min(jobs, std::max<std::size_t>(1, trials));
@@ -155,7 +164,10 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   summary.command = canonical_command(options);
   const TrialPlan plan = make_plan(file, catalogues, options, summary.seed);
   summary.planned = options.limit == 0 ? plan.size() : options.limit;
+  summary.scene = plan.trial(0).scene;
+  summary.available = plan.size();
   check_cells(plan);
+  if (options.on_start) options.on_start();
 
   std::unique_ptr<DatasetWriter> writer;
   if (!options.output.empty()) {
@@ -198,10 +210,13 @@ std::string summary_json(const SweepSummary& summary) {
   Json trials = Json::array();
   for (const TrialSummary& trial : summary.trials) {
     Json sensors = Json::object();
-    for (const SensorOnsets& sensor : trial.sensors) {
-      // nlohmann writes NaN as null.
-      sensors[sensor.name] = {{"onset_time_s", sensor.onset_time},
-                              {"micro_onset_time_s", sensor.micro_onset_time},
+    for (const SensorSummary& sensor : trial.sensors) {
+      sensors[sensor.name] = {{"touch_time_s", column(sensor.units, &UnitOutcome::touch_time)},
+                              {"onset_time_s", column(sensor.units, &UnitOutcome::onset_time)},
+                              {"micro_onset_time_s", column(sensor.units, &UnitOutcome::micro_onset_time)},
+                              {"slip_distance_m", column(sensor.units, &UnitOutcome::slip_distance)},
+                              {"load_N", column(sensor.units, &UnitOutcome::load)},
+                              {"margin", column(sensor.units, &UnitOutcome::margin)},
                               {"state_count", sensor.state_count},
                               {"state_micro_count", sensor.state_micro_count}};
     }

@@ -14,6 +14,7 @@
 #include "sim/scene/parser.h"
 #include "tools/dataset/trial_record.h"
 #include "tools/dataset/writer.h"
+#include "tools/run/run_trial.h"
 
 namespace slipbench {
 
@@ -28,6 +29,7 @@ struct SweepOptions {
   std::string output;                 // dataset; empty: nothing is written
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
   const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials finish and no other starts
+  std::function<void()> on_start;  // called once the scene is checked, before anything is written; may be empty
 };
 
 // Told from the calling thread after each trial, in order.
@@ -38,25 +40,26 @@ struct SweepProgress {
 };
 using ProgressCallback = std::function<void(const SweepProgress&)>;
 
-struct SensorOnsets {
+struct SensorSummary {
   std::string name;
-  std::vector<double> onset_time;        // [N] s, NaN: never
-  std::vector<double> micro_onset_time;  // [N] s, NaN: never
-  StateCounts state_count{};             // samples in each PadState, rule strict
-  StateCounts state_micro_count{};       // likewise, rule micro
+  std::vector<UnitOutcome> units;
+  StateCounts state_count{};        // samples in each PadState, rule strict
+  StateCounts state_micro_count{};  // likewise, rule micro
 };
 
 struct TrialSummary {
   std::size_t trial = 0;
   std::string params;  // JSON object of what was swept
   TrialOutcome outcome;
-  std::vector<SensorOnsets> sensors;
+  std::vector<SensorSummary> sensors;
 };
 
 struct SweepSummary {
   std::uint64_t seed = 0;
   std::string command;               // canonical
-  std::size_t planned = 0;           // trials
+  Scene scene;                       // of trial 0
+  std::size_t available = 0;         // trials that the scene's sweep has
+  std::size_t planned = 0;           // trials asked for
   std::vector<TrialSummary> trials;  // finished, in order
   double simulated = 0.0;            // s, of the finished trials
   double computed = 0.0;             // s, what their simulation took on the clock, summed over the workers

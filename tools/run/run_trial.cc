@@ -33,7 +33,7 @@ Testbench make_bench(const Scene& scene, const Sensors& sensors, std::uint64_t t
 
 void check_trial(const Scene& scene, std::uint64_t trial) { make_bench(scene, make_sensors(scene, trial), trial); }
 
-TrialRecord run_trial(const Scene& scene, std::uint64_t trial, Recording recording) {
+TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording) {
   const Sensors sensors = make_sensors(scene, trial);
   Testbench bench = make_bench(scene, sensors, trial);
   TrialRecorder recorder(scene, sensors, bench, trial, recording);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <vector>
 
 #include "sim/scene/scene.h"
 #include "tools/dataset/trial_record.h"
@@ -14,9 +16,27 @@ enum class Recording {
   full,     // every column of a dataset
 };
 
+// What became of one unit. Times in s are those of the first such event, NaN: never.
+struct UnitOutcome {
+  double touch_time = std::numeric_limits<double>::quiet_NaN();
+  double micro_onset_time = std::numeric_limits<double>::quiet_NaN();  // event micro or slip
+  double onset_time = std::numeric_limits<double>::quiet_NaN();        // event slip
+  // At the last tick:
+  float slip_distance = 0.0F;                              // m
+  float load = 0.0F;                                       // N, normal, compression positive
+  float margin = std::numeric_limits<float>::quiet_NaN();  // NaN while detached
+};
+
+// A trial: the record, and what became of each unit, which is kept in every mode of recording.
+struct TrialResult {
+  TrialRecord record;
+  std::vector<std::vector<UnitOutcome>> units;  // [sensor][N]
+};
+
 // Runs trial number `trial` of a dataset whose seed is `scene.seed`. `params` of the record is left to the caller, who knows the
-// sweep. Throws InputError when the scene cannot be simulated as it says (Testbench, make_sensor).
-TrialRecord run_trial(const Scene& scene, std::uint64_t trial, Recording recording);
+// sweep. Throws InputError when the scene cannot be simulated as it says (Testbench, make_sensor), or when something in the record
+// (without one: in the last tick) is not finite that must be.
+TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording);
 
 // Builds what run_trial would step, and throws what it would throw before the first step.
 void check_trial(const Scene& scene, std::uint64_t trial);

@@ -339,5 +339,15 @@ TEST(PaperLabel, LeavesOutTheCentrePillarInRotation) {
   EXPECT_EQ(sensor->paper_label(truth, false), PadState::gross);
 }
 
+// A pillar is 4.2 mm high: none can be shorter by more.
+TEST(PapillArray, NoPillarIsShorterThanNothing) {
+  for (const ParameterSpec& spec : papillarray_entry().parameters) {
+    if (spec.name != "edge_drop" && spec.name != "corner_drop") continue;
+    EXPECT_NO_THROW(parse_scalar(spec, "4.2 mm"));
+    EXPECT_THROW(parse_scalar(spec, "4.21 mm"), std::invalid_argument);
+    EXPECT_THROW(parse_scalar(spec, "-0.01 mm"), std::invalid_argument);
+  }
+}
+
 }  // namespace
 }  // namespace slipbench

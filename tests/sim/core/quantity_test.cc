@@ -141,5 +141,21 @@ TEST(FormatQuantity, ReadsBackAsTheSameDouble) {
   }
 }
 
+// At the ends of a double's range a unit other than SI's own may hold no such value; the text is then in SI.
+TEST(FormatQuantity, ReadsBackAtTheEndsOfTheRange) {
+  using Limits = std::numeric_limits<double>;
+  for (int i = 0; i <= static_cast<int>(Quantity::damping); ++i) {
+    const auto quantity = static_cast<Quantity>(i);
+    for (const double value : {1e308, Limits::max(), Limits::min(), 5e-324, 1e-320}) {
+      for (const double sign : {1.0, -1.0}) {
+        const std::string text = format_quantity(sign * value, quantity);
+        ASSERT_FALSE(text.empty()) << value << " of quantity " << i;
+        ASSERT_EQ(parse_quantity(text, quantity), sign * value) << text;
+      }
+    }
+  }
+  EXPECT_EQ(format_quantity(1e308, Quantity::speed), "1e+308 m/s");  // in mm/s it would be 1e311
+}
+
 }  // namespace
 }  // namespace slipbench

@@ -17,7 +17,7 @@
 namespace slipbench {
 namespace {
 
-constexpr std::array<std::string_view, 36> tokens{"inf",
+constexpr std::array<std::string_view, 42> tokens{"inf",
                                                   "-inf",
                                                   ".nan",
                                                   "nan",
@@ -26,6 +26,12 @@ constexpr std::array<std::string_view, 36> tokens{"inf",
                                                   "0",
                                                   "1e-320",
                                                   "99999999999999999999",
+                                                  "1e308",
+                                                  "-1e308",
+                                                  "5e-324",
+                                                  "1e308 mm/s",
+                                                  "1.7976931348623157e308",
+                                                  "expect: {}",
                                                   "4 mm/s",
                                                   "3 N",
                                                   "true",
@@ -126,7 +132,7 @@ class Mutator {
     const std::size_t first = text.find_first_of("0123456789", below(text.size()));
     if (first == std::string::npos) return;
     const std::size_t last = std::min(text.find_first_not_of("0123456789.", first), text.size());
-    text.replace(first, last - first, tokens.at(below(9)));  // the first nine are numbers
+    text.replace(first, last - first, tokens.at(below(14)));  // the first fourteen are numbers
   }
 
   void move_piece(std::string& text) {

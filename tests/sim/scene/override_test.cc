@@ -116,7 +116,7 @@ TEST(Override, TakesItsKeyOutOfAnAxisOfMaps) {
     for (const auto& [path, value] : trial.drawn) EXPECT_NE(path, "motion.speed");
   }
   EXPECT_EQ(refusal({{"motion.tilt.0", "0.2"}}, swept),
-            "s.yaml:7 (drawn): sweep.motion.tilt sets what a --set below it fixes; allowed: --set motion.tilt=... as a whole");
+            "s.yaml:7: sweep.motion.tilt sets what a --set below it fixes; allowed: --set motion.tilt=... as a whole");
 }
 
 TEST(Override, ChangesTheSweepItself) {

@@ -1,6 +1,9 @@
 // What a scene that is wrong is answered: every message names the place, what was found, what is allowed and the nearest name.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <ostream>
 #include <string>
 
@@ -44,13 +47,24 @@ const std::string scene_keys =
 const std::string sensor_keys = "bias, bristle_spread, bristles, electronics, profile, rate, type";
 const std::string materials = "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic";
 
+std::string tab(int line) {
+  return "s.yaml:" + std::to_string(line) + ": a tab before the first word; allowed: spaces, since tabs cannot indent YAML";
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Yaml, Refusal,
     testing::Values(
         Case{"Empty", "", "s.yaml:1: empty"},  //
+        Case{"BlankOnly", "\r \t\n", "s.yaml:1: empty"}, Case{"CarriageReturnsOnly", "\r\r", "s.yaml:1: empty"},
+        Case{"CarriageReturnsForLineFeeds", "slipbench: 1\rseed: 1\r",
+             "s.yaml:1: lines end with a carriage return alone; allowed: a line feed, with or without a carriage return"},
         Case{"CommentOnly", "# nothing\n", "s.yaml:1: empty"},
         Case{"Syntax", head + "motion: {speed: 1\n", "s.yaml:4: not valid YAML: end of map flow not found"},
-        Case{"Tab", head + "motion:\n\tspeed: 1\n", "s.yaml:4: not valid YAML: illegal map value"},
+        Case{"Tab", head + "motion:\n\tspeed: 1\n", tab(4)},
+        Case{"TabAfterSpaces", head + "motion:\n  speed: 1\n  \tgap: 1 mm\n", tab(5)},
+        Case{"TabBeforeEveryLine", head + "effects:\n\t- ageing\n\t- stribeck\n", tab(4)},
+        Case{"TabAtTheTop", head + "\tseed: 1\n", tab(3)},
+        Case{"TabInsideALine", head + "seed:\t1\nmotion: {speed: 1\n", "s.yaml:5: not valid YAML: end of map flow not found"},
         Case{"SecondDocument", head + "---\nslipbench: 1\n", "s.yaml:3: a second document; allowed: one document a file"},
         Case{"DuplicateKey", head + "seed: 1\nseed: 2\n", "s.yaml:4: duplicate key 'seed', first at s.yaml:3"},
         Case{"DuplicateNestedKey", head + "motion:\n  speed: 1\n  gap: 1\n  speed: 2\n",
@@ -80,7 +94,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"OtherVersion", "slipbench: 2\n", "s.yaml:1: slipbench is '2'; allowed: 1, the schema version"},
         Case{"UnknownKey", head + "motoin: {}\n",
              "s.yaml:3: unknown key 'motoin' in the scene; did you mean 'motion'? allowed: " + scene_keys},
-        Case{"KeyOfALaterVersion", head + "expect: {}\n", "s.yaml:3: unknown key 'expect' in the scene; allowed: " + scene_keys},
+        Case{"Expect", head + "expect: {}\n",
+             "s.yaml:3: expect is read by `slipbench check`, which this version does not have; leave it out"},
         Case{"DescriptionAsMap", head + "description: {a: b}\n", "s.yaml:3: description is a map; allowed: text"},
         Case{"NoDuration", head + "duration: 0 s\n", "s.yaml:3: duration: '0 s' is out of range; allowed: > 0 s and <= 86400 s"},
         Case{"EndlessDuration", head + "duration: inf\n", "s.yaml:3: duration: 'inf' is infinite; allowed: a finite number"},
@@ -95,12 +110,17 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"TimeStepTooShort", head + "time_step: 10 us\nduration: 1001 s\n",
              "s.yaml:3: time_step 10 us makes more than 100,000,000 steps; allowed: at least 10.01 us, or auto"},
         Case{"Fidelity", head + "fidelity: feild\n",
-             "s.yaml:3: fidelity: unknown value 'feild'; did you mean 'field'? allowed: field, articulated"},
+             "s.yaml:3: fidelity: unknown value 'feild'; did you mean 'field'? allowed: field"},
+        Case{"FidelityOfALaterVersion", head + "seed: 1\nfidelity: articulated\n",
+             "s.yaml:4: fidelity: 'articulated' is not available in this version; allowed: field"},
         Case{"NegativeSeed", head + "seed: -1\n", "s.yaml:3: seed: '-1' is no seed; allowed: 0 to 18446744073709551615"},
         Case{"HugeSeed", head + "seed: 18446744073709551616\n",
              "s.yaml:3: seed: '18446744073709551616' is no seed; allowed: 0 to 18446744073709551615"},
-        Case{"Detector", head + "detector: {type: gst_hd}\n", "s.yaml:3: unknown detector 'gst_hd'; allowed: none"},
+        Case{"Detector", head + "detector: {type: gst_hd}\n",
+             "s.yaml:3: detector 'gst_hd' is not available in this version; allowed: none"},
         Case{"DetectorWithoutType", head + "detector: {}\n", "s.yaml:3: no key 'type' in detector; allowed: none"},
+        Case{"ControllerType", head + "controller: {type: grip}\n",
+             "s.yaml:3: controller 'grip' is not available in this version; allowed: none"},
         Case{"DetectorKey", head + "detector: {type: none, gain: 1}\n",
              "s.yaml:3: unknown key 'gain' in detector; allowed: type"},
         Case{"Controller", head + "controller: none\n",
@@ -120,12 +140,17 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"FrictionKey", head + "friction: {mu: 1}\n",
              "s.yaml:3: unknown key 'mu' in friction; allowed: kinetic, scale, static"},
         Case{"NegativeFriction", head + "friction: {static: -0.1}\n",
-             "s.yaml:3: friction.static: '-0.1' is out of range; allowed: >= 0"},
+             "s.yaml:3: friction.static: '-0.1' is out of range; allowed: >= 0 and <= 100"},
+        Case{"HugeFriction", head + "friction: {static: 101}\n",
+             "s.yaml:3: friction.static: '101' is out of range; allowed: >= 0 and <= 100"},
         Case{"KineticAboveStatic", head + "friction:\n  static: 0.5\n  kinetic: 0.6\n",
              "s.yaml:5: friction.kinetic 0.6 exceeds the static coefficient 0.5; allowed: at most that"},
         Case{"KineticAboveTheMaterials", head + "friction: {kinetic: 0.6}\n",
              "s.yaml:3: friction.kinetic 0.6 exceeds the static coefficient 0.5 of acrylic; allowed: at most that"},
-        Case{"NoScale", head + "friction: {scale: 0}\n", "s.yaml:3: friction.scale: '0' is out of range; allowed: > 0"},
+        Case{"NoScale", head + "friction: {scale: 0}\n",
+             "s.yaml:3: friction.scale: '0' is out of range; allowed: > 0 and <= 100"},
+        Case{"HugeScale", head + "friction: {scale: 1e300}\n",
+             "s.yaml:3: friction.scale: '1e300' is out of range; allowed: > 0 and <= 100"},
         Case{"Motion", head + "motion: {kind: satge}\n",
              "s.yaml:3: unknown motion 'satge'; did you mean 'stage'? allowed: stage"},
         Case{"InfiniteSpeed", head + "motion: {speed: inf}\n",
@@ -205,25 +230,25 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"EmptyAxis", sweep("{motion.speed: []}"),
              "s.yaml:3: sweep.motion.speed is empty; allowed: a sequence of at least one value"},
         Case{"SweptPath", sweep("{motion.sped: [1]}"),
-             "s.yaml:3 (drawn): unknown key 'sped' in motion; did you mean 'speed'? allowed: acceleration, angular_acceleration, "
+             "s.yaml:3: unknown key 'sped' in motion; did you mean 'speed'? allowed: acceleration, angular_acceleration, "
              "approach_speed, compression, direction, gap, kind, pivot, retract, reverse, rotation, speed, start, stop, tilt"},
         Case{"SweptPathSyntax", sweep("{motion.: [1]}"),
              "s.yaml:3: 'motion.' is not a path; allowed: keys joined by dots, such as 'motion.speed' or 'motion.tilt.0'"},
         Case{"SweptSeed", sweep("{seed: [1, 2]}"), "s.yaml:3: 'seed' cannot be swept; allowed: any other key of the scene"},
         Case{"SweptItemOfNothing", sweep("{motion.tilt.0: [1]}"),
-             "s.yaml:3 (drawn): no item '0' in 'motion.tilt', which the scene does not give"},
+             "s.yaml:3: no item '0' in 'motion.tilt', which the scene does not give"},
         Case{"SweptTwice", sweep("{motion: [{speed: 1}, {gap: 2}], motion.speed: [1]}"),
-             "s.yaml:3 (drawn): sweep.motion.speed sets what sweep.motion sets, too; allowed: each value once"},
+             "s.yaml:3: sweep.motion.speed sets what sweep.motion sets, too; allowed: each value once"},
         Case{"SweptBelow", sweep("{motion.tilt: [[0, 0]], motion.tilt.0: [1]}"),
-             "s.yaml:3 (drawn): sweep.motion.tilt.0 sets what sweep.motion.tilt sets, too; allowed: each value once"},
+             "s.yaml:3: sweep.motion.tilt.0 sets what sweep.motion.tilt sets, too; allowed: each value once"},
         Case{"AxisValue", sweep("\n  motion.speed:\n    - 1 mm/s\n    - 2 mm"),
-             "s.yaml:6 (drawn): motion.speed: unknown unit 'mm' of a speed in '2 mm'; allowed: m/s, mm/s, cm/s, um/s"},
+             "s.yaml:6: motion.speed: unknown unit 'mm' of a speed in '2 mm'; allowed: m/s, mm/s, cm/s, um/s"},
         Case{"Trials", sweep("{trials: 0}"), "s.yaml:3: sweep.trials is '0'; allowed: 1 to 1000000"},
         Case{"TrialsAsMap", sweep("{trials: {}}"), "s.yaml:3: sweep.trials is a map; allowed: 1 to 1000000"},
         Case{"TooManyTrials", sweep("{motion.speed: [1, 2], trials: 500001}"),
              "s.yaml: 2 grid cells of 500001 trials each; allowed: at most 1,000,000 trials"},
         Case{"TooManyCells", sweep(four_axes_of_32()),
-             "s.yaml:3 (drawn): the sweep has more than 1,000,000 grid cells; allowed: at most that"},
+             "s.yaml:3: the sweep has more than 1,000,000 grid cells; allowed: at most that"},
         Case{"DrawWithoutKind", sweep("{motion.speed: {min: 1, max: 2}}"),
              "s.yaml:3: no key 'draw' in sweep.motion.speed; allowed: choice, log_uniform, lognormal, normal, uniform"},
         Case{
@@ -257,6 +282,8 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:3: sweep.motion.speed.min: '0' is out of range; allowed: > 0"},
         Case{"UnreachableBounds", sweep("{motion.speed: {draw: normal, mean: 0, sd: 1 mm/s, min: 1 m/s}}"),
              "s.yaml:3 (drawn): no draw within [1 m/s, inf] in 1000 tries; allowed: bounds nearer to the mean"},
+        Case{"ChoiceValue", sweep("{motion.speed: {draw: choice, values: [2 mm]}}"),
+             "s.yaml:3 (drawn): motion.speed: unknown unit 'mm' of a speed in '2 mm'; allowed: m/s, mm/s, cm/s, um/s"},
         Case{"EmptyChoice", sweep("{motion.speed: {draw: choice, values: []}}"),
              "s.yaml:3: sweep.motion.speed.values is empty; allowed: a sequence of at least one value"}),
     case_name);
@@ -271,8 +298,12 @@ TEST(Refusal, OfAFileThatCannotBeReadSaysWhy) {
     return "accepted";
   };
   EXPECT_EQ(load("/no/such/scene.yaml"), "/no/such/scene.yaml: cannot be read: No such file or directory");
-  EXPECT_EQ(load("/tmp"), "/tmp: cannot be read: Is a directory");
-  EXPECT_EQ(load("/dev/zero"), "/dev/zero: longer than 1000000 bytes; allowed: at most that");
+  EXPECT_EQ(load("/tmp"), "/tmp: is a folder, no file");
+  EXPECT_EQ(load("/dev/zero"), "/dev/zero: is a device, no file");
+  const std::string pipe = testing::TempDir() + "slipbench_scene_pipe_" + std::to_string(getpid());
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(load(pipe), pipe + ": is a pipe, no file");  // without a writer, opening it would wait for ever
+  std::filesystem::remove(pipe);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ slipbench: 1
 description: 'text: with colon'
 duration: 500 ms
 time_step: 0.1 ms
-fidelity: articulated
+fidelity: field
 seed: 18446744073709551615
 surface: {shape: cylinder, material: ptfe, radius: 20 mm}
 friction: {static: 0.4, kinetic: 0.3, scale: 2}
@@ -66,7 +66,7 @@ controller: {type: none}
   EXPECT_EQ(scene.description, "text: with colon");
   EXPECT_EQ(scene.duration, 0.5);
   EXPECT_EQ(scene.time_step, 1e-4);
-  EXPECT_EQ(scene.fidelity, "articulated");
+  EXPECT_EQ(scene.fidelity, "field");
   EXPECT_EQ(scene.seed, std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(scene.material, "ptfe");
   EXPECT_EQ(scene.surface.name, "cylinder");

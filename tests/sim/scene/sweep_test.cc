@@ -204,7 +204,7 @@ TEST_F(SweepTest, EveryCellOfTheGridIsChecked) {
     static_cast<void>(plan("sweep: {motion.speed: [1, 2], motion.compression: [1 mm, 0 mm]}\n"));
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "s.yaml:3 (drawn): motion.compression: '0 mm' is out of range; allowed: > 0 m");
+    EXPECT_STREQ(error.what(), "s.yaml:3: motion.compression: '0 mm' is out of range; allowed: > 0 m");
   }
 }
 

@@ -16,15 +16,19 @@
 namespace slipbench {
 namespace {
 
-// In the child: becomes the program.
-[[noreturn]] void execute(const std::vector<std::string>& arguments) {
-  std::vector<std::string> words{SLIPBENCH_PROGRAM};
-  words.insert(words.end(), arguments.begin(), arguments.end());
+// In the child: becomes the program `words[0]`.
+[[noreturn]] void execute(std::vector<std::string> words) {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
-  execv(SLIPBENCH_PROGRAM, pointers.data());
+  execv(pointers.front(), pointers.data());
   _exit(127);
+}
+
+std::vector<std::string> program_with(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words{SLIPBENCH_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return words;
 }
 
 int exit_status(pid_t child) {
@@ -40,13 +44,13 @@ std::string file_text(const std::string& path) {
   return text.str();
 }
 
-pid_t start_into_files(const std::vector<std::string>& arguments, const std::string& out, const std::string& err) {
+pid_t start_into_files(const std::vector<std::string>& words, const std::string& out, const std::string& err) {
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) {
     dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
     dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
-    execute(arguments);
+    execute(words);
   }
   return child;
 }
@@ -66,8 +70,15 @@ TemporaryFolder::~TemporaryFolder() {
 
 ChildResult run_program_file(const std::vector<std::string>& arguments, const std::string& out) {
   const TemporaryFolder folder;
-  const int status = exit_status(start_into_files(arguments, out.empty() ? folder / "out" : out, folder / "err"));
+  const int status = exit_status(start_into_files(program_with(arguments), out.empty() ? folder / "out" : out, folder / "err"));
   return {status, out.empty() ? file_text(folder / "out") : "", file_text(folder / "err")};
+}
+
+ChildResult run_shell(const std::string& script, const std::string& folder) {
+  const TemporaryFolder streams;
+  const std::string text = "slipbench() { " SLIPBENCH_PROGRAM " \"$@\"; }; cd \"$1\" || exit; " + script;
+  const int status = exit_status(start_into_files({"/bin/sh", "-c", text, "sh", folder}, streams / "out", streams / "err"));
+  return {status, file_text(streams / "out"), file_text(streams / "err")};
 }
 
 ChildResult run_program_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
@@ -84,7 +95,7 @@ ChildResult run_program_terminal(const std::vector<std::string>& arguments, cons
       const std::size_t equals = entry.find('=');
       setenv(entry.substr(0, equals).c_str(), entry.substr(equals + 1).c_str(), 1);
     }
-    execute(arguments);
+    execute(program_with(arguments));
   }
   ChildResult result;
   char buffer[4096];
@@ -99,7 +110,7 @@ ChildResult run_program_terminal(const std::vector<std::string>& arguments, cons
 
 ChildResult run_program_interrupted(const std::vector<std::string>& arguments, const std::string& ready, int signal) {
   const TemporaryFolder folder;
-  const pid_t child = start_into_files(arguments, folder / "out", folder / "err");
+  const pid_t child = start_into_files(program_with(arguments), folder / "out", folder / "err");
   for (int waited_ms = 0; waited_ms < 20000 && !std::filesystem::exists(ready); waited_ms += 5) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

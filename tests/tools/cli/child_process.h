@@ -32,7 +32,10 @@ class TemporaryFolder {
 // Runs `slipbench arguments...` with stdout and stderr in files: nobody watches. `out`: where stdout goes instead, e.g. /dev/full.
 ChildResult run_program_file(const std::vector<std::string>& arguments, const std::string& out = "");
 
-// The same with all streams on a terminal of 120 columns and `environment` ("NAME=value") added; everything it writes is in `out`.
+// Runs `script` with sh in `folder`; the word slipbench there is the built program.
+ChildResult run_shell(const std::string& script, const std::string& folder);
+
+// The same as run_program_file with all streams on a terminal of 120 columns and `environment` ("NAME=value") added; everything it writes is in `out`.
 ChildResult run_program_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
 
 // Starts the program with its streams in files, sends `signal` as soon as `ready` exists, and waits for the end.

@@ -135,7 +135,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --trials, --jobs, "
                 "--output, --quiet"},
         Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
+        Refusal{{"cost", "s.yaml"},
+                "command 'cost' is not available in this version; available: run, sweep, report, export, list, describe, doctor"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
+        Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
+        Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},
+        Refusal{{"export", "a.h5", "--format", "vendor-csv", "-o", ""}, "export: -o needs a folder name"},
         Refusal{{"run", "s.yaml", "--set"}, "run: --set needs one value"},
         Refusal{{"run", "s.yaml", "--set", "speed"},
                 "run: --set 'speed'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
@@ -149,7 +154,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "sweep: --jobs is '0'; allowed: a whole number from 1 to 18446744073709551615"},
         Refusal{{"report", "a.h5", "--trial", "first"},
                 "report: --trial is 'first'; allowed: a whole number from 0 to 18446744073709551615"},
-        Refusal{{"export", "a.h5", "-o", "dir"}, "export: --format is required"}));
+        Refusal{{"export", "a.h5", "-o", "dir"}, "export: --format is required"},
+        Refusal{{"export", "a.h5", "--format", "vendor-csv"}, "export: --output is required"}));
+
+TEST(Options, AWrongFormatIsNamedBeforeAMissingFolder) {
+  EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor"}), HasSubstr("'vendor'"));
+}
 
 }  // namespace
 }  // namespace slipbench

@@ -1,4 +1,6 @@
 // The built program, run as scripts run it: exit status, what stands on which stream, and the words of its messages.
+#include <sys/stat.h>
+
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -74,6 +76,38 @@ TEST(Program, ValueWithAWrongUnit) {
 }
 
 TEST(Program, PathThroughANumber) { expect_refusal({"run", stage, "--set", "duration.length=4"}, HasSubstr("duration")); }
+
+TEST(Program, NumbersAtTheEndOfTheRange) {
+  for (const char* speed : {"motion.speed=1e308", "motion.speed=5e-324"}) {
+    const ChildResult result = run_program_file({"run", stage, "--set", speed, "motion.acceleration=inf"});
+    EXPECT_THAT(result.status, ::testing::AnyOf(0, 2)) << speed;
+    EXPECT_THAT(result.err, Not(HasSubstr("internal error"))) << speed;
+  }
+}
+
+TEST(Program, WhatIsNotFiniteIsRefused) {
+  const TemporaryFolder folder;
+  // 1e300 times an offset of some millinewton is beyond a float.
+  const std::string offset = "sensors.pad.electronics=[{offset: {scale: 1e300}}]";
+  expect_refusal({"run", stage, "--set", offset}, HasSubstr("trial 0: sensors.pad: force is not finite at 3.999 s"));
+  expect_refusal({"run", stage, "--set", offset, "-o", folder / "out.h5"},
+                 HasSubstr("trial 0: sensors.pad: force is not finite at 0 s"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
+}
+
+// Opening a pipe would wait for ever for somebody to write into it.
+TEST(Program, APipeIsNoScene) {
+  const TemporaryFolder folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  expect_refusal({"run", pipe}, HasSubstr("pipe: is a pipe, no file"));
+}
+
+TEST(Program, CommandsOfLaterVersions) {
+  for (const char* command : {"check", "train", "eval", "cost", "reproduce", "view", "import"}) {
+    expect_refusal({command}, HasSubstr(fmt::format("command '{}' is not available in this version; available: run", command)));
+  }
+}
 
 TEST(Program, UnknownNames) {
   expect_refusal({"describe", "papilarray"}, HasSubstr("did you mean 'papillarray'? `slipbench list` shows all names"));
@@ -193,6 +227,7 @@ TEST(Program, ControlCKeepsWhatIsFinished) {
   const ChildResult result =
       run_program_interrupted({"sweep", stage, "--trials", "100000", "-o", dataset}, dataset + ".partial", SIGINT);
   EXPECT_EQ(result.status, 130);
+  EXPECT_THAT(result.err, StartsWith("slipbench: finishing the running trials; once more to stop at once\n"));
   EXPECT_THAT(result.err, AllOf(HasSubstr("interrupted: "), HasSubstr(" of 100000 trials finished")));
   EXPECT_FALSE(std::filesystem::exists(dataset));
 }

@@ -14,37 +14,30 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
-constexpr float nan_f = std::numeric_limits<float>::quiet_NaN();
+
+const std::vector<SensorAbout> sensors{{"twopad", 2.0, {"A", "B"}}};
 
 // Two units over two samples: A slips at 1.25 s after a micro-slip at 1.2 s, B never touches.
-TrialRecord small_trial() {
-  SensorRecord sensor;
+TrialSummary small_trial() {
+  SensorSummary sensor;
   sensor.name = "pad";
-  sensor.type = "twopad";
-  sensor.rate = 2.0;
-  sensor.channel_names = {"A_FX", "A_FY", "B_FX", "B_FY"};
-  sensor.time = {1.0, 1.5};
-  sensor.channels = {{"force", "N", {2, 2}, std::vector<float>(8, 0.0F)}};
-  LabelRecord& labels = sensor.labels;
-  labels.k_normal = {1.0, 1.0};
-  labels.margin = {0.5F, nan_f, -1e-7F, nan_f};  // a slipping unit's, with its rounding
-  labels.slip_distance = {0.0F, 0.0F, 0.00125F, 0.0F};
-  labels.force = std::vector<float>(12, 0.0F);
-  labels.force[3 * 2 + 2] = 3.5F;  // second sample, unit A, z
-  labels.state_count = {0, 1, 0, 1};
-  labels.state_micro_count = {0, 0, 1, 1};
-  labels.event_time = {0.25, 1.2, 1.25};
-  labels.event_unit = {0, 0, 0};
-  labels.event_kind = {0, 4, 1};
-  labels.onset_time = {1.25, never};
-  labels.micro_onset_time = {1.2, never};
-  TrialRecord record;
-  record.sensors = {sensor};
-  record.outcome.touch_time = 0.25;
-  record.outcome.first_micro_slip_time = 1.2;
-  record.outcome.first_slip_time = 1.25;
-  record.outcome.gross_slip_time = 1.25;
-  return record;
+  // A slipping unit's margin has its rounding.
+  sensor.units = {{.touch_time = 0.25,
+                   .micro_onset_time = 1.2,
+                   .onset_time = 1.25,
+                   .slip_distance = 0.00125F,
+                   .load = 3.5F,
+                   .margin = -1e-7F},
+                  {}};
+  sensor.state_count = {0, 1, 0, 1};
+  sensor.state_micro_count = {0, 0, 1, 1};
+  TrialSummary trial;
+  trial.sensors = {sensor};
+  trial.outcome.touch_time = 0.25;
+  trial.outcome.first_micro_slip_time = 1.2;
+  trial.outcome.first_slip_time = 1.25;
+  trial.outcome.gross_slip_time = 1.25;
+  return trial;
 }
 
 TEST(Summary, SharesAddUpToAHundredPercent) {
@@ -57,7 +50,7 @@ TEST(Summary, OnsetsAreShownToATenthOfAMillisecond) {
 }
 
 TEST(Summary, TrialShowsEveryUnit) {
-  EXPECT_EQ(trial_text(small_trial(), Style(false)),
+  EXPECT_EQ(trial_text(small_trial(), sensors, Style(false)),
             "pad  twopad, 2 units at 2 Hz\n"
             "  unit     touch  first micro-slip  full slip  order  slipped  load at end  margin at end\n"
             "  A     0.2500 s          1.2000 s   1.2500 s      1  1.25 mm       3.50 N          0.000\n"
@@ -68,11 +61,11 @@ TEST(Summary, TrialShowsEveryUnit) {
 }
 
 TEST(Summary, TrialWithoutGrossSlipSaysSo) {
-  TrialRecord record = small_trial();
-  record.outcome.gross_slip_time = never;
-  EXPECT_THAT(trial_text(record, Style(false)), HasSubstr("first slip at 1.2000 s, never all of the pad"));
-  record.outcome.first_micro_slip_time = never;
-  EXPECT_THAT(trial_text(record, Style(false)), HasSubstr("nothing slips"));
+  TrialSummary trial = small_trial();
+  trial.outcome.gross_slip_time = never;
+  EXPECT_THAT(trial_text(trial, sensors, Style(false)), HasSubstr("first slip at 1.2000 s, never all of the pad"));
+  trial.outcome.first_micro_slip_time = never;
+  EXPECT_THAT(trial_text(trial, sensors, Style(false)), HasSubstr("nothing slips"));
 }
 
 TEST(Summary, SweepShowsHowManyTrialsReachedEachStageAndWhen) {
@@ -98,9 +91,9 @@ TEST(Summary, SweepShowsHowManyTrialsReachedEachStageAndWhen) {
 }
 
 TEST(Summary, UnitsThatSlipTogetherShareARank) {
-  TrialRecord record = small_trial();
-  record.sensors[0].labels.onset_time = {1.25, 1.25 + 1e-12};  // the same instant but for rounding
-  EXPECT_THAT(trial_text(record, Style(false)),
+  TrialSummary trial = small_trial();
+  trial.sensors[0].units[1].onset_time = 1.25 + 1e-12;  // the same instant but for rounding
+  EXPECT_THAT(trial_text(trial, sensors, Style(false)),
               AllOf(HasSubstr("1.2500 s      1  1.25 mm"), HasSubstr("1.2500 s      1  0.00 mm")));
 }
 

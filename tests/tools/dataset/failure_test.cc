@@ -14,6 +14,7 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/dataset/test_records.h"
+#include "tools/dataset/guarded.h"
 #include "tools/dataset/reader.h"
 #include "tools/dataset/writer.h"
 
@@ -47,6 +48,11 @@ class FailureTest : public FolderTest {
  protected:
   std::string refusal(const std::string& target) {
     return message_of<InputError>([&] { DatasetWriter writer(target, header, 1); });
+  }
+  static void write(const std::string& target, std::size_t trials) {
+    DatasetWriter writer(target, header, trials);
+    for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));
+    writer.commit();
   }
   void expect_first_trials(const std::string& name, std::size_t count) {
     const DatasetReader reader(path(name));
@@ -82,6 +88,32 @@ TEST_F(FailureTest, ReadOnlyTargetIsRefusedAndKept) {
   EXPECT_THAT(names(), ElementsAre("out.h5"));
 }
 
+TEST_F(FailureTest, FileThatIsNoDatasetIsRefusedAndKept) {
+  for (const char* name : {"out.h5", "out.partial.h5"}) {
+    std::ofstream(path(name)) << "slipbench: 1\n";
+    EXPECT_EQ(refusal(path("out.h5")),
+              "cannot write " + path(name) + ": it exists and is no dataset; allowed: a new name, or a dataset to replace");
+    EXPECT_EQ(bytes_of(path(name)), "slipbench: 1\n");
+    EXPECT_THAT(names(), ElementsAre(name));
+    std::filesystem::remove(path(name));
+  }
+}
+
+TEST_F(FailureTest, EmptyFileIsReplaced) {
+  std::ofstream(path("out.h5")).flush();
+  write(path("out.h5"), 1);
+  EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 1U);
+}
+
+TEST_F(FailureTest, SymbolicLinkIsRefusedAndKept) {
+  std::filesystem::create_symlink(path("real.h5"), path("out.h5"));  // dangling
+  EXPECT_EQ(refusal(path("out.h5")),
+            "cannot write " + path("out.h5") + ": it is a symbolic link; give the file itself, " + path("real.h5"));
+  write(path("real.h5"), 1);
+  EXPECT_THAT(refusal(path("out.h5")), HasSubstr("it is a symbolic link"));
+  EXPECT_TRUE(std::filesystem::is_symlink(path("out.h5")));
+}
+
 TEST_F(FailureTest, FolderWithoutPermissionIsRefused) {
   ::mkdir(path("locked").c_str(), 0555);
   ::chmod(path("").c_str(), 0755);
@@ -100,12 +132,14 @@ TEST_F(FailureTest, TwoRunsDoNotShareATarget) {
 }
 
 TEST_F(FailureTest, OldTargetStaysUntilTheNewOneIsWhole) {
-  std::ofstream(path("out.h5")) << "old";
+  write(path("out.h5"), 1);
+  const std::string old = bytes_of(path("out.h5"));
   DatasetWriter writer(path("out.h5"), header, 100);
   writer.append(make_trial(0, rows));
-  EXPECT_EQ(bytes_of(path("out.h5")), "old");
+  writer.append(make_trial(1, rows));
+  EXPECT_EQ(bytes_of(path("out.h5")), old);
   writer.commit();
-  EXPECT_NE(bytes_of(path("out.h5")), "old");
+  EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 2U);
   EXPECT_THAT(names(), ElementsAre("out.h5"));
 }
 
@@ -119,6 +153,24 @@ TEST_F(FailureTest, UnfinishedRunKeepsItsTrials) {
   EXPECT_THAT(names(), ElementsAre("out.partial.h5"));
   expect_first_trials("out.partial.h5", 3);
   EXPECT_EQ(DatasetReader(path("out.partial.h5")).mask("train").size(), 1U);  // of three, one each for validation and test
+}
+
+TEST_F(FailureTest, WholeRunRemovesWhatEarlierOnesLeft) {
+  in_child([&] {
+    DatasetWriter writer(path("out.h5"), header, 8, 100'000);  // several files
+    for (std::size_t k = 0; k < 8; ++k) writer.append(make_trial(k, rows));
+    ::raise(SIGKILL);
+  });
+  {
+    DatasetWriter writer(path("other.h5"), header, 8, 100'000);
+    for (std::size_t k = 0; k < 8; ++k) writer.append(make_trial(k, rows));
+  }
+  for (const std::string& name : names()) {
+    if (name.starts_with("other")) std::filesystem::rename(path(name), path("out" + name.substr(5)));
+  }
+  ASSERT_GE(names().size(), 4U);  // two files or more of each run
+  write(path("out.h5"), 1);
+  EXPECT_THAT(names(), ElementsAre("out.h5"));
 }
 
 TEST_F(FailureTest, UnfinishedRunWithoutTrialsLeavesNothing) {
@@ -176,8 +228,7 @@ TEST_F(FailureTest, RunKilledAtAnyTimeLeavesItsTrials) {
   }
 }
 
-// Whatever bytes a file has lost or changed, reading ends in values or in an InputError. In a child process, because HDF5 itself
-// leaks on damaged files, which a leak checker would lay at our door.
+// Whatever bytes a file has lost or changed, guarded reading ends in values or in an InputError.
 TEST_F(FailureTest, DamagedFilesAreRefusedOrRead) {
   {
     DatasetWriter writer(path("whole.h5"), header, 1);
@@ -185,25 +236,52 @@ TEST_F(FailureTest, DamagedFilesAreRefusedOrRead) {
     writer.commit();
   }
   const std::string whole = bytes_of(path("whole.h5"));
-  const int status = in_child([&] {
-    for (std::size_t step = 0; step < 300; ++step) {
-      std::string damaged = whole;
-      if (step % 3 == 0) {
-        damaged.resize(whole.size() * step / 300);
-      } else {
-        damaged[(step * 7919) % whole.size()] ^= static_cast<char>(1 + step % 255);
-      }
-      std::ofstream(path("damaged.h5"), std::ios::binary | std::ios::trunc) << damaged;
-      try {
-        const DatasetReader reader(path("damaged.h5"));
-        for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_trial(trial));
-      } catch (const InputError&) {
-        continue;
-      }
+  for (std::size_t step = 0; step < 300; ++step) {
+    std::string damaged = whole;
+    if (step % 3 == 0) {
+      damaged.resize(whole.size() * step / 300);
+    } else {
+      damaged[(step * 7919) % whole.size()] ^= static_cast<char>(1 + step % 255);
     }
-  });
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 0);
+    std::ofstream(path("damaged.h5"), std::ios::binary | std::ios::trunc) << damaged;
+    const auto read_all = [&] {
+      const DatasetReader reader(path("damaged.h5"));
+      for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_trial(trial));
+      return std::string("read");
+    };
+    try {
+      EXPECT_EQ(guarded("damaged.h5", read_all), "read") << step;
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+}
+
+TEST(Guarded, HandsBackTheResult) {
+  std::string text(100'000, 'x');  // more than a pipe holds at once
+  text[7] = '\0';
+  EXPECT_EQ(guarded("a.h5", [&] { return text; }), text);
+  EXPECT_EQ(guarded("a.h5", [] { return std::string(); }), "");
+}
+
+TEST(Guarded, ThrowsWhatWasThrown) {
+  EXPECT_EQ(message_of<InputError>([] { guarded("a.h5", []() -> std::string { throw InputError("no trial 3"); }); }),
+            "no trial 3");
+  EXPECT_EQ(message_of<std::runtime_error>([] { guarded("a.h5", []() -> std::string { throw std::logic_error("bug"); }); }),
+            "bug");
+}
+
+TEST(Guarded, CrashIsDamage) {
+  const auto raise = [](int signal) {
+    return [signal]() -> std::string {
+      std::signal(signal, SIG_DFL);  // a sanitizer has its own handler
+      ::raise(signal);
+      return "";
+    };
+  };
+  EXPECT_EQ(message_of<InputError>([&] { guarded("a.h5", raise(SIGSEGV)); }),
+            "a.h5: is damaged: HDF5 crashed on it (Segmentation fault)");
+  EXPECT_EQ(message_of<std::runtime_error>([&] { guarded("a.h5", raise(SIGTERM)); }), "a.h5: reading it was ended: Terminated");
 }
 
 // A limit on the file's size stands for the full disk: the write fails half-way in the same place.

@@ -29,7 +29,7 @@ constexpr std::size_t rows = 5;
 
 // A PapillArray whose pillar p reads, in row r, displacement (p, r, 1) um and force (0.1 p, -0.1 r, 1) N. Its tips stand 7 mm
 // apart at heights of 0, so that the deformed tips differ by the displacements alone.
-SensorRecord make_sensor(const std::string& name, double rate) {
+SensorRecord make_sensor(const std::string& name, double rate, std::size_t samples = rows) {
   SensorRecord sensor;
   sensor.name = name;
   sensor.type = "papillarray";
@@ -38,7 +38,7 @@ SensorRecord make_sensor(const std::string& name, double rate) {
   LabelRecord& labels = sensor.labels;
   std::vector<float> force;
   std::vector<float> displacement;
-  for (std::size_t r = 0; r < rows; ++r) {
+  for (std::size_t r = 0; r < samples; ++r) {
     sensor.time.push_back(static_cast<double>(r) / rate);
     for (std::size_t p = 0; p < pillars; ++p) {
       const auto x = static_cast<float>(p);
@@ -49,13 +49,13 @@ SensorRecord make_sensor(const std::string& name, double rate) {
   }
   labels.force = force;
   sensor.channels = {{"force", "N", {pillars, 3}, force}, {"displacement", "m", {pillars, 3}, displacement}};
-  labels.unit_state.assign(rows * pillars, 1);
-  labels.slip_velocity.assign(rows * pillars * 2, 0.0F);
-  labels.slip_distance.assign(rows * pillars, 0.0F);
-  labels.margin.assign(rows * pillars, 0.0F);
-  for (auto* column : {&labels.state, &labels.state_micro, &labels.state_paper}) column->assign(rows, 1);
-  for (auto* column : {&labels.stuck_fraction, &labels.slip_direction, &labels.slip_angle}) column->assign(rows, 0.0F);
-  labels.slip_centre.assign(rows * 2, 0.0F);
+  labels.unit_state.assign(samples * pillars, 1);
+  labels.slip_velocity.assign(samples * pillars * 2, 0.0F);
+  labels.slip_distance.assign(samples * pillars, 0.0F);
+  labels.margin.assign(samples * pillars, 0.0F);
+  for (auto* column : {&labels.state, &labels.state_micro, &labels.state_paper}) column->assign(samples, 1);
+  for (auto* column : {&labels.stuck_fraction, &labels.slip_direction, &labels.slip_angle}) column->assign(samples, 0.0F);
+  labels.slip_centre.assign(samples * 2, 0.0F);
   for (std::size_t p = 0; p < pillars; ++p) {
     labels.unit_positions.insert(labels.unit_positions.end(),
                                  {0.007 * (1.0 - static_cast<double>(p % 3)), 0.007 * (1.0 - static_cast<double>(p / 3))});
@@ -94,8 +94,11 @@ std::vector<std::vector<std::string>> table_of(const std::string& path) {
 
 class ExportTest : public FolderTest {
  protected:
+  std::string scene_text = "slipbench: 1\n";
+  std::string overrides = "{}";
+
   std::string dataset(const std::vector<TrialRecord>& records) {
-    DatasetWriter writer(path("a.h5"), {"1", "scene", "{}", 7, "slipbench sweep a.yaml"}, records.size());
+    DatasetWriter writer(path("a.h5"), {"1", scene_text, overrides, 7, "slipbench sweep a.yaml"}, records.size());
     for (const TrialRecord& record : records) writer.append(TrialEncoder().encode(record));
     writer.commit();
     return path("a.h5");
@@ -105,8 +108,8 @@ class ExportTest : public FolderTest {
   }
 };
 
-constexpr ExportOptions vendor{ExportFormat::vendor_csv, SlipRule::strict, 1e-4, {}, {}};
-constexpr ExportOptions training{ExportFormat::training_csv, SlipRule::strict, 1e-4, {}, {}};
+constexpr ExportOptions vendor{ExportFormat::vendor_csv, SlipRule::strict, {}, {}, {}};
+constexpr ExportOptions training{ExportFormat::training_csv, SlipRule::strict, {}, {}, {}};
 
 TEST_F(ExportTest, VendorLogHasTheVendorsColumns) {
   EXPECT_THAT(run(dataset({make_trial_record(3)}), vendor), ElementsAre(path("out/LOG_demo_3.csv")));
@@ -239,20 +242,105 @@ TEST_F(ExportTest, SlipRuleChoosesTheFlag) {
   EXPECT_EQ(flags(options), "000");
 }
 
-// The published code takes the speed from the name and knows a trial that stops before gross slip by its end.
+// `record` with `samples` at 1 kHz, in which the pad goes sideways at `speed` and turns at `rotation` from row `start` on, for
+// `moving` rows; at every one of them all pillars are in `state`.
+TrialRecord moving_record(std::size_t trial, const std::string& params, float speed, float rotation, std::size_t start,
+                          std::size_t moving, UnitState state) {
+  constexpr std::size_t samples = 400;
+  TrialRecord record;
+  record.trial = trial;
+  record.params = params;
+  record.sensors.push_back(make_sensor("pad", 1000.0, samples));
+  record.body_time = record.sensors[0].time;
+  BodyRecord pad{"pad", std::vector<float>(samples * 7), std::vector<float>(samples * 6)};
+  for (std::size_t row = start; row < start + moving; ++row) {
+    pad.velocity[6 * row] = speed;
+    pad.velocity[6 * row + 5] = rotation;
+  }
+  record.bodies.push_back(std::move(pad));
+  record.sensors[0].labels.unit_state.assign(samples * pillars, static_cast<std::uint8_t>(state));
+  return record;
+}
+
+// A name says how fast the pad was told to move, and "stop" where it halted soon after its start, whatever slipped.
 TEST_F(ExportTest, TrainingFilesAreNamedByTheirMove) {
-  TrialRecord slide = make_trial_record(0);
-  slide.bodies[0].velocity[6 * 3 + 0] = 0.3e-3F;
-  slide.bodies[0].velocity[6 * 3 + 1] = 0.4e-3F;
-  for (std::size_t p = 0; p < pillars; ++p) set_state(slide, 4, p, UnitState::slip);
-  TrialRecord turn = make_trial_record(1);
-  turn.bodies[0].velocity[6 * 2 + 5] = -0.4F;  // 0.4 rad/s at 9.9 mm: 3.96 mm/s
-  TrialRecord both = make_trial_record(2);
-  both.bodies[0].velocity[6 * 2 + 0] = 8e-3F;
-  both.bodies[0].velocity[6 * 2 + 5] = 0.4F;
-  EXPECT_THAT(run(dataset({slide, turn, both}), training),
-              ElementsAre(path("out/translation/demo_0-v_0.5-slip.csv"), path("out/rotation/demo_1-v_4.0-stop.csv"),
-                          path("out/combined/demo_2-v_8.0-stop.csv")));
+  const auto params = [](double speed, double rotation) {
+    return "{\"motion.speed\": " + std::to_string(speed) + ", \"motion.rotation\": " + std::to_string(rotation) + "}";
+  };
+  const std::vector<TrialRecord> records{// Halts 50 ms and 100 ms after its start; all pillars slip.
+                                         moving_record(0, params(4e-3, 0.0), 4e-3F, 0.0F, 100, 50, UnitState::slip),
+                                         moving_record(1, params(1e-3, 0.0), 1e-3F, 0.0F, 100, 100, UnitState::slip),
+                                         // To the end at 0.5 mm/s, without gross slip.
+                                         moving_record(2, params(5e-4, 0.0), 5e-4F, 0.0F, 100, 300, UnitState::stick),
+                                         // 0.4 rad/s at 9.9 mm: 3.96 mm/s.
+                                         moving_record(3, params(0.0, -0.4), 0.0F, -0.4F, 100, 300, UnitState::stick),
+                                         // Half a second would be a halt, but no "stop" of the protocol: here 200 ms.
+                                         moving_record(4, params(8e-3, 0.4), 8e-3F, 0.4F, 100, 200, UnitState::stick)};
+  EXPECT_THAT(run(dataset(records), training),
+              ElementsAre(path("out/translation/demo_0-v_4.0-stop.csv"), path("out/translation/demo_1-v_1.0-stop.csv"),
+                          path("out/translation/demo_2-v_0.5-slip.csv"), path("out/rotation/demo_3-v_4.0-slip.csv"),
+                          path("out/combined/demo_4-v_8.0-slip.csv")));
+}
+
+// A pad that brakes before it reaches its speed: 50 mm/s2 for 50 ms up and 50 ms down, told 16 mm/s and 50 ms.
+TEST_F(ExportTest, SpeedIsTheCommandedOne) {
+  TrialRecord record = moving_record(0, R"({"motion.speed": 0.016})", 0.0F, 0.0F, 0, 0, UnitState::stick);
+  for (std::size_t row = 0; row <= 100; ++row) {
+    record.bodies[0].velocity[6 * (100 + row)] = 5e-5F * static_cast<float>(std::min<std::size_t>(row, 100 - row));
+  }
+  EXPECT_THAT(run(dataset({record}), training), ElementsAre(path("out/translation/demo_0-v_16.0-stop.csv")));
+}
+
+TEST_F(ExportTest, SpeedComesFromTheSceneWhereItIsNotSwept) {
+  const TrialRecord record = moving_record(0, "{}", 2e-3F, 0.0F, 100, 300, UnitState::stick);
+  EXPECT_THAT(run(dataset({record}), training), ElementsAre(path("out/translation/demo_0-v_4.0-slip.csv")));  // default 4 mm/s
+  scene_text = "slipbench: 1\nmotion: {speed: 1.25 mm/s}\n";
+  EXPECT_THAT(run(dataset({record}), training), ElementsAre(path("out/translation/demo_0-v_1.25-slip.csv")));
+  overrides = R"({"motion.speed": "2 mm/s"})";
+  EXPECT_THAT(run(dataset({record}), training), ElementsAre(path("out/translation/demo_0-v_2.0-slip.csv")));
+  overrides = R"({"motion.speed": "2 mm"})";
+  EXPECT_THAT(message_of<InputError>([&] { run(dataset({record}), training); }), HasSubstr("--set motion.speed"));
+  overrides = "{}";
+  scene_text = "slipbench: 1\nmotion: {kind: orbit}\n";
+  EXPECT_THAT(message_of<InputError>([&] { run(dataset({record}), training); }), HasSubstr("motion 'orbit'"));
+}
+
+TEST_F(ExportTest, LabelSpeedNeedsTheRuleThatHasIt) {
+  ExportOptions options = vendor;
+  options.label_speed = 2e-4;
+  EXPECT_THAT(message_of<InputError>([&] { run(dataset({make_trial_record(0)}), options); }), HasSubstr("--slip paper"));
+  EXPECT_FALSE(std::filesystem::exists(path("out")));
+  options.slip_rule = SlipRule::paper;
+  EXPECT_THAT(run(path("a.h5"), options), SizeIs(1));
+}
+
+TEST_F(ExportTest, InputIsNeverReplaced) {
+  const std::string from = dataset({make_trial_record(0)});
+  const std::string before = bytes_of(from);
+  ::mkdir(path("out").c_str(), 0777);
+  for (const char* name : {"out/LOG_demo_0.csv", "out/LOG_demo_0.csv.partial"}) {
+    std::filesystem::rename(from, path(name));
+    EXPECT_THAT(message_of<InputError>([&] { run(path(name), vendor); }), HasSubstr("is the input"));
+    EXPECT_EQ(bytes_of(path(name)), before);
+    std::filesystem::rename(path(name), from);
+  }
+}
+
+// However a file is damaged, it is exported or refused, never ended by a signal.
+TEST_F(ExportTest, DamagedDatasetsAreExportedOrRefused) {
+  const std::string whole = bytes_of(dataset({make_trial_record(0)}));
+  std::size_t refused = 0;
+  for (std::size_t step = 0; step < 300; ++step) {
+    std::string bytes = whole;
+    bytes[(step * 7919) % whole.size()] ^= static_cast<char>(1 + (step * 31) % 255);
+    std::ofstream(path("damaged.h5"), std::ios::binary | std::ios::trunc) << bytes;
+    try {
+      run(path("damaged.h5"), training);
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GE(refused, 30U);
 }
 
 TEST_F(ExportTest, OneTrialCanBeChosen) {

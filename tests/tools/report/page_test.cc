@@ -1,13 +1,11 @@
 #include "tools/report/page.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <regex>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "sim/core/error.h"
 #include "tests/tools/report/sample.h"
 #include "tools/report/assets.h"
 
@@ -57,18 +55,6 @@ TEST(ComposePage, HoldsEveryEmbeddedFile) {
     scripts += asset.name.ends_with(".js") ? 1 : 0;
   }
   EXPECT_GE(scripts, 10U);  // two libraries and eight of our own
-}
-
-TEST(WriteFile, LeavesNothingBehindWhenItFails) {
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "report_write_file";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder / "taken.html");  // a folder stands where the page should go
-  EXPECT_THROW(write_file((folder / "taken.html").string(), "text"), InputError);
-  EXPECT_THROW(write_file((folder / "missing" / "page.html").string(), "text"), InputError);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
-  write_file((folder / "page.html").string(), "text");
-  EXPECT_EQ(read_text((folder / "page.html").string()), "text");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 2);
 }
 
 }  // namespace

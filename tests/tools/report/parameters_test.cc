@@ -17,6 +17,10 @@ TEST(PlainValue, TakesTheUnitOfABareNumberFromItsKey) {
   EXPECT_EQ(plain_value("friction.static", 0.5).at("unit"), "");
 }
 
+TEST(PlainValue, HasNoNumberForInfinity) {
+  EXPECT_EQ(plain_value("motion.stop", "inf"), Json::parse(R"({"value": null, "unit": "s"})"));
+}
+
 TEST(PlainValue, KeepsNamesAndListsAsText) {
   EXPECT_EQ(plain_value("surface.material", "acrylic"), Json::parse(R"({"text": "acrylic"})"));
   EXPECT_EQ(plain_value("motion.pivot", Json::parse("[0.004, \"1 mm\"]")), Json::parse(R"j({"text": "(4 mm, 1 mm)"})j"));

@@ -1,6 +1,7 @@
 #include "tools/report/report.h"
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/report/sample.h"
+#include "tools/dataset/encoder.h"
+#include "tools/dataset/writer.h"
 
 namespace slipbench::report {
 namespace {
@@ -165,10 +168,59 @@ TEST(Report, RefusesBrokenContent) {
               HasSubstr("attribute scene is not a scene"));
 }
 
+TEST(Report, RefusesATimeThatIsNotFinite) {
+  TrialRecord broken = sample_trial(0, "{}");
+  broken.sensors[0].time[3] = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refusal(write_dataset("report_time.h5", scene, {broken}), page_path("x.html")),
+              HasSubstr("report_time.h5: /data/demo_0: sensors/pad has a time that is not finite"));
+}
+
 TEST(Report, RefusesATargetThatCannotBeWritten) {
   const std::string dataset = write_dataset("report_target.h5", scene, trials(1));
-  EXPECT_THAT(refusal(dataset, page_path("no_such_folder/x.html")),
-              HasSubstr("no_such_folder/x.html: cannot be written: No such file"));
+  EXPECT_EQ(refusal(dataset, page_path("no_such_folder/x.html")),
+            "cannot write " + page_path("no_such_folder/x.html") + ": there is no folder " + page_path("no_such_folder"));
+}
+
+TEST(Report, NeverReplacesADataset) {
+  const std::string dataset = write_dataset("report_input.h5", scene, trials(1));
+  const std::string before = read_text(dataset);
+  EXPECT_THAT(refusal(dataset, dataset), HasSubstr("is the input"));
+  EXPECT_THAT(refusal(dataset, page_path("./report_input.h5")), HasSubstr("is the input"));
+  const std::string other = write_dataset("report_other.h5", scene, trials(1));
+  EXPECT_THAT(refusal(dataset, other), HasSubstr("is an HDF5 file"));
+  EXPECT_EQ(read_text(dataset), before);
+  EXPECT_EQ(read_text(other), before);  // the same trials: the same bytes
+  // The page's temporary name is that of a killed run's dataset.
+  const std::string killed = page_path("report_killed.h5.partial");
+  std::filesystem::copy_file(dataset, killed, std::filesystem::copy_options::overwrite_existing);
+  EXPECT_THAT(refusal(killed, page_path("report_killed.h5")), HasSubstr("report_killed.h5.partial is the input"));
+  EXPECT_EQ(read_text(killed), before);
+}
+
+// What is shown is what was written, or nothing.
+TEST(Report, RefusesArraysOfAnotherDigest) {
+  EncodedTrial changed = TrialEncoder().encode(sample_trial(0, "{}"));
+  changed.digest[0] ^= 1U;
+  DatasetWriter writer(page_path("report_changed.h5"), {"0.1.0", scene, "{}", 7, "slipbench run scene.yaml"}, 1);
+  writer.append(changed);
+  writer.commit();
+  EXPECT_THAT(refusal(page_path("report_changed.h5"), page_path("x.html")),
+              HasSubstr("report_changed.h5: is damaged: its arrays have the SHA-256"));
+}
+
+// However a file is damaged, the report is made or refused, never ended by a signal.
+TEST(Report, SurvivesDamagedDatasets) {
+  const std::string whole = read_text(write_dataset("report_damage.h5", scene, trials(2)));
+  const std::string damaged = page_path("report_damaged.h5");
+  std::size_t refused = 0;
+  for (std::size_t step = 0; step < 300; ++step) {
+    std::string bytes = whole;
+    // Two primes spread the changes over the file and over the bits.
+    bytes[(step * 7919) % whole.size()] ^= static_cast<char>(1 + (step * 31) % 255);
+    write_text(damaged, bytes);
+    refused += refusal(damaged, page_path("report_damaged.html")) == "no refusal" ? 0 : 1;
+  }
+  EXPECT_GE(refused, 30U);
 }
 
 }  // namespace

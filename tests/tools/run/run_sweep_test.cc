@@ -138,6 +138,7 @@ TEST_F(SweepTest, WithoutATargetTheSummaryIsTheSame) {
   for (std::size_t k = 0; k < dry.trials.size(); ++k) {
     EXPECT_EQ(dry.trials[k].params, written.trials[k].params);
     EXPECT_EQ(outcome_json(dry.trials[k].outcome), outcome_json(written.trials[k].outcome));
+    EXPECT_EQ(dry.trials[k].sensors.at(0).units.at(4).load, written.trials[k].sensors.at(0).units.at(4).load);
     EXPECT_EQ(dry.trials[k].sensors.at(0).state_count, written.trials[k].sensors.at(0).state_count);
   }
   EXPECT_THAT(dry.files, IsEmpty());
@@ -162,6 +163,9 @@ TEST_F(SweepTest, SummaryIsJson) {
   EXPECT_EQ(json.at("trials").at(3).at("trial"), 3);
   EXPECT_TRUE(json.at("trials").at(3).at("outcome").at("dropped").is_null());
   EXPECT_EQ(json.at("trials").at(3).at("sensors").at("pad").at("onset_time_s").size(), 9U);
+  for (const char* key : {"touch_time_s", "micro_onset_time_s", "slip_distance_m", "load_N", "margin"}) {
+    EXPECT_EQ(json.at("trials").at(3).at("sensors").at("pad").at(key).size(), 9U) << key;
+  }
 }
 
 // Enough trials that the workers cannot have begun all of them when the first is done.

@@ -19,8 +19,10 @@ Scene stage_scene(const std::vector<Override>& overrides) {
   return parse_scene(file, program_catalogues());
 }
 
+TrialRecord record_of(const Scene& scene) { return run_trial(scene, 0, Recording::full).record; }
+
 TEST(RunTrial, IdealSensorReportsTheTruth) {
-  const TrialRecord record = run_trial(stage_scene({}), 0, Recording::full);
+  const TrialRecord record = record_of(stage_scene({}));
   ASSERT_EQ(record.sensors.size(), 1U);
   const SensorRecord& sensor = record.sensors[0];
   EXPECT_EQ(sensor.name, "pad");
@@ -36,21 +38,60 @@ TEST(RunTrial, IdealSensorReportsTheTruth) {
 
 TEST(RunTrial, OutcomeDoesNotDependOnTheRecording) {
   const Scene scene = stage_scene({});
-  const TrialRecord full = run_trial(scene, 0, Recording::full);
-  const TrialRecord brief = run_trial(scene, 0, Recording::outcome);
+  const TrialResult whole = run_trial(scene, 0, Recording::full);
+  const TrialRecord& full = whole.record;
+  const TrialResult short_one = run_trial(scene, 0, Recording::outcome);
+  const TrialRecord& brief = short_one.record;
   EXPECT_EQ(outcome_json(full.outcome), outcome_json(brief.outcome));
   EXPECT_EQ(full.sensors[0].labels.onset_time, brief.sensors[0].labels.onset_time);
   EXPECT_EQ(full.sensors[0].labels.state_count, brief.sensors[0].labels.state_count);
   EXPECT_TRUE(brief.sensors[0].labels.force.empty());
   EXPECT_TRUE(brief.sensors[0].channels.empty());
+  ASSERT_EQ(short_one.units.size(), 1U);
+  ASSERT_EQ(short_one.units[0].size(), 9U);
+  const LabelRecord& labels = full.sensors[0].labels;
+  const std::size_t last = labels.slip_distance.size() - 9;  // the last tick is the last sample: both have 1 kHz
+  for (std::size_t pillar = 0; pillar < 9; ++pillar) {
+    const UnitOutcome& unit = short_one.units[0][pillar];
+    EXPECT_EQ(unit.touch_time, whole.units[0][pillar].touch_time);
+    EXPECT_EQ(unit.onset_time, labels.onset_time[pillar]);
+    EXPECT_EQ(unit.micro_onset_time, labels.micro_onset_time[pillar]);
+    EXPECT_EQ(unit.slip_distance, labels.slip_distance[last + pillar]);
+    EXPECT_EQ(unit.load, labels.force[3 * (last + pillar) + 2]);
+    EXPECT_EQ(unit.margin, labels.margin[last + pillar]);
+  }
+}
+
+// The centre pillar is pressed by 1 mm at the default 4 mm/s: it touches where the gap is used up, before the compression is reached.
+TEST(RunTrial, EachUnitHasItsTouch) {
+  const TrialResult result = run_trial(stage_scene({}), 0, Recording::outcome);
+  double earliest = std::numeric_limits<double>::infinity();
+  for (const UnitOutcome& unit : result.units[0]) earliest = std::min(earliest, unit.touch_time);
+  EXPECT_EQ(earliest, result.record.outcome.touch_time);
+  EXPECT_EQ(earliest, result.units[0][4].touch_time);  // the centre pillar is the tallest
+  EXPECT_GT(result.units[0][0].touch_time, earliest);
+}
+
+// 1e300 m/s, which the parser would refuse, for two seconds is a finite place for a double, but none for the float of a dataset.
+TEST(RunTrial, WhatIsNotFiniteIsRefused) {
+  Scene scene = stage_scene({{"motion.acceleration", "inf"}});
+  scene.motion.parameters.set("speed", 1e300);
+  for (const Recording recording : {Recording::full, Recording::outcome}) {
+    try {
+      run_trial(scene, 0, recording);
+      ADD_FAILURE() << "was not refused";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(" is not finite at "));
+      EXPECT_THAT(error.what(), testing::HasSubstr(": the scene's values are beyond what the bench can compute"));
+    }
+  }
 }
 
 // Onset of a pillar under a slide at speed v that starts at rest with acceleration a (closed form of PHYSICS, oracle 1, with the
 // ramp): the shear mu*f_n/k_t is reached at t = start + d/v + v/(2a), once v is reached.
 TEST(RunTrial, OnsetsFollowTheClosedForm) {
   const TrialRecord record =
-      run_trial(stage_scene({{"motion.speed", "4 mm/s"}, {"motion.acceleration", "1 m/s2"}, {"motion.compression", "1 mm"}}), 0,
-                Recording::full);
+      record_of(stage_scene({{"motion.speed", "4 mm/s"}, {"motion.acceleration", "1 m/s2"}, {"motion.compression", "1 mm"}}));
   const LabelRecord& labels = record.sensors[0].labels;
   double latest = 0.0;
   for (std::size_t pillar = 0; pillar < 9; ++pillar) {
@@ -67,8 +108,8 @@ TEST(RunTrial, OnsetsFollowTheClosedForm) {
 }
 
 TEST(RunTrial, SlowSensorsSampleEveryNthTick) {
-  const TrialRecord fast = run_trial(stage_scene({}), 0, Recording::full);
-  const TrialRecord slow = run_trial(stage_scene({{"sensors.pad.rate", "250 Hz"}, {"time_step", "1 ms"}}), 0, Recording::full);
+  const TrialRecord fast = record_of(stage_scene({}));
+  const TrialRecord slow = record_of(stage_scene({{"sensors.pad.rate", "250 Hz"}, {"time_step", "1 ms"}}));
   const SensorRecord& sensor = slow.sensors[0];
   ASSERT_EQ(sensor.time.size(), 1000U);
   EXPECT_EQ(slow.num_samples(), 1000U);
@@ -82,7 +123,7 @@ TEST(RunTrial, SlowSensorsSampleEveryNthTick) {
 }
 
 TEST(RunTrial, BodiesMoveAsTheSceneSays) {
-  const TrialRecord record = run_trial(stage_scene({{"motion.direction", "0 deg"}}), 0, Recording::full);
+  const TrialRecord record = record_of(stage_scene({{"motion.direction", "0 deg"}}));
   ASSERT_EQ(record.bodies.size(), 2U);
   const BodyRecord& pad = record.bodies[0];
   EXPECT_EQ(pad.name, "pad");
@@ -99,8 +140,8 @@ TEST(RunTrial, BodiesMoveAsTheSceneSays) {
 
 // Through more than half a turn the quaternion leaves the half-space in which it began: its sign must not jump there.
 TEST(RunTrial, QuaternionsAreContinuous) {
-  const TrialRecord record = run_trial(
-      stage_scene({{"motion.rotation", "360 deg/s"}, {"motion.angular_acceleration", "3600 deg/s2"}}), 0, Recording::full);
+  const TrialRecord record =
+      record_of(stage_scene({{"motion.rotation", "360 deg/s"}, {"motion.angular_acceleration", "3600 deg/s2"}}));
   const BodyRecord& pad = record.bodies[0];
   float least = 1.0F;
   for (std::size_t row = 1; row < record.num_samples(); ++row) {
@@ -125,8 +166,7 @@ TEST(RunTrial, RecordThatWouldFillTheMemoryIsRefused) {
 }
 
 TEST(RunTrial, SeveralSensorsAreRecordedSideBySide) {
-  const TrialRecord record =
-      run_trial(stage_scene({{"sensors.second", "{type: papillarray, rate: 500 Hz}"}}), 0, Recording::full);
+  const TrialRecord record = record_of(stage_scene({{"sensors.second", "{type: papillarray, rate: 500 Hz}"}}));
   ASSERT_EQ(record.sensors.size(), 2U);
   EXPECT_EQ(record.sensors[1].name, "second");
   EXPECT_EQ(record.sensors[0].time.size(), 4000U);

@@ -38,6 +38,8 @@ const axisOf = path => colourable.find(axis => axis.path === path);
 // Whether positive values span so much that a logarithmic axis shows them better. Angles never do.
 const wide = ([low, high], factor, unit) => unit !== 'rad' && low > 0 && high / low >= factor;
 const label = axis => sb.pathWord(axis.path) + (axis.unit ? ', ' + sb.symbol(axis.unit) : '');
+// A value that is there but not finite is "never" or "no limit".
+const endless = (axis, trial) => axis.numeric && axis.path in trial.params && trial.params[axis.path].value === null;
 const plain = (axis, value) => value === null ? '–' : axis.numeric ? sb.quantity(value, axis.unit, 3) : String(value);
 
 // Trials run with one sensor or several; the overview is of one of them.
@@ -51,16 +53,17 @@ function swept() {
     if (axis.numeric) distinct.sort((a, b) => a - b);
     const grid = distinct.length <= 24 && distinct.length < Math.max(3, values.length * 0.6);
     const list = grid && distinct.length <= 8;
-    const span = axis.numeric ? plain(axis, distinct[0]) + ' to ' + plain(axis, distinct[distinct.length - 1]) : '';
+    const span = axis.numeric && distinct.length ? plain(axis, distinct[0]) + ' to ' + plain(axis, distinct[distinct.length - 1]) : '';
     const text = list ? distinct.map(value => plain(axis, value)).join(', ') :
                         [grid || !span ? distinct.length + ' values' : '', span].filter(part => part).join(', ');
+    const more = page.trials.some(trial => endless(axis, trial)) ? (text ? ', ' : '') + sb.endless(axis.unit) : '';
     const cell = el('td.text');
-    if (axis.numeric) drawDots(cell, values, wide([distinct[0], distinct[distinct.length - 1]], 8, axis.unit));
+    if (axis.numeric && values.length) drawDots(cell, values, wide([distinct[0], distinct[distinct.length - 1]], 8, axis.unit));
     return el(
         'tr', {}, el('td.text', {title: axis.path}, el('b', {}, sb.pathWord(axis.path))),
-        el('td.text', {}, grid ? 'grid' : 'drawn'), el('td.text', {style: 'white-space:normal'}, text), cell);
+        el('td.text', {}, grid ? 'grid' : 'drawn'), el('td.text', {style: 'white-space:normal'}, text + more), cell);
   });
-  const same = constant.map(axis => sb.pathWord(axis.path) + ' ' + plain(axis, valueOf(page.trials[0], axis.path))).join(', ');
+  const same = constant.map(axis => sb.pathWord(axis.path) + ' ' + sb.parameter(page.trials[0].params[axis.path])).join(', ');
   return el(
       'section', {}, el('h2', {}, 'What was swept'),
       el('p.note', {},
@@ -395,7 +398,8 @@ function table(sensor, open) {
                     value: trial => valueOf(trial, axis.path),
                     text: trial => {
                       const value = valueOf(trial, axis.path);
-                      return value === null ? '–' :
+                      return endless(axis, trial) ? sb.endless(axis.unit) :
+                          value === null ? '–' :
                           axis.numeric      ? sb.significant(value * sb.factor(axis.unit), 3) :
                                               String(value);
                     },

@@ -95,15 +95,14 @@ class Pad {
                         .enter()
                         .append('text')
                         .attr('class', 'unit-label')
-                        .attr('x', i => xs[i])
-                        .attr('y', i => ys[i] - this.radius - 6)
-                        .attr('text-anchor', 'middle');
+                        .attr('y', i => ys[i] - this.radius - 6);
+      this.unitLabels = label;
       label.append('tspan').style('font-weight', 600).text(i => sb.unitName(recording.type, i));
       this.loads = label.append('tspan').attr('class', 'dim').attr('dx', 5);
     }
-    this.forceLength = 0.72 * pitch / Math.max(1e-12, recording.largest('labels/force', 0, 2));
+    this.forceLength = 0.5 * pitch / Math.max(1e-12, recording.largest('labels/force', 0, 2));
     const speed = recording.largest('labels/slip_velocity', 0, 2);
-    this.slipLength = speed > 0 ? 0.52 * pitch / speed : 0;
+    this.slipLength = speed > 0 ? 0.4 * pitch / speed : 0;
     this.drawKey(svg, speed);
   }
 
@@ -189,15 +188,35 @@ class Pad {
     }
     this.placeArrows(this.forces, 'labels/force', this.forceLength, sample);
     this.placeArrows(this.slips, 'labels/slip_velocity', this.slipLength, sample);
+    this.placeLabels(sample);
     const centre = [0, 1].map(c => recording.at('labels/slip_centre', 0, c, sample));
     const [x, y] = [this.x(centre), this.y(centre)];
     const inside = x > this.box.left && x < this.box.right && y > this.box.top && y < this.box.bottom;
     this.centre.style('display', inside ? null : 'none').attr('transform', inside ? 'translate(' + x + ',' + y + ')' : null);
   }
 
+  // A vector of a unit in px along X and Y of the pad.
+  vector(curve, length, i, sample) {
+    return [0, 1].map(c => (this.recording.at(curve, i, c, sample) || 0) * length);
+  }
+
+  // Each label stands above its unit, beside the arrow that points up there. Arrows are too short to reach a neighbour's.
+  placeLabels(sample) {
+    if (!this.labels) return;
+    const side = i => {
+      const arrows = [['labels/force', this.forceLength], ['labels/slip_velocity', this.slipLength]].map(
+          ([curve, length]) => this.vector(curve, length, i, sample));
+      const upward = arrows.find(([up]) => up > 0.5 * this.radius);
+      return upward ? (upward[1] >= 0 ? -1 : 1) : 0;
+    };
+    const sides = d3.range(this.recording.units).map(side);
+    this.unitLabels.attr('x', i => this.x(this.recording.positions[i]) + 4 * sides[i])
+        .attr('text-anchor', i => ['end', 'middle', 'start'][sides[i] + 1]);
+  }
+
   placeArrows(arrows, curve, length, sample) {
     const recording = this.recording;
-    const vector = i => [0, 1].map(c => (recording.at(curve, i, c, sample) || 0) * length);
+    const vector = i => this.vector(curve, length, i, sample);
     arrows.attr('x1', i => this.x(recording.positions[i]))
         .attr('y1', i => this.y(recording.positions[i]))
         .attr('x2', i => this.x(recording.positions[i]) + vector(i)[1])

@@ -91,7 +91,10 @@ const pathWords = {
   'surface.material': 'material'
 };
 sb.pathWord = path => pathWords[path] || path;
+// What a time or another value that is infinite means.
+sb.endless = unit => unit === 's' ? 'never' : 'no limit';
 sb.parameter = (plain, digits) => plain === undefined ? missing :
+    plain.value === null                              ? sb.endless(plain.unit) :
     'value' in plain                                  ? sb.quantity(plain.value, plain.unit, digits) :
                                                         plain.text;
 

@@ -1,0 +1,77 @@
+#include "tools/export/commanded_motion.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "sim/motion/motion.h"
+#include "sim/scene/yaml_tree.h"
+
+namespace slipbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json object_of(const std::string& text, const std::string& subject) {
+  Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object()) throw InputError(subject + " is not a JSON object");
+  return json;
+}
+
+// The scene as it was run, but for what was swept.
+YamlNode scene_tree(const DatasetReader& reader) {
+  const std::string file = reader.files().front();
+  YamlNode root = parse_yaml(reader.header().scene, file + ": scene", true);
+  if (root.kind != YamlNode::Kind::map) throw InputError(file + ": attribute scene is not a scene");
+  const Json overrides = object_of(reader.header().overrides, file + ": attribute overrides");
+  for (const auto& [path, value] : overrides.items()) {
+    if (!value.is_string()) throw InputError(file + ": attribute overrides holds no text for " + path);
+    const YamlNode node = parse_yaml(value.get<std::string>(), "--set " + path, false);
+    const std::vector<std::string> parts = split_path(path, node.origin);
+    if (parts.front() != "sweep") assign(place_at(root, parts, node.origin), node);
+  }
+  return root;
+}
+
+const Entry& motion_of(const YamlNode& root, const std::string& file) {
+  const YamlNode* kind = node_at(root, std::vector<std::string>{"motion", "kind"});
+  const std::string name = kind != nullptr ? kind->text : "stage";
+  for (const MotionKind& candidate : motion_catalogue()) {
+    if (candidate.about.name == name) return candidate.about;
+  }
+  throw InputError(fmt::format("{}: attribute scene has the motion '{}', which this program does not know", file, name));
+}
+
+double value_of(const std::string& name, const Json& swept, const YamlNode& root, const Entry& motion, const std::string& file) {
+  const auto spec = std::find_if(motion.parameters.begin(), motion.parameters.end(),
+                                 [&](const ParameterSpec& candidate) { return candidate.name == name; });
+  if (spec == motion.parameters.end() || spec->type != ParameterType::number) {
+    throw InputError(fmt::format("{}: its motion '{}' has no {}, which the file's name tells", file, motion.name, name));
+  }
+  if (const auto found = swept.find("motion." + name); found != swept.end() && found->is_number()) return found->get<double>();
+  const YamlNode* written = node_at(root, std::vector<std::string>{"motion", name});
+  if (written == nullptr) return std::get<double>(default_of(*spec));
+  try {
+    return std::get<double>(parse_scalar(*spec, written->text));
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("{}: motion.{}: {}", written->origin.text(), name, error.what()));
+  }
+}
+
+}  // namespace
+
+CommandedMotion commanded_motion(const DatasetReader& reader, std::size_t trial) {
+  const std::string file = reader.files()[reader.file_of(trial)];
+  const Json swept = object_of(reader.info(trial).params, fmt::format("{}: trial {}: attribute params", file, trial));
+  const YamlNode root = scene_tree(reader);
+  const Entry& motion = motion_of(root, file);
+  return {value_of("speed", swept, root, motion, file), value_of("rotation", swept, root, motion, file)};
+}
+
+}  // namespace slipbench
