@@ -38,10 +38,7 @@ auto parse_name(const Table& table, const std::string& name, const char* what) {
   for (const auto& [known, value] : table) {
     if (name == known) return value;
   }
-  const std::vector<std::string> names = names_of(table);
-  const std::string nearest = nearest_name(name, names);
-  throw InputError(fmt::format("unknown {} '{}'{}; allowed: {}", what, name,
-                               nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest), fmt::join(names, ", ")));
+  throw InputError(fmt::format("unknown {} '{}'{}", what, name, allowed_names(name, names_of(table))));
 }
 
 void make_folder(const std::string& path) {

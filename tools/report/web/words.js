@@ -85,6 +85,7 @@ const pathWords = {
   'motion.pivot': 'pivot',
   'motion.stop': 'stop',
   'motion.acceleration': 'acceleration',
+  'motion.angular_acceleration': 'angular acceleration',
   'friction.static': 'static friction',
   'friction.kinetic': 'kinetic friction',
   'friction.scale': 'friction scale',
