@@ -20,14 +20,15 @@ enum class UnitState : std::uint8_t {
 enum class PadState : std::uint8_t { no_contact = 0, non_slip = 1, incipient = 2, gross = 3 };
 
 // Kind of an event of a unit. Values are those of the dataset (events/kind). Events tell every change of a unit's state: after touch and
-// stick it sticks, after micro a part of it slips, after slip all of it, after detach it is detached. A unit that lets go as a whole
-// reports micro and slip at the same time.
+// stick it sticks, after micro and part_sticks a part of it slips, after slip all of it, after detach it is detached. A unit that lets
+// go as a whole reports micro and slip at the same time.
 enum class EventKind : std::uint8_t {
   touch = 0,
   slip = 1,   // the unit begins to slip as a whole
   stick = 2,  // no part of it slips any more, still touching
   detach = 3,
-  micro = 4,  // a part of it begins to slip, or a part of it has stopped
+  micro = 4,        // a first part of it begins to slip
+  part_sticks = 5,  // it slipped as a whole, and a part of it sticks again
 };
 
 // Something that happened to a unit inside the last step.

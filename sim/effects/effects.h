@@ -1,9 +1,17 @@
 // Every effect's declaration; each is defined in the file of its name.
 #pragma once
 
+#include <limits>
+
 #include "sim/effects/catalogue.h"
 
 namespace slipbench {
+
+// The longest step [s] that sees every wave of `wavelength` [m] 16 times when it passes at `speed` [m/s].
+inline double step_per_wave(double wavelength, double speed) {
+  constexpr double samples_per_wave = 16.0;
+  return speed > 0.0 ? wavelength / (samples_per_wave * speed) : std::numeric_limits<double>::infinity();
+}
 
 EffectKind ageing();
 EffectKind anisotropic_friction();

@@ -65,7 +65,9 @@ class RandomMap {
 class PatchyFriction final : public FrictionEffect {
  public:
   PatchyFriction(const Parameters& p, const EffectContext& context)
-      : sd_(p.number("sd")), map_(p.number("shortest"), p.number("longest"), context.stream("patchy_friction")) {}
+      : sd_(p.number("sd")),
+        shortest_(p.number("shortest")),
+        map_(shortest_, p.number("longest"), context.stream("patchy_friction")) {}
 
   void scale(const ElementColumns& elements, double* mu_s, double* mu_k) override {
     for (std::size_t i = 0; i < elements.count; ++i) {
@@ -75,8 +77,10 @@ class PatchyFriction final : public FrictionEffect {
     }
   }
 
+  [[nodiscard]] double longest_step(double speed) const override { return step_per_wave(shortest_, speed); }
+
  private:
-  double sd_;
+  double sd_, shortest_;
   RandomMap map_;
 };
 

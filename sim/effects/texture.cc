@@ -1,5 +1,4 @@
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "sim/core/error.h"
@@ -7,9 +6,6 @@
 
 namespace slipbench {
 namespace {
-
-// A wave must be seen at least this often a period.
-constexpr double samples_per_wave = 16.0;
 
 class Texture final : public SurfaceEffect {
  public:
@@ -25,9 +21,7 @@ class Texture final : public SurfaceEffect {
     }
   }
 
-  [[nodiscard]] double longest_step(double speed) const override {
-    return speed > 0.0 ? wavelength_ / (samples_per_wave * speed) : std::numeric_limits<double>::infinity();
-  }
+  [[nodiscard]] double longest_step(double speed) const override { return step_per_wave(wavelength_, speed); }
 
  private:
   double height_, wavelength_, kx_, ky_;

@@ -26,10 +26,10 @@ PadState pad_state(std::size_t touching, std::size_t slipping) {
 ContactLabels::ContactLabels(const Field& field) : units_(field.layout().units), counts_(units_.size()) {
   const auto n = static_cast<Eigen::Index>(units_.size());
   unit_of_element_.resize(field.size());
-  undeformed_.resize(2, n);
+  undeformed_.resize(3, n);
   for (std::size_t u = 0; u < units_.size(); ++u) {
-    Eigen::Array2d sum(0.0, 0.0);
-    for (std::size_t i = 0; i < units_[u].count; ++i) sum += field.layout().elements[units_[u].first + i].tip.head<2>().array();
+    Eigen::Array3d sum(0.0, 0.0, 0.0);
+    for (std::size_t i = 0; i < units_[u].count; ++i) sum += field.layout().elements[units_[u].first + i].tip.array();
     shares_.push_back(1.0 / static_cast<double>(units_[u].count));
     undeformed_.col(static_cast<Eigen::Index>(u)) = shares_[u] * sum;
     for (std::size_t i = 0; i < units_[u].count; ++i) unit_of_element_[units_[u].first + i] = static_cast<std::uint32_t>(u);
@@ -49,7 +49,7 @@ const ContactFrame& ContactLabels::update(Field& field, double time, double dt) 
   frame_.time = time;
   sum_units(field, dt);
   judge_pad();
-  fit_slip_motion(dt);
+  fit_slip_motion(field.on_plane(), dt);
   frame_.events.clear();
   if (!field.events().empty()) collect_events(field, time, dt);
   return frame_;
@@ -58,10 +58,14 @@ const ContactFrame& ContactLabels::update(Field& field, double time, double dt) 
 void ContactLabels::ContactPlane::face(const Eigen::Vector3d& normal) {
   if (normal == normal_) return;
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d middle = normal + z;
   normal_ = normal;
-  turn_ = Eigen::Matrix3d::Identity() - middle * middle.transpose() / (1.0 + normal.z()) + 2.0 * z * normal.transpose();
   level_ = normal == z;
+  if (normal == -z) {  // all half turns are as short: the one about X
+    turn_ = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
+    return;
+  }
+  const Eigen::Vector3d middle = normal + z;
+  turn_ = Eigen::Matrix3d::Identity() - middle * middle.transpose() / (1.0 + normal.z()) + 2.0 * z * normal.transpose();
 }
 
 void ContactLabels::sum_units(Field& field, double dt) {
@@ -120,22 +124,26 @@ void ContactLabels::judge_pad() {
   frame_.stuck_fraction = touching == 0 ? nan : static_cast<double>(sticking_elements_) / static_cast<double>(touching_elements_);
 }
 
-void ContactLabels::fit_slip_motion(double dt) {
+// The rigid motion is one in the plane that all units touch; on a curved surface, where each has its own, in the pad's.
+void ContactLabels::fit_slip_motion(bool on_plane, double dt) {
   frame_.slip_direction = nan;
   frame_.slip_centre.setConstant(nan);
   if (frame_.state_micro == PadState::no_contact || frame_.state_micro == PadState::non_slip) return;
 
   double n = 0.0, fastest = 0.0;
-  double x_sum = 0.0, y_sum = 0.0, vx_sum = 0.0, vy_sum = 0.0, moment_sum = 0.0, spread_sum = 0.0;
+  double x_sum = 0.0, y_sum = 0.0, z_sum = 0.0, vx_sum = 0.0, vy_sum = 0.0, moment_sum = 0.0, spread_sum = 0.0;
   for (std::size_t u = 0; u < units_.size(); ++u) {
     if (frame_.unit_state[u] != UnitState::slip && frame_.unit_state[u] != UnitState::partial) continue;
     const auto c = static_cast<Eigen::Index>(u);
     // The slipping tips are where the load has bent them to: in a steady turn they trail on smaller circles than their roots.
-    const double x = undeformed_(0, c) + frame_.displacement(0, c), y = undeformed_(1, c) + frame_.displacement(1, c);
+    const Eigen::Vector3d in_pad = undeformed_.col(c) + frame_.displacement.col(c);
+    const Eigen::Vector3d tip = on_plane ? contact_plane_.turned(in_pad) : in_pad;
+    const double x = tip.x(), y = tip.y();
     const double vx = frame_.slip_velocity(0, c), vy = frame_.slip_velocity(1, c);
     n += 1.0;
     x_sum += x;
     y_sum += y;
+    z_sum += tip.z();
     vx_sum += vx;
     vy_sum += vy;
     moment_sum += x * vy - y * vx;
@@ -150,7 +158,9 @@ void ContactLabels::fit_slip_motion(double dt) {
   const double rate = n > 1.0 && spread > 0.0 ? moment / spread : 0.0;  // rad/s
   if (speed > negligible * fastest) frame_.slip_direction = std::atan2(mean_velocity.y(), mean_velocity.x());
   if (std::abs(rate) * std::sqrt(spread) > negligible * fastest) {
-    frame_.slip_centre = mean_position + Eigen::Array2d(-mean_velocity.y(), mean_velocity.x()) / rate;
+    const Eigen::Array2d centre = mean_position + Eigen::Array2d(-mean_velocity.y(), mean_velocity.x()) / rate;
+    const Eigen::Vector3d in_plane(centre.x(), centre.y(), z_sum / n);
+    frame_.slip_centre = (on_plane ? contact_plane_.turned_back(in_plane) : in_plane).head<2>().array();
     frame_.slip_angle += rate * dt;
   }
 }
@@ -181,7 +191,8 @@ void ContactLabels::collect_events(const Field& field, double time, double dt) {
     const bool slipped = before.touching > 0 && before.slipping == before.touching;
     const bool slips = now.touching > 0 && now.slipping == now.touching;
     if (before.touching == 0 && now.touching > 0) report(EventKind::touch);
-    if (now.slipping > 0 && (before.slipping == 0 || (slipped && !slips))) report(EventKind::micro);
+    if (now.slipping > 0 && before.slipping == 0) report(EventKind::micro);
+    if (now.slipping > 0 && slipped && !slips) report(EventKind::part_sticks);
     if (slips && !slipped) report(EventKind::slip);
     if (before.slipping > 0 && now.slipping == 0 && now.touching > 0) report(EventKind::stick);
     if (before.touching > 0 && now.touching == 0) report(EventKind::detach);

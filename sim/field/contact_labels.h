@@ -31,6 +31,7 @@ class ContactLabels {
    public:
     void face(const Eigen::Vector3d& normal);
     [[nodiscard]] Eigen::Vector3d turned(const Eigen::Vector3d& v) const { return level_ ? v : turn_ * v; }
+    [[nodiscard]] Eigen::Vector3d turned_back(const Eigen::Vector3d& v) const { return level_ ? v : turn_.transpose() * v; }
 
    private:
     Eigen::Vector3d normal_ = Eigen::Vector3d::UnitZ();
@@ -40,13 +41,13 @@ class ContactLabels {
 
   void sum_units(Field& field, double dt);
   void judge_pad();
-  void fit_slip_motion(double dt);
+  void fit_slip_motion(bool on_plane, double dt);
   void collect_events(const Field& field, double time, double dt);
 
   std::vector<UnitRange> units_;
   std::vector<double> shares_;  // 1/elements of the unit
   std::vector<std::uint32_t> unit_of_element_;
-  Eigen::Array2Xd undeformed_;     // [2,N] m, mean of a unit's undeformed tips in P
+  Eigen::Array3Xd undeformed_;     // [3,N] m, mean of a unit's undeformed tips in P
   std::vector<UnitCount> counts_;  // as of the last event
   std::vector<ElementEvent> in_order_;
   ContactPlane contact_plane_;

@@ -71,17 +71,42 @@ double longest_step(const FieldEffects& effects, double speed) {
   return longest;
 }
 
-// Depth of the deepest tip inside the surface [m]; 0 when all are outside.
-double deepest(const PadLayout& pad, const Surface& shape, const Pose& pad_in_surface) {
+// Depth of the deepest tip inside the surface with its texture [m]; 0 when all are outside.
+double deepest(const PadLayout& pad, const Surface& shape, const FieldEffects& effects, const Pose& pad_in_surface) {
   double depth = 0.0;
   for (const Element& element : pad.elements) {
     const Eigen::Vector3d tip = pad_in_surface * element.tip;
     const Eigen::Vector3d axis = pad_in_surface.rotation * element.axis;
     const SurfacePoint met =
         std::visit([&](const auto& s) { return s.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z()); }, shape);
-    depth = std::max(depth, -met.gap);
+    const double x = tip.x() - met.gap * met.nx, y = tip.y() - met.gap * met.ny;
+    double gap = met.gap;
+    for (const auto& effect : effects.surface) effect->displace(1, &x, &y, &met.nz, &gap);
+    depth = std::max(depth, -gap);
   }
   return depth;
+}
+
+// How deep a tip may be in a shape until the far side is nearer than the one by which it came in [m].
+struct HalfThickness {
+  double operator()(const Plane&) const { return std::numeric_limits<double>::infinity(); }
+  double operator()(const Box& box) const { return box.half.minCoeff(); }
+  double operator()(const Cylinder& cylinder) const { return std::min(cylinder.radius, cylinder.half_length); }
+  double operator()(const Sphere& sphere) const { return sphere.radius; }
+};
+
+// An element of a pad deeper than that would come out on the far side without having let go.
+void refuse_too_deep(const Field& field, double half_thickness, double time) {
+  constexpr double margin = 0.9;  // of the half thickness: a step must not lead over the rest of it
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    if (field.penetration(i) > margin * half_thickness) {
+      throw InputError(
+          fmt::format("surface: at {} the pad is {} deep in a shape whose half thickness is {}; allowed: up to {} % of that, "
+                      "by a larger shape or less motion.compression",
+                      format_quantity(time, Quantity::time), format_quantity(field.penetration(i), Quantity::length),
+                      format_quantity(half_thickness, Quantity::length), 100.0 * margin));
+    }
+  }
 }
 
 }  // namespace
@@ -95,6 +120,7 @@ struct Testbench::State {
 
   std::unique_ptr<Motion> motion;
   Pose world_in_surface;
+  double half_thickness = 0.0;  // m, of the surface's shape
   std::vector<Pad> pads;
   std::vector<NamedBody> bodies;
   double dt = 0.0;
@@ -112,15 +138,7 @@ Testbench::Testbench(const Scene& scene, std::span<const PadLayout* const> pads,
   s.motion = kind_named(motion_catalogue(), scene.motion.name).create(scene.motion.parameters);
   const PlacedSurface surface = kind_named(surface_catalogue(), scene.surface.name).create(scene.surface.parameters);
   s.world_in_surface = surface.pose.inverse();
-
-  for (const PadLayout* pad : pads) {
-    const double depth = deepest(*pad, surface.shape, s.world_in_surface * s.motion->pad_at(0.0).pose);
-    if (depth > 0.0) {
-      throw SceneValueError("motion.gap",
-                            fmt::format("the tilted pad begins {} inside the surface; allowed: a gap that is larger by that",
-                                        format_quantity(depth, Quantity::length)));
-    }
-  }
+  s.half_thickness = std::visit(HalfThickness{}, surface.shape);
 
   double longest = std::numeric_limits<double>::infinity();
   std::vector<FieldEffects> effects(pads.size());
@@ -128,6 +146,12 @@ Testbench::Testbench(const Scene& scene, std::span<const PadLayout* const> pads,
     const EffectContext context = context_for(*pads[i], surface.shape, scene.seed, trial);
     for (const Named& effect : scene.effects) {
       kind_named(effect_catalogue(), effect.name).install(effect.parameters, context, effects[i]);
+    }
+    const double depth = deepest(*pads[i], surface.shape, effects[i], s.world_in_surface * s.motion->pad_at(0.0).pose);
+    if (depth > 0.0) {
+      throw SceneValueError("motion.gap",
+                            fmt::format("the pad begins {} inside the surface; allowed: a gap that is larger by that",
+                                        format_quantity(depth, Quantity::length)));
     }
     longest = std::min(longest, longest_step(effects[i], s.motion->top_speed(reach_of(*pads[i]))));
   }
@@ -193,6 +217,7 @@ void Testbench::step() {
   const Pose pad_in_surface = s.world_in_surface * s.bodies.front().state.pose;
   for (State::Pad& pad : s.pads) {
     pad.field.step(pad_in_surface, s.dt);
+    if (!pad.field.on_plane()) refuse_too_deep(pad.field, s.half_thickness, time);
     pad.labels.update(pad.field, time, s.dt);
   }
   ++s.tick;

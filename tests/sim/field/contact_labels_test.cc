@@ -236,21 +236,31 @@ TEST(ContactLabels, EventsTellEveryChangeOfAUnitsState) {
   // To and fro in several directions, off and on again: after each step the last event of a unit names its state.
   Rig rig(row({six_weights, {1.0}, six_weights}), {0.6, 0.4}, 1e-3);
   std::vector<UnitState> told(3, UnitState::detached);
-  std::size_t read = 0, changes = 0;
+  std::size_t read = 0, changes = 0, again = 0;
   for (int k = 0; k < 12000; ++k) {
     const double t = 1e-3 * k;
     const ContactFrame& frame = rig.to(at(4e-3 * std::sin(23.0 * t), 3e-3 * std::sin(14.3 * t), -0.8e-3 * std::sin(1.1 * t)));
     for (; read < rig.events.size(); ++read) {
       const ContactEvent& event = rig.events[read];
-      told[event.unit] = event.kind == EventKind::detach  ? UnitState::detached
-                         : event.kind == EventKind::slip  ? UnitState::slip
-                         : event.kind == EventKind::micro ? UnitState::partial
-                                                          : UnitState::stick;
+      // A first part slips only of a unit of which nothing did; a part sticks again only of one that slipped as a whole.
+      if (event.kind == EventKind::micro) {
+        EXPECT_EQ(told[event.unit], UnitState::stick) << "t " << t;
+      }
+      if (event.kind == EventKind::part_sticks) {
+        EXPECT_EQ(told[event.unit], UnitState::slip) << "t " << t;
+      }
+      again += event.kind == EventKind::part_sticks ? 1 : 0;
+      told[event.unit] = event.kind == EventKind::detach        ? UnitState::detached
+                         : event.kind == EventKind::slip        ? UnitState::slip
+                         : event.kind == EventKind::micro       ? UnitState::partial
+                         : event.kind == EventKind::part_sticks ? UnitState::partial
+                                                                : UnitState::stick;
       ++changes;
     }
     ASSERT_EQ(told, frame.unit_state) << "t " << t;
   }
   EXPECT_GT(changes, 100U);
+  EXPECT_GT(again, 0U);
 }
 
 TEST(ContactLabels, BristlesThatLetGoTogetherReportNoSlip) {
@@ -313,6 +323,58 @@ TEST(ContactLabels, TiltedPadObeysTheConeInTheContactPlane) {
   // The shortest turn onto the normal is that about X, so the contact plane's axes are the world's.
   EXPECT_NEAR(frame.contact_force(0, 0), -0.6 * mu * f_n, 1e-12);
   EXPECT_NEAR(frame.contact_force(1, 0), y, 1e-12);
+}
+
+TEST(ContactLabels, SlipOfATiltedPadIsTheTurnThatTheBenchMakes) {
+  // The plane's normal is the world's Z, about which the bench turns a pad that stands at 25 degrees to it, through the plane point
+  // c = (5, 2) mm. In P the turn's axis is R' z: its rate in the contact plane is the bench's, and the centre is the point of the axis that is
+  // as high as the slipping tips, seen in P: R' (c + h z - p), with p the pad's origin and h = 0, where the tips meet the plane.
+  const double tilt = 25.0 * pi / 180.0, rate = 0.35, step = 1e-3;
+  const Eigen::Vector3d centre(5e-3, 2e-3, 0.0);
+  const Eigen::Matrix3d tilted = Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  PadLayout pad;
+  for (const double x : {-4e-3, 0.0, 4e-3}) {
+    for (const double y : {-1e-3, 0.0, 1e-3}) {
+      Element element;
+      // Tips of equal depth under the tilted pad: they lie in a plane that is level in the world.
+      element.tip = tilted.transpose() * Eigen::Vector3d(x, y, 0.0);
+      element.k_normal = k_n;
+      element.k_tangential = k_t;
+      pad.units.push_back({pad.elements.size(), 1});
+      pad.elements.push_back(element);
+    }
+  }
+  Rig rig(pad, {0.05, 0.05}, step);
+  double before = 0.0;
+  for (int k = 0; k <= 4000; ++k) {
+    Pose pose;
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(rate * step * k, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    pose.rotation = turn * tilted;
+    pose.position = centre - turn * centre - Eigen::Vector3d(0.0, 0.0, 0.1e-3);
+    before = rig.labels.frame().slip_angle;
+    rig.to(pose);
+    if (k < 4000) continue;
+    const ContactFrame& frame = rig.labels.frame();
+    ASSERT_EQ(frame.state, PadState::gross);
+    // Chords of a step are shorter than arcs by (rate step)^2/24 = 5e-9.
+    EXPECT_NEAR((frame.slip_angle - before) / step, rate, 1e-7 * rate);
+    const Eigen::Vector3d expected = pose.rotation.transpose() * (centre - pose.position);
+    EXPECT_NEAR(frame.slip_centre.x(), expected.x(), 1e-6);
+    EXPECT_NEAR(frame.slip_centre.y(), expected.y(), 1e-6);
+  }
+}
+
+TEST(ContactLabels, UnitsThatLookAwayFromTheSurfaceHaveNoForce) {
+  // Past the middle of a plate the nearest face of the element is the far one, whose normal is -Z: nothing touches, nothing is NaN.
+  Field field(row({{1.0}}), Box{{20e-3, 20e-3, 0.5e-3}}, {0.5, 0.5});
+  ContactLabels labels(field);
+  for (int k = 0; k < 3; ++k) {
+    field.step(at(0.0, 0.0, -0.2e-3), 1e-3);
+    const ContactFrame& frame = labels.update(field, 1e-3 * k, 1e-3);
+    EXPECT_EQ(frame.unit_state[0], UnitState::detached);
+    EXPECT_TRUE((frame.contact_force == 0.0).all());
+    EXPECT_TRUE((frame.slip_velocity == 0.0).all());
+  }
 }
 
 TEST(ContactLabels, SlippedDistanceIsTheMeanOfAUnitsElements) {

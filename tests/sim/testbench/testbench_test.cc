@@ -147,7 +147,18 @@ TEST(Testbench, RefusesWhatItCannotDo) {
   // closer by cos(0.3): the edge at 0.5 - 2.07 + 0.19 = -1.38 mm is deepest.
   asked = scene();
   asked.motion.parameters.set("tilt", std::vector{0.3, 0.0});
-  EXPECT_EQ(refusal(asked, {1000.0}).find("motion.gap: the tilted pad begins 1.37"), 0U) << refusal(asked, {1000.0});
+  EXPECT_EQ(refusal(asked, {1000.0}).find("motion.gap: the pad begins 1.37"), 0U) << refusal(asked, {1000.0});
+
+  // A crest of 5 mm stands 7 mm beside the middle (a quarter of the wavelength), under an edge pillar that is 0.5 + 0.2 mm above the plane.
+  asked = scene();
+  asked.effects = {named(effect_catalogue(), "texture", {{"height", 5e-3}, {"wavelength", 28e-3}})};
+  EXPECT_EQ(refusal(asked, {1000.0}),
+            "motion.gap: the pad begins 4.3 mm inside the surface; allowed: a gap that is larger by that");
+
+  // Patches of 40 um under 4 mm/s down and 4 mm/s sideways: 40 um/(16 x 8 mm/s) = 312.5 us.
+  asked = scene();
+  asked.effects = {named(effect_catalogue(), "patchy_friction", {{"shortest", 40e-6}, {"longest", 40e-6}})};
+  EXPECT_EQ(refusal(asked, {1000.0}), "time_step: 1 ms is too long for the scene's effects; allowed are up to 312.5 us");
 
   asked = scene(1, {{"start", 0.1}});
   EXPECT_NE(refusal(asked, {1000.0}).find("motion.start"), std::string::npos);
@@ -155,6 +166,25 @@ TEST(Testbench, RefusesWhatItCannotDo) {
   asked.surface = named(surface_catalogue(), "sphere");
   asked.effects = {named(effect_catalogue(), "patchy_friction")};
   EXPECT_NE(refusal(asked, {1000.0}).find("needs a flat surface"), std::string::npos);
+}
+
+TEST(Testbench, RefusesToPressThroughAShape) {
+  // 1 mm into a plate of 1.5 mm: past 0.75 mm the far face is the nearer one. 0.9 of that, 0.675 mm, is reached on the way.
+  Scene asked = scene();
+  asked.surface = named(surface_catalogue(), "box", {{"size", std::vector{60e-3, 60e-3, 1.5e-3}}});
+  Testbench thin = bench(asked, {&pillars}, {1000.0});
+  try {
+    for (std::size_t tick = 0; tick < thin.ticks(); ++tick) thin.step();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("deep in a shape whose half thickness is 750 um; allowed: up to 90 % of that"),
+              std::string::npos)
+        << error.what();
+  }
+  asked.surface = named(surface_catalogue(), "box", {{"size", std::vector{60e-3, 60e-3, 2.5e-3}}});  // 0.9 x 1.25 mm > 1 mm
+  Testbench thick = bench(asked, {&pillars}, {1000.0});
+  for (std::size_t tick = 0; tick < thick.ticks(); ++tick) thick.step();
+  EXPECT_EQ(thick.contact(0).state, PadState::gross);
 }
 
 TEST(Testbench, TrialAndSeedKeyTheEffectsDraws) {
