@@ -36,6 +36,7 @@ class SceneFile {
 
   [[nodiscard]] const std::string& text() const { return text_; }  // as read, without overrides
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const YamlNode& root() const { return *root_; }  // with overrides
 
  private:
   friend class TrialPlan;

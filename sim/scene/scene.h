@@ -44,6 +44,7 @@ struct Scene {
   Named motion;  // name is the kind: stage
   std::vector<SensorScene> sensors;
   std::vector<Named> effects;
+  bool expects = false;  // it says under `expect` what must come out
 };
 
 }  // namespace slipbench

@@ -104,12 +104,9 @@ class SceneReader {
 
   Scene read(const YamlNode& root) {
     require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
-    if (const YamlNode* node = root.find("expect")) {
-      fail(node->key_origin, "expect is read by `slipbench check`, which this version does not have; leave it out");
-    }
     check_keys(root, "the scene",
-               {"controller", "description", "detector", "duration", "effects", "fidelity", "friction", "motion", "seed",
-                "sensors", "slipbench", "surface", "sweep", "time_step"});
+               {"controller", "description", "detector", "duration", "effects", "expect", "fidelity", "friction", "motion",
+                "seed", "sensors", "slipbench", "surface", "sweep", "time_step"});
     read_version(root);
     root_origin_ = root.origin;
     Scene scene;
@@ -125,6 +122,11 @@ class SceneReader {
     scene.effects = read_list(root.find("effects"), "effects", catalogues_.effects, "effect");
     read_loop_part(root.find("detector"), "detector", detector_types);
     read_loop_part(root.find("controller"), "controller", controller_types);
+    // What it says is the business of `slipbench check`.
+    if (const YamlNode* node = root.find("expect")) {
+      require_map(*node, "expect", "what must come out, such as 'gross_slip_by: 1.0 s'");
+      scene.expects = !node->children.empty();
+    }
     return scene;
   }
 

@@ -102,6 +102,10 @@ class ChecksTest(unittest.TestCase):
     def test_marker(self):
         self.assert_found("no_leftovers", "sim/core/d.h", "// TO" "DO: more\n", ":1:", "marker")
 
+    def test_unfilled_place(self):
+        self.plant("cmake/config.cmake.in", "set(root @ROOT@)\n")
+        self.assert_found("no_leftovers", "sim/core/README.md", "# sim/core\n\nMail a@b.c and d@e.f. Takes @TIME_" "2@ s.\n", ":3:", "@TIME_" "2@")
+
     def test_code_in_comment(self):
         self.assert_found("no_leftovers", "sim/core/d.cc", "int a;\n// int b = 1;\n", ":2:", "code in a comment")
 

@@ -1,4 +1,4 @@
-"""No markers of unfinished work, no code in comments, no source over 600 lines, no file over 1 MB."""
+"""No markers of unfinished work, no unfilled places in texts, no code in comments, no source over 600 lines, no file over 1 MB."""
 
 import re
 from pathlib import Path
@@ -7,6 +7,7 @@ from tree import lines_of, main, project_files
 
 # Brackets keep the patterns from finding themselves.
 MARKER = re.compile(r"\b(T[O]DO|FI[X]ME|X[X]X|HA[C]K)\b")
+PLACEHOLDER = re.compile(r"@[A-Z][A-Z0-9_]*@")  # CMake fills such places in its *.in files; nothing fills them in a text
 SLASH_CODE = re.compile(r"^\s*//(?!/).*[;{]\s*$|^\s*//\s*}|^\s*//\s*#\s*(include|define|if)\b|^\s*#\s*if\s+0\b")
 HASH_CODE = re.compile(r"^\s*#\s*(import \w+|from \w+ import|def \w+\(|return\b.*\)|print\(.*\)|\w+\(.*\)|\w+ = \w+\(.*\))\s*$")
 COMMENTED_CODE = {".h": SLASH_CODE, ".cc": SLASH_CODE, ".js": SLASH_CODE, ".py": HASH_CODE, ".sh": HASH_CODE}
@@ -21,6 +22,10 @@ def check(root):
         if size > MAX_BYTES:
             yield f"{path}: {size} bytes, at most {MAX_BYTES} are allowed"
             continue
+        if path.suffix == ".md":
+            for number, line in lines_of(root, path):
+                for placeholder in PLACEHOLDER.findall(line):
+                    yield f"{path}:{number}: unfilled place: {placeholder}"
         if path.suffix not in SOURCES or "corpus" in path.parts:
             continue
         number = 0

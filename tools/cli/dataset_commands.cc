@@ -31,7 +31,7 @@ int export_command(const Options& options) {
   ExportOptions exporting;
   exporting.format = options.format;
   exporting.slip_rule = options.slip_rule;
-  if (options.label_speed) exporting.label_speed = *options.label_speed;
+  exporting.label_speed = options.label_speed;
   exporting.sensor = options.sensor;
   exporting.trial = options.trial;
   const std::vector<std::string> files = export_dataset(options.dataset, options.output, exporting);

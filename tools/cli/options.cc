@@ -78,15 +78,18 @@ Exit status 0 when everything required is there, 1 otherwise, with the command t
 // The footers above begin with a line end, which is there for the source only.
 std::string footer_text(std::string_view footer) { return std::string(footer.substr(1)); }
 
-// Reads a whole number of at least `min`.
+// More threads than any machine has use for: each takes an address space of megabytes, so that thousands find no room.
+constexpr std::size_t max_jobs = 1024;
+
+// Reads a whole number from `min` to `max`.
 template <class Integer>
-Integer parse_integer(const std::string& command, const std::string& option, const std::string& text, Integer min) {
+Integer parse_integer(const std::string& command, const std::string& option, const std::string& text, Integer min,
+                      Integer max = std::numeric_limits<Integer>::max()) {
   Integer value{};
   const char* const end = text.data() + text.size();
   const auto [stop, status] = std::from_chars(text.data(), end, value);
-  if (status != std::errc{} || stop != end || text.empty() || value < min) {
-    throw InputError(fmt::format("{}: {} is '{}'; allowed: a whole number from {} to {}", command, option, text, min,
-                                 std::numeric_limits<Integer>::max()));
+  if (status != std::errc{} || stop != end || text.empty() || value < min || value > max) {
+    throw InputError(fmt::format("{}: {} is '{}'; allowed: a whole number from {} to {}", command, option, text, min, max));
   }
   return value;
 }
@@ -167,7 +170,7 @@ void Parser::simulation(const char* name, const char* summary, std::string_view 
       ->allow_extra_args(false);
   sub->add_option("--seed", seed, "Seed of all random draws (default: the scene's own)")->option_text("N");
   sub->add_option("--trials", trials, trials_help)->option_text("N");
-  sub->add_option("--jobs", jobs, "Worker threads (default: one a hardware thread)")->option_text("N");
+  sub->add_option("--jobs", jobs, "Worker threads, 1 to 1024 (default: one a hardware thread)")->option_text("N");
   sub->add_option("-o,--output", output, "Write the dataset (HDF5)")->option_text("FILE.h5");
   sub->add_flag("--quiet", options.quiet, "No progress and no summary");
 }
@@ -289,7 +292,7 @@ Options parse_options(const std::vector<std::string>& arguments) {
   for (const std::string& text : parser.sets) options.overrides.push_back(parse_override(command, text));
   if (parser.seed) options.seed = parse_integer<std::uint64_t>(command, "--seed", *parser.seed, 0);
   if (parser.trials) options.trials = parse_integer<std::size_t>(command, "--trials", *parser.trials, 1);
-  if (parser.jobs) options.jobs = parse_integer<std::size_t>(command, "--jobs", *parser.jobs, 1);
+  if (parser.jobs) options.jobs = parse_integer<std::size_t>(command, "--jobs", *parser.jobs, 1, max_jobs);
   if (parser.trial) options.trial = parse_integer<std::size_t>(command, "--trial", *parser.trial, 0);
   if (parser.format) options.format = parse_export_format(*parser.format);
   if (parser.output && parser.output->empty()) {

@@ -88,20 +88,17 @@ void Progress::update(std::size_t done, std::size_t total, double sim_seconds) {
   const ProgressState state{done, total, sim_seconds, now - start_};
   if (mode_ == Mode::bar) {
     // One column stays free: some terminals break the line when the last one is written.
-    fmt::print(stream_, "\r\033[K{}", progress_bar_text(state, terminal_width(stream_) - 1));
+    say(stream_, "\r\033[K" + progress_bar_text(state, terminal_width(stream_) - 1) + (finished ? "\n" : ""));
     on_screen_ = !finished;
-    if (finished) fmt::print(stream_, "\n");
   } else {
-    fmt::print(stream_, "{}\n", progress_line_text(state));
+    say(stream_, progress_line_text(state) + '\n');
   }
-  std::fflush(stream_);
   last_drawn_ = now;
 }
 
 void Progress::clear() {
   if (!on_screen_) return;
-  fmt::print(stream_, "\r\033[K");
-  std::fflush(stream_);
+  say(stream_, "\r\033[K");
   on_screen_ = false;
 }
 

@@ -95,13 +95,18 @@ void print_summary(const Options& options, const Finished& finished, const Catal
 
 int report_interrupted(const SweepSummary& summary) {
   const std::string kept = summary.files.empty() ? "nothing is kept" : "kept in " + joined(summary.files);
-  fmt::print(stderr, "slipbench: interrupted: {} of {} trials finished; {}\n", summary.trials.size(), summary.planned, kept);
+  say(stderr,
+      fmt::format("slipbench: interrupted: {} of {} trials finished; {}\n", summary.trials.size(), summary.planned, kept));
   return exit_interrupted;
 }
 
 int simulate_and_print(const SweepOptions& sweep, const Options& options) {
   const Catalogues catalogues = program_catalogues();
   const Finished finished = simulate(sweep, options, catalogues);
+  if (finished.summary.scene.expects && !options.json && !options.quiet) {
+    say(stderr,
+        "slipbench: note: the scene's expect is not checked: `slipbench check`, which reads it, comes in a later version\n");
+  }
   if (options.json) {
     print_json(finished);
   } else if (!options.quiet && !finished.summary.interrupted) {

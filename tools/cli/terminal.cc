@@ -35,6 +35,11 @@ Style style_for(std::FILE* stream) {
   return Style(is_interactive(stream) && (no_color == nullptr || *no_color == '\0'));
 }
 
+void say(std::FILE* stream, const std::string& text) noexcept {
+  std::fputs(text.c_str(), stream);
+  std::fflush(stream);
+}
+
 std::size_t terminal_width(std::FILE* stream) {
   winsize size{};
   const bool known = isatty(fileno(stream)) == 1 && ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;

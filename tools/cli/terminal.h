@@ -30,6 +30,9 @@ bool is_interactive(std::FILE* stream);
 // Colours only where a person watches and the variable NO_COLOR is unset or empty (no-color.org).
 Style style_for(std::FILE* stream);
 
+// Writes `text` for a person to read. Where it cannot be written (a closed or full stderr), nothing happens: the work goes on.
+void say(std::FILE* stream, const std::string& text) noexcept;
+
 // Columns of the terminal behind `stream`, 100 where there is none.
 std::size_t terminal_width(std::FILE* stream);
 

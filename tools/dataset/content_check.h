@@ -8,7 +8,7 @@
 
 namespace slipbench {
 
-// Compares the arrays of all trials, as they are read anyway, with the content_sha256 of their files.
+// Compares the arrays of trials, as they are read anyway, with the content_sha256 of their files.
 class ContentCheck {
  public:
   // `reader` must outlive the check.
@@ -16,13 +16,18 @@ class ContentCheck {
 
   // Takes the next trial; they come in ascending order.
   void add(const TrialRecord& record) { digests_[reader_->file_of(record.trial)].push_back(trial_digest(record)); }
-  // Call after the last trial. Throws InputError naming the first file that does not hold what was written. A file without a
-  // digest, that of a killed run, is not judged.
+  // Call after the last trial of a file. Throws InputError when it does not hold what was written. A file without a digest, that of
+  // a killed run, is not judged.
+  void finish(std::size_t file) const;
+  // The same for all files.
   void finish() const;
 
  private:
   const DatasetReader* reader_;
   std::vector<std::vector<Digest>> digests_;  // by file
 };
+
+// Reads all trials of a file for that.
+void check_content(const DatasetReader& reader, std::size_t file);
 
 }  // namespace slipbench

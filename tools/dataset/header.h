@@ -21,6 +21,11 @@ struct DatasetHeader {
   std::string command;  // canonical: without --jobs and -o, which do not change what is written
 };
 
+// Whether two files that say so are files of the same dataset.
+inline bool same_dataset(const DatasetHeader& a, const DatasetHeader& b) {
+  return a.seed == b.seed && a.command == b.command && a.scene == b.scene;
+}
+
 // Name of the k-th file of a dataset: OUT.h5, OUT-0001.h5, OUT-0002.h5, ...
 std::string shard_path(const std::string& path, std::size_t shard);
 // Where an interrupted run leaves the trials it finished: OUT.partial.h5.

@@ -1,6 +1,5 @@
 #include "tools/dataset/output_file.h"
 
-#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -8,6 +7,7 @@
 #include <fstream>
 #include <system_error>
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,14 +23,16 @@ namespace {
   throw InputError(fmt::format("cannot write {}: {}", path, reason));
 }
 
-}  // namespace
-
-bool begins_as_hdf5(const std::string& path) {
-  constexpr std::array<char, 8> signature{'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
-  std::array<char, 8> found{};
+// The first bytes of a file; empty where there is none.
+std::string beginning_of(const std::string& path) {
+  std::string bytes(4096, '\0');
   std::ifstream file(path, std::ios::binary);
-  return file.read(found.data(), found.size()) && found == signature;
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
 }
+
+}  // namespace
 
 void check_target(const std::string& path) {
   if (path.empty() || path.back() == '/') {
@@ -41,7 +43,8 @@ void check_target(const std::string& path) {
     if (S_ISLNK(status.st_mode)) {
       std::error_code error;
       refuse(path,
-             fmt::format("it is a symbolic link; give the file itself, {}", std::filesystem::read_symlink(path, error).string()));
+             fmt::format("it is a symbolic link to {}, which would be replaced, not followed; allowed: a file or a new name",
+                         std::filesystem::read_symlink(path, error).string()));
     }
     if (S_ISDIR(status.st_mode)) refuse(path, fmt::format("it is a folder; allowed: a file in it, such as {}/out", path));
     if (!S_ISREG(status.st_mode)) refuse(path, "it is no regular file");
@@ -55,13 +58,17 @@ void check_target(const std::string& path) {
   }
 }
 
-void check_text_target(const std::string& path, const std::string& input) {
-  check_target(path);
-  // The temporary name is written to as well, and could be that of a killed run's dataset.
+void check_text_target(const std::string& path, const std::vector<std::string>& inputs, const TextKind& kind) {
   for (const std::string& name : {path, temporary_path(path)}) {
-    std::error_code error;
-    if (std::filesystem::equivalent(name, input, error)) refuse(path, fmt::format("{} is the input", name));
-    if (begins_as_hdf5(name)) refuse(path, fmt::format("{} is an HDF5 file, perhaps a dataset", name));
+    check_target(name);
+    for (const std::string& input : inputs) {
+      std::error_code error;
+      if (std::filesystem::equivalent(name, input, error)) refuse(path, fmt::format("{} is the input", name));
+    }
+    const std::string found = beginning_of(name);
+    if (!found.empty() && !kind.begins(found)) {
+      refuse(path, fmt::format("{} exists and is no {}; allowed: a new name, or a {} to replace", name, kind.name, kind.name));
+    }
   }
 }
 
@@ -71,7 +78,10 @@ void write_text_file(const std::string& path, const std::string& text) {
     std::remove(temporary.c_str());
     refuse(path, std::strerror(reason));
   };
-  std::FILE* const file = std::fopen(temporary.c_str(), "wb");
+  // A link that has come since the name was checked is not followed.
+  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor < 0) refuse(path, std::strerror(errno));
+  std::FILE* const file = ::fdopen(descriptor, "wb");
   if (file == nullptr) refuse(path, std::strerror(errno));
   const bool written =
       std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0 && ::fsync(::fileno(file)) == 0;

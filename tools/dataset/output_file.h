@@ -2,21 +2,27 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace slipbench {
 
-// Whether there is a file at `path` that begins with the signature of HDF5, as every dataset does.
-bool begins_as_hdf5(const std::string& path);
+// A kind of text file that the program makes, told by its beginning from the files of others.
+struct TextKind {
+  std::string_view name;                       // "report"
+  bool (*begins)(std::string_view beginning);  // of the file's first 4 kB
+};
 
 // Throws InputError when a file cannot be put at `path`: no file name, a folder, a special file, a symbolic link (which would be
 // replaced, not followed), a read-only file, a missing folder.
 void check_target(const std::string& path);
 
-// The same for a file made from the dataset `input`, written by write_text_file. Refuses besides what would destroy a dataset:
-// the input itself and whatever begins as HDF5 does.
-void check_text_target(const std::string& path, const std::string& input);
+// The same for a text file made from `inputs` and written by write_text_file, and for the name that it has while it is written.
+// Refuses besides the inputs themselves, and whatever holds something and does not begin as such a file.
+void check_text_target(const std::string& path, const std::vector<std::string>& inputs, const TextKind& kind);
 
 // Writes `text` to PATH.partial, syncs it and renames it. Throws InputError when that is not possible; then nothing is left behind.
+// Call check_text_target before.
 void write_text_file(const std::string& path, const std::string& text);
 
 }  // namespace slipbench

@@ -206,6 +206,24 @@ Handle open_file(const std::string& path) {
   return {file, &H5Fclose};
 }
 
+FileAbout read_about(const Place& place) {
+  const Handle object = open_object(place);
+  const auto schema = read_number<std::uint64_t>(place, object, "schema");
+  if (schema != static_cast<std::uint64_t>(dataset_schema)) {
+    place.fail(fmt::format("has schema {}; this program reads {}", schema, dataset_schema));
+  }
+  FileAbout about;
+  if (H5Aexists(object.get(), "shards") > 0) {
+    check_heaps(place.file_name);
+    about.shards = read_number<std::uint64_t>(place, object, "shards");
+    about.complete = read_number<std::uint64_t>(place, object, "complete") != 0;
+  }
+  about.header = {read_text(place, object, "version"), read_text(place, object, "scene"), read_text(place, object, "overrides"),
+                  read_number<std::uint64_t>(place, object, "seed"), read_text(place, object, "command")};
+  about.shard = read_number<std::uint64_t>(place, object, "shard");
+  return about;
+}
+
 // Name of the k-th file of the dataset whose first is `path`, be it finished, kept or that of a killed run.
 std::string sibling(const std::string& path, std::size_t k) {
   constexpr std::string_view mark = ".partial";
@@ -261,33 +279,23 @@ struct DatasetReader::State {
     const std::size_t index = files.size();
     files.push_back({path, open_file(path)});
     const Place place = root(index);
-    const Handle object = open_object(place);
-    const auto schema = read_number<std::uint64_t>(place, object, "schema");
-    if (schema != static_cast<std::uint64_t>(dataset_schema)) {
-      place.fail(fmt::format("has schema {}; this program reads {}", schema, dataset_schema));
+    FileAbout about = read_about(place);
+    if (about.shard != index) {
+      place.fail(fmt::format("is file {} of its dataset, expected file {}; open the first", about.shard, index));
     }
-    const bool finished = H5Aexists(object.get(), "shards") > 0;
-    if (finished) check_heaps(path);
-    DatasetHeader found{read_text(place, object, "version"), read_text(place, object, "scene"),
-                        read_text(place, object, "overrides"), read_number<std::uint64_t>(place, object, "seed"),
-                        read_text(place, object, "command")};
-    const auto shard = read_number<std::uint64_t>(place, object, "shard");
-    if (shard != index) {
-      place.fail(fmt::format("is file {} of its dataset, expected file {}; open the first", shard, index));
-    }
-    if (index > 0 && (found.seed != header.seed || found.command != header.command || found.scene != header.scene)) {
+    if (index > 0 && !same_dataset(about.header, header)) {
       place.fail(fmt::format("belongs to another dataset than {}", files.front().name));
     }
-    header = std::move(found);
+    header = std::move(about.header);
     for (const std::string& name : members_of({place.file, place.file_name, "/data"})) {
       const std::size_t trial = demo_number({place.file, place.file_name, "/data"}, name);
       trials.push_back(trial);
       file_of.emplace(trial, index);
     }
-    digests.push_back(finished ? read_text(place, object, "content_sha256") : "");
-    if (!finished) return index + (std::filesystem::exists(sibling(files.front().name, index + 1)) ? 2 : 1);
-    complete = read_number<std::uint64_t>(place, object, "complete") != 0;
-    return read_number<std::uint64_t>(place, object, "shards");
+    digests.push_back(about.shards ? read_text(place, open_object(place), "content_sha256") : "");
+    if (!about.shards) return index + (std::filesystem::exists(sibling(files.front().name, index + 1)) ? 2 : 1);
+    complete = about.complete;
+    return *about.shards;
   }
 
   [[nodiscard]] LabelRecord read_labels(const Place& place, const std::vector<double>& time) const {
@@ -312,6 +320,24 @@ struct DatasetReader::State {
     return labels;
   }
 };
+
+std::optional<FileAbout> file_about(const std::string& path) {
+  hdf5::initialise();
+  try {
+    const Handle file = open_file(path);
+    const Place place{file.get(), path, "/"};
+    const Handle root = open_object(place);
+    if (H5Aexists(root.get(), "schema") == 0) {
+      if (H5Aget_num_attrs(root.get()) == 0 && members_of(place).empty()) place.fail("holds nothing");
+      return std::nullopt;
+    }
+    return read_about(place);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw InputError(fmt::format("{}: is damaged: {}", path, error.what()));
+  }
+}
 
 DatasetReader::DatasetReader(const std::string& path) : state_(std::make_unique<State>()) {
   hdf5::initialise();

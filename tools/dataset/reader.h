@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,18 @@ struct DemoInfo {
   std::string params;   // JSON object: path -> value of what was swept
   std::string outcome;  // JSON object, see TrialOutcome
 };
+
+// What the root of one file says, whatever the other files of its dataset.
+struct FileAbout {
+  DatasetHeader header;
+  std::uint64_t shard = 0;              // which file of its dataset it is
+  std::optional<std::uint64_t> shards;  // of how many; empty where the run was killed
+  bool complete = false;                // whether the run came to its end
+};
+
+// Empty when the file is HDF5 and no dataset. Throws InputError when it cannot be read, also when it is an HDF5 file that holds
+// nothing at all, as a killed run may leave it.
+std::optional<FileAbout> file_about(const std::string& path);
 
 // A dataset of one or several shards, opened by the name of the first. A file that a killed or interrupted run left behind opens
 // as well: complete() says which. All functions throw InputError when the file is not what it should be, naming file and place.

@@ -199,7 +199,8 @@ Handle create_file(const std::string& path) {
 }
 
 Descriptor lock_file(const std::string& path) {
-  Descriptor descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+  // A link that has come since the name was checked is not followed.
+  Descriptor descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (descriptor.get() < 0) fail(path, std::strerror(errno));
   if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0) {
     fail(path, errno == EWOULDBLOCK ? "another run is writing it" : std::strerror(errno));

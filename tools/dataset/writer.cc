@@ -1,20 +1,19 @@
 #include "tools/dataset/writer.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <optional>
 #include <stdexcept>
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/dataset/dataset_target.h"
 #include "tools/dataset/mask.h"
-#include "tools/dataset/output_file.h"
 #include "tools/dataset/shard.h"
 
 namespace slipbench {
@@ -23,27 +22,10 @@ namespace {
 // Room for what a file gets when it is finished: masks and closing attributes [bytes].
 std::uint64_t closing_bytes(std::size_t trials) { return 32768 + 32 * static_cast<std::uint64_t>(trials); }
 
-// Refuses what a dataset must not replace. An empty file holds nothing to lose.
-void check_replaced(const std::string& path) {
-  check_target(path);
-  std::error_code error;
-  const bool holds_bytes = std::filesystem::exists(path, error) && std::filesystem::file_size(path, error) > 0;
-  if (holds_bytes && !begins_as_hdf5(path)) {
-    throw InputError(
-        fmt::format("cannot write {}: it exists and is no dataset; allowed: a new name, or a dataset to replace", path));
-  }
-}
-
 void rename_file(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) {
     throw InputError(fmt::format("cannot rename {} to {}: {}", from, to, std::strerror(errno)));
   }
-}
-
-// Removes what an earlier run has left under name_of(first), name_of(first + 1), ...
-template <class Name>
-void remove_stale(std::size_t first, const Name& name_of) {
-  for (std::size_t k = first; ::unlink(name_of(k).c_str()) == 0;) ++k;
 }
 
 // Makes renamings in the folder of `path` last.
@@ -64,9 +46,11 @@ struct DatasetWriter::State {
   std::uint64_t shard_limit = 0;
   std::vector<Shard> shards;
   std::vector<std::pair<std::size_t, std::string>> trials;  // number, material
+  std::size_t checked = 0;                                  // files whose names were looked at before the run began
   bool ended = false;
 
   void add_shard() {
+    if (shards.size() >= checked) check_names_are_free(path, shards.size());
     const std::size_t left = planned > trials.size() ? planned - trials.size() : 0;
     shards.emplace_back(temporary_path(shard_path(path, shards.size())), header, shards.size(), left);
   }
@@ -85,6 +69,7 @@ struct DatasetWriter::State {
         }
       }
     }
+    const std::vector<std::string> stale = complete ? later_files(target, shards.size()) : std::vector<std::string>();
     std::vector<std::string> names;
     for (std::size_t k = shards.size(); k-- > 0;) {
       rename_file(shards[k].path(), shard_path(target, k));
@@ -92,8 +77,9 @@ struct DatasetWriter::State {
     }
     const std::size_t count = shards.size();
     shards.clear();
-    remove_stale(count, [&](std::size_t k) { return temporary_path(shard_path(path, k)); });
-    remove_stale(complete ? 0 : count, [&](std::size_t k) { return shard_path(kept_path(path), k); });
+    for (const std::string& name : stale) ::unlink(name.c_str());
+    remove_temporary(path, count);
+    remove_kept(path, complete ? 0 : count);
     sync_folder(target);
     return names;
   }
@@ -101,8 +87,8 @@ struct DatasetWriter::State {
 
 DatasetWriter::DatasetWriter(std::string path, DatasetHeader header, std::size_t planned, std::uint64_t shard_limit)
     : state_(std::make_unique<State>()) {
-  check_replaced(path);
-  check_replaced(kept_path(path));
+  const std::size_t files = std::max<std::size_t>(1, (planned + most_trials_per_file - 1) / most_trials_per_file);
+  state_->checked = check_dataset_targets(path, files);
   state_->path = std::move(path);
   state_->header = std::move(header);
   state_->planned = planned;

@@ -21,7 +21,8 @@ class DatasetWriter {
   static constexpr std::uint64_t default_shard_limit = 1'000'000'000;  // bytes
 
   // Refuses at once what cannot become a dataset: a folder, a special file, a symbolic link, a read-only file, a missing folder,
-  // a target that another run is writing, and a file with content that is no dataset, such as the scene itself.
+  // a target that another run is writing, and files that are not this dataset's to replace, such as the scene itself
+  // (dataset_target.h). Call it before any thread is made.
   // `planned`: trials that will come, for which a file makes room in its list beforehand.
   DatasetWriter(std::string path, DatasetHeader header, std::size_t planned = most_trials_per_file,
                 std::uint64_t shard_limit = default_shard_limit);
@@ -30,13 +31,13 @@ class DatasetWriter {
   DatasetWriter(const DatasetWriter&) = delete;
   DatasetWriter& operator=(const DatasetWriter&) = delete;
 
-  // Adds a trial. Trials come in ascending order.
+  // Adds a trial. Trials come in ascending order. Refuses to begin a further file where another stands in its way.
   void append(const EncodedTrial& trial);
   // Trials safely in the file.
   [[nodiscard]] std::size_t size() const;
 
   // Writes masks and digests, closes, syncs and renames to the final names, which it returns. What earlier runs that did not
-  // come to their end have left of this target is removed.
+  // come to their end have left of this target is removed, and so are the further files of the dataset that is replaced.
   std::vector<std::string> commit();
   // Ends a run that did not come to its end: what is finished is kept under OUT.partial.h5, whose names are returned; without a
   // finished trial nothing is left. Works after a failed append too.

@@ -11,7 +11,7 @@
 
 #include "sim/core/error.h"
 #include "sim/motion/motion.h"
-#include "sim/scene/yaml_tree.h"
+#include "sim/scene/parser.h"
 
 namespace slipbench {
 namespace {
@@ -25,18 +25,16 @@ Json object_of(const std::string& text, const std::string& subject) {
 }
 
 // The scene as it was run, but for what was swept.
-YamlNode scene_tree(const DatasetReader& reader) {
+SceneFile scene_of(const DatasetReader& reader) {
   const std::string file = reader.files().front();
-  YamlNode root = parse_yaml(reader.header().scene, file + ": scene", true);
-  if (root.kind != YamlNode::Kind::map) throw InputError(file + ": attribute scene is not a scene");
+  SceneFile scene = SceneFile::from_text(reader.header().scene, file + ": scene");
+  if (scene.root().kind != YamlNode::Kind::map) throw InputError(file + ": attribute scene is not a scene");
   const Json overrides = object_of(reader.header().overrides, file + ": attribute overrides");
   for (const auto& [path, value] : overrides.items()) {
     if (!value.is_string()) throw InputError(file + ": attribute overrides holds no text for " + path);
-    const YamlNode node = parse_yaml(value.get<std::string>(), "--set " + path, false);
-    const std::vector<std::string> parts = split_path(path, node.origin);
-    if (parts.front() != "sweep") assign(place_at(root, parts, node.origin), node);
+    scene.apply({path, value.get<std::string>()});
   }
-  return root;
+  return scene;
 }
 
 const Entry& motion_of(const YamlNode& root, const std::string& file) {
@@ -69,7 +67,8 @@ double value_of(const std::string& name, const Json& swept, const YamlNode& root
 CommandedMotion commanded_motion(const DatasetReader& reader, std::size_t trial) {
   const std::string file = reader.files()[reader.file_of(trial)];
   const Json swept = object_of(reader.info(trial).params, fmt::format("{}: trial {}: attribute params", file, trial));
-  const YamlNode root = scene_tree(reader);
+  const SceneFile scene = scene_of(reader);
+  const YamlNode& root = scene.root();
   const Entry& motion = motion_of(root, file);
   return {value_of("speed", swept, root, motion, file), value_of("rotation", swept, root, motion, file)};
 }

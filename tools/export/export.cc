@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include <sys/stat.h>
@@ -12,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/dataset/content_check.h"
 #include "tools/dataset/guarded.h"
 #include "tools/dataset/output_file.h"
 #include "tools/dataset/reader.h"
@@ -48,8 +50,15 @@ void make_folder(const std::string& path) {
   throw InputError(fmt::format("cannot make folder {}: {}", path, std::strerror(reason)));
 }
 
-void write_file(const DatasetReader& reader, const std::string& path, const std::string& text) {
-  for (const std::string& input : reader.files()) check_text_target(path, input);
+// What is exported is what was written, or nothing.
+void check_files_of(const DatasetReader& reader, const std::vector<std::size_t>& trials) {
+  std::set<std::size_t> files;
+  for (const std::size_t trial : trials) files.insert(reader.file_of(trial));
+  for (const std::size_t file : files) check_content(reader, file);
+}
+
+void write_file(const DatasetReader& reader, const std::string& path, const TextKind& kind, const std::string& text) {
+  check_text_target(path, reader.files(), kind);
   write_text_file(path, text);
 }
 
@@ -68,7 +77,7 @@ std::string export_vendor(const DatasetReader& reader, std::size_t trial, const 
   std::vector<PapillarraySamples> sensors;
   for (const SensorRecord& record : records) sensors.emplace_back(record, options.slip_rule, label_speed(options));
   const std::string path = fmt::format("{}/LOG_demo_{}.csv", out_dir, trial);
-  write_file(reader, path, vendor_csv(sensors));
+  write_file(reader, path, {"log of the vendor's software", &begins_as_vendor_csv}, vendor_csv(sensors));
   return path;
 }
 
@@ -91,7 +100,7 @@ std::string export_training(const DatasetReader& reader, std::size_t trial, cons
       std::filesystem::path(out_dir) / training_file_name(trial, commanded_motion(reader, trial), *pad, record.body_time);
   const std::string text = training_csv(samples, sensor->rate);
   make_folder(path.parent_path().string());
-  write_file(reader, path.string(), text);
+  write_file(reader, path.string(), {"file of 73 columns", &begins_as_training_csv}, text);
   return path.string();
 }
 
@@ -100,6 +109,7 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
   const DatasetReader reader(dataset_path);
   if (reader.trials().empty()) throw InputError(fmt::format("{}: holds no trial", dataset_path));
   const std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
+  check_files_of(reader, trials);
   make_folder(out_dir);
   std::vector<std::string> files;
   for (const std::size_t trial : trials) {

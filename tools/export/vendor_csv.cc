@@ -87,6 +87,8 @@ void append_sensor(fmt::memory_buffer& text, const PapillarraySamples& samples, 
 
 }  // namespace
 
+bool begins_as_vendor_csv(std::string_view text) { return text.starts_with("T_us,S0_P0_DX,"); }
+
 std::string vendor_csv(const std::vector<PapillarraySamples>& sensors) {
   if (sensors.size() > 2) throw InputError(fmt::format("the vendor's log holds up to 2 sensors, found {}", sensors.size()));
   std::vector<std::array<bool, pillars>> touched(sensors.size());

@@ -46,6 +46,11 @@ std::string script_json(const Json& data) {
 
 }  // namespace
 
+bool begins_as_page(std::string_view text) {
+  return text.starts_with("<!DOCTYPE html>") &&
+         text.find(R"(<meta name="generator" content="slipbench">)") != std::string_view::npos;
+}
+
 std::string escape_html(const std::string& text) {
   std::string safe;
   for (const char c : text) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "tools/report/json.h"
 
@@ -13,5 +14,8 @@ std::string escape_html(const std::string& text);
 // The page web/report.html with styles, libraries, scripts and `data` put in. Nothing in `data` can end its element: '<' and
 // everything beyond ASCII is written as an escape.
 std::string compose_page(const std::string& title, const Json& data);
+
+// Whether a file that begins so is such a page.
+bool begins_as_page(std::string_view text);
 
 }  // namespace slipbench::report

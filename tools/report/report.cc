@@ -139,7 +139,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
 
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options) {
   if (options.max_trials == 0) throw std::logic_error("a report embeds at least one trial");
-  check_text_target(html_path, dataset_path);
+  check_text_target(html_path, {dataset_path}, {"report", &report::begins_as_page});
   write_text_file(html_path, guarded(dataset_path, [&] { return page_of(dataset_path, options); }));
 }
 

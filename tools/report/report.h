@@ -15,7 +15,7 @@ struct ReportOptions {
 // Reads the dataset at `dataset_path` (HDF5, tools/dataset) in a child process (tools/dataset/guarded.h) and writes the page to
 // `html_path`, under a temporary name first. Trials of any length are shown.
 // Throws InputError when the dataset cannot be read, is damaged (its content_sha256 is checked), misses something, has no trial
-// `options.trial`, or when the page cannot be written or would replace a dataset.
+// `options.trial`, or when the page cannot be written or would replace anything but a report.
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options = {});
 
 }  // namespace slipbench

@@ -100,8 +100,8 @@ void check_labels(const SensorRecord& sensor, const std::string& place) {
     }
   }
   for (const std::uint8_t kind : labels.event_kind) {
-    if (kind > static_cast<std::uint8_t>(EventKind::micro)) {
-      throw InputError(subject + " has an event of kind " + std::to_string(kind) + "; allowed: 0 to 4");
+    if (kind > static_cast<std::uint8_t>(EventKind::part_sticks)) {
+      throw InputError(subject + " has an event of kind " + std::to_string(kind) + "; allowed: 0 to 5");
     }
   }
   std::size_t values = 0;

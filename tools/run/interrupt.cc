@@ -29,6 +29,11 @@ void note_interrupt(int signal) {
   errno = before;
 }
 
+void catch_unless_ignored(int signal, const struct sigaction& action, struct sigaction& previous) {
+  sigaction(signal, nullptr, &previous);
+  if (previous.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
+}
+
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
@@ -38,8 +43,8 @@ InterruptGuard::InterruptGuard() {
   action.sa_handler = &note_interrupt;
   action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, &previous_int_);
-  sigaction(SIGTERM, &action, &previous_term_);
+  catch_unless_ignored(SIGINT, action, previous_int_);
+  catch_unless_ignored(SIGTERM, action, previous_term_);
   action.sa_handler = SIG_IGN;
   action.sa_flags = 0;
   sigaction(SIGXFSZ, &action, &previous_file_size_);

@@ -7,7 +7,7 @@
 namespace slipbench {
 
 // While alive, the first SIGINT or SIGTERM sets the flag and says on stderr what happens next, and the second ends the process as
-// usual; a write beyond the process's
+// usual; a signal that was ignored before (a job that a script put in the background) stays ignored. A write beyond the process's
 // limit on file sizes fails instead of ending it. One at a time.
 class InterruptGuard {
  public:

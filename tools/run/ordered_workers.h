@@ -6,12 +6,15 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
-#include <map>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "sim/core/error.h"
 
 namespace slipbench {
 
@@ -22,10 +25,22 @@ class OrderedWorkers {
  public:
   using Work = std::function<Result(std::size_t)>;
 
-  // Each thread calls `make_work` once and then its work. `interrupt` may be null; once true, no further work is begun.
+  // Each thread calls `make_work` once, when it begins its first work, and then its work. `interrupt` may be null; once true, no
+  // further work is begun. Throws InputError when the system does not give that many threads; then no work has begun.
   OrderedWorkers(std::size_t count, std::size_t threads, std::function<Work()> make_work, const std::atomic<bool>* interrupt)
-      : count_(count), window_(2 * threads + 2), make_work_(std::move(make_work)), interrupt_(interrupt), active_(threads) {
-    for (std::size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
+      : count_(count), make_work_(std::move(make_work)), interrupt_(interrupt), active_(threads), ready_(2 * threads + 2) {
+    const std::lock_guard lock(mutex_);  // holds the first threads back until there are all
+    try {
+      threads_.reserve(threads);
+      while (threads_.size() < threads) threads_.emplace_back([this] { run(); });
+    } catch (const std::system_error& error) {
+      stopped_ = true;
+      throw InputError("only " + std::to_string(threads_.size()) + " of " + std::to_string(threads) +
+                       " worker threads could be started (" + error.code().message() + "); allowed: fewer, with --jobs");
+    } catch (...) {
+      stopped_ = true;
+      throw;
+    }
   }
   // Waits for the work that has begun; begins no other.
   ~OrderedWorkers() {
@@ -38,18 +53,19 @@ class OrderedWorkers {
   OrderedWorkers(const OrderedWorkers&) = delete;
   OrderedWorkers& operator=(const OrderedWorkers&) = delete;
 
-  // The next result; empty after the last one, or after the last that had begun before the interrupt. Rethrows what the work
-  // threw.
+  // The next result; empty after the last one, or after the last that had begun before the interrupt. Rethrows what the work, or
+  // the making of it, threw; no further work is begun after that.
   std::optional<Result> next() {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return ready_.contains(delivered_) || active_ == 0; });
-    auto node = ready_.extract(delivered_);
-    if (node.empty()) return std::nullopt;
+    std::optional<Outcome>& place = place_of(delivered_);
+    changed_.wait(lock, [&] { return place.has_value() || active_ == 0; });
+    if (!place) return std::nullopt;
+    Outcome outcome = *std::exchange(place, std::nullopt);
     ++delivered_;
     lock.unlock();
     changed_.notify_all();
-    if (node.mapped().error) std::rethrow_exception(node.mapped().error);
-    return std::move(node.mapped().result);
+    if (outcome.error) std::rethrow_exception(outcome.error);
+    return std::move(outcome.result);
   }
 
  private:
@@ -58,18 +74,21 @@ class OrderedWorkers {
     std::exception_ptr error;
   };
 
+  // What fails for want of memory must reach the caller: nothing outside the try allocates.
   void run() {
-    const Work work = make_work_();
+    Work work;
     while (const std::optional<std::size_t> index = claim()) {
       Outcome outcome;
       try {
+        if (!work) work = make_work_();
         outcome.result = work(*index);
       } catch (...) {
         outcome.error = std::current_exception();
       }
       {
         const std::lock_guard lock(mutex_);
-        ready_.emplace(*index, std::move(outcome));
+        if (outcome.error) stopped_ = true;  // all work before it has begun: none other can be the first to fail
+        place_of(*index) = std::move(outcome);
       }
       changed_.notify_all();
     }
@@ -82,15 +101,17 @@ class OrderedWorkers {
 
   std::optional<std::size_t> claim() {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return ended() || claimed_ < delivered_ + window_; });
+    changed_.wait(lock, [this] { return ended() || claimed_ < delivered_ + ready_.size(); });
     if (ended()) return std::nullopt;
     return claimed_++;
   }
 
+  // Work runs ahead of what is delivered by no more than there are places, so that each has one of its own.
+  std::optional<Outcome>& place_of(std::size_t index) { return ready_[index % ready_.size()]; }
+
   [[nodiscard]] bool ended() const { return stopped_ || claimed_ == count_ || (interrupt_ != nullptr && interrupt_->load()); }
 
   std::size_t count_;
-  std::size_t window_;
   std::function<Work()> make_work_;
   const std::atomic<bool>* interrupt_;
 
@@ -100,7 +121,7 @@ class OrderedWorkers {
   std::size_t delivered_ = 0;
   std::size_t active_;
   bool stopped_ = false;
-  std::map<std::size_t, Outcome> ready_;
+  std::vector<std::optional<Outcome>> ready_;
 
   std::vector<std::jthread> threads_;  // last: joined before the rest is destroyed
 };

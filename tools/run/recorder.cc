@@ -13,14 +13,12 @@
 namespace slipbench {
 namespace {
 
-constexpr double max_record_bytes = 4e9;
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
 constexpr const char* pad_frame_text =
     "pad frame P: x and y in the plane of the pad, +z into the sensor, so that compression is positive; forces act on the "
     "sensor, displacements are of its tips; a pad that faces down on a horizontal surface has P parallel to the world. Labels: "
-    "force "
-    "and slip_velocity lie in the contact plane, P turned the shortest way until +z is the surface's normal";
+    "force and slip_velocity lie in the contact plane, P turned the shortest way until +z is the surface's normal";
 
 // The earlier of two times of which either may be NaN.
 void keep_earliest(double& time, double candidate) {
@@ -50,6 +48,23 @@ void describe_units(const PadLayout& layout, const FrictionScene& friction, Labe
   labels.micro_onset_time.assign(layout.units.size(), never);
 }
 
+// Bytes of one row of a column whose extents after the first axis are `tail`.
+template <class Column>
+std::size_t row_bytes(const Extents& tail, const Column& column) {
+  std::size_t size = sizeof(column.front());
+  for (const std::size_t extent : tail) size *= extent;
+  return size;
+}
+
+// Bytes of one event.
+double event_bytes() {
+  const LabelRecord labels;
+  std::size_t size = 0;
+  for_each_event_column(
+      labels, [&size](const char*, const char*, const Extents& tail, const auto& column) { size += row_bytes(tail, column); });
+  return static_cast<double>(size);
+}
+
 // Writes an Eigen array of [C,N] as row `row` of a column [L,N,C].
 template <class Derived>
 void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBase<Derived>& values) {
@@ -60,9 +75,47 @@ void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBa
 
 }  // namespace
 
+double record_bytes(std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench) {
+  double bytes = 0.0;
+  std::size_t most_rows = 0;
+  for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
+    std::size_t row = sizeof(double);  // the time
+    for (const Channel& channel : sensors[pad]->channels()) row += channel.size() * sizeof(float);
+    const LabelRecord labels;
+    for_each_label(labels, sensors[pad]->layout().units.size(),
+                   [&row](const char*, const char*, const Extents& tail, const auto& column) { row += row_bytes(tail, column); });
+    const std::size_t rows = samples_of(bench.ticks(), bench.stride(pad));
+    most_rows = std::max(most_rows, rows);
+    bytes += static_cast<double>(row) * static_cast<double>(rows);
+  }
+  std::size_t body_row = sizeof(double);
+  for (const NamedBody& body : bench.bodies()) {
+    const BodyRecord record{body.name, {}, {}};
+    for_each_body_column(record, [&body_row](const char*, const char*, const Extents& tail, const auto& column) {
+      body_row += row_bytes(tail, column);
+    });
+  }
+  return bytes + static_cast<double>(body_row) * static_cast<double>(most_rows);
+}
+
+void check_record_size(const Scene& scene, double bytes, double max_bytes) {
+  if (bytes <= max_bytes) return;
+  throw SceneValueError(
+      "duration",
+      fmt::format("{} makes a record of {:.3g} GB or more; allowed: at most {:.3g} GB, which is {:.3g} GB shared by "
+                  "the jobs, so a shorter trial, slower sensors or fewer --jobs",
+                  format_quantity(scene.duration, Quantity::time), 1e-9 * bytes, 1e-9 * max_bytes, 1e-9 * max_record_bytes));
+}
+
 TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench,
-                             std::uint64_t trial, Recording recording)
-    : sensors_(sensors), bench_(bench), recording_(recording), rows_(sensors.size(), 0), last_(sensors.size()) {
+                             std::uint64_t trial, Recording recording, double max_bytes)
+    : scene_(scene),
+      sensors_(sensors),
+      bench_(bench),
+      recording_(recording),
+      max_bytes_(max_bytes),
+      rows_(sensors.size(), 0),
+      last_(sensors.size()) {
   record_.trial = trial;
   record_.seed = scene.seed;
   record_.material = scene.material;
@@ -72,40 +125,18 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
     describe_units(sensors[pad]->layout(), scene.friction, record_.sensors[pad].labels);
     units_.emplace_back(sensors[pad]->layout().units.size());
   }
-  if (recording == Recording::full) allocate(scene);
+  if (recording == Recording::full) allocate();
 }
 
-// A trial is recorded in memory before it is written.
-void TrialRecorder::check_size(const Scene& scene) const {
-  double bytes = 0.0;
-  for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
-    std::size_t row = sizeof(double);
-    for (const Channel& channel : sensors_[pad]->channels()) row += channel.size() * sizeof(float);
-    LabelRecord labels;
-    for_each_label(labels, sensors_[pad]->layout().units.size(),
-                   [&row](const char*, const char*, const Extents& tail, const auto& column) {
-                     std::size_t size = sizeof(column.front());
-                     for (const std::size_t extent : tail) size *= extent;
-                     row += size;
-                   });
-    bytes += static_cast<double>(row) * static_cast<double>(samples_of(bench_.ticks(), bench_.stride(pad)));
-  }
-  if (bytes > max_record_bytes) {
-    throw SceneValueError("duration",
-                          fmt::format("{} makes a record of {:.3g} GB; allowed: at most {:.3g} GB, so a shorter trial or "
-                                      "slower sensors",
-                                      format_quantity(scene.duration, Quantity::time), 1e-9 * bytes, 1e-9 * max_record_bytes));
-  }
-}
-
-void TrialRecorder::allocate(const Scene& scene) {
-  check_size(scene);
+void TrialRecorder::allocate() {
+  bytes_ = record_bytes(sensors_, bench_);
+  check_record_size(scene_, bytes_, max_bytes_);
   body_stride_ = bench_.ticks();
   for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
     SensorRecord& sensor = record_.sensors[pad];
     const std::size_t rows = samples_of(bench_.ticks(), bench_.stride(pad));
     body_stride_ = std::min(body_stride_, bench_.stride(pad));
-    sensor.type = scene.sensors[pad].type;
+    sensor.type = scene_.sensors[pad].type;
     sensor.rate = sensors_[pad]->rate();
     sensor.frame = pad_frame_text;
     sensor.time.resize(rows);
@@ -125,6 +156,11 @@ void TrialRecorder::allocate(const Scene& scene) {
 void TrialRecorder::note_events(std::size_t pad, const ContactFrame& truth) {
   LabelRecord& labels = record_.sensors[pad].labels;
   TrialOutcome& outcome = record_.outcome;
+  if (recording_ == Recording::full) {
+    static const double one_event = event_bytes();
+    bytes_ += one_event * static_cast<double>(truth.events.size());
+    check_record_size(scene_, bytes_, max_bytes_);
+  }
   for (const ContactEvent& event : truth.events) {
     if (event.kind == EventKind::touch) {
       keep_earliest(units_[pad][event.unit].touch_time, event.time);

@@ -17,14 +17,20 @@
 
 namespace slipbench {
 
+// Bytes that the columns of a trial's whole record take in memory. Its events, whose number the trial decides, come on top.
+double record_bytes(std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench);
+
+// A trial is recorded in memory before it is written. Throws SceneValueError when `bytes` are more than `max_bytes`.
+void check_record_size(const Scene& scene, double bytes, double max_bytes);
+
 // Columns are allocated whole before the run; a sample is written in place.
 class TrialRecorder {
  public:
-  // `sensors` and `bench` must outlive the recorder. Throws SceneValueError when the record would not fit into memory.
+  // All must outlive the recorder. Throws SceneValueError when the record would take more than `max_bytes`.
   TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench, std::uint64_t trial,
-                Recording recording);
+                Recording recording, double max_bytes);
 
-  // Called every tick for every pad: events and onsets.
+  // Called every tick for every pad: events and onsets. Throws SceneValueError when the events outgrow the record's limit.
   void observe(std::size_t pad, const ContactFrame& truth) {
     if (!truth.events.empty()) note_events(pad, truth);
     if (truth.state == PadState::gross && std::isnan(record_.outcome.gross_slip_time)) note_gross_slip(truth);
@@ -46,16 +52,18 @@ class TrialRecorder {
   TrialResult finish();
 
  private:
-  void check_size(const Scene& scene) const;
-  void allocate(const Scene& scene);
+  void allocate();
   void note_events(std::size_t pad, const ContactFrame& truth);
   void note_gross_slip(const ContactFrame& truth);
   void write_sample(std::size_t pad, const ContactFrame& truth, const SensorFrame& frame);
   void write_bodies(double time, const std::vector<NamedBody>& bodies);
 
+  const Scene& scene_;
   std::span<const std::unique_ptr<Sensor>> sensors_;
   const Testbench& bench_;
   Recording recording_;
+  double max_bytes_;
+  double bytes_ = 0.0;  // that the record takes so far
   std::size_t body_stride_ = 1;
   std::size_t body_row_ = 0;
   std::vector<std::size_t> rows_;  // samples written so far, by pad

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <cmath>
+#include <new>
 #include <stdexcept>
 #include <thread>
 
@@ -12,6 +14,7 @@
 #include "sim/core/error.h"
 #include "tools/dataset/encoder.h"
 #include "tools/run/ordered_workers.h"
+#include "tools/run/recorder.h"
 #include "tools/run/run_trial.h"
 
 namespace slipbench {
@@ -40,9 +43,21 @@ std::string canonical_command(const SweepOptions& options) {
   return command;
 }
 
+// Whether a value given for `path` replaces all that was given for `earlier`. Below `sweep` the rest of a path is one key.
+bool replaces(const std::string& path, const std::string& earlier) {
+  return earlier == path || (earlier.starts_with(path + '.') && !path.starts_with("sweep."));
+}
+
+// The overrides that count, in an order in which they can be applied again. An object has each key once, so a repeated path stands
+// where it was given last; what it replaces must go with its first value, since it may be below it.
 std::string overrides_json(const std::vector<Override>& overrides) {
+  std::vector<Override> kept;
+  for (const Override& change : overrides) {
+    std::erase_if(kept, [&](const Override& earlier) { return replaces(change.path, earlier.path); });
+    kept.push_back(change);
+  }
   Json json = Json::object();
-  for (const Override& change : overrides) json[change.path] = change.value;
+  for (const Override& change : kept) json[change.path] = change.value;
   return json.dump();
 }
 
@@ -75,11 +90,12 @@ TrialSummary summary_of(TrialResult& result) {
   return summary;
 }
 
-FinishedTrial run_one(const TrialPlan& plan, std::uint64_t seed, std::size_t index, TrialEncoder* encoder) {
+// `max_bytes`: limit of the trial's record.
+FinishedTrial run_one(const TrialPlan& plan, std::uint64_t seed, std::size_t index, TrialEncoder* encoder, double max_bytes) {
   TrialPlan::Trial trial = plan.trial(index);
   trial.scene.seed = seed;
   const auto start = std::chrono::steady_clock::now();
-  TrialResult result = run_trial(trial.scene, index, encoder != nullptr ? Recording::full : Recording::outcome);
+  TrialResult result = run_trial(trial.scene, index, encoder != nullptr ? Recording::full : Recording::outcome, max_bytes);
   const std::chrono::duration<double> computed = std::chrono::steady_clock::now() - start;
   result.record.params = params_json(trial.drawn);
   FinishedTrial finished{summary_of(result), trial.scene.duration, computed.count(), std::nullopt};
@@ -103,6 +119,8 @@ TrialPlan make_plan(const SceneFile& file, const Catalogues& catalogues, const S
     throw InputError(fmt::format("trial {}: {}: {}", index, plan.where(index, error.path()), error.what()));
   } catch (const InputError& error) {
     throw InputError(fmt::format("trial {}: {}", index, error.what()));
+  } catch (const std::bad_alloc&) {
+    throw InputError(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
   } catch (const std::exception& error) {
     throw std::runtime_error(fmt::format("trial {}: {}", index, error.what()));
   }
@@ -111,23 +129,53 @@ TrialPlan make_plan(const SceneFile& file, const Catalogues& catalogues, const S
 // Grid cells beyond this many are checked when they run.
 constexpr std::size_t max_checked_cells = 10'000;
 
-// Builds the first trial of every grid cell, so that a scene that contradicts itself is refused before anything is written.
-void check_cells(const TrialPlan& plan) {
+// Worker threads, and what the record of each may take.
+struct Workforce {
+  std::size_t threads = 1;
+  double max_bytes = max_record_bytes;
+};
+
+// As many threads as `options` ask for. Where they ask for none, one a hardware thread, but no more than have room for twice a
+// record of `bytes` (0: nothing is recorded) each: its events come on top.
+Workforce workforce_for(const SweepOptions& options, std::size_t trials, double bytes) {
+  double threads = static_cast<double>(std::max(1U, std::thread::hardware_concurrency()));
+  if (options.jobs != 0) {
+    threads = static_cast<double>(options.jobs);
+  } else if (bytes > 0.0) {
+    threads = std::clamp(std::floor(max_record_bytes / (2.0 * bytes)), 1.0, threads);
+  }
+  threads = std::min(threads, static_cast<double>(std::max<std::size_t>(1, trials)));
+  return {static_cast<std::size_t>(threads), max_record_bytes / threads};
+}
+
+// Builds the first trial of every grid cell, so that a scene that contradicts itself, or whose records would not fit into memory,
+// is refused before anything is written.
+Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::size_t trials) {
   const std::size_t checked = std::min(plan.size(), max_checked_cells * plan.draws());
-  for (std::size_t index = 0; index < checked; index += plan.draws()) {
-    try {
-      check_trial(plan.trial(index).scene, index);
-    } catch (const SceneValueError& error) {
-      throw InputError(plan.where(index, error.path()) + ": " + error.what());
+  std::size_t index = 0;
+  std::size_t largest = 0;  // trial of the largest record
+  double bytes = 0.0;
+  try {
+    for (; index < checked; index += plan.draws()) {
+      const double size = check_trial(plan.trial(index).scene, index);
+      if (options.output.empty() || size <= bytes) continue;
+      largest = index;
+      bytes = size;
     }
+    index = largest;
+    const Workforce workforce = workforce_for(options, trials, bytes);
+    check_record_size(plan.trial(index).scene, bytes, workforce.max_bytes);
+    return workforce;
+  } catch (const SceneValueError& error) {
+    throw InputError(plan.where(index, error.path()) + ": " + error.what());
   }
 }
 
-OrderedWorkers<FinishedTrial>::Work make_work(const TrialPlan& plan, std::uint64_t seed, bool encode) {
+OrderedWorkers<FinishedTrial>::Work make_work(const TrialPlan& plan, std::uint64_t seed, bool encode, double max_bytes) {
   std::shared_ptr<TrialEncoder> encoder = encode ? std::make_shared<TrialEncoder>() : nullptr;
-  return [&plan, seed, encoder](std::size_t index) {
+  return [&plan, seed, encoder, max_bytes](std::size_t index) {
     try {
-      return run_one(plan, seed, index, encoder.get());
+      return run_one(plan, seed, index, encoder.get(), max_bytes);
     } catch (...) {
       rethrow_of_trial(plan, index);
     }
@@ -148,11 +196,6 @@ Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) 
   return values;
 }
 
-std::size_t thread_count(std::size_t jobs, std::size_t trials) {
-  if (jobs == 0) jobs = std::max(1U, std::thread::hardware_concurrency());
-  return std::min(jobs, std::max<std::size_t>(1, trials));
-}
-
 }  // namespace
 
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
@@ -166,7 +209,7 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   summary.planned = options.limit == 0 ? plan.size() : options.limit;
   summary.scene = plan.trial(0).scene;
   summary.available = plan.size();
-  check_cells(plan);
+  const Workforce workforce = check_cells(plan, options, summary.planned);
   if (options.on_start) options.on_start();
 
   std::unique_ptr<DatasetWriter> writer;
@@ -177,10 +220,13 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
         plan.size(), options.shard_limit);
   }
 
+  // OpenSSL crashes where there is no memory to set itself up, which many workers may leave none for: it does so before them.
+  if (writer) static_cast<void>(content_digest({}));
+
   const auto run_all = [&] {
     OrderedWorkers<FinishedTrial> workers(
-        summary.planned, thread_count(options.jobs, summary.planned),
-        [&] { return make_work(plan, summary.seed, writer != nullptr); }, options.interrupt);
+        summary.planned, workforce.threads, [&] { return make_work(plan, summary.seed, writer != nullptr, workforce.max_bytes); },
+        options.interrupt);
     while (std::optional<FinishedTrial> trial = workers.next()) {
       if (writer) writer->append(*trial->encoded);
       summary.simulated += trial->duration;
@@ -194,14 +240,13 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
     run_all();
     summary.interrupted = summary.trials.size() < summary.planned;
     if (writer) summary.files = summary.interrupted ? writer->keep_partial() : writer->commit();
-  } catch (const InputError& error) {
-    if (!writer) throw;
-    const std::size_t held = writer->size();
-    throw InputError(error.what() + kept_text(writer->keep_partial(), held, summary.planned));
   } catch (const std::exception& error) {
     if (!writer) throw;
     const std::size_t held = writer->size();
-    throw std::runtime_error(error.what() + kept_text(writer->keep_partial(), held, summary.planned));
+    const std::string kept = kept_text(writer->keep_partial(), held, summary.planned);
+    if (dynamic_cast<const InputError*>(&error) != nullptr) throw InputError(error.what() + kept);
+    if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) throw InputError("out of memory" + kept);
+    throw std::runtime_error(error.what() + kept);
   }
   return summary;
 }

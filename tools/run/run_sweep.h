@@ -25,7 +25,7 @@ struct SweepOptions {
   std::optional<std::uint64_t> seed;  // empty: the scene's
   std::size_t trials = 0;             // repetitions of each cell of the grid; 0: the scene's
   std::size_t limit = 0;              // run no more than the first so many trials, repeating cells as often as that needs; 0: all
-  std::size_t jobs = 0;               // worker threads; 0: as many as the machine has
+  std::size_t jobs = 0;               // worker threads; 0: as many as the machine has, or as their records have room for
   std::string output;                 // dataset; empty: nothing is written
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
   const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials finish and no other starts

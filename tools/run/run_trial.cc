@@ -31,12 +31,15 @@ Testbench make_bench(const Scene& scene, const Sensors& sensors, std::uint64_t t
 
 }  // namespace
 
-void check_trial(const Scene& scene, std::uint64_t trial) { make_bench(scene, make_sensors(scene, trial), trial); }
+double check_trial(const Scene& scene, std::uint64_t trial) {
+  const Sensors sensors = make_sensors(scene, trial);
+  return record_bytes(sensors, make_bench(scene, sensors, trial));
+}
 
-TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording) {
+TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes) {
   const Sensors sensors = make_sensors(scene, trial);
   Testbench bench = make_bench(scene, sensors, trial);
-  TrialRecorder recorder(scene, sensors, bench, trial, recording);
+  TrialRecorder recorder(scene, sensors, bench, trial, recording, max_bytes);
   for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
     bench.step();
     for (std::size_t pad = 0; pad < sensors.size(); ++pad) {

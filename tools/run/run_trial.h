@@ -33,12 +33,16 @@ struct TrialResult {
   std::vector<std::vector<UnitOutcome>> units;  // [sensor][N]
 };
 
-// Runs trial number `trial` of a dataset whose seed is `scene.seed`. `params` of the record is left to the caller, who knows the
-// sweep. Throws InputError when the scene cannot be simulated as it says (Testbench, make_sensor), or when something in the record
-// (without one: in the last tick) is not finite that must be.
-TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording);
+// Memory for all trials that are recorded at a time [bytes].
+inline constexpr double max_record_bytes = 4e9;
 
-// Builds what run_trial would step, and throws what it would throw before the first step.
-void check_trial(const Scene& scene, std::uint64_t trial);
+// Runs trial number `trial` of a dataset whose seed is `scene.seed`. `params` of the record is left to the caller, who knows the
+// sweep. Throws InputError when the scene cannot be simulated as it says (Testbench, make_sensor), when its full record would take
+// more than `max_bytes`, or when something in the record (without one: in the last tick) is not finite that must be.
+TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes = max_record_bytes);
+
+// Builds what run_trial would step, and throws what it would throw before the first step, but for a record over the limit: returns
+// the bytes that a full one would take, its events aside.
+double check_trial(const Scene& scene, std::uint64_t trial);
 
 }  // namespace slipbench

@@ -48,7 +48,7 @@ std::vector<float> reading(Sensor& sensor, const ContactFrame& truth) {
 }
 
 TEST(PapillArray, PillarsStandInTheVendorsOrder) {
-  // Seen from above, +X up and +Y right: P6 P3 P0 / P7 P4 P1 / P8 P5 P2, pitch 7 mm.
+  // Seen from the surface it touches, +X up and +Y right: P6 P3 P0 / P7 P4 P1 / P8 P5 P2, pitch 7 mm.
   const auto sensor = make(defaults());
   const PadLayout& layout = sensor->layout();
   ASSERT_EQ(layout.elements.size(), 9U);

@@ -42,8 +42,9 @@ TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().m
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
 
 const std::string scene_keys =
-    "controller, description, detector, duration, effects, fidelity, friction, motion, seed, sensors, slipbench, surface, sweep, "
-    "time_step";
+    "controller, description, detector, duration, effects, expect, fidelity, friction, motion, seed, sensors, slipbench, "
+    "surface, "
+    "sweep, time_step";
 const std::string sensor_keys = "bias, bristle_spread, bristles, electronics, profile, rate, type";
 const std::string materials = "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic";
 
@@ -94,8 +95,10 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"OtherVersion", "slipbench: 2\n", "s.yaml:1: slipbench is '2'; allowed: 1, the schema version"},
         Case{"UnknownKey", head + "motoin: {}\n",
              "s.yaml:3: unknown key 'motoin' in the scene; did you mean 'motion'? allowed: " + scene_keys},
-        Case{"Expect", head + "expect: {}\n",
-             "s.yaml:3: expect is read by `slipbench check`, which this version does not have; leave it out"},
+        Case{"Expect", head + "expect: 1 s\n",
+             "s.yaml:3: expect is '1 s'; allowed: a map of what must come out, such as 'gross_slip_by: 1.0 s'"},
+        Case{"ExpectOfNothing", head + "expect:\n",
+             "s.yaml:3: expect is nothing; allowed: a map of what must come out, such as 'gross_slip_by: 1.0 s'"},
         Case{"DescriptionAsMap", head + "description: {a: b}\n", "s.yaml:3: description is a map; allowed: text"},
         Case{"NoDuration", head + "duration: 0 s\n", "s.yaml:3: duration: '0 s' is out of range; allowed: > 0 s and <= 86400 s"},
         Case{"EndlessDuration", head + "duration: inf\n", "s.yaml:3: duration: 'inf' is infinite; allowed: a finite number"},

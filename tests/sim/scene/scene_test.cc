@@ -37,6 +37,7 @@ TEST(Scene, HasDefaultsForAllButItsSensors) {
   EXPECT_EQ(scene.sensors[0].parameters.number("rate"), 1000.0);
   EXPECT_TRUE(scene.sensors[0].electronics.empty());
   EXPECT_TRUE(scene.effects.empty());
+  EXPECT_FALSE(scene.expects);
 }
 
 TEST(Scene, ReadsEveryKey) {
@@ -62,6 +63,7 @@ effects:
   - ageing: {rate: 0.1}
 detector: {type: none}
 controller: {type: none}
+expect: {gross_slip_by: 1.0 s}
 )");
   EXPECT_EQ(scene.description, "text: with colon");
   EXPECT_EQ(scene.duration, 0.5);
@@ -93,6 +95,7 @@ controller: {type: none}
   EXPECT_EQ(scene.effects[0].parameters.number("speed"), 0.001);
   EXPECT_EQ(scene.effects[1].name, "ageing");
   EXPECT_EQ(scene.effects[1].parameters.number("rate"), 0.1);
+  EXPECT_TRUE(scene.expects);
 }
 
 TEST(Scene, TakesFrictionFromTheMaterialUnlessItGivesItsOwn) {

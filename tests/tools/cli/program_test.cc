@@ -132,6 +132,49 @@ TEST(Program, FullStandardOutputIsAnError) {
   EXPECT_THAT(result.err, HasSubstr("cannot write to standard output: No space left on device"));
 }
 
+// Longer than the buffer of stdout: the failure shows while it is printed, not at the end.
+TEST(Program, FullStandardOutputIsAnErrorOfLongTextToo) {
+  const ChildResult result = run_program_file({"run", stage, "--trials", "20", "--json"}, "/dev/full");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.err, "slipbench: cannot write to standard output: No space left on device\n");
+}
+
+TEST(Program, ClosedStandardStreams) {
+  const TemporaryFolder folder;
+  const auto status = [&](const std::string& script) { return run_shell(script, folder / "").status; };
+  EXPECT_EQ(status("slipbench list >&- 2>&-"), 2) << "the list could not be written";
+  EXPECT_EQ(status("slipbench swep 2>&-"), 2);
+  EXPECT_EQ(status("slipbench run nowhere.yaml <&- >&- 2>&-"), 2);
+  EXPECT_EQ(status("slipbench run " + stage + " --quiet -o out.h5 <&- >&- 2>&-"), 0);
+  EXPECT_EQ(status("slipbench report out.h5 --trial 7 >&- 2>&-"), 2);
+  EXPECT_EQ(status("slipbench report out.h5"), 0);
+}
+
+// Where a stream is closed, the dataset must not take its number: the notice of an interrupt goes to number 2.
+TEST(Program, DatasetsDoNotTakeThePlaceOfAStandardStream) {
+  const TemporaryFolder folder;
+  const ChildResult result = run_shell(SLIPBENCH_PROGRAM " sweep " + stage +
+                                           " --trials 100000 -o long.h5 <&- >&- 2>&- &\n"
+                                           "sweep=$!\n"
+                                           "until [ -e long.h5.partial ]; do sleep 0.05; done\n"
+                                           "readlink /proc/$sweep/fd/0 /proc/$sweep/fd/1 /proc/$sweep/fd/2\n"
+                                           "kill -TERM $sweep\n"
+                                           "wait $sweep",
+                                       folder / "");
+  EXPECT_EQ(result.status, 130);
+  EXPECT_EQ(result.out, "/dev/null\n/dev/null\n/dev/null\n");
+}
+
+TEST(Program, WhatASceneExpectsIsLeftToLaterVersions) {
+  const std::string expect = "expect={gross_slip_by: 1.0 s}";
+  const ChildResult result = run_program_file({"run", stage, "--set", expect});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.err,
+            "slipbench: note: the scene's expect is not checked: `slipbench check`, which reads it, comes in a later version\n");
+  EXPECT_EQ(run_program_file({"run", stage, "--set", expect, "--quiet"}).err, "");
+  json_of(run_program_file({"run", stage, "--set", expect, "--json"}));
+}
+
 TEST(Program, ListAndDescribe) {
   const nlohmann::json list = json_of(run_program_file({"list", "--json"}));
   for (const char* kind : {"effects", "sensors", "surfaces", "materials", "motions", "electronics"}) {

@@ -127,6 +127,19 @@ TEST_F(ProgressTest, ClearRemovesAnUnfinishedBar) {
   EXPECT_THAT(written(), EndsWith("\r\033[K"));
 }
 
+// A sweep goes on where nobody can be told how far it is.
+TEST_F(ProgressTest, AStreamThatCannotBeWrittenEndsNothing) {
+  std::FILE* full = std::fopen("/dev/full", "w");
+  ASSERT_NE(full, nullptr);
+  for (const Progress::Mode mode : {Progress::Mode::bar, Progress::Mode::lines}) {
+    Progress progress(mode, full, [this] { return now_; });
+    now_ += 10.0;
+    EXPECT_NO_THROW(progress.update(1, 2, 4.0));
+    EXPECT_NO_THROW(progress.clear());
+  }
+  std::fclose(full);
+}
+
 TEST_F(ProgressTest, OffAndSingleTrialsDrawNothing) {
   Progress off = make(Progress::Mode::off);
   Progress single = make(Progress::Mode::bar);

@@ -25,6 +25,14 @@ TEST(StyleFor, AFileGetsNoColours) {
   std::fclose(file);
 }
 
+TEST(Say, DoesNothingWhereItCannotBeWritten) {
+  std::FILE* full = std::fopen("/dev/full", "w");
+  ASSERT_NE(full, nullptr);
+  say(full, "lost\n");
+  EXPECT_NE(std::ferror(full), 0);
+  std::fclose(full);
+}
+
 TEST(WrapText, BreaksAtSpacesAndIndents) {
   // "  one two" has 9 columns; " three" would make 15.
   EXPECT_EQ(wrap_text("one two three", 10, 2), "  one two\n  three\n");

@@ -275,11 +275,16 @@ TEST_F(ExportTest, TrainingFilesAreNamedByTheirMove) {
                                          // 0.4 rad/s at 9.9 mm: 3.96 mm/s.
                                          moving_record(3, params(0.0, -0.4), 0.0F, -0.4F, 100, 300, UnitState::stick),
                                          // Half a second would be a halt, but no "stop" of the protocol: here 200 ms.
-                                         moving_record(4, params(8e-3, 0.4), 8e-3F, 0.4F, 100, 200, UnitState::stick)};
+                                         moving_record(4, params(8e-3, 0.4), 8e-3F, 0.4F, 100, 200, UnitState::stick),
+                                         // The recording ends 50 ms after the start, and nothing has braked.
+                                         moving_record(5, params(4e-3, 0.0), 4e-3F, 0.0F, 350, 50, UnitState::slip),
+                                         // Told to move after the recording's end: a press.
+                                         moving_record(6, params(4e-3, 0.0), 0.0F, 0.0F, 0, 0, UnitState::stick)};
   EXPECT_THAT(run(dataset(records), training),
               ElementsAre(path("out/translation/demo_0-v_4.0-stop.csv"), path("out/translation/demo_1-v_1.0-stop.csv"),
                           path("out/translation/demo_2-v_0.5-slip.csv"), path("out/rotation/demo_3-v_4.0-slip.csv"),
-                          path("out/combined/demo_4-v_8.0-slip.csv")));
+                          path("out/combined/demo_4-v_8.0-slip.csv"), path("out/translation/demo_5-v_4.0-slip.csv"),
+                          path("out/press/demo_6-v_0.0-stop.csv")));
 }
 
 // A pad that brakes before it reaches its speed: 50 mm/s2 for 50 ms up and 50 ms down, told 16 mm/s and 50 ms.
@@ -298,6 +303,9 @@ TEST_F(ExportTest, SpeedComesFromTheSceneWhereItIsNotSwept) {
   EXPECT_THAT(run(dataset({record}), training), ElementsAre(path("out/translation/demo_0-v_1.25-slip.csv")));
   overrides = R"({"motion.speed": "2 mm/s"})";
   EXPECT_THAT(run(dataset({record}), training), ElementsAre(path("out/translation/demo_0-v_2.0-slip.csv")));
+  // In their order, as `run` applies them.
+  overrides = R"({"motion.speed": "8 mm/s", "motion": "{speed: 3 mm/s}", "sweep.motion.speed": "[5 mm/s]", "seed": "8"})";
+  EXPECT_THAT(run(dataset({record}), training), ElementsAre(path("out/translation/demo_0-v_3.0-slip.csv")));
   overrides = R"({"motion.speed": "2 mm"})";
   EXPECT_THAT(message_of<InputError>([&] { run(dataset({record}), training); }), HasSubstr("--set motion.speed"));
   overrides = "{}";
@@ -323,6 +331,44 @@ TEST_F(ExportTest, InputIsNeverReplaced) {
     EXPECT_THAT(message_of<InputError>([&] { run(path(name), vendor); }), HasSubstr("is the input"));
     EXPECT_EQ(bytes_of(path(name)), before);
     std::filesystem::rename(path(name), from);
+  }
+}
+
+// What was exported before is replaced; the user's own files are not.
+TEST_F(ExportTest, ReplacesItsOwnFilesAndNothingElse) {
+  const std::string from = dataset({make_trial_record(0)});
+  const std::vector<std::pair<ExportOptions, std::string>> cases{{vendor, "out/LOG_demo_0.csv"},
+                                                                 {training, "out/press/demo_0-v_0.0-stop.csv"}};
+  for (const auto& [options, name] : cases) {
+    run(from, options);
+    const std::string whole = bytes_of(path(name));
+    EXPECT_NO_THROW(run(from, options));
+    for (const std::string& target : {path(name), path(name + ".partial")}) {
+      for (const char* text : {"time,force\n0,1\n", "my notes\n"}) {
+        std::ofstream(target, std::ios::trunc) << text;
+        EXPECT_THAT(message_of<InputError>([&] { run(from, options); }), HasSubstr(target + " exists and is no "));
+        EXPECT_EQ(bytes_of(target), text);
+      }
+      std::ofstream(target, std::ios::trunc) << whole;  // as a killed export leaves it
+    }
+    EXPECT_NO_THROW(run(from, options));
+  }
+}
+
+// What is exported is what was written, or nothing, also where only another trial of the file is changed.
+TEST_F(ExportTest, ChangedArraysAreRefused) {
+  EncodedTrial changed = TrialEncoder().encode(make_trial_record(1));
+  changed.digest[0] ^= 1U;
+  DatasetWriter writer(path("a.h5"), {"1", scene_text, overrides, 7, "slipbench sweep a.yaml"}, 2);
+  writer.append(TrialEncoder().encode(make_trial_record(0)));
+  writer.append(changed);
+  writer.commit();
+  ExportOptions first = vendor;
+  first.trial = 0;
+  for (const ExportOptions& options : {vendor, training, first}) {
+    EXPECT_THAT(message_of<InputError>([&] { run(path("a.h5"), options); }),
+                HasSubstr("a.h5: is damaged: its arrays have the SHA-256"));
+    EXPECT_FALSE(std::filesystem::exists(path("out")));
   }
 }
 

@@ -187,7 +187,7 @@ TEST(Report, NeverReplacesADataset) {
   EXPECT_THAT(refusal(dataset, dataset), HasSubstr("is the input"));
   EXPECT_THAT(refusal(dataset, page_path("./report_input.h5")), HasSubstr("is the input"));
   const std::string other = write_dataset("report_other.h5", scene, trials(1));
-  EXPECT_THAT(refusal(dataset, other), HasSubstr("is an HDF5 file"));
+  EXPECT_THAT(refusal(dataset, other), HasSubstr("report_other.h5 exists and is no report"));
   EXPECT_EQ(read_text(dataset), before);
   EXPECT_EQ(read_text(other), before);  // the same trials: the same bytes
   // The page's temporary name is that of a killed run's dataset.
@@ -195,6 +195,23 @@ TEST(Report, NeverReplacesADataset) {
   std::filesystem::copy_file(dataset, killed, std::filesystem::copy_options::overwrite_existing);
   EXPECT_THAT(refusal(killed, page_path("report_killed.h5")), HasSubstr("report_killed.h5.partial is the input"));
   EXPECT_EQ(read_text(killed), before);
+}
+
+TEST(Report, ReplacesReportsAndNothingElse) {
+  const std::string dataset = write_dataset("report_kept.h5", scene, trials(1));
+  for (const char* text : {"slipbench: 1\n", "<!DOCTYPE html>\n<html><head><title>mine</title></head></html>\n"}) {
+    for (const char* name : {"report_kept.yaml", "report_kept.yaml.partial"}) {
+      write_text(page_path(name), text);
+      EXPECT_EQ(refusal(dataset, page_path("report_kept.yaml")),
+                "cannot write " + page_path("report_kept.yaml") + ": " + page_path(name) +
+                    " exists and is no report; allowed: a new name, or a report to replace");
+      EXPECT_EQ(read_text(page_path(name)), text);
+      std::filesystem::remove(page_path(name));
+    }
+  }
+  write_report(dataset, page_path("report_kept.html"));
+  std::filesystem::copy_file(page_path("report_kept.html"), page_path("report_kept.html.partial"));
+  EXPECT_EQ(refusal(dataset, page_path("report_kept.html")), "no refusal");
 }
 
 // What is shown is what was written, or nothing.

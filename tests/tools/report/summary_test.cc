@@ -1,12 +1,14 @@
 #include "tools/report/summary.h"
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/core/contact_frame.h"
 #include "sim/core/error.h"
 #include "tests/tools/report/sample.h"
 
@@ -69,11 +71,13 @@ TEST(CheckLabels, RefusesWhatDoesNotExist) {
       {[](SensorRecord& s) { s.labels.unit_state[3] = 4; }, "x.h5: labels/pad holds state 4; allowed: 0 to 3"},
       {[](SensorRecord& s) { s.labels.state_paper[3] = 9; }, "holds state 9"},
       {[](SensorRecord& s) { s.labels.event_unit[0] = 2; }, "has an event of unit 2; there are 2"},
-      {[](SensorRecord& s) { s.labels.event_kind[0] = 5; }, "has an event of kind 5; allowed: 0 to 4"},
+      {[](SensorRecord& s) { s.labels.event_kind[0] = 6; }, "has an event of kind 6; allowed: 0 to 5"},
       {[](SensorRecord& s) { s.time.clear(); }, "holds no sample"},
       {[](SensorRecord& s) { s.channel_names.pop_back(); }, "sensors/pad names 11 channels; its samples hold 12 values"},
   };
-  EXPECT_NO_THROW(check_labels(sample_trial(0, "{}").sensors[0], "x.h5"));
+  SensorRecord sound = sample_trial(0, "{}").sensors[0];
+  sound.labels.event_kind.back() = static_cast<std::uint8_t>(EventKind::part_sticks);
+  EXPECT_NO_THROW(check_labels(sound, "x.h5"));
   for (const auto& [damage, message] : cases) {
     SensorRecord sensor = sample_trial(0, "{}").sensors[0];
     damage(sensor);

@@ -64,6 +64,23 @@ TEST(Scripts, HaveBalancedBrackets) {
   }
 }
 
+// A pad whose X points up, Y to the right and Z away from the reader is seen from the side that it touches.
+TEST(Scripts, SayFromWhereThePadIsSeen) {
+  for (const auto& [name, text] : web_files(".js")) EXPECT_EQ(text.find("from above"), std::string::npos) << name;
+}
+
+// A swept value that is infinite has no place on a scale: each picture and table of the overview gives it one of its own.
+TEST(Scripts, ShowEndlessValues) {
+  const std::string text = web_files(".js").at("dataset.js");
+  for (const char* name : {"swept", "encoding", "scatter", "table"}) {
+    const std::size_t begin = text.find(std::string("\nfunction ") + name + "(");
+    ASSERT_NE(begin, std::string::npos) << name;
+    const std::string body = text.substr(begin, text.find("\n}\n", begin) - begin);
+    EXPECT_NE(body.find("endless(axis, trial)"), std::string::npos) << name;
+    EXPECT_NE(body.find("sb.endless(axis.unit)"), std::string::npos) << name;
+  }
+}
+
 TEST(Styles, DefineEveryColourInBothThemes) {
   const std::string css = web_files(".css").at("report.css");
   const auto block = [&](const std::string& selector) {

@@ -1,10 +1,19 @@
 #include "tools/run/ordered_workers.h"
 
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <chrono>
+#include <fstream>
+#include <new>
 #include <stdexcept>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "sim/core/error.h"
 
 namespace slipbench {
 namespace {
@@ -48,6 +57,81 @@ TEST(OrderedWorkers, FirstFailureInOrderIsTheOneThrown) {
   } catch (const std::runtime_error& error) {
     EXPECT_STREQ(error.what(), "3");
   }
+}
+
+// One thread that fails at once: it would else run on until its places are full of failures.
+TEST(OrderedWorkers, NothingIsBegunAfterAFailure) {
+  std::atomic<std::size_t> begun{0};
+  const auto make_work = [&] {
+    return [&](std::size_t) -> std::size_t {
+      ++begun;
+      throw std::runtime_error("failed");
+    };
+  };
+  Workers workers(60, 1, make_work, nullptr);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_THROW(workers.next(), std::runtime_error);
+  EXPECT_EQ(workers.next(), std::nullopt);
+  EXPECT_EQ(begun, 1U);
+}
+
+// As when there is no memory for it.
+TEST(OrderedWorkers, FailureToMakeTheWorkIsThrown) {
+  for (const std::size_t threads : {1U, 3U}) {
+    Workers workers(
+        60, threads, []() -> Workers::Work { throw std::bad_alloc(); }, nullptr);
+    EXPECT_THROW(workers.next(), std::bad_alloc);
+  }
+}
+
+// While alive, new threads have stacks of 256 MiB, and the process has addresses left for three of them, but not for four.
+class RoomForThreeThreads {
+ public:
+  RoomForThreeThreads() {
+    constexpr std::size_t stack = std::size_t{256} << 20;
+    pthread_getattr_default_np(&attributes_);
+    pthread_attr_t large = attributes_;
+    pthread_attr_setstacksize(&large, stack);
+    pthread_setattr_default_np(&large);
+    std::size_t pages = 0;  // of the whole process: the first number of statm
+    std::ifstream("/proc/self/statm") >> pages;
+    getrlimit(RLIMIT_AS, &limit_);
+    rlimit tight = limit_;
+    tight.rlim_cur = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) + 7 * stack / 2;
+    setrlimit(RLIMIT_AS, &tight);
+  }
+  ~RoomForThreeThreads() {
+    setrlimit(RLIMIT_AS, &limit_);
+    pthread_setattr_default_np(&attributes_);
+  }
+  RoomForThreeThreads(const RoomForThreeThreads&) = delete;
+  RoomForThreeThreads& operator=(const RoomForThreeThreads&) = delete;
+
+ private:
+  pthread_attr_t attributes_{};
+  rlimit limit_{};
+};
+
+TEST(OrderedWorkers, ThreadsThatCannotBeStartedAreRefused) {
+  std::atomic<std::size_t> begun{0};
+  const auto make_work = [&] {
+    return [&](std::size_t index) {
+      ++begun;
+      return index;
+    };
+  };
+  std::string message = "all were started";
+  {
+    const RoomForThreeThreads room;
+    try {
+      const Workers workers(100'000, 8, make_work, nullptr);
+    } catch (const InputError& error) {
+      message = error.what();
+    }
+  }
+  EXPECT_THAT(message,
+              testing::MatchesRegex("only [1-3] of 8 worker threads could be started \\(.*\\); allowed: fewer, with --jobs"));
+  EXPECT_EQ(begun, 0U);
 }
 
 TEST(OrderedWorkers, InterruptLetsBegunWorkFinish) {

@@ -17,6 +17,7 @@
 namespace slipbench::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -131,6 +132,62 @@ TEST_F(SweepTest, OverridesAreWritten) {
   EXPECT_EQ(DatasetReader(path("out.h5")).header().overrides, R"({"motion.start":"50 ms"})");
 }
 
+// Applied again in the order in which they are written, they give what was simulated: a JSON object has each key once.
+TEST_F(SweepTest, RepeatedOverridesAreWrittenInAnOrderThatGivesTheSameScene) {
+  struct Case {
+    std::vector<Override> given;
+    std::string written;
+  };
+  const std::vector<Case> cases{
+      {{{"motion.speed", "1 mm/s"}, {"motion", "{speed: 2 mm/s}"}, {"motion.speed", "3 mm/s"}},
+       R"({"motion":"{speed: 2 mm/s}","motion.speed":"3 mm/s"})"},
+      {{{"motion.tilt", "[0, 0]"}, {"motion.tilt.0", "1 deg"}, {"motion.tilt", "[0, 0.01]"}}, R"({"motion.tilt":"[0, 0.01]"})"},
+      {{{"motion.start", "1 s"}, {"motion.stop", "2 s"}, {"motion.start", "50 ms"}},
+       R"({"motion.stop":"2 s","motion.start":"50 ms"})"},
+      {{{"sweep.motion.speed", "[1 mm/s]"}, {"sweep.motion", "[{stop: 2 s}]"}},
+       R"({"sweep.motion.speed":"[1 mm/s]","sweep.motion":"[{stop: 2 s}]"})"},
+      {{{"sweep.motion.speed", "[1 mm/s]"}, {"sweep", "{}"}}, R"({"sweep":"{}"})"}};
+  const Catalogues catalogues = program_catalogues();
+  for (const Case& entry : cases) {
+    SweepOptions changed = options("out.h5");
+    changed.overrides = entry.given;
+    changed.limit = 1;
+    const SweepSummary summary = run(changed);
+    const std::string written = DatasetReader(path("out.h5")).header().overrides;
+    EXPECT_EQ(written, entry.written);
+    SceneFile again = SceneFile::load(path("scene.yaml"));
+    const auto overrides = nlohmann::ordered_json::parse(written);
+    for (const auto& [key, value] : overrides.items()) again.apply({key, value.get<std::string>()});
+    const TrialPlan plan(again, catalogues, 0, 7);
+    EXPECT_EQ(plan.size(), summary.available);
+    for (const char* name : {"speed", "start", "stop"}) {
+      EXPECT_EQ(plan.trial(0).scene.motion.parameters.number(name), summary.scene.motion.parameters.number(name)) << name;
+    }
+    EXPECT_EQ(plan.trial(0).scene.motion.parameters.vector("tilt"), summary.scene.motion.parameters.vector("tilt"));
+  }
+}
+
+// 1,400 s at 1 kHz with the bodies' poses make a record of 870 MB: four jobs have 4 GB for theirs, five have not.
+TEST_F(SweepTest, JobsShareTheMemoryForRecords) {
+  SweepOptions long_trials = options("out.h5", 5);
+  long_trials.overrides = {{"duration", "1400 s"}, {"sweep", "{trials: 5}"}};
+  EXPECT_THAT(
+      message_of<InputError>([&] { run(long_trials); }),
+      AllOf(HasSubstr("--set duration=1400 s: duration: 1400 s makes a record of 0.868 GB or more; allowed: at most 0.8 GB"),
+            HasSubstr("fewer --jobs")));
+  EXPECT_THAT(names(), ElementsAre("scene.yaml")) << "refused before anything is written";
+
+  // Four, which would run for long: the interrupt ends them before the first trial.
+  const std::atomic<bool> interrupt{true};
+  long_trials.jobs = 4;
+  long_trials.interrupt = &interrupt;
+  EXPECT_TRUE(run(long_trials).interrupted);
+  // Without a dataset there are no records.
+  long_trials.jobs = 5;
+  long_trials.output.clear();
+  EXPECT_TRUE(run(long_trials).interrupted);
+}
+
 TEST_F(SweepTest, WithoutATargetTheSummaryIsTheSame) {
   const SweepSummary dry = run(options(""));
   const SweepSummary written = run(options("out.h5"));
@@ -186,6 +243,19 @@ TEST_F(SweepTest, InterruptKeepsWhatIsFinished) {
   EXPECT_FALSE(reader.complete());
   EXPECT_EQ(reader.trials().size(), summary.trials.size());
   EXPECT_EQ(reader.mask("train").size() + reader.mask("valid").size() + reader.mask("test").size(), summary.trials.size());
+}
+
+// A shell starts what a script puts in the background with SIGINT ignored.
+TEST(InterruptGuard, LeavesAnIgnoredSignalIgnored) {
+  const auto before = std::signal(SIGINT, SIG_IGN);
+  {
+    const InterruptGuard guard;
+    std::raise(SIGINT);
+    EXPECT_FALSE(InterruptGuard::flag());
+    std::raise(SIGTERM);
+    EXPECT_TRUE(InterruptGuard::flag());
+  }
+  EXPECT_EQ(std::signal(SIGINT, before), SIG_IGN);
 }
 
 TEST_F(SweepTest, InterruptBeforeTheFirstTrialLeavesNothing) {

@@ -165,6 +165,27 @@ TEST(RunTrial, RecordThatWouldFillTheMemoryIsRefused) {
   }
 }
 
+// A sample is a time, 54 values, 9 units of 1 + 8 + 4 + 4 + 12 bytes, 3 states and five numbers of 4 bytes (the centre has two,
+// with the stuck fraction, the direction and the angle); a row of the bodies is a time and two times 13 floats.
+TEST(RunTrial, RecordCountsSensorsAndBodies) {
+  const double sample = 8 + 4 * 54 + 9 * 29 + 3 + 4 * 5;
+  const double bodies = 8 + 2 * 4 * 13;
+  EXPECT_EQ(check_trial(stage_scene({}), 0), 4000 * (sample + bodies));
+  EXPECT_EQ(check_trial(stage_scene({{"sensors.second", "{type: papillarray, rate: 500 Hz}"}}), 0),
+            4000 * (sample + bodies) + 2000 * sample);
+}
+
+// An event has 8 + 4 + 1 bytes.
+TEST(RunTrial, EventsCountToo) {
+  const Scene scene = stage_scene({});
+  const std::size_t events = record_of(scene).sensors[0].labels.event_time.size();
+  EXPECT_GE(events, 18U) << "a touch and a slip of each pillar";
+  const double size = check_trial(scene, 0) + 13.0 * static_cast<double>(events);
+  EXPECT_NO_THROW(run_trial(scene, 0, Recording::full, size));
+  EXPECT_THROW(run_trial(scene, 0, Recording::full, size - 1.0), SceneValueError);
+  EXPECT_NO_THROW(run_trial(scene, 0, Recording::outcome, 0.0));
+}
+
 TEST(RunTrial, SeveralSensorsAreRecordedSideBySide) {
   const TrialRecord record = record_of(stage_scene({{"sensors.second", "{type: papillarray, rate: 500 Hz}"}}));
   ASSERT_EQ(record.sensors.size(), 2U);

@@ -41,6 +41,7 @@ const label = axis => sb.pathWord(axis.path) + (axis.unit ? ', ' + sb.symbol(axi
 // A value that is there but not finite is "never" or "no limit".
 const endless = (axis, trial) => axis.numeric && axis.path in trial.params && trial.params[axis.path].value === null;
 const plain = (axis, value) => value === null ? '–' : axis.numeric ? sb.quantity(value, axis.unit, 3) : String(value);
+const said = (axis, trial) => endless(axis, trial) ? sb.endless(axis.unit) : plain(axis, valueOf(trial, axis.path));
 
 // Trials run with one sensor or several; the overview is of one of them.
 const summaryOf = (trial, sensor) => trial.sensors[sensor];
@@ -253,10 +254,14 @@ function encoding(path) {
   const ramp = d3.scale.linear().domain(d3.range(gradient.length).map(i => i / (gradient.length - 1))).range(gradient);
   const colour = value => ramp(position(value));
   const samples = values.length <= 8 ? values : d3.range(5).map(i => position.invert(i / 4));
+  // What is endless has no place on the scale of colours: it gets a colour and a shape of its own.
+  const beyond = page.trials.some(trial => endless(axis, trial)) ? [dot('var(--ink)', 'cross', sb.endless(axis.unit))] : [];
   return {
-    colour: trial => valueOf(trial, path) === null ? 'var(--faint)' : colour(valueOf(trial, path)),
-    shape: () => 'circle',
-    legend: samples.map(value => dot(colour(value), 'circle', plain(axis, value)))
+    colour: trial => endless(axis, trial) ? 'var(--ink)' :
+        valueOf(trial, path) === null     ? 'var(--faint)' :
+                                            colour(valueOf(trial, path)),
+    shape: trial => endless(axis, trial) ? 'cross' : 'circle',
+    legend: [...samples.map(value => dot(colour(value), 'circle', plain(axis, value))), ...beyond]
   };
 }
 
@@ -326,14 +331,18 @@ function scatter(sensor, open) {
         (never ? never + ' of ' + page.trials.length + ' trials do not get that far and are not shown. ' : '') +
         'Hover for its values, click to open it.';
     host.replaceChildren();
+    if (!happened.length) return;
     const times = d3.extent(happened, timeOf);
     const yLog = wide(times, 12);
     axes.forEach(axis => {
       const box = {width: 400, height: 270, left: 58, right: 12, top: 10, bottom: 40};
-      const values = happened.map(trial => valueOf(trial, axis.path))
-                         .filter(value => value !== null)
-                         .map(value => value * sb.factor(axis.unit));
-      // Zero has no place on a logarithmic axis: it gets one of its own, left of the others.
+      const finite = trials =>
+          trials.map(trial => valueOf(trial, axis.path)).filter(value => value !== null).map(value => value * sb.factor(axis.unit));
+      // Where only endless values are left, the others still say what the axis is.
+      const values = finite(happened).length ? finite(happened) : finite(page.trials);
+      // What is endless has no place on any axis, and zero none on a logarithmic one: they get one of their own, right and left of
+      // the others.
+      const beyond = happened.some(trial => endless(axis, trial));
       const zeros = values.includes(0) && wide(d3.extent(values.filter(value => value !== 0)), 8, axis.unit);
       const range = d3.extent(zeros ? values.filter(value => value !== 0) : values);
       const xLog = wide(range, 8, axis.unit);
@@ -344,27 +353,31 @@ function scatter(sensor, open) {
         return [low - gap, high + gap];
       };
       const x = (xLog ? d3.scale.log() : d3.scale.linear()).domain(padded(range, xLog)).range([
-        box.left + (zeros ? 26 : 0), box.width - box.right
+        box.left + (zeros ? 26 : 0), box.width - box.right - (beyond ? 48 : 0)
       ]);
-      const place = value => value === 0 && zeros ? box.left + 13 : x(value);
+      const place = trial => {
+        const value = valueOf(trial, axis.path) * sb.factor(axis.unit);
+        return endless(axis, trial) ? box.width - box.right - 22 : value === 0 && zeros ? box.left + 13 : x(value);
+      };
       const y = (yLog ? d3.scale.log() : d3.scale.linear()).domain(padded(times, yLog)).range([box.height - box.bottom, box.top]);
       const svg = frame(
           host, box, x, y, label(axis) + (xLog ? ' (log)' : ''), state.outcome.name + ', ms' + (yLog ? ' (log)' : ''), xLog,
           yLog);
-      if (zeros)
-        svg.append('text')
-            .attr('x', box.left + 13)
-            .attr('y', box.height - box.bottom + 17)
-            .attr('text-anchor', 'middle')
-            .text('0');
+      const name = (at, text) => svg.append('text')
+                                     .attr('x', at)
+                                     .attr('y', box.height - box.bottom + 17)
+                                     .attr('text-anchor', 'middle')
+                                     .text(text);
+      if (zeros) name(box.left + 13, '0');
+      if (beyond) name(box.width - box.right - 22, sb.endless(axis.unit));
       svg.selectAll('path.point')
-          .data(happened.filter(trial => valueOf(trial, axis.path) !== null))
+          .data(happened.filter(trial => endless(axis, trial) || valueOf(trial, axis.path) !== null))
           .enter()
           .append('path')
           .attr('class', 'point')
           .attr(
               'transform',
-              trial => 'translate(' + place(valueOf(trial, axis.path) * sb.factor(axis.unit)) + ',' + y(timeOf(trial)) + ')')
+              trial => 'translate(' + place(trial) + ',' + y(timeOf(trial)) + ')')
           .attr('d', trial => d3.svg.symbol().type(encoded.shape(trial)).size(46)())
           .style('fill', encoded.colour)
           .style('fill-opacity', 0.85)
@@ -376,7 +389,7 @@ function scatter(sensor, open) {
                 tip.style.top = (d3.event.clientY + 12) + 'px';
                 tip.textContent = [
                   'trial ' + trial.index, state.outcome.name + ': ' + sb.fixed(timeOf(trial), 1) + ' ms',
-                  ...varied.map(other => sb.pathWord(other.path) + ': ' + plain(other, valueOf(trial, other.path)))
+                  ...varied.map(other => sb.pathWord(other.path) + ': ' + said(other, trial))
                 ].join('\n');
               })
           .on('mouseout', () => {
@@ -395,7 +408,7 @@ function table(sensor, open) {
     number('trial', trial => trial.index, trial => String(trial.index)),
     ...varied.map(axis => ({
                     name: label(axis),
-                    value: trial => valueOf(trial, axis.path),
+                    value: trial => endless(axis, trial) ? Infinity : valueOf(trial, axis.path),
                     text: trial => {
                       const value = valueOf(trial, axis.path);
                       return endless(axis, trial) ? sb.endless(axis.unit) :

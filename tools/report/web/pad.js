@@ -1,4 +1,4 @@
-// The pad seen from above: units coloured by state, force and slip arrows, the slip centre.
+// The pad seen from the surface it touches: units coloured by state, force and slip arrows, the slip centre.
 (function(sb) {
 'use strict';
 
@@ -48,7 +48,7 @@ class Pad {
                     .append('svg')
                     .attr('viewBox', [left, top, right - left, bottom - top + 30].join(' '))
                     .attr('role', 'img')
-                    .attr('aria-label', 'The pad seen from above at the cursor');
+                    .attr('aria-label', 'The pad at the cursor, seen from the surface it touches');
     this.arrowHeads(svg.append('defs'), Math.min(8, 0.4 * pitch));
     this.drawFrame(svg);
     const unit = svg.selectAll('g.unit')

@@ -404,7 +404,7 @@ sb.showTrial = async (host, index, sensorName) => {
   side.append(
       sb.stateLegend(sb.states.unit),
       el('p.note', {},
-         'The pad seen from above; +Z points into the sensor. Above each ' + word +
+         'The pad seen from the surface it touches; +Z points away from the reader, into the sensor. Above each ' + word +
              ': its name and normal force. Arrows: true tangential force of the object on the ' + word +
              ' (solid) and slip velocity of its tip (dashed). ⊕ marks the slip centre where it lies within the picture.'));
   const whole = wholeSensor(recording, timeline);
