@@ -3,6 +3,9 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
+# Where the MuJoCo plugin stands below the build folder and below the prefix alike, so that the program finds it from its own place.
+set(SLIPBENCH_PLUGIN_DIR ${CMAKE_INSTALL_LIBDIR}/slipbench)
+
 function(slipbench_install)
   set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/slipbench)
   get_property(targets GLOBAL PROPERTY SLIPBENCH_TARGETS)
@@ -22,6 +25,7 @@ function(slipbench_install)
     set(mujoco_dir ${CMAKE_INSTALL_LIBDIR}/slipbench/mujoco)
     install(FILES ${MuJoCo_LIBRARY} DESTINATION ${mujoco_dir})
     install(DIRECTORY ${MuJoCo_ROOT_DIR}/include DESTINATION ${mujoco_dir})
+    install(TARGETS slipbench_plugin LIBRARY DESTINATION ${SLIPBENCH_PLUGIN_DIR})
   endif()
 
   install(EXPORT slipbenchTargets NAMESPACE slipbench:: DESTINATION ${package_dir})

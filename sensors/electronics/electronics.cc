@@ -59,6 +59,14 @@ Electronics::Electronics(const std::vector<ElectronicsPart>& parts, const Signal
   }
 }
 
+std::vector<std::span<double>> Electronics::memory() const {
+  std::vector<std::span<double>> memories;
+  for (const auto& stage : stages_) {
+    if (const std::span<double> memory = stage->memory(); !memory.empty()) memories.push_back(memory);
+  }
+  return memories;
+}
+
 std::vector<Entry> electronics_entries() {
   std::vector<Entry> entries;
   for (const PartKind& kind : part_kinds()) entries.push_back(kind.entry);

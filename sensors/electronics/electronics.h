@@ -54,6 +54,8 @@ class ElectronicsStage {
 
   // Changes a sample in place. Called once a sample, in order of time. `time` [s].
   virtual void apply(std::span<float> values, double time) = 0;
+  // What the part carries from one sample to the next (Sensor::memory). Empty: nothing.
+  [[nodiscard]] virtual std::span<double> memory() { return {}; }
 };
 
 // The parts of one sensor, applied in the order in which they are listed. Empty: ideal.
@@ -65,6 +67,9 @@ class Electronics {
   void apply(std::span<float> values, double time) {
     for (const auto& stage : stages_) stage->apply(values, time);
   }
+
+  // The parts' memories, for Sensor::memory.
+  [[nodiscard]] std::vector<std::span<double>> memory() const;
 
  private:
   std::vector<std::unique_ptr<ElectronicsStage>> stages_;

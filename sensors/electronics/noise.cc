@@ -16,7 +16,7 @@ namespace {
 class Noise final : public ElectronicsStage {
  public:
   Noise(const Parameters& parameters, const SignalModel& model, RandomStream stream)
-      : state_(model.sources), source_(model.source), stream_(stream) {
+      : memory_(2 * model.sources + 1), source_(model.source), stream_(stream) {
     for (const double sd : model.noise_sd) sd_.push_back(parameters.number("scale") * sd);
 
     const double a = 2.0 * std::numbers::pi * parameters.number("corner") / model.rate;
@@ -31,31 +31,33 @@ class Noise final : public ElectronicsStage {
     gux_ = covariance / gx_;
     gu_ = std::sqrt(variance_u - gux_ * gux_);
 
-    for (State& state : state_) {
-      state.x = stream_.normal();
-      state.u = stream_.normal();
-    }
+    for (std::size_t v = 0; v < 2 * model.sources; ++v) memory_[v] = stream_.normal();
+    pairs_drawn() = static_cast<double>(model.sources);
   }
 
   void apply(std::span<float> values, double /*time*/) override {
-    for (std::size_t v = 0; v < sd_.size(); ++v) values[v] = static_cast<float>(values[v] + sd_[v] * state_[source_[v]].x);
-    for (State& state : state_) {
+    for (std::size_t v = 0; v < sd_.size(); ++v) values[v] = static_cast<float>(values[v] + sd_[v] * memory_[2 * source_[v]]);
+    stream_.seek(static_cast<std::uint64_t>(pairs_drawn()));
+    for (std::size_t s = 0; s + 1 < memory_.size(); s += 2) {
+      double& x = memory_[s];
+      double& u = memory_[s + 1];
       const double z1 = stream_.normal();
       const double z2 = stream_.normal();
-      const double x = xx_ * state.x + xu_ * state.u + gx_ * z1;
-      state.u = -xu_ * state.x + uu_ * state.u + gux_ * z1 + gu_ * z2;
-      state.x = x;
+      const double x_next = xx_ * x + xu_ * u + gx_ * z1;
+      u = -xu_ * x + uu_ * u + gux_ * z1 + gu_ * z2;
+      x = x_next;
+      pairs_drawn() += 1.0;
     }
   }
 
+  [[nodiscard]] std::span<double> memory() override { return memory_; }
+
  private:
-  struct State {
-    double x;
-    double u;
-  };
+  double& pairs_drawn() { return memory_.back(); }
+
   double xx_, xu_, uu_;              // F
   double gx_, gux_, gu_;             // G, lower triangle
-  std::vector<State> state_;         // one a source
+  std::vector<double> memory_;       // x and u of each source, then how many pairs the stream has drawn
   std::vector<std::size_t> source_;  // [V]
   std::vector<double> sd_;           // [V] in the value's unit
   RandomStream stream_;

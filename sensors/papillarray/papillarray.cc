@@ -109,6 +109,8 @@ class PapillArray final : public Sensor {
     return frame_;
   }
 
+  [[nodiscard]] std::vector<std::span<double>> memory() override { return electronics_.memory(); }
+
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool rotating) const override {
     bool in_contact = false;
     std::size_t judged = 0;

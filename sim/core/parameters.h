@@ -73,6 +73,12 @@ Parameters defaults_of(const std::vector<ParameterSpec>& specs);
 // this. Throws std::invalid_argument: what was found, what is allowed, the nearest known choice.
 Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text);
 
+// A catalogue entry named by a scene, with the values of its parameters.
+struct Named {
+  std::string name;
+  Parameters parameters;
+};
+
 // What a catalogue says of one of its entries: an effect, a sensor, a motion, a surface, a part of the electronics.
 struct Entry {
   std::string name;

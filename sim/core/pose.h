@@ -17,6 +17,12 @@ struct Pose {
   [[nodiscard]] Pose inverse() const { return {rotation.transpose(), -(rotation.transpose() * position)}; }
 };
 
+// Velocity of frame B relative to frame A, in A.
+struct Twist {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   // m/s, of B's origin
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  // rad/s
+};
+
 // A body at one instant, in the world frame.
 struct BodyState {
   Pose pose;

@@ -79,4 +79,10 @@ std::uint64_t RandomStream::integer(std::uint64_t bound) {
   return value % bound;
 }
 
+void RandomStream::seek(std::uint64_t pairs) {
+  counter_ = pairs;  // a block is two uniform draws, which make two normal ones
+  used_ = 2;
+  has_spare_ = false;
+}
+
 }  // namespace slipbench

@@ -21,6 +21,9 @@ class RandomStream {
   double normal(double mean, double sd) { return mean + sd * normal(); }
   std::uint64_t integer(std::uint64_t bound);  // in [0, bound), bound >= 1
 
+  // Goes to the draws after the first `pairs` pairs of normal(), or of uniform(), of a stream that has drawn nothing else.
+  void seek(std::uint64_t pairs);
+
  private:
   std::uint64_t next();
 

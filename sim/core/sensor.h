@@ -42,6 +42,9 @@ class Sensor {
   [[nodiscard]] virtual const std::vector<Channel>& channels() const = 0;
   // Reads the contact. Called once a sample, in order of time, at the sensor's own rate.
   virtual const SensorFrame& measure(const ContactFrame& truth) = 0;
+  // All that the sensor carries from one sample to the next, to be saved and overwritten by whoever keeps a bench's state. The spans stay
+  // where they are as long as the sensor lives. Empty: it has no memory.
+  [[nodiscard]] virtual std::vector<std::span<double>> memory() { return {}; }
   // The label that the sensor's paper would have given the contact, beside the truth; `rotating` says whether the bench turns.
   [[nodiscard]] virtual PadState paper_label(const ContactFrame& truth, bool rotating) const = 0;
 };

@@ -20,6 +20,8 @@ class Ageing final : public FrictionEffect {
     }
   }
 
+  [[nodiscard]] std::span<double> memory() override { return stuck_for_; }
+
  private:
   double rate_, time_;
   std::vector<double> stuck_for_;  // s

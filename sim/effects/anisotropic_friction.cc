@@ -34,10 +34,15 @@ class AnisotropicFriction final : public ConeEffect {
 
   static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-  // The grain direction laid into the tangent plane of n.
+  // The grain direction laid into the tangent plane of n: on the side faces of a box (n in XY) a horizontal line, whatever the
+  // angle. So it is, by continuity in the angle, where the grain stands on the face and has no projection.
   [[nodiscard]] Frame frame_at(const double n[3]) const {
     const double lift = gx_ * n[0] + gy_ * n[1];
     Frame frame{{gx_ - lift * n[0], gy_ - lift * n[1], -lift * n[2]}, {}};
+    if (frame.along[0] == 0.0 && frame.along[1] == 0.0 && frame.along[2] == 0.0) {
+      frame.along[0] = -n[1];
+      frame.along[1] = n[0];
+    }
     const double size = std::sqrt(dot(frame.along, frame.along));
     for (double& component : frame.along) component /= size;
     frame.across[0] = n[1] * frame.along[2] - n[2] * frame.along[1];
@@ -91,10 +96,10 @@ EffectKind anisotropic_friction() {
              any_value,
              {},
              1,
-             "direction of the grain in the surface, from its X axis",
+             "direction of the grain in the surface, from its X axis; on the side faces of a box it is horizontal",
              "assumed"}}},
           [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
-            // On a curved surface the grain would have no direction where the normal lies along it.
+            // On a curved surface the grain's direction would jump where the normal turns through it.
             if (!context.flat_surface)
               throw SceneValueError("effects", "anisotropic_friction needs a flat surface; allowed shapes: plane, box");
             effects.cone = std::make_unique<AnisotropicFriction>(p);

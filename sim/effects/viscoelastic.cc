@@ -15,8 +15,7 @@ class Viscoelastic final : public RheologyEffect {
         time_(p.number("time")),
         k_normal_(context.k_normal),
         k_tangential_(context.k_tangential),
-        branch_(context.elements),
-        before_(context.elements) {}
+        memory_(2 * deflections * context.elements) {}
 
   void prepare(const ElementColumns& elements, const AffineForce& force) override {
     set_step(elements.dt);
@@ -32,31 +31,38 @@ class Viscoelastic final : public RheologyEffect {
 
   void commit(const ElementColumns& elements, const double* ux, const double* uy, const double* uz) override {
     for (std::size_t i = 0; i < elements.count; ++i) {
-      const std::array<double, 4> now{elements.penetration[i], ux[i], uy[i], uz[i]};
-      for (std::size_t c = 0; c < 4; ++c) {
+      const std::array<double, deflections> now{elements.penetration[i], ux[i], uy[i], uz[i]};
+      for (std::size_t c = 0; c < deflections; ++c) {
         const double k = c == 0 ? k_normal_[i] : k_tangential_[i];
-        branch_[i][c] = relaxing_ * k * gain_ * now[c] + history(i, c, k);
-        before_[i][c] = now[c];
+        branch(i, c) = relaxing_ * k * gain_ * now[c] + history(i, c, k);
+        before(i, c) = now[c];
       }
     }
   }
 
+  [[nodiscard]] std::span<double> memory() override { return memory_; }
+
  private:
+  static constexpr std::size_t deflections = 4;
+
   // Exact for a deflection that changes at a constant rate within the step: q' = -q/time + k u'.
   void set_step(double dt) {
     const double x = dt / time_;
     decay_ = std::exp(-x);
     gain_ = x > 0.0 ? -std::expm1(-x) / x : 1.0;
   }
-  [[nodiscard]] double history(std::size_t i, std::size_t c, double k) const {
-    return decay_ * branch_[i][c] - relaxing_ * k * gain_ * before_[i][c];
+  [[nodiscard]] double history(std::size_t i, std::size_t c, double k) {
+    return decay_ * branch(i, c) - relaxing_ * k * gain_ * before(i, c);
   }
+  double& branch(std::size_t i, std::size_t c) { return memory_[2 * deflections * i + c]; }  // N, force of the Maxwell branch
+  double& before(std::size_t i, std::size_t c) {
+    return memory_[2 * deflections * i + deflections + c];
+  }  // m, at the end of the step before
 
   double relaxing_, time_;
   std::vector<double> k_normal_, k_tangential_;
   double decay_ = 1.0, gain_ = 1.0;
-  std::vector<std::array<double, 4>> branch_;  // N, force of the Maxwell branch
-  std::vector<std::array<double, 4>> before_;  // m, deflection at the end of the step before
+  std::vector<double> memory_;  // [elements][branch 4, before 4]
 };
 
 }  // namespace

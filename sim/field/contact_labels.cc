@@ -9,27 +9,43 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// Below this share of the slip's speed a fitted translation or rotation is rounding, not motion.
-constexpr double negligible = 1e-6;
-
-// Events of one unit closer than this share of a step happen together: bristles of one tip touch at once, up to rounding.
-constexpr double together = 1e-9;
-
-PadState pad_state(std::size_t touching, std::size_t slipping) {
-  if (touching == 0) return PadState::no_contact;
-  if (slipping == 0) return PadState::non_slip;
-  return slipping == touching ? PadState::gross : PadState::incipient;
-}
-
 }  // namespace
 
-ContactLabels::ContactLabels(const Field& field) : units_(field.layout().units), counts_(units_.size()) {
+// Sums a unit's elements on one surface and hands over what came out, in the pad frame but for the tangential force and the normal, which is
+// that of the element that is pressed hardest: one beside the surface meets another face. Handed over one by one and not as a struct, so that
+// all of it stays in registers: this is a third of a labelled step.
+template <class Use>
+[[gnu::always_inline]] inline void ContactLabels::sum_unit(const Field& field, const UnitRange& unit, Use&& use) {
+  const std::size_t first = unit.first, end = unit.first + unit.count;
+  Eigen::Vector3d force = field.force_on_pad(first), deflection = field.deflection(first), slip = field.slip_in_pad(first);
+  Eigen::Vector3d tangential = field.tangential_force(first), normal = field.normal(first);
+  double distance = field.slip_path(first), limit = field.stick_limit(first), press = field.normal_force(first), hardest = press;
+  unit_rules::Count count;
+  count.add(field.state(first));
+  for (std::size_t i = first + 1; i < end; ++i) {
+    force += field.force_on_pad(i);
+    deflection += field.deflection(i);
+    slip += field.slip_in_pad(i);
+    tangential += field.tangential_force(i);
+    distance += field.slip_path(i);
+    limit += field.stick_limit(i);
+    press += field.normal_force(i);
+    count.add(field.state(i));
+    if (field.normal_force(i) > hardest) {
+      hardest = field.normal_force(i);
+      normal = field.normal(i);
+    }
+  }
+  use(force, deflection, slip, distance, tangential, normal, limit, press, count);
+}
+
+ContactLabels::ContactLabels(const PadLayout& layout) : units_(layout.units) {
   const auto n = static_cast<Eigen::Index>(units_.size());
-  unit_of_element_.resize(field.size());
+  unit_of_element_.resize(layout.elements.size());
   undeformed_.resize(3, n);
   for (std::size_t u = 0; u < units_.size(); ++u) {
     Eigen::Array3d sum(0.0, 0.0, 0.0);
-    for (std::size_t i = 0; i < units_[u].count; ++i) sum += field.layout().elements[units_[u].first + i].tip.array();
+    for (std::size_t i = 0; i < units_[u].count; ++i) sum += layout.elements[units_[u].first + i].tip.array();
     shares_.push_back(1.0 / static_cast<double>(units_[u].count));
     undeformed_.col(static_cast<Eigen::Index>(u)) = shares_[u] * sum;
     for (std::size_t i = 0; i < units_[u].count; ++i) unit_of_element_[units_[u].first + i] = static_cast<std::uint32_t>(u);
@@ -41,164 +57,105 @@ ContactLabels::ContactLabels(const Field& field) : units_(field.layout().units),
   frame_.slip_distance.setZero(n);
   frame_.margin.setConstant(n, nan);
   frame_.unit_state.assign(units_.size(), UnitState::detached);
-  in_order_.reserve(field.size());
-  frame_.events.reserve(3 * field.size());
+  changes_.reserve(layout.elements.size());
+  frame_.events.reserve(3 * layout.elements.size());
 }
 
-const ContactFrame& ContactLabels::update(Field& field, double time, double dt) {
-  frame_.time = time;
-  sum_units(field, dt);
-  judge_pad();
-  fit_slip_motion(field.on_plane(), dt);
-  frame_.events.clear();
-  if (!field.events().empty()) collect_events(field, time, dt);
+const ContactFrame& ContactLabels::update(std::span<Field> fields, double time, double dt) {
+  judge(fields, time, dt);
+  settle(fields, dt);
   return frame_;
 }
 
-void ContactLabels::ContactPlane::face(const Eigen::Vector3d& normal) {
-  if (normal == normal_) return;
-  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
-  normal_ = normal;
-  level_ = normal == z;
-  if (normal == -z) {  // all half turns are as short: the one about X
-    turn_ = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
-    return;
-  }
-  const Eigen::Vector3d middle = normal + z;
-  turn_ = Eigen::Matrix3d::Identity() - middle * middle.transpose() / (1.0 + normal.z()) + 2.0 * z * normal.transpose();
+const ContactFrame& ContactLabels::judge(std::span<Field> fields, double time, double dt) {
+  frame_.time = time;
+  sum_units(fields, dt);
+  unit_rules::judge_pad(frame_, elements_);
+  const bool one_plane = fields.size() == 1 && fields.front().on_plane();
+  slip_rate_ = unit_rules::fit_slip_motion(frame_, undeformed_, one_plane ? contact_plane_ : unit_rules::ContactPlane{});
+  return frame_;
 }
 
-void ContactLabels::sum_units(Field& field, double dt) {
-  field.view_from_pad();
-  const Eigen::Matrix3d to_pad = field.pad_in_surface().rotation.transpose();
+void ContactLabels::settle(std::span<const Field> fields, double dt) {
+  frame_.slip_angle += slip_rate_ * dt;
+  frame_.events.clear();
+  changes_.clear();
+  for (const Field& field : fields) {
+    for (const ElementEvent& event : field.events()) changes_.push_back({event, unit_of_element_[event.element]});
+  }
+  if (changes_.empty()) return;
+  const auto before = [&](std::uint32_t unit) { return count_before(fields, unit); };
+  unit_rules::report_unit_events(changes_, before, frame_.time, dt, frame_.events);
+}
+
+void ContactLabels::sum_units(std::span<Field> fields, double dt) {
+  for (Field& field : fields) field.view_from_pad();
   const double rate = 1.0 / dt;
-  touching_elements_ = 0;
-  sticking_elements_ = 0;
+  elements_ = {};
   for (std::size_t u = 0; u < units_.size(); ++u) {
-    const std::size_t first = units_[u].first, end = first + units_[u].count;
-    Eigen::Vector3d force = field.force_on_pad(first), deflection = field.deflection(first), slip = field.slip_in_pad(first);
-    Eigen::Vector3d tangential = field.tangential_force(first);
-    double limit = field.stick_limit(first), distance = field.slip_path(first);
-    UnitCount count;
-    const auto tally = [&count](ElementState state) {
-      count.touching += state != ElementState::detached ? 1 : 0;
-      count.slipping += state == ElementState::slip ? 1 : 0;
-    };
-    tally(field.state(first));
-    for (std::size_t i = first + 1; i < end; ++i) {
-      force += field.force_on_pad(i);
-      deflection += field.deflection(i);
-      slip += field.slip_in_pad(i);
-      tangential += field.tangential_force(i);
-      limit += field.stick_limit(i);
-      distance += field.slip_path(i);
-      tally(field.state(i));
-    }
     const double share = shares_[u];
     const auto c = static_cast<Eigen::Index>(u);
-    if (u == 0 || !field.on_plane()) contact_plane_.face(to_pad * field.normal(first));
-    frame_.force.col(c) = force.array();
-    frame_.contact_force.col(c) = contact_plane_.turned(force).array();
-    frame_.displacement.col(c) = (share * deflection).array();
-    frame_.slip_velocity.col(c) = (share * rate) * contact_plane_.turned(slip).head<2>().array();
-    frame_.slip_distance[c] = share * distance;
-    frame_.margin[c] = count.touching == 0 ? nan : 1.0 - field.cone_gauge(tangential, field.normal(first), limit);
-    frame_.unit_state[u] = count.touching == 0                ? UnitState::detached
-                           : count.slipping == 0              ? UnitState::stick
-                           : count.slipping == count.touching ? UnitState::slip
-                                                              : UnitState::partial;
-    touching_elements_ += count.touching;
-    sticking_elements_ += count.touching - count.slipping;
-  }
-}
+    // `field`: that of the surface that presses hardest.
+    const auto write = [&](const Field& field, const Eigen::Vector3d& force, const Eigen::Vector3d& deflection,
+                           const Eigen::Vector3d& slip, double distance, const Eigen::Vector3d& tangential,
+                           const Eigen::Vector3d& normal, double limit, const unit_rules::Count& count)
+        __attribute__((always_inline)) {
+      frame_.force.col(c) = force.array();
+      frame_.contact_force.col(c) = contact_plane_.turned(force).array();
+      frame_.displacement.col(c) = (share * deflection).array();
+      frame_.slip_velocity.col(c) = (share * rate) * contact_plane_.turned(slip).head<2>().array();
+      frame_.slip_distance[c] = share * distance;
+      frame_.margin[c] = count.touching == 0 ? nan : 1.0 - field.cone_gauge(tangential, normal, limit);
+      frame_.unit_state[u] = unit_rules::unit_state(count);
+      elements_.touching += count.touching;
+      elements_.slipping += count.slipping;
+    };
+    const auto face = [&](const Field& field, const Eigen::Vector3d& normal) {
+      contact_plane_.face(field.pad_in_surface().rotation.transpose() * normal);
+    };
 
-void ContactLabels::judge_pad() {
-  std::size_t touching = 0, slipping = 0, touched_by_slip = 0;
-  for (const UnitState state : frame_.unit_state) {
-    touching += state != UnitState::detached ? 1 : 0;
-    slipping += state == UnitState::slip ? 1 : 0;
-    touched_by_slip += state == UnitState::slip || state == UnitState::partial ? 1 : 0;
-  }
-  frame_.state = pad_state(touching, slipping);
-  frame_.state_micro = pad_state(touching, touched_by_slip);
-  frame_.stuck_fraction = touching == 0 ? nan : static_cast<double>(sticking_elements_) / static_cast<double>(touching_elements_);
-}
-
-// The rigid motion is one in the plane that all units touch; on a curved surface, where each has its own, in the pad's.
-void ContactLabels::fit_slip_motion(bool on_plane, double dt) {
-  frame_.slip_direction = nan;
-  frame_.slip_centre.setConstant(nan);
-  if (frame_.state_micro == PadState::no_contact || frame_.state_micro == PadState::non_slip) return;
-
-  double n = 0.0, fastest = 0.0;
-  double x_sum = 0.0, y_sum = 0.0, z_sum = 0.0, vx_sum = 0.0, vy_sum = 0.0, moment_sum = 0.0, spread_sum = 0.0;
-  for (std::size_t u = 0; u < units_.size(); ++u) {
-    if (frame_.unit_state[u] != UnitState::slip && frame_.unit_state[u] != UnitState::partial) continue;
-    const auto c = static_cast<Eigen::Index>(u);
-    // The slipping tips are where the load has bent them to: in a steady turn they trail on smaller circles than their roots.
-    const Eigen::Vector3d in_pad = undeformed_.col(c) + frame_.displacement.col(c);
-    const Eigen::Vector3d tip = on_plane ? contact_plane_.turned(in_pad) : in_pad;
-    const double x = tip.x(), y = tip.y();
-    const double vx = frame_.slip_velocity(0, c), vy = frame_.slip_velocity(1, c);
-    n += 1.0;
-    x_sum += x;
-    y_sum += y;
-    z_sum += tip.z();
-    vx_sum += vx;
-    vy_sum += vy;
-    moment_sum += x * vy - y * vx;
-    spread_sum += x * x + y * y;
-    fastest = std::max(fastest, vx * vx + vy * vy);
-  }
-  const Eigen::Array2d mean_position(x_sum / n, y_sum / n), mean_velocity(vx_sum / n, vy_sum / n);
-  const double moment = moment_sum - (x_sum * vy_sum - y_sum * vx_sum) / n;
-  const double spread = std::max(0.0, spread_sum - (x_sum * x_sum + y_sum * y_sum) / n);
-  fastest = std::sqrt(fastest);
-  const double speed = std::sqrt(mean_velocity.square().sum());
-  const double rate = n > 1.0 && spread > 0.0 ? moment / spread : 0.0;  // rad/s
-  if (speed > negligible * fastest) frame_.slip_direction = std::atan2(mean_velocity.y(), mean_velocity.x());
-  if (std::abs(rate) * std::sqrt(spread) > negligible * fastest) {
-    const Eigen::Array2d centre = mean_position + Eigen::Array2d(-mean_velocity.y(), mean_velocity.x()) / rate;
-    const Eigen::Vector3d in_plane(centre.x(), centre.y(), z_sum / n);
-    frame_.slip_centre = (on_plane ? contact_plane_.turned_back(in_plane) : in_plane).head<2>().array();
-    frame_.slip_angle += rate * dt;
-  }
-}
-
-// Replays the step's element events in order of time and reports what each does to its unit.
-void ContactLabels::collect_events(const Field& field, double time, double dt) {
-  in_order_.assign(field.events().begin(), field.events().end());
-  std::stable_sort(in_order_.begin(), in_order_.end(), [this](const ElementEvent& a, const ElementEvent& b) {
-    const auto unit_a = unit_of_element_[a.element], unit_b = unit_of_element_[b.element];
-    return unit_a != unit_b ? unit_a < unit_b : a.fraction < b.fraction;
-  });
-  const auto change = [](std::uint32_t& count, bool was, bool is) {
-    count += static_cast<std::uint32_t>(is) - static_cast<std::uint32_t>(was);
-  };
-
-  for (std::size_t k = 0; k < in_order_.size();) {
-    const std::uint32_t unit = unit_of_element_[in_order_[k].element];
-    const double fraction = in_order_[k].fraction;
-    const UnitCount before = counts_[unit];
-    UnitCount& now = counts_[unit];
-    for (; k < in_order_.size() && unit_of_element_[in_order_[k].element] == unit && in_order_[k].fraction <= fraction + together;
-         ++k) {
-      const ElementEvent& event = in_order_[k];
-      change(now.touching, event.from != ElementState::detached, event.to != ElementState::detached);
-      change(now.slipping, event.from == ElementState::slip, event.to == ElementState::slip);
+    if (fields.size() == 1) {
+      const Field& field = fields.front();
+      sum_unit(
+          field, units_[u],
+          [&](const auto& force, const auto& deflection, const auto& slip, double distance, const auto& tangential,
+              const auto& normal, double limit, double /*press*/, const unit_rules::Count& count) __attribute__((always_inline)) {
+            if (u == 0 || !field.on_plane()) face(field, normal);
+            write(field, force, deflection, slip, distance, tangential, normal, limit, count);
+          });
+      continue;
     }
-    const auto report = [&](EventKind kind) { frame_.events.push_back({time - (1.0 - fraction) * dt, unit, kind}); };
-    const bool slipped = before.touching > 0 && before.slipping == before.touching;
-    const bool slips = now.touching > 0 && now.slipping == now.touching;
-    if (before.touching == 0 && now.touching > 0) report(EventKind::touch);
-    if (now.slipping > 0 && before.slipping == 0) report(EventKind::micro);
-    if (now.slipping > 0 && slipped && !slips) report(EventKind::part_sticks);
-    if (slips && !slipped) report(EventKind::slip);
-    if (before.slipping > 0 && now.slipping == 0 && now.touching > 0) report(EventKind::stick);
-    if (before.touching > 0 && now.touching == 0) report(EventKind::detach);
+    UnitSum sum;
+    const Field* hardest = &fields.front();
+    for (const Field& field : fields) {
+      sum_unit(field, units_[u],
+               [&](const auto& force, const auto& deflection, const auto& slip, double distance, const auto& tangential,
+                   const auto& normal, double limit, double press, const unit_rules::Count& count) {
+                 sum.force += force;
+                 sum.deflection += deflection;
+                 sum.slip += slip;
+                 sum.distance += distance;
+                 sum.count.touching += count.touching;
+                 sum.count.slipping += count.slipping;
+                 if (!(press > sum.press)) return;
+                 sum.press = press;
+                 sum.limit = limit;
+                 sum.tangential = tangential;
+                 sum.normal = normal;
+                 hardest = &field;
+               });
+    }
+    face(*hardest, sum.normal);
+    write(*hardest, sum.force, sum.deflection, sum.slip, sum.distance, sum.tangential, sum.normal, sum.limit, sum.count);
   }
-  std::stable_sort(frame_.events.begin(), frame_.events.end(),
-                   [](const ContactEvent& a, const ContactEvent& b) { return a.time < b.time; });
+}
+
+unit_rules::Count ContactLabels::count_before(std::span<const Field> fields, std::uint32_t unit) const {
+  unit_rules::Count count;
+  for (const Field& field : fields) {
+    for (std::size_t i = 0; i < units_[unit].count; ++i) count.add(field.state_before(units_[unit].first + i));
+  }
+  return count;
 }
 
 }  // namespace slipbench

@@ -1,58 +1,57 @@
 // From elements to units: the truth about one pad, as sensors read it and datasets keep it.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "sim/core/contact_frame.h"
 #include "sim/field/field.h"
+#include "sim/field/unit_rules.h"
 
 namespace slipbench {
 
-// Sums a field's elements into units and tells what each unit and the pad do (contact_frame.h). Unit states are those of the model's
+// Sums a pad's elements into units and tells what each unit and the pad do (contact_frame.h). Unit states are those of the model's
 // elements; nothing is thresholded. The translation, centre and angle of the slip are the rigid motion that fits the slipping units'
 // velocities best (least squares, equal weights).
+// A pad has one field for each surface that it may touch, all of the same layout. Forces, deflections, slip and counts of friction points
+// are sums over them; the contact plane and the margin of a unit are those on the surface that presses it hardest.
 class ContactLabels {
  public:
-  explicit ContactLabels(const Field& field);
+  explicit ContactLabels(const PadLayout& layout);
 
-  // Reads the field after a step of `dt` that ended at `time` [s]. Must be called once after every step.
-  const ContactFrame& update(Field& field, double time, double dt);
+  // Reads the fields after a step of `dt` that ended at `time` [s]. Must be called once after every step.
+  const ContactFrame& update(std::span<Field> fields, double time, double dt);
+  // update() in two parts, for a step that may not last: judge() leaves events and slip_angle as they were; settle(), once the step
+  // stands, adds what the step judged last has done to them.
+  const ContactFrame& judge(std::span<Field> fields, double time, double dt);
+  void settle(std::span<const Field> fields, double dt);
 
   [[nodiscard]] const ContactFrame& frame() const { return frame_; }
+  // All that the labels carry from one step to the next beside the fields' state is frame().slip_angle [rad].
+  void set_slip_angle(double angle) { frame_.slip_angle = angle; }
 
  private:
-  struct UnitCount {
-    std::uint32_t touching = 0;
-    std::uint32_t slipping = 0;
+  // A unit summed over several surfaces; `press` to `normal` are those of the one that presses hardest.
+  struct UnitSum {
+    Eigen::Vector3d force{0.0, 0.0, 0.0}, deflection{0.0, 0.0, 0.0}, slip{0.0, 0.0, 0.0};
+    double distance = 0.0, press = 0.0, limit = 0.0;
+    Eigen::Vector3d tangential{0.0, 0.0, 0.0}, normal{0.0, 0.0, 1.0};
+    unit_rules::Count count;
   };
 
-  // The shortest turn that brings the surface's normal onto +Z. Units that meet the same normal share it.
-  class ContactPlane {
-   public:
-    void face(const Eigen::Vector3d& normal);
-    [[nodiscard]] Eigen::Vector3d turned(const Eigen::Vector3d& v) const { return level_ ? v : turn_ * v; }
-    [[nodiscard]] Eigen::Vector3d turned_back(const Eigen::Vector3d& v) const { return level_ ? v : turn_.transpose() * v; }
-
-   private:
-    Eigen::Vector3d normal_ = Eigen::Vector3d::UnitZ();
-    Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();
-    bool level_ = true;
-  };
-
-  void sum_units(Field& field, double dt);
-  void judge_pad();
-  void fit_slip_motion(bool on_plane, double dt);
-  void collect_events(const Field& field, double time, double dt);
+  template <class Use>
+  static void sum_unit(const Field& field, const UnitRange& unit, Use&& use);
+  void sum_units(std::span<Field> fields, double dt);
+  [[nodiscard]] unit_rules::Count count_before(std::span<const Field> fields, std::uint32_t unit) const;
 
   std::vector<UnitRange> units_;
   std::vector<double> shares_;  // 1/elements of the unit
   std::vector<std::uint32_t> unit_of_element_;
-  Eigen::Array3Xd undeformed_;     // [3,N] m, mean of a unit's undeformed tips in P
-  std::vector<UnitCount> counts_;  // as of the last event
-  std::vector<ElementEvent> in_order_;
-  ContactPlane contact_plane_;
-  std::size_t touching_elements_ = 0;
-  std::size_t sticking_elements_ = 0;
+  Eigen::Array3Xd undeformed_;  // [3,N] m, mean of a unit's undeformed tips in P
+  std::vector<unit_rules::UnitEvent> changes_;
+  unit_rules::ContactPlane contact_plane_;
+  unit_rules::Count elements_;  // of the whole pad
+  double slip_rate_ = 0.0;      // rad/s, rotation of the slip in the step judged last
   ContactFrame frame_;
 };
 

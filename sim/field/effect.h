@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace slipbench {
@@ -25,6 +26,9 @@ class Effect {
   virtual ~Effect() = default;
   // The longest step [s] that resolves the effect when pad and surface move at up to `speed` [m/s].
   [[nodiscard]] virtual double longest_step(double /*speed*/) const { return std::numeric_limits<double>::infinity(); }
+  // All that the effect carries from one step to the next, to be saved and overwritten by whoever keeps the field's state (Field::save_state).
+  // Always the same length; all zero is a field that has not been stepped. Empty: the effect has no memory.
+  [[nodiscard]] virtual std::span<double> memory() { return {}; }
 };
 
 // Changes where the surface is: texture, waviness.

@@ -98,7 +98,60 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   plain_ = on_plane() && flat_pad_ && !extended && effects_.surface.empty() && !effects_.cone;
 }
 
-void Field::step(const Pose& pad_in_surface, double dt) {
+// The columns that outlive a step. What a step calls "before" is filled from them.
+constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_z, kernel::gap,      kernel::press,
+                          kernel::limit,     kernel::mode,      kernel::anchor_x,  kernel::anchor_y, kernel::anchor_z,
+                          kernel::force_x,   kernel::force_y,   kernel::force_z,   kernel::path};
+constexpr std::array kept_of_faces{kernel::faces, kernel::spent};  // and these, unless all meet the one face of a plane
+
+// Calls visit(memory) for every effect that has one.
+template <class Visit>
+void Field::for_each_memory(Visit&& visit) {
+  const auto visit_all = [&](auto& effects) {
+    for (const auto& effect : effects) {
+      if (const std::span<double> memory = effect->memory(); !memory.empty()) visit(memory);
+    }
+  };
+  visit_all(effects_.surface);
+  visit_all(effects_.friction);
+  visit_all(effects_.rheology);
+  if (effects_.cone) {
+    if (const std::span<double> memory = effects_.cone->memory(); !memory.empty()) visit(memory);
+  }
+}
+
+std::size_t Field::state_size() {
+  std::size_t size = 1 + (kept.size() + (on_plane() ? 0 : kept_of_faces.size())) * count_;
+  for_each_memory([&](std::span<double> memory) { size += memory.size(); });
+  return size;
+}
+
+void Field::save_state(std::span<double> state) {
+  state[0] = placed_ ? 1.0 : 0.0;
+  auto out = state.begin() + 1;
+  const auto save = [&](Column column) { out = std::copy_n(columns_[column], count_, out); };
+  std::for_each(kept.begin(), kept.end(), save);
+  if (!on_plane()) std::for_each(kept_of_faces.begin(), kept_of_faces.end(), save);
+  for_each_memory([&](std::span<double> memory) { out = std::copy(memory.begin(), memory.end(), out); });
+}
+
+void Field::load_state(std::span<const double> state) {
+  placed_ = state[0] != 0.0;
+  auto in = state.begin() + 1;
+  const auto load = [&](Column column) {
+    std::copy_n(in, count_, columns_[column]);
+    in += static_cast<std::ptrdiff_t>(count_);
+  };
+  std::for_each(kept.begin(), kept.end(), load);
+  if (!on_plane()) std::for_each(kept_of_faces.begin(), kept_of_faces.end(), load);
+  for_each_memory([&](std::span<double> memory) {
+    std::copy_n(in, memory.size(), memory.begin());
+    in += static_cast<std::ptrdiff_t>(memory.size());
+  });
+  attached_ = static_cast<std::size_t>(std::count_if(columns_[mode], columns_[mode] + count_, [](double m) { return m != 0.0; }));
+}
+
+void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
   pose_ = pad_in_surface;
   events_.clear();
   for (const std::size_t k : {0U, 1U, 2U}) {
@@ -113,20 +166,21 @@ void Field::step(const Pose& pad_in_surface, double dt) {
   if (plain_ && attached_ == count_ && looks_at_plane()) {
     kernel::slide_on_plane(columns_, pose_, padded_);
   } else {
-    step_in_stages(placed_ ? dt : 0.0);
+    step_in_stages(placed_ ? dt : 0.0, motion);
   }
   if (std::memcmp(columns_[mode], columns_[mode_before], count_ * sizeof(double)) != 0) resolve_events();
   if (has_memory()) commit_rheology(placed_ ? dt : 0.0);
   placed_ = true;
 }
 
-void Field::step_in_stages(double dt) {
+void Field::step_in_stages(double dt, const Twist* motion) {
   find_contact_points();
   for (const auto& effect : effects_.surface) {
     effect->displace(count_, columns_[contact_x], columns_[contact_y], columns_[normal_z], columns_[gap]);
   }
+  if (!on_plane()) keep_energy();
   if (has_memory()) prepare_rheology(dt);
-  if (!effects_.friction.empty()) rate_friction(dt);
+  if (!effects_.friction.empty()) rate_friction(dt, motion);
   if (attached_ < count_) anchor_touched();
   if (effects_.cone) {
     for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(i);
@@ -144,18 +198,50 @@ void Field::find_contact_points() {
     if (!flat_pad_ || !looks_at_plane()) kernel::turn_away(columns_, pose_, padded_);
     return;
   }
+  keep_as_before(faces, faces_before);
+  std::visit([this](const auto& shape) { meet(shape); }, surface_);
+}
+
+template <class Shape>
+void Field::meet(const Shape& shape) {
+  // Copies: the compiler cannot know that what is written to the columns is none of these.
+  const kernel::Columns c = columns_;
+  const Pose pose = pose_;
+  const Shape met_by = shape;
+  Eigen::Vector3d axis = pose.rotation * vector(kernel::axis_x, 0);
   for (std::size_t i = 0; i < count_; ++i) {
-    const Eigen::Vector3d tip = pose_ * vector(tip_x, i);
-    const Eigen::Vector3d axis = pose_.rotation * vector(axis_x, i);
-    const SurfacePoint met = std::visit(
-        [&](const auto& shape) { return shape.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z()); }, surface_);
-    columns_[gap][i] = met.gap;
-    columns_[normal_x][i] = met.nx;
-    columns_[normal_y][i] = met.ny;
-    columns_[normal_z][i] = met.nz;
-    columns_[contact_x][i] = tip.x() - met.gap * met.nx;
-    columns_[contact_y][i] = tip.y() - met.gap * met.ny;
-    columns_[contact_z][i] = tip.z() - met.gap * met.nz;
+    const Eigen::Vector3d tip = pose * Eigen::Vector3d(c[kernel::tip_x][i], c[kernel::tip_y][i], c[kernel::tip_z][i]);
+    if (!flat_pad_) axis = pose.rotation * Eigen::Vector3d(c[kernel::axis_x][i], c[kernel::axis_y][i], c[kernel::axis_z][i]);
+    const SurfacePoint met = met_by.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z());
+    c[kernel::gap][i] = met.gap;
+    c[kernel::normal_x][i] = met.nx;
+    c[kernel::normal_y][i] = met.ny;
+    c[kernel::normal_z][i] = met.nz;
+    c[kernel::contact_x][i] = tip.x() - met.gap * met.nx;
+    c[kernel::contact_y][i] = tip.y() - met.gap * met.ny;
+    c[kernel::contact_z][i] = tip.z() - met.gap * met.nz;
+    const bool away = met.faces == SurfacePoint::only_face && !(met.nx * axis.x() + met.ny * axis.y() + met.nz * axis.z() < 0.0);
+    c[kernel::faces][i] = away ? 0.0 : met.faces;
+  }
+}
+
+// The s of field.h. k_n delta^2/2 is a function of the tip's position as long as an element meets one face with one s, and does not
+// grow when either changes: a frictionless field gives no work, whatever the way.
+void Field::keep_energy() {
+  const kernel::Columns c = columns_;
+  for (std::size_t i = 0; i < count_; ++i) {
+    double& s = c[kernel::spent][i];
+    const double depth = -c[kernel::gap][i], now = c[kernel::faces][i], before = c[kernel::faces_before][i];
+    if (s == 0.0 && (!(depth > 0.0) || now == before)) continue;  // nearly always
+    if (!placed_) {
+      s = 0.0;
+    } else if (!(depth > 0.0) || (static_cast<unsigned>(now) & static_cast<unsigned>(before)) != 0) {
+      s = std::min(s, std::max(0.0, depth));
+    } else {
+      s = std::max(0.0, depth - std::max(0.0, -c[kernel::gap_before][i]));
+      for (const std::size_t k : {0U, 1U, 2U}) c[kernel::anchor_x + k][i] = c[kernel::contact_x + k][i];
+    }
+    c[kernel::gap][i] += s;
   }
 }
 
@@ -186,10 +272,14 @@ double Field::raw_press(std::size_t i) const {
   return kernel::raw_press(columns_[gap][i], columns_[k_normal][i], has_memory() ? columns_[h_normal][i] : 0.0);
 }
 
-void Field::rate_friction(double dt) {
+void Field::rate_friction(double dt, const Twist* motion) {
   for (std::size_t i = 0; i < count_; ++i) {
-    const Eigen::Vector3d moved =
-        dt > 0.0 ? Eigen::Vector3d((vector(contact_x, i) - vector(contact_before_x, i)) / dt) : Eigen::Vector3d(0.0, 0.0, 0.0);
+    Eigen::Vector3d moved(0.0, 0.0, 0.0);
+    if (motion != nullptr) {
+      moved = motion->linear + motion->angular.cross(pose_.rotation * vector(tip_x, i));
+    } else if (dt > 0.0) {
+      moved = (vector(contact_x, i) - vector(contact_before_x, i)) / dt;
+    }
     const Eigen::Vector3d n = vector(normal_x, i);
     const Eigen::Vector3d along = moved - n * n.dot(moved);
     columns_[velocity_x][i] = along.x();
@@ -203,7 +293,8 @@ void Field::rate_friction(double dt) {
   for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_[mu_static], columns_[mu_kinetic]);
 }
 
-// Where inside the step an element touches: where its gap closes, or, if a dashpot had let go of it inside the surface, where it pushes again.
+// Where inside the step an element touches: where its gap closes, or, if a dashpot had let go of it inside the surface, where it
+// pushes again.
 double Field::touch_fraction(std::size_t i) const {
   return columns_[gap_before][i] > 0.0 ? zero_crossing(columns_[gap_before][i], columns_[gap][i])
                                        : zero_crossing(columns_[press_before][i], raw_press(i));
@@ -282,8 +373,7 @@ double Field::onset_fraction(std::size_t i) const {
 void Field::resolve_events() {
   attached_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
-    const auto from = static_cast<ElementState>(static_cast<int>(columns_[mode_before][i]));
-    const ElementState to = state(i);
+    const ElementState from = state_before(i), to = state(i);
     attached_ += to != ElementState::detached ? 1 : 0;
     if (from == to) continue;
     double fraction = 0.0;  // slip that ends has ended with the step before
@@ -342,6 +432,54 @@ Wrench Field::wrench_on_pad() const {
     total.torque += (vector(contact_x, i) - pose_.position).cross(force);
   }
   return {pose_.rotation.transpose() * total.force, pose_.rotation.transpose() * total.torque};
+}
+
+Wrench Field::damped_wrench_on_pad(const Twist& motion, double tau) const {
+  // One partial sum a lane, so that the additions vectorise and their order does not depend on how.
+  using Lanes = Eigen::Array<double, kernel::lanes, 1>;
+  const auto column = [this](Column c, std::size_t i) { return Eigen::Map<const Lanes, Eigen::Aligned32>(columns_[c] + i); };
+  const bool extended = columns_[k_normal_spring] != nullptr;
+  const Column normal_spring = extended ? k_normal_spring : k_normal,
+               tangential_spring = extended ? k_tangential_spring : k_tangential;
+  const Eigen::Vector3d &v = motion.linear, &w = motion.angular, &origin = pose_.position;
+  std::array<Lanes, 6> sums;
+  sums.fill(Lanes::Zero());
+  for (std::size_t i = 0; i < padded_; i += kernel::lanes) {
+    const Lanes nx = column(normal_x, i), ny = column(normal_y, i), nz = column(normal_z, i);
+    const Lanes ax = column(contact_x, i) - origin.x(), ay = column(contact_y, i) - origin.y(),
+                az = column(contact_z, i) - origin.z();
+    const Lanes vx = v.x() + w.y() * az - w.z() * ay, vy = v.y() + w.z() * ax - w.x() * az, vz = v.z() + w.x() * ay - w.y() * ax;
+    const Lanes approach = -(nx * vx + ny * vy + nz * vz);
+    const Lanes viscous = (column(mode, i) == 1.0).select(tau * column(tangential_spring, i), 0.0);
+    Lanes tx = column(force_x, i) + viscous * (vx + approach * nx);
+    Lanes ty = column(force_y, i) + viscous * (vy + approach * ny);
+    Lanes tz = column(force_z, i) + viscous * (vz + approach * nz);
+    const Lanes reach = column(limit, i);
+    Lanes held = Lanes::Ones();
+    if (effects_.cone) {
+      for (Eigen::Index lane = 0; lane < held.size(); ++lane) {
+        const double gauge = cone_gauge({tx[lane], ty[lane], tz[lane]}, {nx[lane], ny[lane], nz[lane]}, reach[lane]);
+        if (viscous[lane] > 0.0 && gauge > 1.0) held[lane] = 1.0 / gauge;
+      }
+    } else {
+      const Lanes size = (tx * tx + ty * ty + tz * tz).sqrt();
+      held = (viscous > 0.0 && size > reach).select(reach / size, held);
+    }
+    const Lanes damped = (column(press, i).max(0.0) + tau * column(normal_spring, i) * approach).max(0.0);
+    const Lanes pressed = (column(mode, i) != 0.0).select(damped, 0.0);
+    const Lanes fx = pressed * nx - held * tx, fy = pressed * ny - held * ty, fz = pressed * nz - held * tz;
+    sums[0] += fx;
+    sums[1] += fy;
+    sums[2] += fz;
+    sums[3] += ay * fz - az * fy;
+    sums[4] += az * fx - ax * fz;
+    sums[5] += ax * fy - ay * fx;
+  }
+  const auto total = [&sums](std::size_t k) {
+    const Lanes& s = sums[k];
+    return (s[0] + s[1]) + (s[2] + s[3]);
+  };
+  return {{total(0), total(1), total(2)}, {total(3), total(4), total(5)}};
 }
 
 }  // namespace slipbench

@@ -3,11 +3,20 @@
 // Law, per element (massless spring with a Coulomb slider at its tip):
 //   penetration  delta = max(0, -gap(tip))                             along the surface normal n
 //   normal       f_n   = k_n delta
-//   tangential   u     = P (c - a),  P = I - n n'                       c contact point, a anchor: where the tip stuck to the surface
+//   tangential   u     = P (c - a),  P = I - n n'            c contact point, a anchor: where the tip stuck to the surface
 //   stick        |k_t u| <= mu_s f_n
-//   slip         |k_t u|  = mu_k f_n; the anchor follows: return mapping (Simo & Hughes, Computational Inelasticity, 1998, sec. 1.2 and 3)
-// An element that has begun to slip goes on until its trial force falls under mu_k f_n: the limit of a damped tip without mass. Stick
-// and slip are states of the model, not thresholds on a velocity. Anchors live in the surface's frame, so surfaces may move and turn.
+//   slip         |k_t u|  = mu_k f_n; the anchor follows: return mapping (Simo & Hughes, Computational Inelasticity, 1998,
+//                sec. 1.2 and 3)
+// Where the face that an element meets changes inside the surface (at an edge, or where its axis begins to look at a face behind
+// which it already is), the penetration would jump, and k_n delta^2/2 would come from nothing. It does not: delta is then counted
+// from where it was, so that the element goes on with the energy that it had, or less,
+//   delta  = max(0, -gap - s),  s = max(0, -gap - delta before) at such a change,
+// and s falls to -gap whenever -gap is below it: back outside nothing is left of it. An element swept into a box from the side, at
+// a depth, so presses on the top with what it is pressed further. Its stretch, which was along another face, is let go of.
+//
+// An element that has begun to slip goes on until its trial force falls under mu_k f_n: the limit of a damped tip without mass.
+// Stick and slip are states of the model, not thresholds on a velocity. Anchors live in the surface's frame, so surfaces may move
+// and turn.
 //
 // A dashpot in parallel with the spring (optional, per element) or a rheology effect adds k u + h forms (effect.h).
 #pragma once
@@ -56,20 +65,31 @@ class Field {
  public:
   static constexpr std::size_t max_elements = 4096;
 
-  // Throws std::invalid_argument when the layout is empty or larger than max_elements, a stiffness is not positive and finite, a dashpot is
-  // negative, an axis is not a unit vector, units do not tile the elements in order, or 0 <= mu_kinetic <= mu_static is violated.
+  // Throws std::invalid_argument when the layout is empty or larger than max_elements, a stiffness is not positive and finite, a
+  // dashpot is negative, an axis is not a unit vector, units do not tile the elements in order, or 0 <= mu_kinetic <= mu_static
+  // is violated.
   Field(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects effects = {});
 
-  // Advances to the relative pose `pad_in_surface` at the end of a step of `dt` > 0 seconds. The first call places the field: what it
-  // finds touching sticks unstrained, and dt is not used.
-  void step(const Pose& pad_in_surface, double dt);
+  // Advances to the relative pose `pad_in_surface` at the end of a step of `dt` > 0 seconds. The first call places the field:
+  // what it finds touching sticks unstrained, and dt is not used. `motion`: the velocity at the end of the step, for friction
+  // laws that depend on speed; without it they see the mean velocity of the step.
+  void step(const Pose& pad_in_surface, double dt, const Twist* motion = nullptr);
+
+  // The state: all that the next step needs of those before. save_state() writes state_size() values and load_state() takes them
+  // back, so that the steps after it are the same to the bit; what the accessors below say of the last step is not part of it.
+  // All zero: never stepped. Between load_state() and step() the accessors are not to be read.
+  [[nodiscard]] std::size_t state_size();
+  void save_state(std::span<double> state);
+  void load_state(std::span<const double> state);
 
   [[nodiscard]] std::size_t size() const { return count_; }
   [[nodiscard]] const PadLayout& layout() const { return layout_; }
   [[nodiscard]] const Friction& friction() const { return friction_; }
 
   // Element states and events of the last step; events in order of element.
-  [[nodiscard]] ElementState state(std::size_t i) const { return static_cast<ElementState>(static_cast<int>(columns_[mode][i])); }
+  [[nodiscard]] ElementState state(std::size_t i) const { return state_in(columns_[mode][i]); }
+  // The state before the last step.
+  [[nodiscard]] ElementState state_before(std::size_t i) const { return state_in(columns_[mode_before][i]); }
   [[nodiscard]] std::span<const ElementEvent> events() const { return events_; }
 
   // Of element i, in the surface frame S: normal force [N], penetration [m], path slipped since the start [m].
@@ -87,14 +107,14 @@ class Field {
 
   // Works out the three below for all elements; to be called after step() by whoever reads them.
   void view_from_pad();
-  // Of element i, in the pad frame P: force of the surface on the pad [N], deformed tip minus undeformed tip [m], and slip of the tip over
-  // the surface in the last step [m].
+  // Of element i, in the pad frame P: force of the surface on the pad [N], deformed tip minus undeformed tip [m], and slip of the
+  // tip over the surface in the last step [m].
   [[nodiscard]] Eigen::Vector3d force_on_pad(std::size_t i) const { return vector(pad_force_x, i); }
   [[nodiscard]] Eigen::Vector3d deflection(std::size_t i) const { return vector(deflection_x, i); }
   [[nodiscard]] Eigen::Vector3d slip_in_pad(std::size_t i) const { return vector(pad_slip_x, i); }
 
-  // How far a tangential force t [N] reaches towards the friction cone of `limit` [N] around the normal n: |t|/limit for the circular
-  // cone, 1 on the cone of an effect and where there is no friction at all.
+  // How far a tangential force t [N] reaches towards the friction cone of `limit` [N] around the normal n: |t|/limit for the
+  // circular cone, 1 on the cone of an effect and where there is no friction at all.
   [[nodiscard]] double cone_gauge(const Eigen::Vector3d& t, const Eigen::Vector3d& n, double limit) const;
   // mu_s f_n of the element as the effects leave it [N].
   [[nodiscard]] double stick_limit(std::size_t i) const { return columns_[limit][i]; }
@@ -103,6 +123,10 @@ class Field {
   // surface's origin, in S.
   [[nodiscard]] Wrench wrench_on_pad() const;
   [[nodiscard]] Wrench wrench_on_surface() const;
+  // What the surface does to the pad, about the pad's origin, in S, when a dashpot `tau` k [N s/m] stands beside every spring of
+  // the layout and the pad has the velocity `motion`: the normal ones of all that touch, never pulling; the tangential ones of
+  // all that stick, with what they add held inside the cone of stick_limit().
+  [[nodiscard]] Wrench damped_wrench_on_pad(const Twist& motion, double tau) const;
 
   // Whether the surface is a plane, so that all elements meet one normal.
   [[nodiscard]] bool on_plane() const { return std::holds_alternative<Plane>(surface_); }
@@ -113,12 +137,18 @@ class Field {
   using enum kernel::Column;
   using Column = kernel::Column;
 
-  void step_in_stages(double dt);
+  [[nodiscard]] static ElementState state_in(double mode) { return static_cast<ElementState>(static_cast<int>(mode)); }
+  void step_in_stages(double dt, const Twist* motion);
   void find_contact_points();
+  template <class Shape>
+  void meet(const Shape& shape);
+  void keep_energy();
   [[nodiscard]] bool looks_at_plane() const;
   void prepare_rheology(double dt);
   void commit_rheology(double dt);
-  void rate_friction(double dt);
+  void rate_friction(double dt, const Twist* motion);
+  template <class Visit>
+  void for_each_memory(Visit&& visit);
   [[nodiscard]] double raw_press(std::size_t i) const;
   [[nodiscard]] double touch_fraction(std::size_t i) const;
   void anchor_touched();

@@ -28,6 +28,8 @@ enum Column : std::size_t {
   force_x, force_y, force_z, force_before_x, force_before_y, force_before_z,  // tangential, of the pad on the surface [N]
   mode, mode_before,                                        // 0 detached, 1 stick, 2 slip; a double so that the loops vectorise
   path,                                                     // slipped since the start [m]
+  faces, faces_before,                                      // SurfacePoint::faces; 0 on a plane
+  spent,                                                    // depth that presses on nothing (Field::keep_energy) [m]
   pad_force_x, pad_force_y, pad_force_z,                    // of the surface on the pad, in P [N]
   deflection_x, deflection_y, deflection_z,                 // deformed tip minus undeformed tip, in P [m]
   pad_slip_x, pad_slip_y, pad_slip_z,                       // slip in P [m]

@@ -1,24 +1,22 @@
-// The touched surfaces: analytic signed distance, outward normal, and which face a pad's element meets.
+// The touched surfaces: signed distance, outward normal, and which face a pad's element meets.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <variant>
 
 #include <Eigen/Core>
 
+#include "sim/field/distance_grid.h"
+#include "sim/field/surface_point.h"
+
 namespace slipbench {
 
-// What an element meets: `gap` is the signed distance of its undeformed tip [m] (negative: penetration), `normal` the unit outward
-// normal of the surface there. An element whose axis points away from every face near it never touches: its gap is positive.
-struct SurfacePoint {
-  double gap;
-  double nx, ny, nz;
-};
-
-// All shapes are given in the surface frame S. `at(x, y, z, ax, ay, az)`: tip and element axis in S.
-// Inside a shape with several faces the face met is the one through which the element entered: the nearest one seen backwards along
-// the element's axis, not the nearest in distance, so that a pillar close to an edge presses on the top and not on the side.
+// All shapes are given in the surface frame S. `at(x, y, z, ax, ay, az)`: tip and element axis in S. Inside a shape with several
+// faces the face met is the one through which the element entered: the nearest one seen backwards along the element's axis, not
+// the nearest in distance, so that a pillar close to an edge presses on the top and not on the side. That is what one position
+// tells; what an element does whose face changes under way is the field's to say (Field::keep_energy).
 
 // The half-space z <= 0.
 struct Plane {
@@ -48,14 +46,16 @@ struct Box {
     double outside[3];
     double n[3] = {0.0, 0.0, 0.0};
     double distance2 = 0.0;
+    unsigned beyond = 0;
     for (int k = 0; k < 3; ++k) {
       outside[k] = std::max(0.0, std::abs(p[k]) - half[k]);
       distance2 += outside[k] * outside[k];
+      if (outside[k] > 0.0) beyond |= face_bit(k, p[k]);
     }
     if (distance2 > 0.0) {
       const double distance = std::sqrt(distance2);
       for (int k = 0; k < 3; ++k) n[k] = std::copysign(outside[k], p[k]) / distance;
-      return {distance, n[0], n[1], n[2]};
+      return {distance, n[0], n[1], n[2], beyond};
     }
     int entry = 0, exit = 0;
     double way_back = std::numeric_limits<double>::infinity(), way_ahead = way_back;
@@ -71,8 +71,12 @@ struct Box {
     const double sign = (a[face] < 0.0) == looks_in ? 1.0 : -1.0;
     const double depth = half[face] - sign * p[face];
     n[face] = sign;
-    return {looks_in ? -depth : depth, n[0], n[1], n[2]};
+    return {looks_in ? -depth : depth, n[0], n[1], n[2], looks_in ? face_bit(face, sign) : 0U};
   }
+
+ private:
+  // Above only_face, which stands for surfaces without edges.
+  static unsigned face_bit(int k, double side) { return (side < 0.0 ? 4U : 2U) << (2 * k); }
 };
 
 // Axis along z of S.
@@ -86,20 +90,86 @@ struct Cylinder {
     const double side = r - radius, cap = std::abs(z) - half_length;
     if (side > 0.0 && cap > 0.0) {
       const double distance = std::hypot(side, cap);
-      return {distance, nx * side / distance, ny * side / distance, std::copysign(cap, z) / distance};
+      return {distance, nx * side / distance, ny * side / distance, std::copysign(cap, z) / distance, side_bit | cap_bit(z)};
     }
     const double nz = az < 0.0 ? 1.0 : -1.0;  // the cap that looks at the element
-    if (side > 0.0) return {side, nx, ny, 0.0};
-    if (cap > 0.0) return {cap, 0.0, 0.0, std::copysign(1.0, z)};
+    if (side > 0.0) return {side, nx, ny, 0.0, side_bit};
+    if (cap > 0.0) return {cap, 0.0, 0.0, std::copysign(1.0, z), cap_bit(z)};
     const double towards_side = -(nx * ax + ny * ay), towards_cap = std::abs(az);
     const double cap_depth = half_length - nz * z;
-    if (towards_side > 0.0 && -side * towards_cap <= cap_depth * towards_side) return {side, nx, ny, 0.0};
+    if (towards_side > 0.0 && -side * towards_cap <= cap_depth * towards_side) return {side, nx, ny, 0.0, side_bit};
     // It came in through the cap, unless it looks out through the side and leaves by it sooner.
-    if (cap_depth * -towards_side <= -side * towards_cap) return {-cap_depth, 0.0, 0.0, nz};
-    return {-side, nx, ny, 0.0};
+    if (cap_depth * -towards_side <= -side * towards_cap) return {-cap_depth, 0.0, 0.0, nz, cap_bit(nz)};
+    return {-side, nx, ny, 0.0, 0U};
+  }
+
+ private:
+  static constexpr unsigned side_bit = 2;
+  static unsigned cap_bit(double end) { return end < 0.0 ? 8U : 4U; }
+};
+
+// The points nearer than `radius` to the piece of the z axis with |z| <= half_length.
+struct Capsule {
+  double radius;       // m
+  double half_length;  // m, of the cylinder between the two half balls
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
+    return Sphere{radius}.at(x, y, z - std::clamp(z, -half_length, half_length), ax, ay, az);
   }
 };
 
-using Surface = std::variant<Plane, Box, Cylinder, Sphere>;
+// The points p with sum (p_k/half_k)^2 <= 1.
+//
+// The nearest point x of the surface has p - x = t q with q_k = x_k/half_k^2, so x_k = p_k half_k^2/(half_k^2 + t), and t, the
+// largest root of F(t) = sum (x_k/half_k)^2 = 1, has the sign of the distance (Eberly, Distance from a Point to an Ellipse, an
+// Ellipsoid, or a Hyperellipsoid, 2013). 1/sqrt(F) is concave and nearly straight (it is straight for a sphere), so Newton's
+// steps for 1/sqrt(F) = 1 never pass the root, and a few do: the same as for the secular equation of a trust region (Conn, Gould
+// & Toint, Trust-Region Methods, 2000, sec. 7.3).
+struct Ellipsoid {
+  Eigen::Vector3d half;  // m, half axes along x, y, z; centre at the origin
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
+    const double p[3] = {x, y, z};
+    const double least = half.minCoeff() * half.minCoeff();
+    // Solved for s = t + least, so that what is divided by is not lost in rounding near the pole at s = 0.
+    double scaled[3], excess[3], s = 1e-16 * least;
+    const double lowest = s;
+    for (int k = 0; k < 3; ++k) {
+      scaled[k] = half[k] * p[k];
+      excess[k] = half[k] * half[k] - least;
+      s = std::max(s, std::abs(scaled[k]) - excess[k]);  // one term of F alone is 1 here, so the root lies beyond
+    }
+    // Up to rounding on the disc (or rod, or centre) from which there are two or more nearest points: nothing is met.
+    if (s == lowest && !(newton_step(scaled, excess, s) > 0.0)) return {half.minCoeff(), -ax, -ay, -az};
+    s = std::max(s, least + newton_step(scaled, excess, least));  // the step from the surface, where most tips are
+    double step = s;
+    while (step > 1e-9 * s) {  // the error is then of the order of the step's square
+      step = newton_step(scaled, excess, s);
+      s += step;
+    }
+    double q[3], size2 = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      q[k] = p[k] / (s + excess[k]);
+      size2 += q[k] * q[k];
+    }
+    const double size = std::sqrt(size2), nx = q[0] / size, ny = q[1] / size, nz = q[2] / size;
+    const double gap = (s - least) * size;
+    return {nx * ax + ny * ay + nz * az < 0.0 ? gap : std::abs(gap), nx, ny, nz};
+  }
+
+ private:
+  // Towards 1/sqrt(F) = 1. F = sum y^2 with y_k = scaled_k/(s + excess_k), its slope is -2 sum y_k^2/(s + excess_k).
+  static double newton_step(const double (&scaled)[3], const double (&excess)[3], double s) {
+    double f = 0.0, slope = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double reach = 1.0 / (s + excess[k]), y = scaled[k] * reach;
+      f += y * y;
+      slope += y * y * reach;
+    }
+    return f * (std::sqrt(f) - 1.0) / slope;
+  }
+};
+
+using Surface = std::variant<Plane, Box, Cylinder, Sphere, Capsule, Ellipsoid, DistanceGrid>;
 
 }  // namespace slipbench

@@ -24,6 +24,7 @@ struct Catalogues {
   std::vector<Entry> sensors;      // sensors.*.type
   std::vector<Entry> electronics;  // sensors.*.electronics
   std::vector<Entry> effects;      // effects
+  std::vector<Entry> bodies;       // bodies.*.shape
 };
 
 }  // namespace slipbench

@@ -11,18 +11,33 @@
 
 namespace slipbench {
 
-// A catalogue entry named by a scene, with the values of its parameters.
-struct Named {
-  std::string name;
-  Parameters parameters;
-};
-
 // One sensor of a scene.
 struct SensorScene {
   std::string name;  // the scene's own name for it: "pad"
   std::string type;  // "papillarray"
   Parameters parameters;
   std::vector<Named> electronics;  // empty: ideal
+
+  // In a scene whose bodies move by forces:
+  std::string site = {};                  // of the model, its frame is the pad frame P; empty: the pad rides on the stage
+  std::vector<std::string> touches = {};  // geoms or bodies that the pad may touch
+  double damping = 0.0;                   // s, time of a dashpot beside each spring
+};
+
+// A body that the scene brings: a shape of the catalogue `bodies`.
+struct BodyScene {
+  std::string name;
+  Named shape;
+};
+
+// What an actuator of the model is told: straight lines from point to point, constant before the first and after the last.
+struct ControlScene {
+  struct Point {
+    double time;   // s
+    double value;  // in the actuator's unit
+  };
+  std::string actuator;
+  std::vector<Point> points;  // in order of time, at least one
 };
 
 // Friction of the touched surface, after the scene's own values have overridden the material's and `scale` has multiplied both.
@@ -45,6 +60,16 @@ struct Scene {
   std::vector<SensorScene> sensors;
   std::vector<Named> effects;
   bool expects = false;  // it says under `expect` what must come out
+
+  // Bodies that move by forces. Without a model and without bodies all of it is empty, and everything moves as prescribed.
+  std::string model = {};              // path of an MJCF file; empty: none
+  std::vector<BodyScene> bodies = {};  // beside those of the model
+  std::optional<double> gravity = {};  // m/s2, downwards; empty: the model's own, or the Earth's without a model
+  std::vector<ControlScene> controls = {};
+  bool implicit_fields = false;  // field_solver: implicit
+
+  // Whether anything moves by forces.
+  [[nodiscard]] bool dynamic() const { return !model.empty() || !bodies.empty(); }
 };
 
 }  // namespace slipbench

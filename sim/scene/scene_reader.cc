@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -40,7 +41,7 @@ const ParameterSpec time_step_spec{.name = "time_step",
 const ParameterSpec fidelity_spec{.name = "fidelity",
                                   .type = ParameterType::choice,
                                   .default_text = "field",
-                                  .choices = {"field"},
+                                  .choices = {"field", "articulated"},
                                   .doc = "model of the pad",
                                   .source = "assumed"};
 const ParameterSpec coefficient_spec{.name = "coefficient",
@@ -55,6 +56,38 @@ const ParameterSpec scale_spec{.name = "scale",
                                .choices = {},
                                .doc = "multiplies both coefficients",
                                .source = "assumed"};
+
+const ParameterSpec gravity_spec{.name = "gravity",
+                                 .quantity = Quantity::acceleration,
+                                 .default_text = "9.81 m/s2",
+                                 .range = {0.0, 1000.0},
+                                 .choices = {},
+                                 .doc = "weight of a unit of mass, downwards",
+                                 .source = "the Earth's"};
+const ParameterSpec field_solver_spec{.name = "field_solver",
+                                      .type = ParameterType::choice,
+                                      .default_text = "explicit",
+                                      .choices = {"explicit", "implicit"},
+                                      .doc = "how the pads' springs enter a step",
+                                      .source = "free"};
+const ParameterSpec damping_spec{.name = "damping",
+                                 .quantity = Quantity::time,
+                                 .default_text = "1 ms",
+                                 .range = non_negative,
+                                 .choices = {},
+                                 .doc = "time of a dashpot beside each spring",
+                                 .source = "assumed"};
+const ParameterSpec control_time_spec{.name = "time",
+                                      .quantity = Quantity::time,
+                                      .default_text = "0 s",
+                                      .range = non_negative,
+                                      .choices = {},
+                                      .doc = "when a control has a value",
+                                      .source = "free"};
+
+// Keys that only a scene with bodies that move by forces may have: of the scene, and of its sensors.
+constexpr std::array<std::string_view, 3> dynamic_keys{"controls", "field_solver", "gravity"};
+constexpr std::array<std::string_view, 3> dynamic_sensor_keys{"damping", "site", "touches"};
 
 std::string allowed_form(const ParameterSpec& spec) {
   switch (spec.type) {
@@ -104,9 +137,9 @@ class SceneReader {
 
   Scene read(const YamlNode& root) {
     require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
-    check_keys(root, "the scene",
-               {"controller", "description", "detector", "duration", "effects", "expect", "fidelity", "friction", "motion",
-                "seed", "sensors", "slipbench", "surface", "sweep", "time_step"});
+    check_keys(root, "the scene", {"bodies", "controller", "controls",     "description", "detector", "duration", "effects",
+                                   "expect", "fidelity",   "field_solver", "friction",    "gravity",  "model",    "motion",
+                                   "seed",   "sensors",    "slipbench",    "surface",     "sweep",    "time_step"});
     read_version(root);
     root_origin_ = root.origin;
     Scene scene;
@@ -119,6 +152,7 @@ class SceneReader {
     scene.friction = read_friction(root.find("friction"), material);
     scene.motion = read_kind(root.find("motion"), "motion", "kind", "stage", catalogues_.motions, "motion", {});
     scene.sensors = read_sensors(root);
+    read_dynamics(root, scene);
     scene.effects = read_list(root.find("effects"), "effects", catalogues_.effects, "effect");
     read_loop_part(root.find("detector"), "detector", detector_types);
     read_loop_part(root.find("controller"), "controller", controller_types);
@@ -213,12 +247,7 @@ class SceneReader {
     return step;
   }
 
-  std::string read_fidelity(const YamlNode* node) {
-    if (node != nullptr && node->kind == YamlNode::Kind::scalar && node->text == "articulated") {
-      fail(node->origin, "fidelity: 'articulated' is not available in this version; allowed: field");
-    }
-    return std::get<std::string>(value(node, "fidelity", fidelity_spec));
-  }
+  std::string read_fidelity(const YamlNode* node) { return std::get<std::string>(value(node, "fidelity", fidelity_spec)); }
 
   template <class Item>
   static const Item& named(const std::vector<Item>& items, const std::string& name, const Origin& origin,
@@ -324,9 +353,150 @@ class SceneReader {
     sensor.type = text_of(*type, path + ".type", "the name of a sensor");
     const Entry& entry = named(catalogues_.sensors, sensor.type, type->origin, "sensor");
     record(path + ".type", sensor.type);
-    sensor.parameters = parameters(&node, path, path, entry, {"electronics", "type"});
+    sensor.parameters = parameters(&node, path, path, entry, {"damping", "electronics", "site", "touches", "type"});
     sensor.electronics = read_electronics(node.find("electronics"), path + ".electronics");
     return sensor;
+  }
+
+  // What a scene says of bodies that move by forces.
+  void read_dynamics(const YamlNode& root, Scene& scene) {
+    if (const YamlNode* node = root.find("model")) {
+      const std::string& file = text_of(*node, "model", "the path of an MJCF file, from the scene's own folder");
+      if (file.empty()) fail(node->origin, "model is empty; allowed: the path of an MJCF file, from the scene's own folder");
+      // The root's origin is the scene's file, also where --set has replaced the path.
+      const std::filesystem::path folder = root.origin.source ? std::filesystem::path(*root.origin.source).parent_path() : "";
+      scene.model = (folder / file).string();
+      record("model", file);
+    }
+    if (const YamlNode* node = root.find("bodies")) scene.bodies = read_bodies(*node);
+    if (!scene.dynamic()) {
+      refuse_dynamic_keys(root);
+      return;
+    }
+    if (scene.fidelity != "field") {
+      fail(root.find("fidelity")->origin,
+           "fidelity: 'articulated' is for pads that move as prescribed; a scene with 'model' or "
+           "'bodies' allows: field");
+    }
+    if (const YamlNode* node = root.find("surface")) check_keys(*node, "surface of a scene with bodies", {"material"});
+    if (const YamlNode* node = root.find("gravity")) scene.gravity = number(node, "gravity", gravity_spec);
+    scene.implicit_fields =
+        std::get<std::string>(value(root.find("field_solver"), "field_solver", field_solver_spec)) == "implicit";
+    if (const YamlNode* node = root.find("controls")) scene.controls = read_controls(*node);
+    bool any_on_stage = false;
+    for (SensorScene& sensor : scene.sensors) {
+      read_mounting(*root.find("sensors")->find(sensor.name), sensor);
+      any_on_stage = any_on_stage || sensor.site.empty();
+    }
+    if (const YamlNode* node = root.find("motion"); node != nullptr && !any_on_stage) {
+      fail(node->key_origin,
+           "motion moves the sensors that have no 'site', and every sensor of this scene has one; leave it out");
+    }
+  }
+
+  static void refuse_dynamic_keys(const YamlNode& root) {
+    const auto refuse = [](const YamlNode& map, const std::string& where, const auto& keys) {
+      for (const std::string_view key : keys) {
+        if (const YamlNode* node = map.find(key)) {
+          fail(node->key_origin, quote(key) + where + " needs bodies that move by forces: a scene with 'model' or 'bodies'");
+        }
+      }
+    };
+    refuse(root, "", dynamic_keys);
+    for (const YamlNode& sensor : root.find("sensors")->children)
+      refuse(sensor, " in sensors." + sensor.key, dynamic_sensor_keys);
+  }
+
+  std::vector<BodyScene> read_bodies(const YamlNode& node) {
+    const std::string example = "bodies, such as 'box: {shape: box}'";
+    require_map(node, "bodies", example);
+    if (node.children.empty()) fail(node.origin, "bodies is empty; allowed: a map of " + example);
+    std::vector<BodyScene> bodies;
+    for (const YamlNode& child : node.children) {
+      if (!is_identifier(child.key)) {
+        fail(child.key_origin, quote(child.key) + " cannot name a body; allowed: letters, digits and '_', no digit first");
+      }
+      const std::string path = "bodies." + child.key;
+      require_map(child, path, "'shape' and parameters");
+      if (child.find("shape") == nullptr) {
+        fail(child.key_origin, "no key 'shape' in " + path + allowed_names("", names_of(catalogues_.bodies)));
+      }
+      bodies.push_back({child.key, read_kind(&child, path, "shape", "", catalogues_.bodies, "body shape", {})});
+    }
+    return bodies;
+  }
+
+  void read_mounting(const YamlNode& node, SensorScene& sensor) {
+    const std::string path = "sensors." + sensor.name;
+    if (const YamlNode* site = node.find("site")) {
+      sensor.site = text_of(*site, path + ".site", "the name of a site of the model");
+      record(path + ".site", sensor.site);
+    }
+    sensor.damping = number(node.find("damping"), path + ".damping", damping_spec);
+    const YamlNode* touches = node.find("touches");
+    const std::string allowed = "names of geoms or bodies, such as [box]";
+    if (touches == nullptr) fail(node.key_origin, "no key 'touches' in " + path + "; allowed: " + allowed);
+    if (touches->kind != YamlNode::Kind::sequence || touches->children.empty()) {
+      const bool is_sequence = touches->kind == YamlNode::Kind::sequence;
+      fail(touches->origin, path + ".touches is " + (is_sequence ? "empty" : described(*touches)) + "; allowed: " + allowed);
+    }
+    for (const YamlNode& item : touches->children) {
+      const std::string item_path = path + ".touches." + std::to_string(sensor.touches.size());
+      const std::string& name = text_of(item, item_path, "the name of a geom or body");
+      if (std::ranges::find(sensor.touches, name) != sensor.touches.end()) {
+        fail(item.origin, quote(name) + " is named twice in " + path + ".touches");
+      }
+      record(item_path, name);
+      sensor.touches.push_back(name);
+    }
+  }
+
+  std::vector<ControlScene> read_controls(const YamlNode& node) {
+    require_map(node, "controls", "actuators of the model, such as 'grip: 4 N'");
+    std::vector<ControlScene> controls;
+    for (const YamlNode& child : node.children) {
+      const std::string path = "controls." + child.key;
+      ControlScene control{child.key, {}};
+      if (child.kind == YamlNode::Kind::sequence && !child.children.empty()) {
+        for (std::size_t i = 0; i < child.children.size(); ++i) {
+          control.points.push_back(read_control_point(child.children[i], path + "." + std::to_string(i)));
+          if (i > 0 && !(control.points[i].time > control.points[i - 1].time)) {
+            fail(child.children[i].origin, path + "." + std::to_string(i) + ": the times do not ascend; allowed: later than " +
+                                               format_quantity(control.points[i - 1].time, Quantity::time));
+          }
+        }
+      } else {
+        control.points.push_back({0.0, control_value(child, path)});
+      }
+      controls.push_back(std::move(control));
+    }
+    return controls;
+  }
+
+  ControlScene::Point read_control_point(const YamlNode& node, const std::string& path) {
+    if (node.kind != YamlNode::Kind::sequence || node.children.size() != 2) {
+      fail(node.origin, path + " is " + described(node) + "; allowed: a time and a value, such as [1 s, 4 N]");
+    }
+    const double time = std::get<double>(scalar(node.children[0], path + ".0", control_time_spec));
+    record(path + ".0", time);
+    return {time, control_value(node.children[1], path + ".1")};
+  }
+
+  // An actuator's unit is the model's affair: every one is taken, and turned into SI.
+  double control_value(const YamlNode& node, const std::string& path) {
+    if (node.kind != YamlNode::Kind::scalar) {
+      fail(node.origin,
+           path + " is " + described(node) + "; allowed: a number such as 4 N, or points such as [[0 s, 0 N], [1 s, 4 N]]");
+    }
+    double result = 0.0;
+    try {
+      result = parse_quantity(node.text, quantity_of(node.text));
+    } catch (const std::invalid_argument& error) {
+      fail(node.origin, path + ": " + error.what());
+    }
+    if (!std::isfinite(result)) fail(node.origin, path + ": " + quote(node.text) + " is infinite; allowed: a finite number");
+    record(path, result);
+    return result;
   }
 
   std::vector<Named> read_electronics(const YamlNode* node, const std::string& path) {

@@ -50,6 +50,27 @@ SurfaceKind box() {
           }};
 }
 
+ParameterSpec angle() {
+  return {"angle",
+          ParameterType::number,
+          Quantity::angle,
+          "0 deg",
+          any_value,
+          {},
+          1,
+          "direction of its axis, from the world's X axis",
+          "free"};
+}
+
+// With the shape's z axis along the angle, and its highest line at z = 0.
+Pose lying(const Parameters& p) {
+  Pose pose = placed(p, -p.number("radius"));
+  pose.rotation = (Eigen::AngleAxisd(p.number("angle"), Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitY()))
+                      .toRotationMatrix();
+  return pose;
+}
+
 SurfaceKind cylinder() {
   return {{"cylinder",
            "A lying cylinder whose highest line is z = 0.",
@@ -57,23 +78,26 @@ SurfaceKind cylinder() {
            "",
            {{"radius", ParameterType::number, Quantity::length, "30 mm", positive, {}, 1, "radius", "assumed"},
             {"length", ParameterType::number, Quantity::length, "100 mm", positive, {}, 1, "length", "assumed"},
-            {"angle",
-             ParameterType::number,
-             Quantity::angle,
-             "0 deg",
-             any_value,
-             {},
-             1,
-             "direction of its axis, from the world's X axis",
-             "free"},
+            angle(),
             position()}},
           [](const Parameters& p) {
-            Pose pose = placed(p, -p.number("radius"));
-            pose.rotation = (Eigen::AngleAxisd(p.number("angle"), Eigen::Vector3d::UnitZ()) *
-                             Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitY()))
-                                .toRotationMatrix();
-            return PlacedSurface{Cylinder{p.number("radius"), 0.5 * p.number("length")}, pose};
+            return PlacedSurface{Cylinder{p.number("radius"), 0.5 * p.number("length")}, lying(p)};
           }};
+}
+
+SurfaceKind capsule() {
+  return {
+      {"capsule",
+       "A lying cylinder with half a ball at either end, whose highest line is z = 0.",
+       "gap = distance to the straight part of its axis - radius",
+       "",
+       {{"radius", ParameterType::number, Quantity::length, "30 mm", positive, {}, 1, "radius", "assumed"},
+        {"length", ParameterType::number, Quantity::length, "100 mm", positive, {}, 1, "length of the straight part", "assumed"},
+        angle(),
+        position()}},
+      [](const Parameters& p) {
+        return PlacedSurface{Capsule{p.number("radius"), 0.5 * p.number("length")}, lying(p)};
+      }};
 }
 
 SurfaceKind sphere() {
@@ -91,10 +115,7 @@ SurfaceKind sphere() {
 
 const std::vector<SurfaceKind>& surface_catalogue() {
   static const std::vector<SurfaceKind> kinds{
-      plane(),
-      box(),
-      cylinder(),
-      sphere(),
+      plane(), box(), cylinder(), capsule(), sphere(),
   };
   return kinds;
 }

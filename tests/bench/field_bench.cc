@@ -21,13 +21,13 @@ Pose pose_at(std::size_t tick) {
 
 void steps(benchmark::State& state, const PadLayout& pad, bool labels) {
   Field field(pad, Plane{}, {0.5, 0.5});
-  ContactLabels contact(field);
+  ContactLabels contact(field.layout());
   std::vector<Pose> poses;
   for (std::size_t tick = 0; tick < 4096; ++tick) poses.push_back(pose_at(tick));
   std::size_t tick = 0;
   for (auto _ : state) {
     field.step(poses[tick++ % poses.size()], dt);
-    if (labels) benchmark::DoNotOptimize(contact.update(field, dt, dt).force.data());
+    if (labels) benchmark::DoNotOptimize(contact.update({&field, 1}, dt, dt).force.data());
     benchmark::ClobberMemory();
   }
   state.counters["per_element"] = benchmark::Counter(static_cast<double>(field.size()),

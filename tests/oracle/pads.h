@@ -62,12 +62,12 @@ inline Pose turned(double angle, const Eigen::Vector3d& position) {
 // Steps a field through `pose(t)` for t = 0, dt, ..., duration and hands every frame to `look`.
 inline void drive(Field& field, double dt, double duration, const std::function<Pose(double)>& pose,
                   const std::function<void(const ContactFrame&)>& look) {
-  ContactLabels labels(field);
+  ContactLabels labels(field.layout());
   const auto ticks = static_cast<std::size_t>(std::lround(duration / dt));
   for (std::size_t tick = 0; tick <= ticks; ++tick) {
     const double time = static_cast<double>(tick) * dt;
     field.step(pose(time), dt);
-    look(labels.update(field, time, dt));
+    look(labels.update({&field, 1}, time, dt));
   }
 }
 

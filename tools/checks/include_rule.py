@@ -3,7 +3,7 @@
 - sim/core: itself, the standard library and Eigen; Random123 in a .cc.
 - sensors/X: sim/core, sensors/X, and sensors/electronics, which every sensor is composed of.
 - detectors, controllers: sim/core and themselves.
-- the rest of sim: sim only. MuJoCo's headers: sim/mujoco and its tests only; sim/field does not include sim/mujoco either.
+- the rest of sim: sim only. MuJoCo's headers: sim/mujoco and its tests (tests/stability too) only; sim/field does not include sim/mujoco either.
 - tools: everything but tests. tests: everything.
 """
 
@@ -41,7 +41,7 @@ def fault_of(path, quoted, header):
         if folder.startswith("sim/field") and header.startswith("sim/mujoco/"):
             return f'sim/field is free of MuJoCo, found "{header}"'
         return None
-    if header.startswith("mujoco/") and folder not in ("sim/mujoco", "tests/sim/mujoco"):
+    if header.startswith("mujoco/") and folder not in ("sim/mujoco", "tests/sim/mujoco", "tests/stability"):
         return f"only sim/mujoco may include <{header}>"
     if folder == "sim/core":
         generator = path.suffix == ".cc" and header.startswith("Random123/")

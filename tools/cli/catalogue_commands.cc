@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tools/catalogue/sensors.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/describe.h"
 #include "tools/cli/terminal.h"
 #include "tools/doctor/build_info.h"
-#include "tools/run/sensors.h"
 
 namespace slipbench {
 

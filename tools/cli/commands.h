@@ -9,12 +9,13 @@ inline constexpr int exit_good = 0;
 inline constexpr int exit_bad_input = 2;
 inline constexpr int exit_interrupted = 130;  // 128 + SIGINT, as shells count
 
-int run_command(const Options& options);       // run
-int sweep_command(const Options& options);     // sweep
-int report_command(const Options& options);    // report
-int export_command(const Options& options);    // export
-int list_command(const Options& options);      // list
-int describe_command(const Options& options);  // describe
-int version_command(const Options& options);   // --version
+int run_command(const Options& options);          // run
+int sweep_command(const Options& options);        // sweep
+int report_command(const Options& options);       // report
+int export_command(const Options& options);       // export
+int list_command(const Options& options);         // list
+int describe_command(const Options& options);     // describe
+int plugin_path_command(const Options& options);  // plugin-path
+int version_command(const Options& options);      // --version
 
 }  // namespace slipbench

@@ -15,10 +15,11 @@ namespace {
 constexpr CatalogueKind effects{"effects", "effect", "effects"};
 constexpr CatalogueKind sensors{"sensors", "sensor", "sensors.<name>.type"};
 constexpr CatalogueKind surfaces{"surfaces", "surface", "surface.shape"};
+constexpr CatalogueKind bodies{"bodies", "body", "bodies.<name>.shape"};
 constexpr CatalogueKind materials{"materials", "material", "surface.material"};
 constexpr CatalogueKind motions{"motions", "motion", "motion.kind"};
 constexpr CatalogueKind electronics{"electronics", "electronics part", "sensors.<name>.electronics"};
-constexpr std::array kinds{effects, sensors, surfaces, materials, motions, electronics};
+constexpr std::array kinds{effects, sensors, surfaces, bodies, materials, motions, electronics};
 
 std::string type_text(const ParameterSpec& spec) {
   switch (spec.type) {
@@ -137,6 +138,7 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
   add_all(effects, catalogues.effects);
   add_all(sensors, catalogues.sensors);
   add_all(surfaces, catalogues.surfaces);
+  add_all(bodies, catalogues.bodies);
   for (const Material& material : catalogues.materials) items.push_back(material_item(material));
   add_all(motions, catalogues.motions);
   add_all(electronics, catalogues.electronics);
@@ -172,6 +174,11 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
   if (item.kind.plural == sensors.plural)
     return fmt::format("sensors:\n  pad:\n    type: {}\n", entry.name) + parameter_lines(entry, 4);
   if (item.kind.plural == surfaces.plural) return fmt::format("surface:\n  shape: {}\n", entry.name) + parameter_lines(entry, 2);
+  if (item.kind.plural == bodies.plural) {
+    const std::string touching = catalogues.sensors.empty() ? "papillarray" : catalogues.sensors.front().name;
+    return fmt::format("bodies:\n  object:\n    shape: {}\n{}sensors:\n  pad:\n    type: {}\n    touches: [object]\n", entry.name,
+                       parameter_lines(entry, 4), touching);
+  }
   if (item.kind.plural == motions.plural) return fmt::format("motion:\n  kind: {}\n", entry.name) + parameter_lines(entry, 2);
   const std::string sensor = catalogues.sensors.empty() ? "papillarray" : catalogues.sensors.front().name;
   return fmt::format("sensors:\n  pad:\n    type: {}\n    electronics:\n", sensor) + list_item(entry, 6);

@@ -75,6 +75,9 @@ Examples:
 constexpr std::string_view doctor_footer = R"(
 Exit status 0 when everything required is there, 1 otherwise, with the command that installs it.)";
 
+constexpr std::string_view plugin_path_footer = R"(
+Any MuJoCo program of the right version can load the library; scenes/mujoco/README.md shows how.)";
+
 // The footers above begin with a line end, which is there for the source only.
 std::string footer_text(std::string_view footer) { return std::string(footer.substr(1)); }
 
@@ -209,6 +212,7 @@ Parser::Parser() {
   CLI::App* describe = command("describe", "Explain one name: parameters, units, defaults, law, source", describe_footer);
   describe->add_option("NAME", options.name, "A name that `slipbench list` shows")->required()->option_text(" ");
   command("doctor", "Check the installation", doctor_footer);
+  command("plugin-path", "Print where the MuJoCo plugin is", plugin_path_footer);
 
   for (CLI::App* sub : app.get_subcommands({})) sub->get_formatter()->column_width(26);
   app.get_formatter()->column_width(26);

@@ -34,6 +34,7 @@ const std::map<std::string, Command>& commands() {
       {"list", list_command},
       {"describe", describe_command},
       {"doctor", [](const Options& options) { return doctor_main(options.json); }},
+      {"plugin-path", plugin_path_command},
       {"--version", version_command},
   };
   return table;

@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tools/catalogue/sensors.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/summary.h"
 #include "tools/cli/terminal.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/run_sweep.h"
-#include "tools/run/sensors.h"
 
 namespace slipbench {
 namespace {

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "sim/core/sensor.h"
+#include "tools/catalogue/sensors.h"
 #include "tools/cli/progress.h"
-#include "tools/run/sensors.h"
 
 namespace slipbench {
 namespace {

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <openssl/evp.h>
 
+#include "sim/core/error.h"
 #include "tools/dataset/layout.h"
 
 namespace slipbench {
@@ -99,6 +101,7 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
   attributes.push_back({"", "seed", record.seed});
   attributes.push_back({"", "params", record.params});
   attributes.push_back({"", "outcome", outcome_json(record.outcome)});
+  if (!record.model_sha256.empty()) attributes.push_back({"", "model_sha256", record.model_sha256});
   for (const SensorRecord& sensor : record.sensors) {
     const std::string samples = sensor_group(sensor.name);
     std::vector<std::string> channels;
@@ -135,6 +138,12 @@ class Sha256 {
  private:
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
+
+std::string hexadecimal(const Digest& digest) {
+  std::string text;
+  for (const std::uint8_t byte : digest) text += fmt::format("{:02x}", byte);
+  return text;
+}
 
 Digest digest_of_arrays(const std::vector<ArrayView>& arrays) {
   Sha256 hash;
@@ -232,9 +241,18 @@ Digest trial_digest(const TrialRecord& record) { return digest_of_arrays(arrays_
 std::string content_digest(const std::vector<Digest>& digests) {
   Sha256 hash;
   for (const Digest& digest : digests) hash.update(digest.data(), digest.size());
-  std::string hex;
-  for (const std::uint8_t byte : hash.finish()) hex += fmt::format("{:02x}", byte);
-  return hex;
+  return hexadecimal(hash.finish());
+}
+
+std::string file_sha256(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  Sha256 hash;
+  std::array<char, 65536> block;
+  while (stream.read(block.data(), block.size()), stream.gcount() > 0) {
+    hash.update(block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  if (!stream.is_open() || stream.bad()) throw InputError(path + ": cannot be read");
+  return hexadecimal(hash.finish());
 }
 
 }  // namespace slipbench

@@ -6,7 +6,7 @@
 
 #include "sim/core/contact_frame.h"
 #include "sim/core/sensor.h"
-#include "sim/testbench/testbench.h"
+#include "sim/testbench/bench.h"
 #include "tools/dataset/trial_record.h"
 
 namespace slipbench {

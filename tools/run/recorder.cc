@@ -75,7 +75,7 @@ void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBa
 
 }  // namespace
 
-double record_bytes(std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench) {
+double record_bytes(std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench) {
   double bytes = 0.0;
   std::size_t most_rows = 0;
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
@@ -107,7 +107,7 @@ void check_record_size(const Scene& scene, double bytes, double max_bytes) {
                   format_quantity(scene.duration, Quantity::time), 1e-9 * bytes, 1e-9 * max_bytes, 1e-9 * max_record_bytes));
 }
 
-TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench,
+TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench,
                              std::uint64_t trial, Recording recording, double max_bytes)
     : scene_(scene),
       sensors_(sensors),

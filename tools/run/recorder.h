@@ -11,14 +11,14 @@
 #include "sim/core/contact_frame.h"
 #include "sim/core/sensor.h"
 #include "sim/scene/scene.h"
-#include "sim/testbench/testbench.h"
+#include "sim/testbench/bench.h"
 #include "tools/dataset/trial_record.h"
 #include "tools/run/run_trial.h"
 
 namespace slipbench {
 
 // Bytes that the columns of a trial's whole record take in memory. Its events, whose number the trial decides, come on top.
-double record_bytes(std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench);
+double record_bytes(std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench);
 
 // A trial is recorded in memory before it is written. Throws SceneValueError when `bytes` are more than `max_bytes`.
 void check_record_size(const Scene& scene, double bytes, double max_bytes);
@@ -27,7 +27,7 @@ void check_record_size(const Scene& scene, double bytes, double max_bytes);
 class TrialRecorder {
  public:
   // All must outlive the recorder. Throws SceneValueError when the record would take more than `max_bytes`.
-  TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Testbench& bench, std::uint64_t trial,
+  TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench, std::uint64_t trial,
                 Recording recording, double max_bytes);
 
   // Called every tick for every pad: events and onsets. Throws SceneValueError when the events outgrow the record's limit.
@@ -60,7 +60,7 @@ class TrialRecorder {
 
   const Scene& scene_;
   std::span<const std::unique_ptr<Sensor>> sensors_;
-  const Testbench& bench_;
+  const Bench& bench_;
   Recording recording_;
   double max_bytes_;
   double bytes_ = 0.0;  // that the record takes so far

@@ -1,11 +1,20 @@
 #include "tools/run/run_trial.h"
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "sim/testbench/testbench.h"
+#include "tools/catalogue/sensors.h"
+#include "tools/dataset/encoder.h"
 #include "tools/run/recorder.h"
-#include "tools/run/sensors.h"
+#ifdef SLIPBENCH_WITH_MUJOCO
+#include "sim/mujoco/articulated_testbench.h"
+#include "sim/mujoco/dynamic_bench.h"
+#include "sim/mujoco/register_plugin.h"
+#else
+#include "sim/core/error.h"
+#endif
 
 namespace slipbench {
 
@@ -19,26 +28,43 @@ Sensors make_sensors(const Scene& scene, std::uint64_t trial) {
   return sensors;
 }
 
-Testbench make_bench(const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
+#ifdef SLIPBENCH_WITH_MUJOCO
+std::unique_ptr<Bench> make_mujoco_bench(const Scene& scene, std::span<const PadLayout* const> pads,
+                                         std::span<const double> rates, std::uint64_t trial) {
+  if (!scene.dynamic()) return std::make_unique<ArticulatedTestbench>(scene, pads, rates);
+  [[maybe_unused]] static const bool registered = (register_field_plugin({program_catalogues(), &make_sensor}), true);
+  return std::make_unique<DynamicBench>(scene, pads, rates, trial);
+}
+#else
+[[noreturn]] std::unique_ptr<Bench> make_mujoco_bench(const Scene& scene, std::span<const PadLayout* const>,
+                                                      std::span<const double>, std::uint64_t) {
+  const std::string key = !scene.dynamic() ? "fidelity" : scene.model.empty() ? "bodies" : "model";
+  throw SceneValueError(key, "needs MuJoCo, which this program was built without");
+}
+#endif
+
+std::unique_ptr<Bench> make_bench(const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
   std::vector<const PadLayout*> pads;
   std::vector<double> rates;
   for (const auto& sensor : sensors) {
     pads.push_back(&sensor->layout());
     rates.push_back(sensor->rate());
   }
-  return {scene, pads, rates, trial};
+  if (scene.dynamic() || scene.fidelity == "articulated") return make_mujoco_bench(scene, pads, rates, trial);
+  return std::make_unique<Testbench>(scene, pads, rates, trial);
 }
 
 }  // namespace
 
 double check_trial(const Scene& scene, std::uint64_t trial) {
   const Sensors sensors = make_sensors(scene, trial);
-  return record_bytes(sensors, make_bench(scene, sensors, trial));
+  return record_bytes(sensors, *make_bench(scene, sensors, trial));
 }
 
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes) {
   const Sensors sensors = make_sensors(scene, trial);
-  Testbench bench = make_bench(scene, sensors, trial);
+  const std::unique_ptr<Bench> chosen = make_bench(scene, sensors, trial);
+  Bench& bench = *chosen;
   TrialRecorder recorder(scene, sensors, bench, trial, recording, max_bytes);
   for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
     bench.step();
@@ -49,7 +75,9 @@ TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recordi
     }
     recorder.bodies(tick, bench.contact(0).time, bench.bodies());
   }
-  return recorder.finish();
+  TrialResult result = recorder.finish();
+  if (!scene.model.empty()) result.record.model_sha256 = file_sha256(scene.model);
+  return result;
 }
 
 }  // namespace slipbench

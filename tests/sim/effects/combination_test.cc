@@ -56,10 +56,10 @@ TEST(EffectCombination, EllipticConeWorksOnEverySurfaceThatAcceptsIt) {
     const bool flat = shape == testing_field::Shape::plane || shape == testing_field::Shape::box;
     try {
       Field field(pad, target.surface, {0.5, 0.5}, installed(pad, {{"anisotropic_friction", {}}}, flat));
-      ContactLabels labels(field);
+      ContactLabels labels(field.layout());
       for (int tick = 0; tick <= 100; ++tick) {
         field.step(target.facing * at(0.0, 20e-6 * tick, -1e-3), 1e-3);
-        EXPECT_FALSE(std::isnan(labels.update(field, tick * 1e-3, 1e-3).margin[0]))
+        EXPECT_FALSE(std::isnan(labels.update({&field, 1}, tick * 1e-3, 1e-3).margin[0]))
             << "shape " << static_cast<int>(shape) << ", tick " << tick;
       }
       // 2 mm of travel against mu k_n d/k_t = 0.83 mm along the grain, less across it.

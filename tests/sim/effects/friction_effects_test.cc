@@ -1,5 +1,7 @@
 // Stribeck, load dependence and ageing against their laws; how friction effects combine.
 #include <cmath>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -49,10 +51,10 @@ TEST(LoadDependence, EqualBristlesBehaveAsOneElement) {
   std::vector<double> onset, force;
   for (const std::size_t bristles : {1U, 4U}) {
     Field field = field_with(one_unit(k_n, k_t, bristles), {mu, mu}, {{"load_dependent_friction", {}}});
-    ContactLabels labels(field);
+    ContactLabels labels(field.layout());
     for (int tick = 0; tick <= 500; ++tick) {
       field.step(at(v * tick * dt, 0.0, -depth), dt);
-      for (const ContactEvent& event : labels.update(field, tick * dt, dt).events) {
+      for (const ContactEvent& event : labels.update({&field, 1}, tick * dt, dt).events) {
         if (event.kind == EventKind::slip) onset.push_back(event.time);
       }
     }
@@ -85,6 +87,34 @@ TEST(Ageing, StaticFrictionGrowsWithTheLogarithmOfTheWait) {
     EXPECT_NEAR(onset, exact, 2e-7) << "wait " << wait;
     EXPECT_NEAR(field.tangential_force(0).x(), mu_k * load, 1e-12) << "kinetic friction does not age";
     EXPECT_NEAR(field.stick_limit(0), mu_s * load, 1e-15) << "slip makes it young again";
+  }
+}
+
+TEST(AnisotropicFriction, GrainLiesHorizontallyOnTheSideFacesOfABox) {
+  // Its projection does, whatever the angle; so it does where the grain stands on the face and has none (0 and 180 deg on x, 90
+  // deg on y). A steady slide along the grain meets mu f_n, one across it ratio mu f_n.
+  const double mu = 0.5, ratio = 0.6;
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  for (const double angle : {0.0, 1e-9, 0.7, 0.5 * std::numbers::pi, std::numbers::pi}) {
+    for (const Eigen::Vector3d& n : {Eigen::Vector3d(1.0, 0.0, 0.0), Eigen::Vector3d(-1.0, 0.0, 0.0),
+                                     Eigen::Vector3d(0.0, 1.0, 0.0), Eigen::Vector3d(0.0, -1.0, 0.0)}) {
+      const Eigen::Vector3d level = up.cross(n);
+      for (const auto& [way, friction] : {std::pair{level, mu}, std::pair{up, ratio * mu}}) {
+        const PadLayout pad = one_unit(k_n, k_t);
+        Field field(pad, Box{{20e-3, 20e-3, 20e-3}}, {mu, mu},
+                    installed(pad, {{"anisotropic_friction", {{"ratio", ratio}, {"angle", angle}}}}));
+        Pose pose;
+        pose.rotation << level, n.cross(level), n;  // the element's axis, -Z of the pad, looks at the face
+        for (int tick = 0; tick <= 200; ++tick) {
+          pose.position = (20e-3 - depth) * n + 10e-6 * tick * way;
+          field.step(pose, 1e-3);
+        }
+        EXPECT_EQ(field.state(0), ElementState::slip);
+        EXPECT_NEAR((field.tangential_force(0) - friction * load * way).norm(), 0.0, 1e-9)
+            << "angle " << angle << ", face " << n.transpose() << ", way " << way.transpose();
+        EXPECT_NEAR(field.cone_gauge(field.tangential_force(0), n, mu * load), 1.0, 1e-9);
+      }
+    }
   }
 }
 

@@ -37,11 +37,11 @@ PadLayout row(const std::vector<std::vector<double>>& weights) {
 const std::vector<double> six_weights{1.6, 1.36, 1.12, 0.88, 0.64, 0.4};
 
 struct Rig {
-  Rig(const PadLayout& pad, Friction friction, double step) : field(pad, Plane{}, friction), labels(field), dt(step) {}
+  Rig(const PadLayout& pad, Friction friction, double step) : field(pad, Plane{}, friction), labels(field.layout()), dt(step) {}
 
   const ContactFrame& to(const Pose& pose) {
     field.step(pose, dt);
-    const ContactFrame& frame = labels.update(field, tick++ * dt, dt);
+    const ContactFrame& frame = labels.update({&field, 1}, tick++ * dt, dt);
     events.insert(events.end(), frame.events.begin(), frame.events.end());
     return frame;
   }
@@ -367,10 +367,10 @@ TEST(ContactLabels, SlipOfATiltedPadIsTheTurnThatTheBenchMakes) {
 TEST(ContactLabels, UnitsThatLookAwayFromTheSurfaceHaveNoForce) {
   // Past the middle of a plate the nearest face of the element is the far one, whose normal is -Z: nothing touches, nothing is NaN.
   Field field(row({{1.0}}), Box{{20e-3, 20e-3, 0.5e-3}}, {0.5, 0.5});
-  ContactLabels labels(field);
+  ContactLabels labels(field.layout());
   for (int k = 0; k < 3; ++k) {
     field.step(at(0.0, 0.0, -0.2e-3), 1e-3);
-    const ContactFrame& frame = labels.update(field, 1e-3 * k, 1e-3);
+    const ContactFrame& frame = labels.update({&field, 1}, 1e-3 * k, 1e-3);
     EXPECT_EQ(frame.unit_state[0], UnitState::detached);
     EXPECT_TRUE((frame.contact_force == 0.0).all());
     EXPECT_TRUE((frame.slip_velocity == 0.0).all());

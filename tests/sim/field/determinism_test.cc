@@ -37,7 +37,7 @@ std::uint64_t hash_of_run(const Surface& surface, double height, double dashpot)
   PadLayout pad = oracle::nine_pillars(6);
   for (Element& element : pad.elements) element.c_normal = element.c_tangential = dashpot;
   Field field(pad, surface, {0.6, 0.45});
-  ContactLabels labels(field);
+  ContactLabels labels(field.layout());
   RandomStream draw(5, 0, "walk");
   Hash hash;
   double h = 0.0, x = 0.0, y = 0.0, z = 0.5e-3;
@@ -47,7 +47,7 @@ std::uint64_t hash_of_run(const Surface& surface, double height, double dashpot)
     y += draw.uniform(-20e-6, 21e-6);
     z += draw.uniform(-10e-6, z < -1e-3 ? 12e-6 : 9e-6);
     field.step(turned(h, x, y, height + z), 1e-3);
-    const ContactFrame& frame = labels.update(field, 1e-3 * step, 1e-3);
+    const ContactFrame& frame = labels.update({&field, 1}, 1e-3 * step, 1e-3);
     for (Eigen::Index unit = 0; unit < 9; ++unit) {
       for (Eigen::Index k = 0; k < 3; ++k) hash.add(frame.force(k, unit));
       hash.add(frame.slip_distance[unit]);

@@ -11,8 +11,9 @@
 
 namespace slipbench::testing_field {
 
-enum class Shape { plane, box, cylinder, sphere };
-inline constexpr Shape all_shapes[] = {Shape::plane, Shape::box, Shape::cylinder, Shape::sphere};
+enum class Shape { plane, box, cylinder, sphere, capsule, ellipsoid, grid };
+inline constexpr Shape all_shapes[] = {Shape::plane,   Shape::box,       Shape::cylinder, Shape::sphere,
+                                       Shape::capsule, Shape::ellipsoid, Shape::grid};
 
 // A surface, and the pose in it of a pad that looks at the middle of its top with its origin just touching.
 struct Target {
@@ -35,6 +36,21 @@ inline Target target(Shape shape) {
       break;
     case Shape::sphere:
       result.surface = Sphere{15e-3};
+      result.facing.position.z() = 15e-3;
+      break;
+    case Shape::capsule:  // as the cylinder, and short enough for the half balls to be touched too
+      result.surface = Capsule{15e-3, 4e-3};
+      result.facing.rotation = Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitY()).toRotationMatrix();
+      result.facing.position.x() = 15e-3;
+      break;
+    case Shape::ellipsoid:
+      result.surface = Ellipsoid{{20e-3, 15e-3, 12e-3}};
+      result.facing.position.z() = 12e-3;
+      break;
+    case Shape::grid:  // the sphere on a grid
+      static const DistanceGrid grid([](const Eigen::Vector3d& p) { return p.norm() - 15e-3; }, Eigen::Vector3d::Constant(-15e-3),
+                                     Eigen::Vector3d::Constant(15e-3), 1e-3);
+      result.surface = grid;
       result.facing.position.z() = 15e-3;
       break;
   }

@@ -42,10 +42,9 @@ TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().m
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
 
 const std::string scene_keys =
-    "controller, description, detector, duration, effects, expect, fidelity, friction, motion, seed, sensors, slipbench, "
-    "surface, "
-    "sweep, time_step";
-const std::string sensor_keys = "bias, bristle_spread, bristles, electronics, profile, rate, type";
+    "bodies, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, gravity, "
+    "model, motion, seed, sensors, slipbench, surface, sweep, time_step";
+const std::string sensor_keys = "bias, bristle_spread, bristles, damping, electronics, profile, rate, site, touches, type";
 const std::string materials = "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic";
 
 std::string tab(int line) {
@@ -113,9 +112,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"TimeStepTooShort", head + "time_step: 10 us\nduration: 1001 s\n",
              "s.yaml:3: time_step 10 us makes more than 100,000,000 steps; allowed: at least 10.01 us, or auto"},
         Case{"Fidelity", head + "fidelity: feild\n",
-             "s.yaml:3: fidelity: unknown value 'feild'; did you mean 'field'? allowed: field"},
-        Case{"FidelityOfALaterVersion", head + "seed: 1\nfidelity: articulated\n",
-             "s.yaml:4: fidelity: 'articulated' is not available in this version; allowed: field"},
+             "s.yaml:3: fidelity: unknown value 'feild'; did you mean 'field'? allowed: field, articulated"},
         Case{"NegativeSeed", head + "seed: -1\n", "s.yaml:3: seed: '-1' is no seed; allowed: 0 to 18446744073709551615"},
         Case{"HugeSeed", head + "seed: 18446744073709551616\n",
              "s.yaml:3: seed: '18446744073709551616' is no seed; allowed: 0 to 18446744073709551615"},
@@ -128,6 +125,90 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:3: unknown key 'gain' in detector; allowed: type"},
         Case{"Controller", head + "controller: none\n",
              "s.yaml:3: controller is 'none'; allowed: a map of 'type' and parameters"}),
+    case_name);
+
+// Two bodies and a pad that touches one, in four lines; what a case adds stands in line 5 and below.
+const std::string bodies_head =
+    "slipbench: 1\nbodies: {box: {shape: box}, table: {shape: plane}}\nsensors:\n  pad: {type: papillarray, touches: [box]}\n";
+std::string with_sensor(const std::string& sensor) {
+  return "slipbench: 1\nbodies: {box: {shape: box}}\nsensors:\n  pad: " + sensor + "\n";
+}
+std::string with_bodies(const std::string& bodies) { return head + "bodies: " + bodies + "\n"; }
+
+INSTANTIATE_TEST_SUITE_P(
+    Bodies, Refusal,
+    testing::Values(
+        Case{"BodiesAsSequence", with_bodies("[box]"),
+             "s.yaml:3: bodies is a sequence; allowed: a map of bodies, such as 'box: {shape: box}'"},
+        Case{"NoBodies", with_bodies("{}"), "s.yaml:3: bodies is empty; allowed: a map of bodies, such as 'box: {shape: box}'"},
+        Case{"BodyName", with_bodies("{my box: {shape: box}}"),
+             "s.yaml:3: 'my box' cannot name a body; allowed: letters, digits and '_', no digit first"},
+        Case{"BodyAsName", with_bodies("{box: box}"), "s.yaml:3: bodies.box is 'box'; allowed: a map of 'shape' and parameters"},
+        Case{"BodyWithoutShape", with_bodies("{box: {mass: 1}}"), "s.yaml:3: no key 'shape' in bodies.box; allowed: box, plane"},
+        Case{"BodyShape", with_bodies("{box: {shape: bax}}"),
+             "s.yaml:3: unknown body shape 'bax'; did you mean 'box'? allowed: box, plane"},
+        Case{"BodyKey", with_bodies("{box: {shape: box, masse: 1}}"),
+             "s.yaml:3: unknown key 'masse' in bodies.box; did you mean 'mass'? allowed: free, friction, mass, position, shape, "
+             "size"},
+        Case{"BodyMass", with_bodies("{box: {shape: box, mass: 0}}"),
+             "s.yaml:3: bodies.box.mass: '0' is out of range; allowed: > 0 kg"},
+        Case{"EmptyModel", head + "model: ''\n",
+             "s.yaml:3: model is empty; allowed: the path of an MJCF file, from the scene's own folder"},
+        Case{"ModelAsMap", head + "model: {}\n",
+             "s.yaml:3: model is a map; allowed: the path of an MJCF file, from the scene's own folder"},
+        Case{"GravityWithoutBodies", head + "gravity: 9.81\n",
+             "s.yaml:3: 'gravity' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"ControlsWithoutBodies", head + "controls: {}\n",
+             "s.yaml:3: 'controls' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"SolverWithoutBodies", head + "field_solver: implicit\n",
+             "s.yaml:3: 'field_solver' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"SiteWithoutBodies", "slipbench: 1\nsensors: {pad: {type: papillarray, site: tip}}\n",
+             "s.yaml:2: 'site' in sensors.pad needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"TouchesWithoutBodies", "slipbench: 1\nsensors: {pad: {type: papillarray, touches: [box]}}\n",
+             "s.yaml:2: 'touches' in sensors.pad needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"DampingWithoutBodies", "slipbench: 1\nsensors: {pad: {type: papillarray, damping: 1 ms}}\n",
+             "s.yaml:2: 'damping' in sensors.pad needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"Gravity", bodies_head + "gravity: 9.81 m/s\n",
+             "s.yaml:5: gravity: unknown unit 'm/s' of an acceleration in '9.81 m/s'; did you mean 'm/s2'? allowed: m/s2, mm/s2, "
+             "cm/s2"},
+        Case{"NegativeGravity", bodies_head + "gravity: -1\n",
+             "s.yaml:5: gravity: '-1' is out of range; allowed: >= 0 m/s2 and <= 1000 m/s2"},
+        Case{"Solver", bodies_head + "field_solver: implicite\n",
+             "s.yaml:5: field_solver: unknown value 'implicite'; did you mean 'implicit'? allowed: explicit, implicit"},
+        Case{"ArticulatedBodies", bodies_head + "fidelity: articulated\n",
+             "s.yaml:5: fidelity: 'articulated' is for pads that move as prescribed; a scene with 'model' or 'bodies' allows: "
+             "field"},
+        Case{"SurfaceShapeWithBodies", bodies_head + "surface: {material: felt, shape: plane}\n",
+             "s.yaml:5: unknown key 'shape' in surface of a scene with bodies; allowed: material"},
+        Case{"NoTouches", with_sensor("{type: papillarray}"),
+             "s.yaml:4: no key 'touches' in sensors.pad; allowed: names of geoms or bodies, such as [box]"},
+        Case{"TouchesAsName", with_sensor("{type: papillarray, touches: box}"),
+             "s.yaml:4: sensors.pad.touches is 'box'; allowed: names of geoms or bodies, such as [box]"},
+        Case{"TouchesNothing", with_sensor("{type: papillarray, touches: []}"),
+             "s.yaml:4: sensors.pad.touches is empty; allowed: names of geoms or bodies, such as [box]"},
+        Case{"TouchesTwice", with_sensor("{type: papillarray, touches: [box, box]}"),
+             "s.yaml:4: 'box' is named twice in sensors.pad.touches"},
+        Case{"Damping", with_sensor("{type: papillarray, touches: [box], damping: -1 ms}"),
+             "s.yaml:4: sensors.pad.damping: '-1 ms' is out of range; allowed: >= 0 s"},
+        Case{"MotionThatMovesNothing",
+             with_sensor("{type: papillarray, touches: [box], site: tip}") + "motion: {speed: 1 mm/s}\n",
+             "s.yaml:5: motion moves the sensors that have no 'site', and every sensor of this scene has one; leave it out"},
+        Case{"ControlsAsSequence", bodies_head + "controls: [1]\n",
+             "s.yaml:5: controls is a sequence; allowed: a map of actuators of the model, such as 'grip: 4 N'"},
+        Case{"ControlUnit", bodies_head + "controls: {grip: 4 Nn}\n",
+             "s.yaml:5: controls.grip: unknown unit 'Nn' in '4 Nn'; did you mean 'N'? allowed: %, m, mm, um, cm, nm, s, ms, us, "
+             "min, m/s, "
+             "mm/s, cm/s, um/s, m/s2, mm/s2, cm/s2, rad, deg, rad/s, deg/s, rad/s2, deg/s2, Hz, kHz, MHz, N, mN, kN, kg, g, N/m, "
+             "N/mm, "
+             "kN/m, N s/m"},
+        Case{"ControlAsMap", bodies_head + "controls: {grip: {}}\n",
+             "s.yaml:5: controls.grip is a map; allowed: a number such as 4 N, or points such as [[0 s, 0 N], [1 s, 4 N]]"},
+        Case{"ControlPoint", bodies_head + "controls: {grip: [[0 s, 1 N], 2 N]}\n",
+             "s.yaml:5: controls.grip.1 is '2 N'; allowed: a time and a value, such as [1 s, 4 N]"},
+        Case{"ControlTimes", bodies_head + "controls: {grip: [[1 s, 1 N], [1 s, 2 N]]}\n",
+             "s.yaml:5: controls.grip.1: the times do not ascend; allowed: later than 1 s"},
+        Case{"EndlessControl", bodies_head + "controls: {grip: inf}\n",
+             "s.yaml:5: controls.grip: 'inf' is infinite; allowed: a finite number"}),
     case_name);
 
 INSTANTIATE_TEST_SUITE_P(

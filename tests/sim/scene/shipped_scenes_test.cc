@@ -83,5 +83,30 @@ TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
   EXPECT_EQ(directions.size(), 200u) << "every trial draws its own direction";
 }
 
+// Their runs are in tests/tools/run/bodies_test.cc.
+TEST(ShippedScenes, BodiesMoveByForces) {
+  const Catalogues catalogues = test_catalogues();
+  for (const std::string name : {"held_box", "pressed_box", "sliding_block"}) {
+    const Scene scene = parse_scene(shipped("bodies/" + name + ".yaml"), catalogues);
+    EXPECT_TRUE(scene.dynamic()) << name;
+    EXPECT_FALSE(scene.time_step) << name;
+    for (const SensorScene& sensor : scene.sensors) EXPECT_EQ(sensor.damping, 0.001) << name;
+  }
+  const Scene held = parse_scene(shipped("bodies/held_box.yaml"), catalogues);
+  EXPECT_EQ(held.model, std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/bodies/two_fingers.xml");
+  ASSERT_EQ(held.controls.size(), 2u);
+  EXPECT_EQ(held.controls[0].actuator, "left");
+  ASSERT_EQ(held.controls[0].points.size(), 2u);
+  EXPECT_EQ(held.controls[0].points[1].time, 1.5);
+  EXPECT_EQ(held.controls[0].points[1].value, 0.5);
+  EXPECT_FALSE(held.gravity) << "the model's own";
+  const Scene pressed = parse_scene(shipped("bodies/pressed_box.yaml"), catalogues);
+  EXPECT_TRUE(pressed.sensors[0].site.empty());
+  EXPECT_EQ(pressed.sensors[0].touches, std::vector<std::string>{"box"});
+  ASSERT_EQ(pressed.bodies.size(), 2u);
+  EXPECT_EQ(pressed.bodies[1].name, "box");
+  EXPECT_EQ(pressed.bodies[1].shape.parameters.number("mass"), 0.1);
+}
+
 }  // namespace
 }  // namespace slipbench

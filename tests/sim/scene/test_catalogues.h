@@ -48,6 +48,21 @@ inline Catalogues test_catalogues() {
                             {"drift", "drift", "", "", {spec("slope", number, Quantity::force, "1 mN")}}};
   catalogues.effects = {{"ageing", "ageing", "", "", {spec("rate", number, Quantity::none, "0.03", non_negative)}},
                         {"stribeck", "stribeck", "", "", {spec("speed", number, Quantity::speed, "1 mm/s", positive)}}};
+  catalogues.bodies = {
+      {"box",
+       "a box",
+       "",
+       "",
+       {spec("size", vector, Quantity::length, "[40 mm, 40 mm, 60 mm]", positive, {}, 3),
+        spec("mass", number, Quantity::mass, "100 g", positive),
+        spec("position", vector, Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value, {}, 3),
+        spec("free", flag, Quantity::none, "true"), spec("friction", number, Quantity::none, "0.5", {0.0, 100.0})}},
+      {"plane",
+       "a plane",
+       "",
+       "",
+       {spec("position", vector, Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value, {}, 3),
+        spec("friction", number, Quantity::none, "0.5", {0.0, 100.0})}}};
   return catalogues;
 }
 

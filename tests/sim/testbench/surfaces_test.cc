@@ -65,6 +65,19 @@ TEST(Surfaces, CylinderLiesAlongItsAngle) {
   }
 }
 
+TEST(Surfaces, CapsuleLiesAlongItsAngleAndEndsInHalfBalls) {
+  // Radius 30 mm, straight for 40 mm either way. On the straight part the highest line is at 0; 18 mm beyond its end, at the
+  // height of the axis plus 24 mm, lies the half ball: 18, 24, 30.
+  for (const double angle : {0.0, 0.5, -1.2}) {
+    const PlacedSurface capsule = placed("capsule", {{"angle", angle}, {"length", 80e-3}});
+    const Eigen::Vector3d along(std::cos(angle), std::sin(angle), 0.0), across(-std::sin(angle), std::cos(angle), 0.0);
+    EXPECT_NEAR(met(capsule, 39e-3 * along).first, 0.0, 1e-15);
+    EXPECT_NEAR(met(capsule, 58e-3 * along - Eigen::Vector3d(0.0, 0.0, 6e-3)).first, 0.0, 1e-15);
+    EXPECT_NEAR(met(capsule, -72e-3 * along - Eigen::Vector3d(0.0, 0.0, 30e-3)).first, 2e-3, 1e-15);
+    EXPECT_NEAR(met(capsule, 5e-3 * across).first, std::hypot(5e-3, 30e-3) - 30e-3, 1e-15);
+  }
+}
+
 TEST(Surfaces, SphereHasItsRadius) {
   const PlacedSurface sphere = placed("sphere", {{"radius", 25e-3}});
   EXPECT_NEAR(met(sphere, {5e-3, 0.0, 0.0}).first, std::hypot(5e-3, 25e-3) - 25e-3, 1e-15);

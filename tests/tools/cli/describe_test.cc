@@ -190,6 +190,9 @@ sensors  scene key sensors.<name>.type
 surfaces  scene key surface.shape
   pad    A sensor.
 
+bodies  scene key bodies.<name>.shape
+  (none)
+
 materials  scene key surface.material
   glass  mu_static 0.4, mu_kinetic 0.3
 
@@ -222,10 +225,10 @@ TEST(List, UnknownCatalogueGetsTheNearestOne) {
     find_kind("sensor");
     FAIL() << "accepted";
   } catch (const InputError& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, materials, motions, "
-        "electronics");
+    EXPECT_STREQ(error.what(),
+                 "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, "
+                 "materials, motions, "
+                 "electronics");
   }
 }
 

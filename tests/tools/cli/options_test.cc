@@ -124,19 +124,22 @@ INSTANTIATE_TEST_SUITE_P(
     All, OptionsRefusal,
     ::testing::Values(
         Refusal{{"swep", "s.yaml"},
-                "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, report, export, list, describe, doctor"},
-        Refusal{{"xyzzy"}, "unknown command 'xyzzy'; commands: run, sweep, report, export, list, describe, doctor"},
+                "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, report, export, list, describe, doctor, "
+                "plugin-path"},
+        Refusal{{"xyzzy"}, "unknown command 'xyzzy'; commands: run, sweep, report, export, list, describe, doctor, plugin-path"},
         Refusal{{"--json", "lst"},
-                "unknown command 'lst'; did you mean 'list'? commands: run, sweep, report, export, list, describe, doctor"},
+                "unknown command 'lst'; did you mean 'list'? commands: run, sweep, report, export, list, describe, doctor, "
+                "plugin-path"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
-        Refusal{{"--json"}, "no command given; commands: run, sweep, report, export, list, describe, doctor"},
+        Refusal{{"--json"}, "no command given; commands: run, sweep, report, export, list, describe, doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{{"run", "s.yaml", "--job", "2"},
                 "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --trials, --jobs, "
                 "--output, --quiet"},
         Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
         Refusal{{"cost", "s.yaml"},
-                "command 'cost' is not available in this version; available: run, sweep, report, export, list, describe, doctor"},
+                "command 'cost' is not available in this version; available: run, sweep, report, export, list, describe, doctor, "
+                "plugin-path"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
         Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
         Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},

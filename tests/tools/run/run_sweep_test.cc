@@ -10,9 +10,9 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/dataset/test_records.h"
+#include "tools/catalogue/sensors.h"
 #include "tools/dataset/reader.h"
 #include "tools/run/interrupt.h"
-#include "tools/run/sensors.h"
 
 namespace slipbench::testing {
 namespace {

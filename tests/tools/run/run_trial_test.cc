@@ -7,7 +7,7 @@
 
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
-#include "tools/run/sensors.h"
+#include "tools/catalogue/sensors.h"
 
 namespace slipbench {
 namespace {

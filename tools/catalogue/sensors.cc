@@ -1,4 +1,4 @@
-#include "tools/run/sensors.h"
+#include "tools/catalogue/sensors.h"
 
 #include <string>
 #include <vector>

@@ -1,0 +1,51 @@
+#include "sim/effects/install.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "sim/effects/catalogue.h"
+
+namespace slipbench {
+namespace {
+
+EffectContext context_for(const PadLayout& layout, const Surface& surface, std::uint64_t seed, std::uint64_t trial) {
+  EffectContext context;
+  context.elements = layout.elements.size();
+  context.share.resize(context.elements);
+  for (const UnitRange& unit : layout.units) {
+    for (std::size_t i = 0; i < unit.count; ++i) context.share[unit.first + i] = 1.0 / static_cast<double>(unit.count);
+  }
+  for (const Element& element : layout.elements) {
+    context.k_normal.push_back(element.k_normal);
+    context.k_tangential.push_back(element.k_tangential);
+  }
+  context.flat_surface = std::holds_alternative<Plane>(surface) || std::holds_alternative<Box>(surface);
+  context.seed = seed;
+  context.trial = trial;
+  return context;
+}
+
+}  // namespace
+
+FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout& layout, const Surface& surface,
+                             std::uint64_t seed, std::uint64_t trial) {
+  FieldEffects installed;
+  const EffectContext context = context_for(layout, surface, seed, trial);
+  for (const Named& effect : effects) {
+    const auto kind =
+        std::ranges::find(effect_catalogue(), effect.name, [](const EffectKind& known) { return known.about.name; });
+    kind->install(effect.parameters, context, installed);
+  }
+  return installed;
+}
+
+double longest_step(const FieldEffects& effects, double speed) {
+  double longest = std::numeric_limits<double>::infinity();
+  for (const auto& effect : effects.surface) longest = std::min(longest, effect->longest_step(speed));
+  for (const auto& effect : effects.friction) longest = std::min(longest, effect->longest_step(speed));
+  for (const auto& effect : effects.rheology) longest = std::min(longest, effect->longest_step(speed));
+  if (effects.cone) longest = std::min(longest, effects.cone->longest_step(speed));
+  return longest;
+}
+
+}  // namespace slipbench

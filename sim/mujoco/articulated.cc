@@ -1,0 +1,294 @@
+#include "sim/mujoco/articulated.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
+
+namespace slipbench {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::string part(const std::string& prefix, const char* name, std::size_t element) {
+  return prefix + '/' + name + '/' + std::to_string(element);
+}
+
+// The body frame of an element's tip in P: Z points into the pad, against the element's axis, so that compression is positive.
+Eigen::Matrix3d tip_rotation(const Element& element) {
+  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -element.axis).toRotationMatrix();
+}
+
+bool positive(double x) { return std::isfinite(x) && x > 0.0; }
+
+void check(const PadLayout& layout, Friction friction) {
+  if (layout.elements.empty()) throw std::invalid_argument("an articulated pad needs at least one element");
+  for (const Element& e : layout.elements) {
+    if (!positive(e.k_normal) || !positive(e.k_tangential)) throw std::invalid_argument("stiffness must be positive and finite");
+    if (!(e.c_normal >= 0.0) || !(e.c_tangential >= 0.0)) throw std::invalid_argument("a dashpot must not be negative");
+    if (!(std::abs(e.axis.norm() - 1.0) < 1e-9)) throw std::invalid_argument("an element's axis must be a unit vector");
+  }
+  if (!(friction.mu_static >= 0.0) || friction.mu_static != friction.mu_kinetic) {
+    throw std::invalid_argument("the articulated tier knows one coefficient of friction: mu_static must equal mu_kinetic");
+  }
+}
+
+// The stiffness of an element's normal slide that makes slide and contact in series as stiff as the element. The discrete
+// integrator gives a tip on its slide k the effective mass m + c dt + k dt^2, and MuJoCo's contact of constant impedance d and
+// solref -contact_stiffness/dt^2 is contact_stiffness/(1 - d)/dt^2 times that. So k solves r k^2 + (r M - (1 + r) k_n) k - r M k_n
+// = 0 with M = (m + c dt)/dt^2.
+double normal_slide(double k_n, double damping, const ArticulatedSettings& settings, double dt) {
+  const double r = settings.contact_stiffness / (1.0 - settings.impedance);
+  const double free = (settings.tip_mass + damping * dt) / (dt * dt);
+  const double b = r * free - (1.0 + r) * k_n;
+  return (std::sqrt(b * b + 4.0 * r * r * free * k_n) - b) / (2.0 * r);
+}
+
+Eigen::Map<const Eigen::Vector3d> vector3(const mjtNum* v) { return Eigen::Map<const Eigen::Vector3d>(v); }
+
+}  // namespace
+
+void set_articulated_options(mjSpec* spec, const ArticulatedSettings& settings, double dt) {
+  // A hair above the longest step is rounding of a step that was divided.
+  if (!(dt > 0.0 && dt <= settings.longest_step * (1.0 + 1e-9))) {
+    throw std::invalid_argument("the articulated recipe holds for steps of at most " + std::to_string(settings.longest_step) +
+                                " s");
+  }
+  mjOption& option = spec->option;
+  option.timestep = dt;
+  option.integrator = mjINT_DISCRETE;
+  option.cone = mjCONE_ELLIPTIC;
+  option.solver = mjSOL_NEWTON;
+  option.impratio = settings.impratio;
+  option.noslip_iterations = settings.noslip_iterations;
+  option.tolerance = settings.tolerance;
+  option.noslip_tolerance = settings.tolerance;
+  option.disableflags |= mjDSBL_REFSAFE | mjDSBL_AUTORESET;
+}
+
+void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carrier, const PadLayout& layout,
+                         std::span<const std::string> touched, Friction friction, const ArticulatedSettings& settings, double dt,
+                         const std::string& prefix) {
+  check(layout, friction);
+  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
+    const Element& element = layout.elements[i];
+    mjsBody* body = mjs_addBody(carrier, nullptr);
+    mjs_setName(body->element, part(prefix, "body", i).c_str());
+    const Eigen::Vector3d centre = pad_in_carrier * (element.tip - settings.tip_radius * element.axis);
+    const Eigen::Quaterniond turn(pad_in_carrier.rotation * tip_rotation(element));
+    mju_copy3(body->pos, centre.data());
+    const double quaternion[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
+    mju_copy4(body->quat, quaternion);
+    body->gravcomp = 1.0;
+
+    const auto damping = [&](double stiffness, double dashpot) {
+      return dashpot + 2.0 * settings.damping_ratio * std::sqrt(stiffness * settings.tip_mass);
+    };
+    const double sideways = damping(element.k_tangential, element.c_tangential);
+    const double inwards = damping(element.k_normal, element.c_normal);
+    const auto slide = [&](const char* name, int axis, double stiffness, double c) {
+      mjsJoint* joint = mjs_addJoint(body, nullptr);
+      mjs_setName(joint->element, part(prefix, name, i).c_str());
+      joint->type = mjJNT_SLIDE;
+      mju_zero3(joint->axis);
+      joint->axis[axis] = 1.0;
+      joint->stiffness[0] = stiffness;
+      joint->damping[0] = c;
+    };
+    slide("x", 0, element.k_tangential, sideways);
+    slide("y", 1, element.k_tangential, sideways);
+    slide("z", 2, normal_slide(element.k_normal, inwards, settings, dt), inwards);
+
+    mjsGeom* tip = mjs_addGeom(body, nullptr);
+    const std::string tip_name = part(prefix, "tip", i);
+    mjs_setName(tip->element, tip_name.c_str());
+    tip->type = mjGEOM_SPHERE;
+    tip->size[0] = settings.tip_radius;
+    tip->mass = settings.tip_mass;
+    tip->contype = 0;
+    tip->conaffinity = 0;
+
+    for (const std::string& geom : touched) {
+      mjsPair* pair = mjs_addPair(spec, nullptr);
+      mjs_setString(pair->geomname1, geom.c_str());
+      mjs_setString(pair->geomname2, tip_name.c_str());
+      pair->condim = 3;
+      pair->friction[0] = pair->friction[1] = friction.mu_static;
+      pair->solref[0] = -settings.contact_stiffness / (dt * dt);
+      pair->solref[1] = -2.0 * std::sqrt(settings.contact_stiffness) / dt;
+      pair->solreffriction[0] = settings.friction_time * dt;
+      pair->solreffriction[1] = 1.0;
+      pair->solimp[0] = pair->solimp[1] = settings.impedance;  // whatever the penetration
+    }
+  }
+}
+
+ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& prefix, const PadLayout& layout,
+                                       const ArticulatedSettings& settings)
+    : layout_(layout), cone_share_(settings.cone_share), creep_speed_(settings.creep_speed) {
+  const auto n = static_cast<Eigen::Index>(layout.units.size());
+  const std::size_t elements = layout.elements.size();
+  element_of_geom_.assign(static_cast<std::size_t>(model->ngeom), -1);
+  for (std::size_t i = 0; i < elements; ++i) {
+    const int geom = mj_name2id(model, mjOBJ_GEOM, part(prefix, "tip", i).c_str());
+    if (geom < 0) throw std::invalid_argument("the model has no articulated pad '" + prefix + "' of this layout");
+    const int body = model->geom_bodyid[geom];
+    element_of_geom_[static_cast<std::size_t>(geom)] = static_cast<int>(i);
+    qpos_.push_back(model->jnt_qposadr[model->body_jntadr[body]]);
+    tip_in_pad_.push_back(tip_rotation(layout.elements[i]));
+    if (i == 0) first_body_ = body;
+  }
+  unit_of_element_.resize(elements);
+  undeformed_.setZero(3, n);
+  for (std::size_t u = 0; u < layout.units.size(); ++u) {
+    const UnitRange& range = layout.units[u];
+    for (std::size_t i = range.first; i < range.first + range.count; ++i) {
+      undeformed_.col(static_cast<Eigen::Index>(u)) += layout.elements[i].tip.array() / static_cast<double>(range.count);
+      unit_of_element_[i] = static_cast<std::uint32_t>(u);
+    }
+  }
+  tips_.resize(elements);
+  before_.resize(elements);
+  path_.resize(elements);
+  frame_.force.setZero(3, n);
+  frame_.contact_force.setZero(3, n);
+  frame_.displacement.setZero(3, n);
+  frame_.slip_velocity.setZero(2, n);
+  frame_.slip_distance.setZero(n);
+  frame_.margin.setConstant(n, nan);
+  frame_.unit_state.assign(layout.units.size(), UnitState::detached);
+}
+
+const ContactFrame& ArticulatedContact::read(const mjModel* model, const mjData* data, double time, double dt) {
+  std::swap(tips_, before_);
+  gather(model, data);
+  for (std::size_t i = 0; i < tips_.size(); ++i) {
+    tips_[i].fall = before_[i].press - tips_[i].press;
+    tips_[i].state = judge(tips_[i]);
+    if (tips_[i].state == ElementState::slip) path_[i] += dt * tips_[i].velocity.norm();
+  }
+  frame_.time = time;
+  sum_units(data);
+  unit_rules::judge_pad(frame_, elements_);
+  frame_.slip_angle += unit_rules::fit_slip_motion(frame_, undeformed_, hardest_plane_) * dt;
+
+  frame_.events.clear();
+  changes_.clear();
+  for (std::size_t i = 0; read_before_ && i < tips_.size(); ++i) {
+    if (tips_[i].state == before_[i].state) continue;
+    const auto element = static_cast<std::uint32_t>(i);
+    changes_.push_back({{fraction_of_change(i, dt), element, before_[i].state, tips_[i].state}, unit_of_element_[i]});
+  }
+  read_before_ = true;
+  const auto count_before = [this](std::uint32_t unit) {
+    unit_rules::Count count;
+    const UnitRange& range = layout_.units[unit];
+    for (std::size_t i = range.first; i < range.first + range.count; ++i) count.add(before_[i].state);
+    return count;
+  };
+  unit_rules::report_unit_events(changes_, count_before, time, dt, frame_.events);
+  return frame_;
+}
+
+// The rotations, contacts and Jacobian in mjData after mj_step() are those of the step's start, where the solver found the forces,
+// while qvel is that of its end. A pad that turns at w therefore sees its forces turned by w dt, 0.03 degrees at 0.5 rad/s and 1 ms.
+void ArticulatedContact::gather(const mjModel* model, const mjData* data) {
+  std::fill(tips_.begin(), tips_.end(), Tip{});
+  if (data->nefc == 0) return;
+  constraint_velocity_.resize(static_cast<std::size_t>(data->nefc));
+  mj_mulJacVec(model, data, constraint_velocity_.data(), data->qvel);
+
+  using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const Eigen::Matrix3d pad_from_world = tip_in_pad_[0] * Eigen::Map<const Rows>(data->xmat + 9 * first_body_).transpose();
+  for (int c = 0; c < data->ncon; ++c) {
+    const mjContact& contact = data->contact[c];
+    if (contact.efc_address < 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
+    const int first = element_of_geom_[static_cast<std::size_t>(contact.geom[0])];
+    const int second = element_of_geom_[static_cast<std::size_t>(contact.geom[1])];
+    if (first < 0 && second < 0) continue;
+    const double side =
+        second >= 0 ? 1.0 : -1.0;  // MuJoCo's normal, forces and velocities are those of the second geom against the first
+    Tip& tip = tips_[static_cast<std::size_t>(second >= 0 ? second : first)];
+
+    mjtNum force[6];
+    mj_contactForce(model, data, c, force);
+    if (!(force[0] > 0.0)) continue;
+    const Eigen::Matrix3d axes = side * pad_from_world * Eigen::Map<const Rows>(contact.frame).transpose();
+    const double* velocity = constraint_velocity_.data() + contact.efc_address;
+    tip.force += axes * vector3(force);
+    if (!(force[0] > tip.press)) continue;
+    tip.press = force[0];
+    tip.limit = contact.friction[0] * force[0];
+    tip.approach = -data->efc_vel[contact.efc_address];
+    tip.normal = axes.col(0);
+    tip.tangential = axes.col(1) * force[1] + axes.col(2) * force[2];
+    tip.velocity = axes.col(1) * velocity[1] + axes.col(2) * velocity[2];
+  }
+}
+
+ElementState ArticulatedContact::judge(const Tip& tip) const {
+  if (!(tip.press > 0.0)) return ElementState::detached;
+  const bool on_cone = tip.tangential.norm() >= (1.0 - cone_share_) * tip.limit;
+  return on_cone && tip.velocity.norm() > creep_speed_ ? ElementState::slip : ElementState::stick;
+}
+
+// Where in the step [0, 1] the element came to its new state.
+double ArticulatedContact::fraction_of_change(std::size_t i, double dt) const {
+  const Tip &now = tips_[i], &before = before_[i];
+  const Element& element = layout_.elements[i];
+  const auto share = [](double part, double whole) { return whole > 0.0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0; };
+  // Touch: the force at the end of the step has grown at k_n times the speed at which the tip came.
+  if (before.state == ElementState::detached) return 1.0 - share(now.press, element.k_normal * now.approach * dt);
+  // Detach: the press went on falling as in the step before.
+  if (now.state == ElementState::detached) return share(before.press, before.fall);
+  // Onset: the drive is shared by the spring, before it, and the slip, after it.
+  if (now.state == ElementState::slip) {
+    const double stretched = (now.tangential - before.tangential).norm();
+    return share(stretched, stretched + element.k_tangential * now.velocity.norm() * dt);
+  }
+  // Stop: the tip went on at the speed of the step before.
+  return share(now.velocity.norm(), before.velocity.norm());
+}
+
+void ArticulatedContact::sum_units(const mjData* data) {
+  elements_ = {};
+  double hardest_press = 0.0;
+  for (std::size_t u = 0; u < layout_.units.size(); ++u) {
+    const UnitRange& range = layout_.units[u];
+    const double share = 1.0 / static_cast<double>(range.count);
+    const auto c = static_cast<Eigen::Index>(u);
+    unit_rules::Count count;
+    Eigen::Vector3d force = Eigen::Vector3d::Zero(), displacement = force, tangential = force, slip = force;
+    double limit = 0.0, path = 0.0;
+    const Tip* hardest = &tips_[range.first];
+    for (std::size_t i = range.first; i < range.first + range.count; ++i) {
+      const Tip& tip = tips_[i];
+      if (tip.press > hardest->press) hardest = &tip;
+      count.add(tip.state);
+      force += tip.force;
+      tangential += tip.tangential;
+      limit += tip.limit;
+      displacement += share * (tip_in_pad_[i] * vector3(data->qpos + qpos_[i]));
+      if (tip.state == ElementState::slip) slip += share * tip.velocity;
+      path += share * path_[i];
+    }
+    unit_rules::ContactPlane plane;
+    plane.face(hardest->normal);
+    if (hardest->press > hardest_press) {
+      hardest_press = hardest->press;
+      hardest_plane_ = plane;
+    }
+    frame_.force.col(c) = force.array();
+    frame_.contact_force.col(c) = plane.turned(force).array();
+    frame_.displacement.col(c) = displacement.array();
+    frame_.slip_velocity.col(c) = plane.turned(slip).head<2>().array();
+    frame_.slip_distance[c] = path;
+    frame_.margin[c] = count.touching == 0 ? nan : 1.0 - (limit > 0.0 ? tangential.norm() / limit : 1.0);
+    frame_.unit_state[u] = unit_rules::unit_state(count);
+    elements_.touching += count.touching;
+    elements_.slipping += count.slipping;
+  }
+}
+
+}  // namespace slipbench

@@ -1,0 +1,206 @@
+#include "sim/mujoco/articulated_bench.h"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <mujoco/mujoco.h>
+#include <Eigen/Geometry>
+
+#include "sim/mujoco/articulated.h"
+
+namespace slipbench {
+namespace {
+
+// kg and kg m^2. Against it the forces of a pad (tens of N) turn the prescribed velocity by 1e-8 m/s in a step of 1 ms.
+constexpr double carrier_mass = 1e6;
+
+// A contact that begins without penetration comes within 1e-9 of its load in these (measured: a factor of 4 to 5 a step).
+constexpr int settling_steps = 30;
+
+struct Freed {
+  void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+  void operator()(mjData* data) const { mj_deleteData(data); }
+};
+
+struct GeomShape {
+  mjtGeom type;
+  std::array<double, 3> size;
+};
+
+GeomShape geom_shape(const Plane&) { return {mjGEOM_PLANE, {0.0, 0.0, 1.0}}; }
+GeomShape geom_shape(const Box& box) { return {mjGEOM_BOX, {box.half.x(), box.half.y(), box.half.z()}}; }
+GeomShape geom_shape(const Cylinder& cylinder) { return {mjGEOM_CYLINDER, {cylinder.radius, cylinder.half_length, 0.0}}; }
+GeomShape geom_shape(const Sphere& sphere) { return {mjGEOM_SPHERE, {sphere.radius, 0.0, 0.0}}; }
+GeomShape geom_shape(const Capsule& capsule) { return {mjGEOM_CAPSULE, {capsule.radius, capsule.half_length, 0.0}}; }
+GeomShape geom_shape(const Ellipsoid& e) { return {mjGEOM_ELLIPSOID, {e.half.x(), e.half.y(), e.half.z()}}; }
+GeomShape geom_shape(const DistanceGrid&) {
+  throw std::invalid_argument("the articulated bench has no geom for a distance grid");
+}
+
+SurfacePoint meet(const Surface& surface, const Eigen::Vector3d& p, const Eigen::Vector3d& axis) {
+  return std::visit([&](const auto& shape) { return shape.at(p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z()); }, surface);
+}
+
+// The body of the degree of freedom or coordinate that a warning names, or nothing.
+std::string body_of(const mjModel* model, int warning, int info) {
+  int body = -1;
+  if (warning == mjWARN_INERTIA || warning == mjWARN_BADQVEL || warning == mjWARN_BADQACC) {
+    if (info >= 0 && info < model->nv) body = model->dof_bodyid[info];
+  } else if (warning == mjWARN_BADQPOS) {
+    for (int j = 0; j < model->njnt; ++j) {
+      if (model->jnt_qposadr[j] <= info) body = model->jnt_bodyid[j];
+    }
+  }
+  const char* name = body < 0 ? nullptr : mj_id2name(model, mjOBJ_BODY, body);
+  return name == nullptr ? "" : std::string(", body '") + name + "'";
+}
+
+void refuse_warnings(const mjModel* model, const mjData* data, double time) {
+  for (int w = 0; w < mjNWARNING; ++w) {
+    if (data->warning[w].number == 0) continue;
+    const int info = data->warning[w].lastinfo;
+    throw std::runtime_error(std::string("MuJoCo warns: ") + mju_warningText(w, static_cast<std::size_t>(info)) + " (at " +
+                             std::to_string(time) + " s" + body_of(model, w, info) + ")");
+  }
+}
+
+}  // namespace
+
+struct ArticulatedBench::World {
+  PadLayout layout;
+  Surface surface;
+  double dt;
+  int parts;  // MuJoCo's steps in one of the bench's
+  std::unique_ptr<mjModel, Freed> model;
+  std::unique_ptr<mjData, Freed> data;
+  std::unique_ptr<ArticulatedContact> contact;
+  std::array<int, 2> carrier{};   // address of the carrier in qpos and qvel
+  std::vector<int> normal_slide;  // address of an element's normal slide in qpos
+  bool placed = false;
+  Pose pose;
+  ContactFrame frame;
+
+  void place(const Pose& pad);
+  void step_part(const Pose& from, const Pose& to, double time);
+};
+
+ArticulatedBench::ArticulatedBench(const PadLayout& layout, const Surface& surface, Friction friction, double dt)
+    : ArticulatedBench(layout, surface, friction, dt, ArticulatedSettings{}) {}
+
+ArticulatedBench::ArticulatedBench(const PadLayout& layout, const Surface& surface, Friction friction, double dt,
+                                   const ArticulatedSettings& settings)
+    : world_(std::make_unique<World>()) {
+  if (!(dt > 0.0)) throw std::invalid_argument("the articulated bench needs a step longer than 0 s");
+  World& w = *world_;
+  w.layout = layout;
+  w.surface = surface;
+  w.parts = static_cast<int>(std::ceil(dt / settings.longest_step * (1.0 - 1e-9)));
+  w.dt = dt / w.parts;
+
+  const std::unique_ptr<mjSpec, Freed> spec(mj_makeSpec());
+  set_articulated_options(spec.get(), settings, w.dt);
+  mju_zero3(spec->option.gravity);
+  mjsBody* base = mjs_findBody(spec.get(), "world");
+  mjsGeom* touched = mjs_addGeom(base, nullptr);
+  mjs_setName(touched->element, "surface");
+  const GeomShape shape = std::visit([](const auto& s) { return geom_shape(s); }, surface);
+  touched->type = shape.type;
+  mju_copy3(touched->size, shape.size.data());
+  touched->contype = 0;
+  touched->conaffinity = 0;
+
+  mjsBody* carrier = mjs_addBody(base, nullptr);
+  mjs_setName(carrier->element, "carrier");
+  mjs_addFreeJoint(carrier);
+  carrier->mass = carrier_mass;
+  carrier->explicitinertial = 1;
+  carrier->inertia[0] = carrier->inertia[1] = carrier->inertia[2] = carrier_mass;
+  const std::string name = "surface";
+  add_articulated_pad(spec.get(), carrier, Pose{}, layout, {&name, 1}, friction, settings, w.dt, "pad");
+
+  w.model.reset(mj_compile(spec.get(), nullptr));
+  if (!w.model) throw std::runtime_error(std::string("MuJoCo cannot compile the articulated pad: ") + mjs_getError(spec.get()));
+  w.data.reset(mj_makeData(w.model.get()));
+  w.contact = std::make_unique<ArticulatedContact>(w.model.get(), "pad", layout, settings);
+  const int joint = w.model->body_jntadr[mj_name2id(w.model.get(), mjOBJ_BODY, "carrier")];
+  w.carrier = {w.model->jnt_qposadr[joint], w.model->jnt_dofadr[joint]};
+  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
+    const int slide = mj_name2id(w.model.get(), mjOBJ_JOINT, ("pad/z/" + std::to_string(i)).c_str());
+    w.normal_slide.push_back(w.model->jnt_qposadr[slide]);
+  }
+}
+
+ArticulatedBench::~ArticulatedBench() = default;
+
+const ContactFrame& ArticulatedBench::frame() const { return world_->frame; }
+
+// A tip inside the surface is pushed back along its axis until it lies on it; then the contacts take up their load while the pad
+// rests.
+void ArticulatedBench::World::place(const Pose& pad) {
+  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
+    const Eigen::Vector3d tip = pad * layout.elements[i].tip, axis = pad.rotation * layout.elements[i].axis;
+    const SurfacePoint point = meet(surface, tip, axis);
+    const double towards = -(point.nx * axis.x() + point.ny * axis.y() + point.nz * axis.z());
+    data->qpos[normal_slide[i]] = point.gap < 0.0 && towards > 0.0 ? -point.gap / towards : 0.0;
+  }
+  for (int k = 0; k < settling_steps; ++k) {
+    step_part(pad, pad, 0.0);
+    contact->read(model.get(), data.get(), 0.0, dt);
+  }
+}
+
+void ArticulatedBench::World::step_part(const Pose& from, const Pose& to, double time) {
+  const Eigen::Quaterniond turn(from.rotation);
+  const Eigen::AngleAxisd way(Eigen::Matrix3d(from.rotation.transpose() * to.rotation));
+  const Eigen::Vector3d linear = (to.position - from.position) / dt;
+  const Eigen::Vector3d angular = way.angle() / dt * way.axis();  // of a free joint: in the body's own frame
+  mjtNum* qpos = data->qpos + carrier[0];
+  mjtNum* qvel = data->qvel + carrier[1];
+  mju_copy3(qpos, from.position.data());
+  const double quaternion[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
+  mju_copy4(qpos + 3, quaternion);
+  mju_copy3(qvel, linear.data());
+  mju_copy3(qvel + 3, angular.data());
+  data->time = time - dt;
+  mj_step(model.get(), data.get());
+  refuse_warnings(model.get(), data.get(), time);
+}
+
+const ContactFrame& ArticulatedBench::step(const Pose& pad_in_surface, double time) {
+  World& w = *world_;
+  const Pose from = w.placed ? w.pose : pad_in_surface;
+  if (!w.placed) w.place(pad_in_surface);
+  w.placed = true;
+  w.pose = pad_in_surface;
+
+  const Eigen::Quaterniond start(from.rotation), end(pad_in_surface.rotation);
+  std::vector<ContactEvent> events;
+  Eigen::Array2Xd slip = Eigen::Array2Xd::Zero(2, static_cast<Eigen::Index>(w.layout.units.size()));
+  Pose here = from;
+  for (int k = 1; k <= w.parts; ++k) {
+    const double share = static_cast<double>(k) / w.parts;
+    const double now = time - (w.parts - k) * w.dt;
+    Pose there = pad_in_surface;
+    if (k < w.parts) {
+      there.position = from.position + share * (pad_in_surface.position - from.position);
+      there.rotation = start.slerp(share, end).toRotationMatrix();
+    }
+    w.step_part(here, there, now);
+    const ContactFrame& part = w.contact->read(w.model.get(), w.data.get(), now, w.dt);
+    slip += part.slip_velocity / w.parts;
+    events.insert(events.end(), part.events.begin(), part.events.end());
+    here = there;
+  }
+  w.frame = w.contact->frame();
+  w.frame.slip_velocity = slip;
+  w.frame.events = std::move(events);
+  return w.frame;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,36 @@
+// `fidelity: articulated`: a scene of prescribed motion with MuJoCo's own bodies, joints and contacts for the elements.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "sim/core/contact_frame.h"
+#include "sim/core/pad_layout.h"
+#include "sim/scene/scene.h"
+#include "sim/testbench/bench.h"
+
+namespace slipbench {
+
+// The same scene, the same truth and bodies as Testbench's, from an ArticulatedBench a pad.
+class ArticulatedTestbench final : public Bench {
+ public:
+  // As Testbench's. Throws SceneValueError as that does, and for what articulated pads cannot have: effects, and a kinetic friction
+  // that is not the static one.
+  ArticulatedTestbench(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates);
+  ~ArticulatedTestbench() override;
+
+  [[nodiscard]] std::size_t ticks() const override;
+  [[nodiscard]] double time_step() const override;
+  [[nodiscard]] std::size_t stride(std::size_t pad) const override;
+  void step() override;
+  [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
+  // "pad" and "surface".
+  [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
+  [[nodiscard]] bool rotating() const override;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,66 @@
+// A scene whose bodies move by forces: MuJoCo steps them, with the pads as fields.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/core/contact_frame.h"
+#include "sim/core/pad_layout.h"
+#include "sim/mujoco/watch.h"
+#include "sim/scene/scene.h"
+#include "sim/testbench/bench.h"
+
+struct mjModel_;
+struct mjData_;
+
+namespace slipbench {
+
+struct DynamicBenchOptions {
+  bool refuse_long_steps = true;  // false: for tests of the watch, which must see what a step that is too long does
+  WatchLimits limits{};
+};
+
+// Bodies by mj_step; pads by the plugin `slipbench.field` (model_builder.h), which must be registered before; the stage, and the
+// sensors that ride on it, exactly as the motion says: its state is overwritten at every tick.
+//
+// Truth at tick k is that of the state at k * time_step: with MuJoCo's one-stage integrators the state that the step k -> k + 1
+// begins with, with RK4 that of the last stage of the step k - 1 -> k, which is of the third order in the step.
+//
+// The step: an explicit field bears no longer one than longest_explicit_step() (stability.h), taken at the start with every element
+// of every pad stuck. Where an element touches it is worked out again, for the elements that touch, and a step a third beyond it (h
+// omega = 1: there a slide begins to come out wrong) ends the run. `time_step: auto` takes
+// the longest that fits, at most the fastest sensor's sampling time. Implicit fields have no such limit.
+//
+// A run that has gone wrong ends in an InputError, with the time: any warning of MuJoCo (autoreset is off), and the rules of
+// watch.h.
+class DynamicBench final : public Bench {
+ public:
+  // As Testbench's. Throws SceneValueError where the scene, its model and the step do not suit each other.
+  DynamicBench(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
+               std::uint64_t trial, const DynamicBenchOptions& options = {});
+  ~DynamicBench() override;
+
+  [[nodiscard]] std::size_t ticks() const override;
+  [[nodiscard]] double time_step() const override;
+  [[nodiscard]] std::size_t stride(std::size_t pad) const override;
+  void step() override;
+  [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
+  // "pad" where sensors ride on the stage, the pad of every sensor with a site under the sensor's name, the scene's own bodies, and
+  // those of the model that have a free joint.
+  [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
+  // Whether the stage turns; pads at sites turn as forces make them, which is not said here.
+  [[nodiscard]] bool rotating() const override;
+
+  // What MuJoCo has.
+  [[nodiscard]] const mjModel_* model() const;
+  [[nodiscard]] mjData_* data();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace slipbench

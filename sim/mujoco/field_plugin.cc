@@ -1,0 +1,162 @@
+#include "sim/mujoco/field_plugin.h"
+
+#include "sim/mujoco/register_plugin.h"
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <iterator>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace slipbench {
+namespace {
+
+PadCatalogue& catalogue() {
+  static PadCatalogue shared;
+  return shared;
+}
+
+// Runs `action` and reports what it throws by mju_error, which does not return and may jump over the caller: nothing that must be
+// torn down is alive then.
+template <class Action>
+void report_errors(Action&& action) {
+  thread_local std::array<char, 1024> message;
+  message[0] = '\0';
+  try {
+    action();
+  } catch (const std::exception& error) {
+    std::snprintf(message.data(), message.size(), "slipbench: %s", error.what());
+  }
+  if (message[0] != '\0') mju_error("%s", message.data());
+}
+
+// What plugin_data points to: the pad, and at the last pad of an mjData what all of them share.
+struct Slot {
+  PadInstance pad;
+  std::unique_ptr<PadGroup> group;
+};
+
+Slot* slot_in(const mjData* data, int instance) { return reinterpret_cast<Slot*>(data->plugin_data[instance]); }
+
+bool is_pad(const mjModel* model, int instance) {
+  const mjpPlugin* plugin = mjp_getPluginAtSlot(model->plugin[instance]);
+  return plugin != nullptr && std::strcmp(plugin->name, field_plugin_name) == 0;
+}
+
+int last_pad(const mjModel* model) {
+  int last = -1;
+  for (int i = 0; i < static_cast<int>(model->nplugin); ++i) last = is_pad(model, i) ? i : last;
+  return last;
+}
+
+int state_size(const mjModel* model, int instance) {
+  int size = 0;
+  report_errors(
+      [&] { size = static_cast<int>(pad_state_size(model, read_pad_config(model, instance, catalogue()), catalogue())); });
+  return size;
+}
+
+int sensor_size(const mjModel* model, int instance, int /*sensor*/) {
+  int size = 0;
+  report_errors([&] { size = static_cast<int>(pad_sensor_size(read_pad_config(model, instance, catalogue()), catalogue())); });
+  return size;
+}
+
+int make(const mjModel* model, mjData* data, int instance) {
+  report_errors([&] {
+    auto slot = std::make_unique<Slot>(
+        Slot{PadInstance(model, instance, read_pad_config(model, instance, catalogue()), catalogue()), nullptr});
+    if (instance == last_pad(model)) {
+      std::vector<PadInstance*> pads;
+      for (int i = 0; i < instance; ++i) {
+        if (is_pad(model, i)) pads.push_back(&slot_in(data, i)->pad);
+      }
+      pads.push_back(&slot->pad);
+      slot->group = std::make_unique<PadGroup>(model, std::move(pads));
+    }
+    data->plugin_data[instance] = reinterpret_cast<std::uintptr_t>(slot.release());
+  });
+  return 0;
+}
+
+void destroy(mjData* data, int instance) {
+  delete slot_in(data, instance);
+  data->plugin_data[instance] = 0;
+}
+
+void copy(mjData* to, const mjModel* /*model*/, const mjData* from, int instance) {
+  slot_in(to, instance)->pad.copy_from(slot_in(from, instance)->pad);
+  if (const auto& group = slot_in(from, instance)->group) slot_in(to, instance)->group->copy_from(*group);
+}
+
+void reset(const mjModel* model, mjtNum* state, void* /*plugin_data*/, int instance) {
+  mju_zero(state, model->plugin_statenum[instance]);
+}
+
+void compute(const mjModel* model, mjData* data, int instance, int capability) {
+  report_errors([&] {
+    Slot& slot = *slot_in(data, instance);
+    if (capability != mjPLUGIN_PASSIVE) {
+      slot.pad.write_sensors(model, data);
+      return;
+    }
+    if (!slot.pad.config().implicit) slot.pad.add_force(model, data);
+    if (slot.group) slot.group->add_force(model, data);
+  });
+}
+
+void advance(const mjModel* model, mjData* data, int instance) {
+  report_errors([&] {
+    Slot& slot = *slot_in(data, instance);
+    slot.pad.commit(model, data);
+    if (slot.group) slot.group->finish(model, data);
+  });
+}
+
+void visualize(const mjModel* model, mjData* data, const mjvOption* /*option*/, mjvScene* scene, int instance) {
+  report_errors([&] { slot_in(data, instance)->pad.draw(model, data, scene); });
+}
+
+}  // namespace
+
+void register_field_plugin(PadCatalogue pads) {
+  if (mj_version() != mjVERSION_HEADER) {
+    // No mju_error: it may jump over the loader that is running a library's constructors, which would then stay locked.
+    mju_warning("slipbench.field is for MuJoCo %d.%d.%d and not for %s, the one that is loaded: it stays unknown",
+                mjVERSION_HEADER / 1000000, mjVERSION_HEADER / 1000 % 1000, mjVERSION_HEADER % 1000, mj_versionString());
+    return;
+  }
+  catalogue() = std::move(pads);
+  mjpPlugin plugin;
+  mjp_defaultPlugin(&plugin);
+  plugin.name = field_plugin_name;
+  plugin.capabilityflags = mjPLUGIN_PASSIVE | mjPLUGIN_SENSOR;
+  plugin.needstage = mjSTAGE_VEL;
+  plugin.nattribute = static_cast<int>(std::size(pad_attributes));
+  plugin.attributes = pad_attributes;
+  plugin.nstate = &state_size;
+  plugin.nsensordata = &sensor_size;
+  plugin.init = &make;
+  plugin.destroy = &destroy;
+  plugin.copy = &copy;
+  plugin.reset = &reset;
+  plugin.compute = &compute;
+  plugin.advance = &advance;
+  plugin.visualize = &visualize;
+  mjp_registerPlugin(&plugin);
+}
+
+PadInstance* pad_of(const mjModel* model, const mjData* data, int instance) {
+  return is_pad(model, instance) ? &slot_in(data, instance)->pad : nullptr;
+}
+
+PadGroup* pad_group_of(const mjModel* model, const mjData* data) {
+  const int last = last_pad(model);
+  return last < 0 ? nullptr : slot_in(data, last)->group.get();
+}
+
+}  // namespace slipbench

@@ -1,0 +1,344 @@
+#include "sim/mujoco/model_builder.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+#include "sim/mujoco/implicit.h"
+#include "sim/mujoco/register_plugin.h"
+
+namespace slipbench {
+namespace {
+
+// In the folder of the model, as far as MuJoCo can see: it includes the model's file.
+constexpr const char* wrapper_name = "slipbench-scene-wrapper.xml";
+constexpr double earth_gravity = 9.81;  // m/s2
+
+// Time constant of the contacts of the scene's own bodies [s]: 100 times as stiff as MuJoCo's default, in which 100 g sinks in by
+// 0.1 mm.
+constexpr double contact_time = 2e-3;
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&': result += "&amp;"; break;
+      case '<': result += "&lt;"; break;
+      case '"': result += "&quot;"; break;
+      default: result += c;
+    }
+  }
+  return result;
+}
+
+struct ToYaml {
+  std::string operator()(double value) const { return format_number(value); }
+  std::string operator()(std::int64_t value) const { return std::to_string(value); }
+  std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(const std::string& value) const { return value; }
+  std::string operator()(const std::vector<double>& values) const {
+    std::string text = "[";
+    for (const double value : values) text.append(text.size() > 1 ? ", " : "").append(format_number(value));
+    return text + "]";
+  }
+};
+
+std::string yaml_of(const std::vector<Named>& effects) {
+  std::string text = "[";
+  for (const Named& effect : effects) {
+    std::string parameters;
+    for (const auto& [name, value] : effect.parameters.values()) {
+      parameters.append(parameters.empty() ? "" : ", ").append(name).append(": ").append(std::visit(ToYaml{}, value));
+    }
+    text += fmt::format("{}{{{}: {{{}}}}}", text.size() > 1 ? ", " : "", effect.name, parameters);
+  }
+  return text + "]";
+}
+
+std::string element_rows(const PadLayout& layout) {
+  std::string text = "[";
+  for (const Element& e : layout.elements) {
+    std::vector<double> row{e.tip.x(), e.tip.y(), e.tip.z(), e.k_normal, e.k_tangential};
+    if (e.axis != Element{}.axis) row.insert(row.end(), {e.axis.x(), e.axis.y(), e.axis.z()});
+    text += (text.size() > 1 ? ", " : "") + ToYaml{}(row);
+  }
+  return text + "]";
+}
+
+std::string unit_counts(const PadLayout& layout) {
+  std::string text = "[";
+  for (const UnitRange& unit : layout.units) text += (text.size() > 1 ? ", " : "") + std::to_string(unit.count);
+  return text + "]";
+}
+
+std::string config(const char* key, const std::string& value) {
+  return fmt::format("<config key=\"{}\" value=\"{}\"/>", key, escaped(value));
+}
+
+std::vector<std::string> names_in(const mjSpec* spec, mjtObj type) {
+  std::vector<std::string> names;
+  for (mjsElement* e = mjs_firstElement(spec, type); e != nullptr; e = mjs_nextElement(spec, e)) {
+    const std::string name = mjs_getString(mjs_getName(e));
+    if (!name.empty()) names.push_back(name);
+  }
+  return names;
+}
+
+// The element's name, which it is given where it has none.
+std::string name_of(mjsElement* element, const std::string& otherwise) {
+  const std::string name = mjs_getString(mjs_getName(element));
+  if (!name.empty()) return name;
+  mjs_setName(element, otherwise.c_str());
+  return otherwise;
+}
+
+// A scene's model in the making.
+class Builder {
+ public:
+  Builder(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial)
+      : scene_(scene), pads_(pads), trial_(trial) {}
+
+  ModelPointer build() {
+    // What the plugin's attributes say of geoms is known only when the model has been read, and they must be there when it is read.
+    SpecPointer bare = parse("");
+    add_all(bare.get());
+    SpecPointer spec = parse(extension());
+    add_all(spec.get());
+    ModelPointer model(mj_compile(spec.get(), &vfs_.vfs));
+    if (!model) throw SceneValueError(blame(), std::string("MuJoCo cannot compile it: ") + mjs_getError(spec.get()));
+    return model;
+  }
+
+ private:
+  struct Vfs {
+    Vfs() { mj_defaultVFS(&vfs); }
+    ~Vfs() { mj_deleteVFS(&vfs); }
+    Vfs(const Vfs&) = delete;
+    Vfs& operator=(const Vfs&) = delete;
+    mjVFS vfs;
+  };
+
+  // What of the scene a message of MuJoCo is about.
+  [[nodiscard]] std::string blame() const { return scene_.model.empty() ? "bodies" : "model"; }
+
+  SpecPointer parse(const std::string& extension_text) {
+    std::array<char, 1024> error{};
+    const auto size = static_cast<int>(error.size());
+    SpecPointer spec;
+    if (scene_.model.empty()) {
+      spec.reset(mj_parseXMLString(fmt::format("<mujoco>{}</mujoco>", extension_text).c_str(), nullptr, error.data(), size));
+    } else {
+      if (!std::ifstream(scene_.model)) throw SceneValueError("model", quote(scene_.model) + " cannot be read");
+      const std::filesystem::path file(scene_.model);
+      const std::string wrapper = (file.parent_path() / wrapper_name).string();
+      const std::string text =
+          fmt::format("<mujoco>{}<include file=\"{}\"/></mujoco>", extension_text, escaped(file.filename().string()));
+      mj_deleteFileVFS(&vfs_.vfs, wrapper.c_str());
+      mj_addBufferVFS(&vfs_.vfs, wrapper.c_str(), text.data(), static_cast<int>(text.size()));
+      spec.reset(mj_parseXML(wrapper.c_str(), &vfs_.vfs, error.data(), size));
+    }
+    if (!spec) throw SceneValueError(blame(), std::string("MuJoCo cannot read it: ") + error.data());
+    return spec;
+  }
+
+  void add_all(mjSpec* spec) {
+    while (mjsElement* key = mjs_firstElement(spec, mjOBJ_KEY)) mjs_delete(spec, key);
+    if (scene_.gravity || scene_.model.empty()) {
+      spec->option.gravity[0] = spec->option.gravity[1] = 0.0;
+      spec->option.gravity[2] = -scene_.gravity.value_or(earth_gravity);
+    }
+    spec->option.disableflags |= mjDSBL_AUTORESET;
+    if (scene_.model.empty()) {
+      spec->option.integrator = mjINT_IMPLICITFAST;
+      spec->option.cone = mjCONE_ELLIPTIC;
+      spec->option.noslip_iterations = 10;
+    }
+    for (const BodyScene& body : scene_.bodies) add_body(spec, body);
+    if (std::ranges::any_of(scene_.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); })) add_stage(spec);
+    touched_.assign(scene_.sensors.size(), {});
+    unnamed_ = 0;
+    excluded_ = exclusions(spec);
+    std::vector<SitePair> pairs;
+    for (std::size_t i = 0; i < scene_.sensors.size(); ++i) mount(spec, i, pairs);
+    if (scene_.implicit_fields) prepare_implicit(spec, pairs);
+  }
+
+  static void add_body(mjSpec* spec, const BodyScene& scene) {
+    const Parameters& p = scene.shape.parameters;
+    if (mjs_findBody(spec, scene.name.c_str()) != nullptr || mjs_findElement(spec, mjOBJ_GEOM, scene.name.c_str()) != nullptr) {
+      throw SceneValueError("bodies." + scene.name, "the model has a body or geom of this name already; allowed: another name");
+    }
+    mjsBody* body = mjs_addBody(mjs_findBody(spec, "world"), nullptr);
+    mjs_setName(body->element, scene.name.c_str());
+    std::ranges::copy(p.vector("position"), body->pos);
+    const std::vector<double>& angles = p.vector("rotation");
+    const Eigen::Quaterniond turn = Eigen::AngleAxisd(angles[2], Eigen::Vector3d::UnitZ()) *
+                                    Eigen::AngleAxisd(angles[1], Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(angles[0], Eigen::Vector3d::UnitX());
+    body->quat[0] = turn.w();
+    for (int k = 0; k < 3; ++k) body->quat[1 + k] = turn.vec()[k];
+
+    mjsGeom* geom = mjs_addGeom(body, nullptr);
+    mjs_setName(geom->element, scene.name.c_str());
+    geom->friction[0] = p.number("friction");
+    geom->solref[0] = contact_time;
+    if (scene.shape.name == "plane") {
+      geom->type = mjGEOM_PLANE;
+      geom->size[2] = 1.0;  // spacing of the drawn grid: the extent of 0 means endless
+      return;
+    }
+    geom->mass = p.number("mass");
+    if (scene.shape.name == "box" || scene.shape.name == "ellipsoid") {
+      geom->type = scene.shape.name == "box" ? mjGEOM_BOX : mjGEOM_ELLIPSOID;
+      for (int k = 0; k < 3; ++k) geom->size[k] = 0.5 * p.vector("size")[static_cast<std::size_t>(k)];
+    } else {
+      geom->type = scene.shape.name == "sphere"    ? mjGEOM_SPHERE
+                   : scene.shape.name == "capsule" ? mjGEOM_CAPSULE
+                                                   : mjGEOM_CYLINDER;
+      geom->size[0] = p.number("radius");
+      if (geom->type != mjGEOM_SPHERE) geom->size[1] = 0.5 * p.number("length");
+    }
+    if (p.flag("free")) {
+      mjs_addFreeJoint(body);
+    } else if (p.vector("velocity") != std::vector<double>(3, 0.0)) {
+      throw SceneValueError("bodies." + scene.name + ".velocity", "the body is not free; allowed: no velocity");
+    }
+  }
+
+  static void add_stage(mjSpec* spec) {
+    mjsBody* stage = mjs_addBody(mjs_findBody(spec, "world"), nullptr);
+    mjs_setName(stage->element, stage_name);
+    mjs_addFreeJoint(stage);
+    stage->explicitinertial = 1;
+    stage->mass = stage->inertia[0] = stage->inertia[1] = stage->inertia[2] = stage_mass;
+    stage->gravcomp = 1.0;
+    mjs_setName(mjs_addSite(stage, nullptr)->element, stage_name);
+  }
+
+  // Finds the pad's site and what it touches, and parts its body from theirs.
+  void mount(mjSpec* spec, std::size_t i, std::vector<SitePair>& pairs) {
+    const SensorScene& sensor = scene_.sensors[i];
+    const std::string path = "sensors." + sensor.name;
+    mjsElement* site = mjs_findElement(spec, mjOBJ_SITE, site_of(sensor).c_str());
+    if (site == nullptr) {
+      throw SceneValueError(
+          path + ".site", "the model has no site " + quote(sensor.site) + allowed_names(sensor.site, names_in(spec, mjOBJ_SITE)));
+    }
+    mjsBody* pad_body = mjs_getParent(site);
+    std::set<mjsBody*> objects;
+    for (std::size_t k = 0; k < sensor.touches.size(); ++k)
+      touch(spec, i, sensor.touches[k], fmt::format("{}.touches.{}", path, k), objects);
+    if (objects.contains(pad_body)) {
+      throw SceneValueError(path + ".touches", "the pad is mounted on a body that it touches; allowed: other bodies");
+    }
+    const std::string pad_name = name_of(pad_body->element, "slipbench/pad of " + sensor.name);
+    for (mjsBody* object : in_order(spec, objects)) {
+      const std::string object_name = name_of(object->element, fmt::format("slipbench/touched {}", ++unnamed_));
+      exclude(spec, pad_name, object_name);
+      if (!scene_.implicit_fields) continue;
+      const std::string object_site = "slipbench/" + object_name;
+      if (mjs_findElement(spec, mjOBJ_SITE, object_site.c_str()) == nullptr) {
+        mjs_setName(mjs_addSite(object, nullptr)->element, object_site.c_str());
+      }
+      pairs.push_back({site_of(sensor), object_site});
+    }
+  }
+
+  static std::string site_of(const SensorScene& sensor) { return sensor.site.empty() ? stage_name : sensor.site; }
+
+  // A set of pointers has no order that is the same in every run.
+  static std::vector<mjsBody*> in_order(const mjSpec* spec, const std::set<mjsBody*>& bodies) {
+    std::vector<mjsBody*> result;
+    for (mjsElement* e = mjs_firstElement(spec, mjOBJ_BODY); e != nullptr; e = mjs_nextElement(spec, e)) {
+      if (mjsBody* body = mjs_asBody(e); bodies.contains(body)) result.push_back(body);
+    }
+    return result;
+  }
+
+  void touch(mjSpec* spec, std::size_t sensor, const std::string& name, const std::string& path, std::set<mjsBody*>& objects) {
+    std::vector<mjsElement*> geoms;
+    if (mjsElement* geom = mjs_findElement(spec, mjOBJ_GEOM, name.c_str())) {
+      geoms.push_back(geom);
+    } else if (mjsBody* body = mjs_findBody(spec, name.c_str())) {
+      for (mjsElement* e = mjs_firstChild(body, mjOBJ_GEOM, 0); e != nullptr; e = mjs_nextChild(body, e, 0)) geoms.push_back(e);
+      if (geoms.empty()) throw SceneValueError(path, "the body " + quote(name) + " has no geom; allowed: one that has");
+    } else {
+      std::vector<std::string> known = names_in(spec, mjOBJ_GEOM);
+      for (const std::string& body_name : names_in(spec, mjOBJ_BODY)) {
+        if (std::ranges::find(known, body_name) == known.end() && body_name != stage_name) known.push_back(body_name);
+      }
+      throw SceneValueError(path, "no geom or body " + quote(name) + allowed_names(name, known));
+    }
+    for (mjsElement* geom : geoms) {
+      const std::string geom_name = name_of(geom, fmt::format("{}/geom{}", name, touched_[sensor].size()));
+      if (geom_name.find_first_of(" \t\n") != std::string::npos) {
+        throw SceneValueError(path, "the geom " + quote(geom_name) + " has a blank in its name; allowed: a name without");
+      }
+      if (std::ranges::find(touched_[sensor], geom_name) != touched_[sensor].end()) {
+        throw SceneValueError(path, "the geom " + quote(geom_name) + " is touched twice; allowed: once");
+      }
+      touched_[sensor].push_back(geom_name);
+      objects.insert(mjs_getParent(geom));
+    }
+  }
+
+  static std::set<std::pair<std::string, std::string>> exclusions(const mjSpec* spec) {
+    std::set<std::pair<std::string, std::string>> pairs;
+    for (mjsElement* e = mjs_firstElement(spec, mjOBJ_EXCLUDE); e != nullptr; e = mjs_nextElement(spec, e)) {
+      const mjsExclude* exclude = mjs_asExclude(e);
+      pairs.insert(std::minmax<std::string>(mjs_getString(exclude->bodyname1), mjs_getString(exclude->bodyname2)));
+    }
+    return pairs;
+  }
+
+  void exclude(mjSpec* spec, const std::string& a, const std::string& b) {
+    if (!excluded_.insert(std::minmax(a, b)).second) return;
+    mjsExclude* exclude = mjs_addExclude(spec);
+    mjs_setString(exclude->bodyname1, a.c_str());
+    mjs_setString(exclude->bodyname2, b.c_str());
+  }
+
+  // The plugin's instances, as a user would write them.
+  [[nodiscard]] std::string extension() const {
+    std::string text = fmt::format("<extension><plugin plugin=\"{}\">", field_plugin_name);
+    for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
+      const SensorScene& sensor = scene_.sensors[i];
+      std::string geoms;
+      for (const std::string& geom : touched_[i]) geoms += (geoms.empty() ? "" : " ") + geom;
+      text += fmt::format("<instance name=\"{}\">", sensor.name);
+      text += config("pad", site_of(sensor)) + config("touch", geoms) + config("elements", element_rows(*pads_[i])) +
+              config("units", unit_counts(*pads_[i])) +
+              config("friction", fmt::format("{{static: {}, kinetic: {}}}", format_number(scene_.friction.static_coefficient),
+                                             format_number(scene_.friction.kinetic_coefficient))) +
+              config("effects", yaml_of(scene_.effects)) + config("seed", std::to_string(scene_.seed)) +
+              config("trial", std::to_string(trial_)) + config("damping", format_number(sensor.damping)) +
+              config("solver", scene_.implicit_fields ? "implicit" : "explicit");
+      text += "</instance>";
+    }
+    return text + "</plugin></extension>";
+  }
+
+  const Scene& scene_;
+  std::span<const PadLayout* const> pads_;
+  std::uint64_t trial_;
+  Vfs vfs_;
+  std::vector<std::vector<std::string>> touched_;  // names of geoms, by sensor
+  std::set<std::pair<std::string, std::string>> excluded_;
+  int unnamed_ = 0;
+};
+
+}  // namespace
+
+ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial) {
+  return Builder(scene, pads, trial).build();
+}
+
+}  // namespace slipbench

@@ -1,0 +1,37 @@
+// From a scene to a MuJoCo model: the one place where it is done.
+//
+// The model file, if there is one, is read as it is. To it are added
+//   - the scene's bodies, each a body with one geom of the same name,
+//   - for sensors without a site a body without geoms, `stage_name`, with a free joint and a site. Whoever steps the model overwrites
+//     its position and velocity before every step with those of the motion. (A mocap body would not do: it has no velocity, so a pad
+//     on it would have no dashpot and friction against it would be wrong.) Its mass, `stage_mass`, makes it deaf to what it touches:
+//     a force of 100 N changes its velocity by 1e-7 m/s in a step of 1 ms, and that is overwritten before it has moved. No weight
+//     pulls it (gravcomp),
+//   - one instance of the plugin `slipbench.field` a sensor, named as the sensor, with the attributes that a user would write,
+//   - an exclusion of MuJoCo's own contact between a pad's body and every body that it touches: the field is their contact, and no
+//     force may count twice. It is for the whole bodies, since MuJoCo knows no other,
+//   - for implicit fields what implicit.h asks for.
+// Keyframes of the model are left out: they cannot fit once bodies are added.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/core/pad_layout.h"
+#include "sim/mujoco/mujoco_call.h"
+#include "sim/scene/scene.h"
+
+namespace slipbench {
+
+inline constexpr const char* stage_name = "slipbench/stage";
+inline constexpr double stage_mass = 1e6;  // kg, and kg m^2
+
+// The integrator of a scene without a model of its own is implicitfast, its contacts have elliptic cones and ten noslip iterations:
+// with fewer a box on a table creeps under a sideways force (shared MUJOCO.md, section C).
+// `pads`: one layout a sensor. The time step is the model's own, or MuJoCo's default.
+// Throws SceneValueError when the model cannot be read or compiled, and when a site, geom, body or name does not suit.
+ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial);
+
+}  // namespace slipbench

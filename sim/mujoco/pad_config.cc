@@ -1,0 +1,199 @@
+#include "sim/mujoco/pad_config.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <sstream>
+#include <utility>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+#include "sim/mujoco/element_table.h"
+#include "sim/scene/scene_reader.h"
+#include "sim/scene/yaml_tree.h"
+
+namespace slipbench {
+namespace {
+
+// The type by which the scene reader knows the pad of an element table.
+constexpr const char* table_type = "elements";
+
+const ParameterSpec damping_spec{.name = "damping",
+                                 .quantity = Quantity::time,
+                                 .default_text = "1 ms",
+                                 .range = non_negative,
+                                 .choices = {},
+                                 .doc = "time of a dashpot beside each spring",
+                                 .source = "assumed"};
+const ParameterSpec trial_spec{.name = "trial",
+                               .type = ParameterType::integer,
+                               .default_text = "0",
+                               .range = non_negative,
+                               .choices = {},
+                               .doc = "key of the random draws",
+                               .source = "free"};
+const ParameterSpec truth_spec{.name = "truth",
+                               .type = ParameterType::flag,
+                               .default_text = "false",
+                               .choices = {},
+                               .doc = "whether the truth follows the sensor's values",
+                               .source = "free"};
+const ParameterSpec solver_spec{.name = "solver",
+                                .type = ParameterType::choice,
+                                .default_text = "explicit",
+                                .choices = {"explicit", "implicit"},
+                                .doc = "how the springs enter the step",
+                                .source = "free"};
+
+// The attributes of one instance.
+class Attributes {
+ public:
+  Attributes(const mjModel* model, int instance)
+      : model_(model), instance_(instance), name_(model->names + model->name_pluginadr[instance]) {
+    if (name_.empty()) name_ = std::to_string(instance);
+  }
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::string text(const char* attribute) const {
+    const char* text = mj_getPluginConfig(model_, instance_, attribute);
+    return text == nullptr ? "" : text;
+  }
+  [[nodiscard]] bool has(const char* attribute) const { return !text(attribute).empty(); }
+  [[noreturn]] void refuse(const std::string& what) const { throw InputError("plugin '" + name_ + "': " + what); }
+
+  [[nodiscard]] YamlNode yaml(const char* attribute) const {
+    constexpr std::size_t longest_shown = 80;  // MuJoCo keeps 1000 characters or so of a message: a table would leave no room
+    std::string shown = text(attribute);
+    if (shown.size() > longest_shown) shown = shown.substr(0, longest_shown) + "...";
+    return parse_yaml(text(attribute), "plugin '" + name_ + "' " + attribute + "=" + quote(shown), false);
+  }
+  [[nodiscard]] Parameters::Value value(const ParameterSpec& spec) const {
+    if (!has(spec.name.c_str())) return default_of(spec);
+    try {
+      return parse_scalar(spec, text(spec.name.c_str()));
+    } catch (const std::invalid_argument& error) {
+      refuse(spec.name + ": " + error.what());
+    }
+  }
+
+  // The object called `object_name`; `noun`: "site".
+  [[nodiscard]] int object(mjtObj type, const char* noun, const std::string& object_name, int count) const {
+    if (const int id = mj_name2id(model_, type, object_name.c_str()); id >= 0) return id;
+    std::vector<std::string> known;
+    for (int id = 0; id < count; ++id) {
+      if (const char* other = mj_id2name(model_, type, id)) known.emplace_back(other);
+    }
+    refuse("no " + std::string(noun) + " " + quote(object_name) + " in the model" + allowed_names(object_name, known));
+  }
+
+  [[nodiscard]] const mjModel* model() const { return model_; }
+
+ private:
+  const mjModel* model_;
+  int instance_;
+  std::string name_;
+};
+
+YamlNode scalar(std::string text) {
+  YamlNode node;
+  node.kind = YamlNode::Kind::scalar;
+  node.text = std::move(text);
+  return node;
+}
+
+void add(YamlNode& map, const char* key, YamlNode child) {
+  child.key = key;
+  child.key_origin = child.origin;
+  map.children.push_back(std::move(child));
+}
+
+// The attributes that are those of a scene, put together as one.
+YamlNode scene_tree(const Attributes& attributes) {
+  YamlNode root, sensors, surface;
+  root.kind = sensors.kind = surface.kind = YamlNode::Kind::map;
+  root.origin.source = std::make_shared<const std::string>("plugin '" + attributes.name() + "'");
+  add(root, "slipbench", scalar("1"));
+  if (attributes.has("seed")) add(root, "seed", attributes.yaml("seed"));
+  if (attributes.has("material")) {
+    add(surface, "material", attributes.yaml("material"));
+    add(root, "surface", std::move(surface));
+  }
+  if (attributes.has("friction")) add(root, "friction", attributes.yaml("friction"));
+  if (attributes.has("effects")) add(root, "effects", attributes.yaml("effects"));
+  YamlNode sensor;
+  if (attributes.has("sensor")) {
+    sensor = attributes.yaml("sensor");
+  } else {
+    sensor.kind = YamlNode::Kind::map;
+    add(sensor, "type", scalar(table_type));
+  }
+  add(sensors, attributes.name().c_str(), std::move(sensor));
+  add(root, "sensors", std::move(sensors));
+  return root;
+}
+
+Scene read_contact(const Attributes& attributes, const Catalogues& known) {
+  Catalogues catalogues = known;
+  if (!attributes.has("sensor")) catalogues.sensors = {{table_type, "", "", "", {}}};
+  return read_scene(scene_tree(attributes), catalogues, nullptr);
+}
+
+std::vector<int> touched_geoms(const Attributes& attributes) {
+  std::istringstream words(attributes.text("touch"));
+  std::vector<int> geoms;
+  for (std::string word; words >> word;) {
+    const int geom = attributes.object(mjOBJ_GEOM, "geom", word, static_cast<int>(attributes.model()->ngeom));
+    if (std::ranges::find(geoms, geom) != geoms.end()) attributes.refuse("touch names the geom " + quote(word) + " twice");
+    geoms.push_back(geom);
+  }
+  if (geoms.empty()) attributes.refuse("no attribute touch; allowed: names of geoms, with blanks between");
+  return geoms;
+}
+
+}  // namespace
+
+std::unique_ptr<Sensor> PadConfig::make_sensor(const PadCatalogue& catalogue) const {
+  // A table's pad is read at every step: there is no electronics to have a rate of its own.
+  if (!table.empty()) return make_table_sensor(table.front(), 0.0);
+  try {
+    return catalogue.make_sensor(sensor, seed, trial);
+  } catch (const InputError& error) {
+    throw InputError("plugin '" + name + "': " + error.what());
+  }
+}
+
+PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue& catalogue) {
+  const Attributes attributes(model, instance);
+  PadConfig config;
+  config.name = attributes.name();
+  if (!attributes.has("pad")) attributes.refuse("no attribute pad; allowed: the name of a site");
+  config.site = attributes.object(mjOBJ_SITE, "site", attributes.text("pad"), static_cast<int>(model->nsite));
+  config.geoms = touched_geoms(attributes);
+  if (attributes.has("sensor") == attributes.has("elements")) {
+    attributes.refuse("the pad is given by one of the attributes sensor and elements; found: " +
+                      std::string(attributes.has("sensor") ? "both" : "neither"));
+  }
+  if (attributes.has("units") && !attributes.has("elements"))
+    attributes.refuse("units belongs to elements; allowed: both or neither");
+  if (attributes.has("elements")) {
+    const YamlNode rows = attributes.yaml("elements");
+    if (attributes.has("units")) {
+      const YamlNode units = attributes.yaml("units");
+      config.table = {read_element_table(rows, &units)};
+    } else {
+      config.table = {read_element_table(rows, nullptr)};
+    }
+  }
+  const Scene scene = read_contact(attributes, catalogue.catalogues);
+  config.sensor = scene.sensors.front();
+  config.friction = {scene.friction.static_coefficient, scene.friction.kinetic_coefficient};
+  config.effects = scene.effects;
+  config.seed = scene.seed;
+  config.trial = static_cast<std::uint64_t>(std::get<std::int64_t>(attributes.value(trial_spec)));
+  config.damping = std::get<double>(attributes.value(damping_spec));
+  config.truth = std::get<bool>(attributes.value(truth_spec));
+  config.implicit = std::get<std::string>(attributes.value(solver_spec)) == "implicit";
+  return config;
+}
+
+}  // namespace slipbench

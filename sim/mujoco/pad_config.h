@@ -1,0 +1,53 @@
+// What a MuJoCo model says of one pad: the attributes of a `slipbench.field` plugin instance, read and checked.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <mujoco/mujoco.h>
+
+#include "sim/core/sensor.h"
+#include "sim/field/field.h"
+#include "sim/mujoco/pad_catalogue.h"
+#include "sim/scene/scene.h"
+
+namespace slipbench {
+
+// The attributes in the order in which MuJoCo hands them over. All but `pad`, `touch` and one of `sensor` and
+// `elements` have defaults.
+//   pad       site whose frame is the pad frame P: +Z from the touched object into the pad, origin at the undeformed tips
+//   touch     names of the touched geoms, with blanks between; a pad may touch several at once or in turn
+//   sensor    {type: papillarray, ...} as under `sensors` in a scene, electronics included
+//   elements  [[x, y, z, k_n, k_t], ...]: tip [m] in P and stiffness [N/m] of each element, and its axis in three more columns
+//             [ax, ay, az] where it is not -Z
+//   units     [6, 6, ...]: how many elements each unit of `elements` has; default: one
+//   material, friction, effects, seed  as in a scene
+//   trial     keys the random draws together with the seed; default 0
+//   damping   time tau of a dashpot tau*k beside each spring; default 1 ms (assumed)
+//   truth     true: the sensor's values are followed by the truth (pad_instance.h)
+//   solver    explicit or implicit
+inline constexpr const char* pad_attributes[] = {"pad",     "touch", "sensor", "elements", "units", "material", "friction",
+                                                 "effects", "seed",  "trial",  "damping",  "truth", "solver"};
+
+struct PadConfig {
+  std::string name;  // of the instance
+  int site = -1;
+  std::vector<int> geoms;
+  std::vector<PadLayout> table;  // one layout, where `elements` gives it
+  SensorScene sensor;            // else
+  Friction friction;
+  std::vector<Named> effects;
+  std::uint64_t seed = 0, trial = 0;
+  double damping = 0.0;  // s
+  bool truth = false;
+  bool implicit = false;
+
+  [[nodiscard]] std::unique_ptr<Sensor> make_sensor(const PadCatalogue& catalogue) const;
+};
+
+// Throws InputError: "plugin 'left' effects=...: unknown effect 'agein'; did you mean 'ageing'? allowed: ...".
+PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue& catalogue);
+
+}  // namespace slipbench

@@ -1,0 +1,113 @@
+#include "sim/mujoco/pad_group.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+#include "sim/mujoco/pad_instance.h"
+#include "sim/mujoco/stability.h"
+
+namespace slipbench {
+namespace {
+
+// How much longer than longest_explicit_step() a step may be: h omega = 1 instead of 0.75. A user's model is what it is, its pose changes,
+// and up to there weight, threshold and slide are right to 0.1 % (tests/sim/mujoco/plugin_grip_test.cc); beyond, a slide comes out wrong.
+constexpr double bearable = 4.0 / 3.0;
+
+std::string names_of(const std::vector<PadInstance*>& pads) {
+  std::string names;
+  for (const PadInstance* pad : pads) names += (names.empty() ? "'" : ", '") + pad->config().name + "'";
+  return names;
+}
+
+}  // namespace
+
+PadGroup::PadGroup(const mjModel* model, std::vector<PadInstance*> pads) {
+  for (PadInstance* pad : pads) (pad->config().implicit ? implicit_ : explicit_).push_back(pad);
+  std::size_t contacts = 0;
+  for (const PadInstance* pad : explicit_) contacts += pad->config().geoms.size();
+  most_touching_.assign(contacts, 0);
+  if (implicit_.empty()) return;
+
+  std::vector<ImplicitPad> described;
+  for (const PadInstance* pad : implicit_) {
+    if (pad->config().damping != implicit_.front()->config().damping) {
+      throw InputError(fmt::format("plugins {}: implicit pads of one model have one damping; found {} and {}",
+                                   names_of(implicit_), format_quantity(implicit_.front()->config().damping, Quantity::time),
+                                   format_quantity(pad->config().damping, Quantity::time)));
+    }
+    pad->describe(model, described);
+  }
+  std::string failure = implicit_refusal(model, described);
+  if (failure.empty()) failure = implicit_self_test(model, described);
+  if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit': {}", names_of(implicit_), failure));
+  memory_.resize(described.size() * ImplicitFields::memory_per_contact);
+}
+
+void PadGroup::add_force(const mjModel* model, mjData* data) {
+  if (guarded_ && !explicit_.empty()) refuse_long_step(model, data);
+  if (implicit_.empty()) return;
+  std::vector<ImplicitContact> contacts;
+  double* gathered = memory_.data();
+  for (PadInstance* pad : implicit_) {
+    pad->begin_implicit(model, data, contacts);
+    const std::span<const double> memory = pad->implicit_memory(model, data);
+    gathered = std::copy(memory.begin(), memory.end(), gathered);
+  }
+  const std::string failure = solver_.apply(model, data, contacts, memory_, implicit_.front()->config().damping);
+  for (PadInstance* pad : implicit_) pad->forget_trial();
+  if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit': {}", names_of(implicit_), failure));
+}
+
+void PadGroup::finish(const mjModel* model, mjData* data) {
+  if (implicit_.empty()) return;
+  if (!solver_.converged()) ++unconverged_;
+  solver_.finish(model, data, memory_);
+  const double* gathered = memory_.data();
+  for (PadInstance* pad : implicit_) {
+    const std::span<double> memory = pad->implicit_memory(model, data);
+    std::copy_n(gathered, memory.size(), memory.begin());
+    gathered += memory.size();
+  }
+}
+
+void PadGroup::copy_from(const PadGroup& other) {
+  guarded_ = other.guarded_;
+  most_touching_ = other.most_touching_;
+  solver_ = other.solver_;
+  memory_ = other.memory_;
+  unconverged_ = other.unconverged_;
+}
+
+void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
+  if (!explicit_.front()->placed(model, data)) return;  // MuJoCo's compiler takes one step with whatever step the model has
+  bool more = false;
+  std::size_t k = 0;
+  for (const PadInstance* pad : explicit_) {
+    for (const Field& field : pad->fields()) {
+      std::size_t touching = 0;
+      for (std::size_t i = 0; i < field.size(); ++i) touching += field.state(i) != ElementState::detached ? 1 : 0;
+      more = more || touching > most_touching_[k];
+      most_touching_[k] = std::max(most_touching_[k], touching);
+      ++k;
+    }
+  }
+  if (!more) return;
+  std::vector<PadOnBodies> bodies;
+  std::vector<PadTangent> tangents;
+  for (const PadInstance* pad : explicit_) pad->add_touching_tangents(model, data, bodies, tangents);
+  const Vibration vibration = fastest_vibration(model, data, bodies, tangents);
+  const double longest = bearable * longest_explicit_step(vibration);
+  if (model->opt.timestep <= longest) return;
+  throw InputError(fmt::format(
+      "plugins {}: the time step {} is too long for what touches at {}: its fastest vibration is {:.4g} rad/s; allowed: "
+      "up to {:.4g} ms, or solver='implicit'",
+      names_of(explicit_), format_quantity(model->opt.timestep, Quantity::time), format_quantity(data->time, Quantity::time),
+      vibration.omega, 1e3 * longest));
+}
+
+}  // namespace slipbench

@@ -1,0 +1,444 @@
+#include "sim/mujoco/pad_instance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/effects/install.h"
+#include "sim/mujoco/geom_surface.h"
+
+namespace slipbench {
+namespace {
+
+// Of the instance's share of plugin_state. All zero: never stepped.
+enum Header : std::size_t { committed_time, next_sample, slip_angle, header_size };
+
+// A sample is due when its time is reached up to the rounding of a sum of steps.
+constexpr double rounding = 1e-6;
+
+std::size_t channel_values(const Sensor& sensor) {
+  std::size_t size = 0;
+  for (const Channel& channel : sensor.channels()) size += channel.size();
+  return size;
+}
+
+std::size_t truth_values(const PadConfig& config, const Sensor& sensor) {
+  return config.truth ? 8 * sensor.layout().units.size() + 3 : 0;
+}
+
+std::size_t implicit_values(const PadConfig& config) {
+  return config.implicit ? config.geoms.size() * ImplicitFields::memory_per_contact : 0;
+}
+
+std::size_t memory_values(Sensor& sensor) {
+  std::size_t size = 0;
+  for (const std::span<double> memory : sensor.memory()) size += memory.size();
+  return size;
+}
+
+Field field_of(const mjModel* model, const PadConfig& config, const PadLayout& layout, int geom, const Surface& surface) {
+  try {
+    return {layout, surface, config.friction, install_effects(config.effects, layout, surface, config.seed, config.trial)};
+  } catch (const SceneValueError& error) {
+    throw InputError(
+        fmt::format("plugin '{}': {}; geom '{}' is none", config.name, error.what(), mj_id2name(model, mjOBJ_GEOM, geom)));
+  }
+}
+
+// A surface of the same kind as the geom's, as far as effects tell kinds apart and the state's size depends on it.
+Surface kind_of_surface(int geom_type) {
+  if (geom_type == mjGEOM_PLANE) return Plane{};
+  if (geom_type == mjGEOM_BOX) return Box{{1.0, 1.0, 1.0}};
+  return Sphere{1.0};
+}
+
+// Whether the fields of a state have been stepped (Field::save_state).
+bool is_placed(std::span<const double> fields) { return fields[0] != 0.0; }
+
+// A layout whose dashpots are left to the instance: it knows the velocities, which a field would have to guess.
+PadLayout without_dashpots(PadLayout layout) {
+  for (Element& element : layout.elements) element.c_normal = element.c_tangential = 0.0;
+  return layout;
+}
+
+using MjMatrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+using MjVector = Eigen::Map<const Eigen::Vector3d>;
+
+Pose pose_at(const mjtNum* position, const mjtNum* rotation) { return {MjMatrix(rotation), MjVector(position)}; }
+
+bool same(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }
+
+// Velocity of an object's frame in the world: MuJoCo hands out rotation first.
+Twist velocity_of(const mjModel* model, const mjData* data, mjtObj type, int id) {
+  mjtNum velocity[6];
+  mj_objectVelocity(model, data, type, id, velocity, 0);
+  return {MjVector(velocity + 3), MjVector(velocity)};
+}
+
+// Adds a force and a torque at `point` of a body to qfrc_passive; what is fixed to the world has no degrees of freedom to add it
+// to.
+void push(const mjModel* model, mjData* data, const Eigen::Vector3d& force, const Eigen::Vector3d& torque, const mjtNum* point,
+          int body) {
+  if (model->body_weldid[body] == 0) return;
+  mj_applyFT(model, data, force.data(), torque.data(), point, body, data->qfrc_passive);
+}
+
+void write_truth(const ContactFrame& frame, double* out) {
+  const Eigen::Index n = frame.margin.size();
+  for (const UnitState state : frame.unit_state) *out++ = static_cast<double>(state);
+  out = std::copy_n(frame.slip_velocity.data(), 2 * n, out);
+  out = std::copy_n(frame.slip_distance.data(), n, out);
+  out = std::copy_n(frame.margin.data(), n, out);
+  out = std::copy_n(frame.contact_force.data(), 3 * n, out);
+  *out++ = static_cast<double>(frame.state);
+  *out++ = static_cast<double>(frame.state_micro);
+  *out++ = frame.stuck_fraction;
+}
+
+}  // namespace
+
+std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const PadCatalogue& catalogue) {
+  const std::unique_ptr<Sensor> sensor = config.make_sensor(catalogue);
+  const PadLayout layout = without_dashpots(sensor->layout());
+  std::size_t fields = 0;
+  for (const int geom : config.geoms) {
+    fields += field_of(model, config, layout, geom, kind_of_surface(model->geom_type[geom])).state_size();
+  }
+  return header_size + fields + implicit_values(config) + memory_values(*sensor) + pad_sensor_size(config, catalogue);
+}
+
+std::size_t pad_sensor_size(const PadConfig& config, const PadCatalogue& catalogue) {
+  const std::unique_ptr<Sensor> sensor = config.make_sensor(catalogue);
+  return channel_values(*sensor) + truth_values(config, *sensor);
+}
+
+PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, const PadCatalogue& catalogue)
+    : config_(std::move(config)),
+      instance_(instance),
+      sensor_(config_.make_sensor(catalogue)),
+      sensor_memory_(sensor_->memory()),
+      labels_(sensor_->layout()),
+      step_(model->opt.timestep),
+      sample_time_(sensor_->rate() > 0.0 ? 1.0 / sensor_->rate() : 0.0) {
+  const PadLayout layout = without_dashpots(sensor_->layout());
+  for (const int geom : config_.geoms) {
+    const GeomSurface surface = surface_of_geom(model, geom);
+    fields_.push_back(field_of(model, config_, layout, geom, surface.shape));
+    touched_.push_back({geom, model->geom_bodyid[geom], surface.in_geom, {}, {}});
+  }
+  for (int id = 0; id < static_cast<int>(model->nsensor); ++id) {
+    if (model->sensor_plugin[id] == instance_) outputs_.push_back(model->sensor_adr[id]);
+  }
+  watched_ = !outputs_.empty();
+  for (const std::span<double> memory : sensor_memory_) first_memory_.insert(first_memory_.end(), memory.begin(), memory.end());
+  constexpr std::size_t seen_of_a_frame = 21;
+  seen_.resize(seen_of_a_frame * (1 + config_.geoms.size()));
+  values_.resize(channel_values(*sensor_) + truth_values(config_, *sensor_));
+  std::size_t size = 0;
+  for (Field& field : fields_) size += field.state_size();
+  began_with_.resize(size);
+  size += header_size + implicit_values(config_) + first_memory_.size() + values_.size();
+  if (size != static_cast<std::size_t>(model->plugin_statenum[instance_])) {
+    throw std::logic_error("slipbench.field: a state of another size than the model was compiled for");
+  }
+}
+
+PadInstance::Parts PadInstance::parts(const mjModel* model, mjData* data) const {
+  std::span<double> rest(data->plugin_state + model->plugin_stateadr[instance_],
+                         static_cast<std::size_t>(model->plugin_statenum[instance_]));
+  const auto take = [&rest](std::size_t size) {
+    const std::span<double> part = rest.first(size);
+    rest = rest.subspan(size);
+    return part;
+  };
+  Parts result;
+  result.header = take(header_size);
+  result.fields = take(began_with_.size());
+  const std::size_t truth = truth_values(config_, *sensor_);
+  result.implicit = take(implicit_values(config_));
+  result.memory = take(rest.size() - values_.size());
+  result.held = take(values_.size() - truth);
+  result.truth = take(truth);
+  return result;
+}
+
+// Whether poses and velocities are those of the call before. Cheaper than working out the same ones again.
+bool PadInstance::sees_the_same(const mjModel* model, const mjData* data) {
+  double* seen = seen_.data();
+  bool same = true;
+  const auto look = [&](const mjtNum* now, std::size_t count) {
+    if (std::memcmp(seen, now, count * sizeof(double)) != 0) {
+      same = false;
+      std::copy_n(now, count, seen);
+    }
+    seen += count;
+  };
+  const auto look_at_frame = [&](const mjtNum* position, const mjtNum* rotation, int body) {
+    look(position, 3);
+    look(rotation, 9);
+    look(data->cvel + 6 * body, 6);
+    look(data->subtree_com + 3 * model->body_rootid[body], 3);  // the point that cvel refers to
+  };
+  look_at_frame(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site, model->site_bodyid[config_.site]);
+  for (const Touched& touched : touched_) {
+    look_at_frame(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom, touched.body);
+  }
+  return same;
+}
+
+// Finds the pad in the frame of every touched surface. Returns whether it is where the trial that the fields hold has it.
+bool PadInstance::locate(const mjModel* model, const mjData* data) {
+  if (sees_the_same(model, data) && evaluated_) return true;
+  bool unmoved = evaluated_;
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  const Twist pad_motion = velocity_of(model, data, mjOBJ_SITE, config_.site);
+  for (Touched& touched : touched_) {
+    const Pose geom = pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom);
+    const Pose world_in_surface = (geom * touched.surface_in_geom).inverse();
+    const Pose pad_in_surface = world_in_surface * pad;
+    const Twist geom_motion = velocity_of(model, data, mjOBJ_GEOM, touched.geom);
+    const Eigen::Vector3d spin = pad_motion.angular - geom_motion.angular;
+    const Eigen::Vector3d carried = geom_motion.linear + geom_motion.angular.cross(pad.position - geom.position);
+    const Twist motion{world_in_surface.rotation * (pad_motion.linear - carried), world_in_surface.rotation * spin};
+    unmoved = unmoved && same(pad_in_surface, touched.pad_in_surface) && motion.linear == touched.motion.linear &&
+              motion.angular == touched.motion.angular;
+    touched.pad_in_surface = pad_in_surface;
+    touched.motion = motion;
+  }
+  return unmoved;
+}
+
+// Makes the fields hold the trial at `time` of what locate() has found.
+void PadInstance::evaluate(const Parts& state, double time) {
+  const bool same_start = std::memcmp(state.fields.data(), began_with_.data(), state.fields.size_bytes()) == 0;
+  if (evaluated_ && same_start && time == time_) return;
+  const double dt = is_placed(state.fields) ? time - state.header[committed_time] : 0.0;
+  if (dt < 0.0) {
+    throw InputError(
+        fmt::format("plugin '{}': the time went back from {} s to {} s without a reset; allowed: mj_resetData, or a whole "
+                    "state by mj_setState",
+                    config_.name, state.header[committed_time], time));
+  }
+  if (!(fields_hold_state_ && same_start)) {
+    std::copy(state.fields.begin(), state.fields.end(), began_with_.begin());
+    std::span<const double> rest = state.fields;
+    for (Field& field : fields_) {
+      field.load_state(rest.first(field.state_size()));
+      rest = rest.subspan(field.state_size());
+    }
+  }
+  for (std::size_t k = 0; k < fields_.size(); ++k) fields_[k].step(touched_[k].pad_in_surface, dt, &touched_[k].motion);
+  fields_hold_state_ = false;
+  evaluated_ = true;
+  judged_ = measured_ = false;
+  time_ = time;
+  dt_ = dt;
+}
+
+void PadInstance::judge(const Parts& state) {
+  if (judged_) return;
+  labels_.set_slip_angle(state.header[slip_angle]);
+  labels_.judge(fields_, time_, dt_ > 0.0 ? dt_ : step_);  // where no time has passed nothing has slipped
+  judged_ = true;
+}
+
+// Fills values_ with what the sensor and the truth say at the trial's time.
+void PadInstance::measure(const Parts& state) {
+  if (measured_) return;
+  judge(state);
+  const std::size_t channels = state.held.size();
+  next_sample_ = state.header[next_sample];
+  sampled_ = sample_time_ == 0.0 || time_ >= sample_time_ * (next_sample_ - rounding);
+  if (sampled_) {
+    const double* remembered = is_placed(state.fields) ? state.memory.data() : first_memory_.data();
+    for (const std::span<double> memory : sensor_memory_) {
+      std::copy_n(remembered, memory.size(), memory.begin());
+      remembered += memory.size();
+    }
+    const SensorFrame& frame = sensor_->measure(labels_.frame());
+    std::copy(frame.values.begin(), frame.values.end(), values_.begin());
+    if (sample_time_ > 0.0) next_sample_ = std::floor(time_ / sample_time_ + rounding) + 1.0;
+  } else {
+    std::copy(state.held.begin(), state.held.end(), values_.begin());
+  }
+  if (config_.truth) write_truth(labels_.frame(), values_.data() + channels);
+  measured_ = true;
+}
+
+void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
+  constexpr int no_passive_forces = mjDSBL_SPRING | mjDSBL_DAMPER;
+  if ((model->opt.disableflags & no_passive_forces) == no_passive_forces) {
+    throw InputError(
+        fmt::format("plugin '{}': the flags spring and damper are both disabled, so that MuJoCo leaves out every passive "
+                    "force, the pad's too; allowed: at most one of them",
+                    config_.name));
+  }
+  if (model->opt.timestep != step_) {
+    throw InputError(
+        fmt::format("plugin '{}': the time step has changed from {} s to {} s; allowed: mj_makeData after the change",
+                    config_.name, step_, model->opt.timestep));
+  }
+}
+
+void PadInstance::add_force(const mjModel* model, mjData* data) {
+  refuse_what_cannot_work(model);
+  const Parts state = parts(model, data);
+  computed_at_ = data->time;
+  evaluated_ = locate(model, data);
+  evaluate(state, data->time);
+  const mjtNum* origin = data->site_xpos + 3 * config_.site;
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    const Wrench wrench = fields_[k].damped_wrench_on_pad(touched_[k].motion, config_.damping);
+    if (wrench.force.isZero(0.0) && wrench.torque.isZero(0.0)) continue;
+    const Touched& touched = touched_[k];
+    const Eigen::Matrix3d surface = MjMatrix(data->geom_xmat + 9 * touched.geom) * touched.surface_in_geom.rotation;
+    const Eigen::Vector3d force = surface * wrench.force, torque = surface * wrench.torque;
+    const Eigen::Vector3d back_force = -force, back_torque = -torque;
+    push(model, data, force, torque, origin, model->site_bodyid[config_.site]);
+    push(model, data, back_force, back_torque, origin, touched.body);
+  }
+}
+
+bool PadInstance::placed(const mjModel* model, mjData* data) const { return is_placed(parts(model, data).fields); }
+
+void PadInstance::add_touching_tangents(const mjModel* model, const mjData* data, std::vector<PadOnBodies>& bodies,
+                                        std::vector<PadTangent>& tangents) const {
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    PadLayout touching;
+    for (std::size_t i = 0; i < fields_[k].size(); ++i) {
+      if (fields_[k].state(i) != ElementState::detached) touching.elements.push_back(fields_[k].layout().elements[i]);
+    }
+    if (touching.elements.empty()) continue;
+    bodies.push_back({model->site_bodyid[config_.site], touched_[k].body, pad.position});
+    tangents.push_back(stuck_tangent(touching, pad, pad.position, config_.damping));
+  }
+}
+
+void PadInstance::describe(const mjModel* model, std::vector<ImplicitPad>& pads) const {
+  mjtNum rotation[9];
+  mju_quat2Mat(rotation, model->site_quat + 4 * config_.site);
+  const Pose pad_in_body = pose_at(model->site_pos + 3 * config_.site, rotation);
+  for (const Touched& touched : touched_) {
+    pads.push_back({model->site_bodyid[config_.site], touched.body, pad_in_body, &sensor_->layout()});
+  }
+}
+
+void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector<ImplicitContact>& contacts) {
+  refuse_what_cannot_work(model);
+  const Parts state = parts(model, data);
+  computed_at_ = data->time;
+  evaluated_ = locate(model, data);
+  evaluate(state, data->time);
+  ended_with_.resize(began_with_.size());
+  std::span<double> rest = ended_with_;
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    const std::span<double> ended = rest.first(fields_[k].state_size());
+    rest = rest.subspan(ended.size());
+    fields_[k].save_state(ended);
+    const Touched& touched = touched_[k];
+    const Pose geom = pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom);
+    contacts.push_back({&fields_[k], ended, model->site_bodyid[config_.site], touched.body, pad, geom * touched.surface_in_geom});
+  }
+}
+
+void PadInstance::write_sensors(const mjModel* model, mjData* data) {
+  refuse_what_cannot_work(model);
+  if (outputs_.empty()) return;  // MuJoCo asks every instance, read or not
+  const Parts state = parts(model, data);
+  const auto write = [&](std::span<const double> part, std::size_t offset) {
+    for (const int address : outputs_) std::copy(part.begin(), part.end(), data->sensordata + address + offset);
+  };
+  // RK4 commits at the end of a step, so that at the beginning of the next one nothing has moved since: what was seen then still
+  // holds.
+  if (is_placed(state.fields) && data->time == state.header[committed_time]) {
+    write(state.held, 0);
+    write(state.truth, state.held.size());
+    return;
+  }
+  evaluated_ = locate(model, data);
+  evaluate(state, data->time);
+  measure(state);
+  write(values_, 0);
+}
+
+void PadInstance::commit(const mjModel* model, mjData* data) {
+  refuse_what_cannot_work(model);
+  const Parts state = parts(model, data);
+  evaluated_ = locate(model, data);
+  evaluate(state, computed_at_);
+  state.header[committed_time] = time_;
+  if (watched_) remember_readings(state);
+  std::span<double> rest = state.fields;
+  for (Field& field : fields_) {
+    field.save_state(rest.first(field.state_size()));
+    rest = rest.subspan(field.state_size());
+  }
+  std::copy(state.fields.begin(), state.fields.end(), began_with_.begin());
+  fields_hold_state_ = true;
+  evaluated_ = false;
+}
+
+// What labels and sensor carry to the next step.
+void PadInstance::remember_readings(const Parts& state) {
+  measure(state);
+  labels_.settle(fields_, dt_);
+  state.header[next_sample] = next_sample_;
+  state.header[slip_angle] = labels_.frame().slip_angle;
+  if (sampled_) {
+    double* remembered = state.memory.data();
+    for (const std::span<double> memory : sensor_memory_) remembered = std::copy(memory.begin(), memory.end(), remembered);
+  }
+  std::copy_n(values_.begin(), state.held.size(), state.held.begin());
+  std::copy(values_.begin() + static_cast<std::ptrdiff_t>(state.held.size()), values_.end(), state.truth.begin());
+}
+
+void PadInstance::draw(const mjModel* model, mjData* data, mjvScene* scene) {
+  constexpr double metres_per_newton = 0.01;  // at MuJoCo's default scale of forces
+  constexpr double default_force_scale = 0.005;
+  constexpr float colours[3][4] = {{0.55F, 0.58F, 0.62F, 1.0F}, {0.17F, 0.48F, 0.75F, 1.0F}, {0.82F, 0.29F, 0.11F, 1.0F}};
+  const Parts state = parts(model, data);
+  evaluated_ = locate(model, data);
+  evaluate(state, data->time);
+
+  const bool placed = state.fields[0] != 0.0;
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  const double radius = model->site_size[3 * config_.site];
+  const double scale = metres_per_newton * model->vis.map.force / default_force_scale;
+  const auto next_geom = [scene]() -> mjvGeom* {
+    return scene->ngeom < scene->maxgeom ? &scene->geoms[scene->ngeom++] : nullptr;
+  };
+  for (Field& field : fields_) field.view_from_pad();
+  for (std::size_t i = 0; i < fields_.front().size(); ++i) {
+    Eigen::Vector3d tip = fields_.front().layout().elements[i].tip, force = Eigen::Vector3d::Zero();
+    ElementState shown = ElementState::detached;
+    for (const Field& field : fields_) {
+      if (field.state(i) == ElementState::detached) continue;
+      tip += field.deflection(i);
+      force += field.force_on_pad(i);
+      // After a step the kinematics are those of the commit: nothing has moved since, and what slipped then would seem to stick.
+      shown = placed ? field.state_before(i) : field.state(i);
+    }
+    const Eigen::Vector3d from = pad * tip, to = from + scale * (pad.rotation * force);
+    const float* colour = colours[static_cast<std::size_t>(shown)];
+    const double size[3] = {radius, radius, radius};
+    if (mjvGeom* ball = next_geom()) {
+      mjv_initGeom(ball, mjGEOM_SPHERE, size, from.data(), nullptr, colour);
+      ball->category = mjCAT_DECOR;
+    }
+    if (shown == ElementState::detached) continue;
+    if (mjvGeom* arrow = next_geom()) {
+      mjv_initGeom(arrow, mjGEOM_ARROW, nullptr, nullptr, nullptr, colour);
+      mjv_connector(arrow, mjGEOM_ARROW, 0.4 * radius, from.data(), to.data());
+      arrow->category = mjCAT_DECOR;
+    }
+  }
+}
+
+}  // namespace slipbench

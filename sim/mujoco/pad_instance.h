@@ -1,0 +1,138 @@
+// One pad inside MuJoCo: what the plugin `slipbench.field` does for one instance in one mjData.
+//
+// Everything that outlives a step is in mjData's plugin_state, so that mj_getState, mj_setState, mj_copyData, resets and
+// keyframes carry it. What stands in this object besides is worked out from there and from the kinematics again whenever either
+// has changed.
+//
+// - A force is that of a trial from the anchors committed last (compute PASSIVE). It commits nothing, so extra mj_forward calls,
+//   finite differences and the stages of RK4 leave the anchors alone.
+// - `advance` commits the trial of the kinematics that the step began with: MuJoCo has not computed newer ones by then.
+// - The springs obey the friction law of sim/field; the dashpots are added to their force, and the sum is held on the friction
+//   cone. Labels and sensors see the springs: what a unit's tip is deflected by.
+//
+// sensordata of one instance: the values of the sensor, in the order of its channels. With truth="true" these follow, N the
+// number of units:
+//   unit_state [N] (0 detached, 1 stick, 2 slip, 3 partial), slip_velocity [N,2] m/s, slip_distance [N] m, margin [N] (NaN while
+//   detached), contact_force [N,3] N, state and state_micro (0 none, 1 non-slip, 2 incipient, 3 gross), stuck_fraction (NaN
+//   without contact)
+// They are those of the state before the step, as all of MuJoCo's sensordata.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <mujoco/mujoco.h>
+
+#include "sim/core/contact_frame.h"
+#include "sim/core/sensor.h"
+#include "sim/field/contact_labels.h"
+#include "sim/field/field.h"
+#include "sim/mujoco/implicit.h"
+#include "sim/mujoco/pad_config.h"
+#include "sim/mujoco/stability.h"
+
+namespace slipbench {
+
+// How many numbers an instance keeps in plugin_state, and how many it writes to sensordata. MuJoCo asks before the model has its
+// meshes. pad_state_size() throws InputError when an effect does not suit a geom.
+std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const PadCatalogue& catalogue);
+std::size_t pad_sensor_size(const PadConfig& config, const PadCatalogue& catalogue);
+
+class PadInstance {
+ public:
+  // Throws InputError when a geom cannot be touched or an effect does not suit it.
+  PadInstance(const mjModel* model, int instance, PadConfig config, const PadCatalogue& catalogue);
+
+  // Adds the force of the pad's elements on its body and on the touched ones to qfrc_passive. Needs positions and velocities.
+  void add_force(const mjModel* model, mjData* data);
+  // Writes the sensordata of every sensor that refers to the instance.
+  void write_sensors(const mjModel* model, mjData* data);
+  // Makes the trial of the current kinematics the state.
+  void commit(const mjModel* model, mjData* data);
+  // Takes over what mj_copyData does not: all that a step which is half done needs of its first half.
+  void copy_from(const PadInstance& other) { computed_at_ = other.computed_at_; }
+
+  // For the group of all pads (pad_group.h):
+  // Whether a step has been committed since the last reset.
+  [[nodiscard]] bool placed(const mjModel* model, mjData* data) const;
+  // The tangent of every touched geom's elements that touch in the trial, taken as stuck.
+  void add_touching_tangents(const mjModel* model, const mjData* data, std::vector<PadOnBodies>& bodies,
+                             std::vector<PadTangent>& tangents) const;
+  // What implicit.h wants to know of a pad before there is any motion: one entry a touched geom.
+  void describe(const mjModel* model, std::vector<ImplicitPad>& pads) const;
+  // Instead of add_force(): the trial at the present pose, one entry a touched geom. The fields are the solver's until forget_trial().
+  void begin_implicit(const mjModel* model, mjData* data, std::vector<ImplicitContact>& contacts);
+  void forget_trial() { evaluated_ = fields_hold_state_ = false; }
+  // The solver's memory of this pad, in plugin_state.
+  [[nodiscard]] std::span<double> implicit_memory(const mjModel* model, mjData* data) const {
+    return parts(model, data).implicit;
+  }
+
+  // Draws every element, coloured by its state, with an arrow for the force on it.
+  void draw(const mjModel* model, mjData* data, mjvScene* scene);
+
+  // The contact as committed last: at the time of the state before the step. Events are those of that step. Kept for pads that a
+  // sensor of the model refers to; for others only after watch(), to be called before the first step, since nobody could read it.
+  [[nodiscard]] const ContactFrame& truth() const { return labels_.frame(); }
+  void watch() { watched_ = true; }
+  [[nodiscard]] Sensor& sensor() { return *sensor_; }
+  [[nodiscard]] const PadConfig& config() const { return config_; }
+  [[nodiscard]] std::span<const Field> fields() const { return fields_; }
+
+ private:
+  // A touched geom, as the field sees it.
+  struct Touched {
+    int geom;
+    int body;
+    Pose surface_in_geom;
+    Pose pad_in_surface;
+    Twist motion;  // of the pad in the surface's frame
+  };
+  // Parts of the instance's share of plugin_state.
+  struct Parts {
+    std::span<double> header, fields, implicit, memory, held, truth;
+  };
+
+  [[nodiscard]] Parts parts(const mjModel* model, mjData* data) const;
+  bool locate(const mjModel* model, const mjData* data);
+  [[nodiscard]] bool sees_the_same(const mjModel* model, const mjData* data);
+  void evaluate(const Parts& state, double time);
+  void judge(const Parts& state);
+  void measure(const Parts& state);
+  void remember_readings(const Parts& state);
+  void refuse_what_cannot_work(const mjModel* model) const;
+
+  PadConfig config_;
+  int instance_;
+  std::unique_ptr<Sensor> sensor_;
+  std::vector<std::span<double>> sensor_memory_;
+  std::vector<double> first_memory_;  // as the sensor was made: what a state of zeros stands for
+  std::vector<Touched> touched_;
+  std::vector<Field> fields_;  // one a touched geom
+  ContactLabels labels_;
+  std::vector<int> outputs_;  // addresses in sensordata
+  bool watched_;              // somebody reads the labels and the sensor
+  double step_;               // s
+  double sample_time_;        // s, 0: every step
+
+  double computed_at_ = 0.0;  // s, time of the kinematics: MuJoCo has gone on to the end of the step when it asks for a commit
+
+  std::vector<double> seen_;  // the kinematics that locate() has looked at
+
+  // The trial that the fields hold.
+  std::vector<double> ended_with_;  // the state of the fields after the trial, for the implicit solver
+  std::vector<double> began_with_;  // the state from which it started, as far as fields are concerned
+  bool evaluated_ = false;
+  bool judged_ = false;
+  bool measured_ = false;
+  bool fields_hold_state_ = false;  // the fields are as the state says: no load needed
+  double time_ = 0.0;               // s
+  double dt_ = 0.0;                 // s, since the commit
+  std::vector<double> values_;      // of the sensor, then of the truth
+  bool sampled_ = false;            // the sensor has taken a sample
+  double next_sample_ = 0.0;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,139 @@
+#include "sim/mujoco/stability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include <mujoco/mujoco.h>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace slipbench {
+namespace {
+
+constexpr double accurate_phase = 0.75;   // h omega
+constexpr double accurate_damping = 1.0;  // h tau omega^2
+
+// G' B G of a 3x3 spring B at the lever r.
+void add_spring(Matrix6d& total, const Eigen::Matrix3d& spring, const Eigen::Vector3d& r) {
+  Eigen::Matrix3d cross;
+  cross << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
+  const Eigen::Matrix3d turned = spring * cross;
+  total.topLeftCorner<3, 3>() += spring;
+  total.topRightCorner<3, 3>() -= turned;
+  total.bottomLeftCorner<3, 3>() -= turned.transpose();
+  total.bottomRightCorner<3, 3>() += cross.transpose() * turned;
+}
+
+// k_n n n' + k_t across.
+Eigen::Matrix3d spring(double k_n, const Eigen::Vector3d& n, double k_t, const Eigen::Matrix3d& across) {
+  return k_n * n * n.transpose() + k_t * across;
+}
+
+// R of K = R'R, for K positive semi-definite up to rounding.
+Matrix6d root(const Matrix6d& k) {
+  const Eigen::LDLT<Matrix6d> factor(k);
+  const Vector6d pivots = factor.vectorD().cwiseMax(0.0).cwiseSqrt();
+  Matrix6d permuted = factor.transpositionsP() * Matrix6d::Identity();
+  permuted = factor.matrixU() * permuted;
+  return pivots.asDiagonal() * permuted;
+}
+
+// Largest eigenvalue of R A R' with R = diag(roots).
+double largest_eigenvalue(const Eigen::MatrixXd& a, std::span<const Matrix6d> roots) {
+  Eigen::MatrixXd product(a.rows(), a.cols());
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    for (std::size_t j = 0; j < roots.size(); ++j) {
+      const auto row = static_cast<Eigen::Index>(6 * i), column = static_cast<Eigen::Index>(6 * j);
+      product.block<6, 6>(row, column) = roots[i] * a.block<6, 6>(row, column) * roots[j].transpose();
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(product, Eigen::EigenvaluesOnly);
+  return std::max(0.0, solver.eigenvalues().maxCoeff());
+}
+
+}  // namespace
+
+PadTangent stuck_tangent(const PadLayout& layout, const Pose& pad, const Eigen::Vector3d& point, double viscous_time) {
+  PadTangent tangent;
+  for (const Element& element : layout.elements) {
+    const Eigen::Vector3d n = -(pad.rotation * element.axis);
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - n * n.transpose();
+    const Eigen::Vector3d r = pad * element.tip - point;
+    const double c_n = element.c_normal + viscous_time * element.k_normal;
+    const double c_t = element.c_tangential + viscous_time * element.k_tangential;
+    add_spring(tangent.stiffness, spring(element.k_normal, n, element.k_tangential, across), r);
+    add_spring(tangent.damping, spring(c_n, n, c_t, across), r);
+  }
+  return tangent;
+}
+
+PadTangent field_tangent(const Field& field, const Pose& surface, const Eigen::Vector3d& point, double viscous_time) {
+  PadTangent tangent;
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    if (field.state(i) == ElementState::detached) continue;
+    const Element& element = field.layout().elements[i];
+    const Eigen::Vector3d n = surface.rotation * field.normal(i);
+    Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - n * n.transpose();
+    const bool slips = field.state(i) == ElementState::slip;
+    if (slips && field.slip_step(i) != Eigen::Vector3d::Zero()) {
+      const Eigen::Vector3d slip = surface.rotation * field.slip_step(i);
+      const double held = field.tangential_force(i).norm(), distance = slip.norm();
+      const Eigen::Vector3d along = slip / distance;
+      across = held / (held + element.k_tangential * distance) * (across - along * along.transpose()).eval();
+    }
+    const Eigen::Vector3d r = surface * field.contact_point(i) - point;
+    add_spring(tangent.stiffness, spring(element.k_normal, n, element.k_tangential, across), r);
+    const double c_n = element.c_normal + viscous_time * element.k_normal;
+    const double c_t = element.c_tangential + (slips ? 0.0 : viscous_time * element.k_tangential);
+    if (c_n > 0.0 || c_t > 0.0) add_spring(tangent.damping, spring(c_n, n, c_t, across), r);
+  }
+  return tangent;
+}
+
+void relative_jacobian(const mjModel* m, const mjData* d, const PadOnBodies& pad, double* rows) {
+  const auto nv = static_cast<Eigen::Index>(m->nv);
+  RowMatrix object(6, nv);
+  mj_jac(m, d, rows, rows + 3 * nv, pad.point.data(), pad.pad_body);
+  mj_jac(m, d, object.data(), object.data() + 3 * nv, pad.point.data(), pad.object_body);
+  Eigen::Map<RowMatrix>(rows, 6, nv) -= object;
+}
+
+Eigen::MatrixXd delassus(const mjModel* m, mjData* d, const RowMatrix& jacobians) {
+  RowMatrix solved(jacobians.rows(), jacobians.cols());
+  mj_solveM(m, d, solved.data(), jacobians.data(), static_cast<int>(jacobians.rows()));
+  const Eigen::MatrixXd a = jacobians * solved.transpose();
+  return 0.5 * (a + a.transpose());  // rounding is all that is not symmetric
+}
+
+Vibration fastest_vibration(const mjModel* m, mjData* d, std::span<const PadOnBodies> pads,
+                            std::span<const PadTangent> tangents) {
+  if (pads.size() != tangents.size()) throw std::invalid_argument("fastest_vibration: every pad needs one tangent");
+  if (pads.empty() || m->nv == 0) return {};
+  RowMatrix jacobians(static_cast<Eigen::Index>(6 * pads.size()), static_cast<Eigen::Index>(m->nv));
+  std::vector<Matrix6d> stiffness, damping;
+  for (std::size_t i = 0; i < pads.size(); ++i) {
+    relative_jacobian(m, d, pads[i], jacobians.row(static_cast<Eigen::Index>(6 * i)).data());
+    stiffness.push_back(root(tangents[i].stiffness));
+    damping.push_back(root(tangents[i].damping));
+  }
+  const Eigen::MatrixXd a = delassus(m, d, jacobians);
+  return {std::sqrt(largest_eigenvalue(a, stiffness)), largest_eigenvalue(a, damping)};
+}
+
+double longest_explicit_step(const Vibration& vibration) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  const double phase = vibration.omega > 0.0 ? accurate_phase / vibration.omega : infinite;
+  const double damping = vibration.damping_rate > 0.0 ? accurate_damping / vibration.damping_rate : infinite;
+  return std::min(phase, damping);
+}
+
+double divergence_step(double omega, double viscous_time) {
+  if (omega == 0.0) return std::numeric_limits<double>::infinity();
+  const double b = viscous_time * omega;
+  return (std::sqrt(4.0 + b * b) - b) / omega;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,56 @@
+// Effects keep in Effect::memory all that they carry from one step to the next.
+#include <gtest/gtest.h>
+
+#include "tests/sim/effects/effect_rig.h"
+#include "tests/sim/field/same_field.h"
+
+namespace slipbench::testing_effects {
+namespace {
+
+// The field with these effects, saved in the middle and loaded into a new one, as well as into one that has stepped elsewhere.
+void expect_to_go_on_alike(const std::vector<Wanted>& effects, const std::string& name) {
+  int slid = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    RandomStream draw(seed, 0, "effect state");
+    const PadLayout pad = testing_field::random_pad(draw, 40, seed % 2 == 1);
+    const Friction friction = testing_field::random_friction(draw);
+    const testing_field::RandomMotion motion(draw, Pose{}), elsewhere(draw, Pose{});
+    const auto step = [](Field& field, const testing_field::RandomMotion& path, int tick) {
+      const Pose pose = path.at(tick * 1e-3), next = path.at(tick * 1e-3 + 1e-6);
+      const Twist twist{(next.position - pose.position) / 1e-6, {0.0, 0.0, 0.0}};
+      field.step(pose, 1e-3, tick % 3 == 0 ? nullptr : &twist);  // with a velocity and with the step's mean
+    };
+    Field lasting = field_with(pad, friction, effects), fresh = field_with(pad, friction, effects),
+          used = field_with(pad, friction, effects);
+    std::vector<double> state(lasting.state_size());
+    lasting.save_state(state);
+    EXPECT_EQ(state, std::vector<double>(state.size())) << name << ": zeros stand for a field that was never stepped";
+    for (int tick = 0; tick < 120; ++tick) {
+      step(lasting, motion, tick);
+      step(used, elsewhere, tick);
+    }
+    lasting.save_state(state);
+    fresh.load_state(state);
+    used.load_state(state);
+    for (int tick = 120; tick < 240; ++tick) {
+      for (Field* field : {&lasting, &fresh, &used}) step(*field, motion, tick);
+      ASSERT_TRUE(testing_field::same_bits(lasting, fresh)) << name << ", seed " << seed << ", tick " << tick;
+      ASSERT_TRUE(testing_field::same_bits(lasting, used))
+          << name << ", seed " << seed << ", tick " << tick << ", in the used field";
+      for (std::size_t i = 0; i < lasting.size(); ++i) slid += lasting.state(i) == ElementState::slip ? 1 : 0;
+    }
+  }
+  EXPECT_GT(slid, 100) << name;
+}
+
+TEST(EffectState, EveryEffectGoesOnFromASavedState) {
+  std::vector<Wanted> all;
+  for (const EffectKind& kind : effect_catalogue()) {
+    expect_to_go_on_alike({{kind.about.name, {}}}, kind.about.name);
+    all.push_back({kind.about.name, {}});
+  }
+  expect_to_go_on_alike(all, "all together");
+}
+
+}  // namespace
+}  // namespace slipbench::testing_effects

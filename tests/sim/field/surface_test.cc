@@ -1,0 +1,421 @@
+// Capsule, ellipsoid, distance grid and mesh: values by hand, points whose nearest point is known by construction, and orders.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "sim/core/random.h"
+#include "sim/field/mesh_distance.h"
+#include "sim/field/surface.h"
+#include "tests/oracle/meshes.h"
+
+namespace slipbench {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+template <class Shape>
+SurfacePoint met(const Shape& shape, const Vector& p, const Vector& axis) {
+  return shape.at(p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z());
+}
+
+Vector normal(const SurfacePoint& point) { return {point.nx, point.ny, point.nz}; }
+
+Vector random_direction(RandomStream& draw) { return Vector(draw.normal(), draw.normal(), draw.normal()).normalized(); }
+
+template <class Shape>
+void expect_met(const Shape& shape, const Vector& p, const Vector& axis, double gap, const Vector& n) {
+  const SurfacePoint point = met(shape, p, axis);
+  EXPECT_NEAR(point.gap, gap, 1e-16) << p.transpose();
+  EXPECT_NEAR((normal(point) - n).norm(), 0.0, 1e-14) << p.transpose();
+}
+
+// Distance to an ellipsoid, signed whatever one looks at it from.
+double signed_distance(const Ellipsoid& ellipsoid, const Vector& p) {
+  const double gap = met(ellipsoid, p, Vector::Zero()).gap;
+  return p.cwiseQuotient(ellipsoid.half).squaredNorm() < 1.0 ? -std::abs(gap) : gap;
+}
+
+TEST(Capsule, ValuesByHand) {
+  const Capsule capsule{10e-3, 20e-3};
+  expect_met(capsule, {12e-3, 0.0, 5e-3}, {-1.0, 0.0, 0.0}, 2e-3, {1.0, 0.0, 0.0});
+  expect_met(capsule, {0.0, -7e-3, -3e-3}, {0.0, 1.0, 0.0}, -3e-3, {0.0, -1.0, 0.0});
+  expect_met(capsule, {0.0, -7e-3, -3e-3}, {0.0, -1.0, 0.0}, 3e-3, {0.0, -1.0, 0.0});  // looks away
+  // Beyond the straight part by 12 mm, beside the axis by (3, 4) mm: 3, 4, 12, 13.
+  expect_met(capsule, {3e-3, 4e-3, 32e-3}, {0.0, 0.0, -1.0}, 3e-3, {3.0 / 13.0, 4.0 / 13.0, 12.0 / 13.0});
+  expect_met(capsule, {0.0, 6e-3, -28e-3}, {0.0, 0.0, 1.0}, 0.0, {0.0, 0.6, -0.8});
+  expect_met(capsule, {0.0, 0.0, -29e-3}, {0.0, 0.0, 1.0}, -1e-3, {0.0, 0.0, -1.0});
+  EXPECT_GT(met(capsule, {0.0, 0.0, 7e-3}, {1.0, 0.0, 0.0}).gap, 0.0);  // on the axis no point is nearest
+}
+
+TEST(Capsule, WithoutAStraightPartIsASphere) {
+  RandomStream draw(1, 0, "capsule");
+  for (int k = 0; k < 200; ++k) {
+    const Vector p = 15e-3 * draw.uniform(0.1, 1.5) * random_direction(draw), axis = random_direction(draw);
+    const SurfacePoint a = met(Capsule{15e-3, 0.0}, p, axis), b = met(Sphere{15e-3}, p, axis);
+    EXPECT_EQ(a.gap, b.gap);
+    EXPECT_EQ(normal(a), normal(b));
+  }
+}
+
+const Vector half_axes[] = {
+    {30e-3, 30e-3, 30e-3}, {30e-3, 20e-3, 10e-3}, {30e-3, 30e-3, 10e-3}, {8e-3, 40e-3, 8e-3}, {1e-3, 20e-3, 5e-3}};
+
+TEST(Ellipsoid, GapAndNormalOfAPointSetOffFromTheSurface) {
+  // A point at the distance d along the normal from a point of the surface has that as its nearest one, out to any distance and
+  // in to the least radius of curvature, shortest^2/longest. Rounding: the point is set off to 1e-16 of the longest half axis,
+  // seen by a surface that bends its normal by 1/radius of curvature, once in the point and once more in the solution.
+  RandomStream draw(2, 0, "ellipsoid");
+  for (const Vector& half : half_axes) {
+    const Ellipsoid ellipsoid{half};
+    const double bend = half.minCoeff() * half.minCoeff() / half.maxCoeff(), rounding = 1e-15 * half.maxCoeff();
+    for (int k = 0; k < 2000; ++k) {
+      const Vector s = random_direction(draw).cwiseProduct(half);
+      const Vector n = s.cwiseQuotient(half.cwiseProduct(half)).normalized();
+      const double d = k % 2 == 0 ? -0.9 * bend * draw.uniform() : draw.uniform(0.0, 2.0) * half.maxCoeff();
+      const Vector p = s + d * n;
+      const SurfacePoint point = met(ellipsoid, p, -n);
+      ASSERT_NEAR(point.gap, d, rounding) << half.transpose() << " at " << p.transpose();
+      // At 0.9 of the radius of curvature inside, the nearest point moves ten times as far as the point.
+      ASSERT_NEAR((normal(point) - n).norm(), 0.0, 10.0 * rounding / bend) << half.transpose() << " at " << p.transpose();
+      ASSERT_NEAR(met(ellipsoid, p, n).gap, std::abs(d), rounding);
+    }
+  }
+}
+
+TEST(Ellipsoid, OnItsAxesTheNearestPointIsTheTip) {
+  for (const Vector& half : half_axes) {
+    const double bend = half.minCoeff() * half.minCoeff() / half.maxCoeff();
+    for (int k = 0; k < 3; ++k) {
+      const Vector out = Vector::Unit(k);
+      for (const double d : {-0.5 * bend, 0.0, 1e-3}) expect_met(Ellipsoid{half}, (half[k] + d) * out, -out, d, out);
+    }
+  }
+}
+
+TEST(Ellipsoid, DeepInsideTheFootLiesOnTheSurfaceAndNoPointOfItIsNearer) {
+  RandomStream draw(3, 0, "inside");
+  for (const Vector& half : half_axes) {
+    const Ellipsoid ellipsoid{half};
+    for (int k = 0; k < 300; ++k) {
+      const Vector p = random_direction(draw).cwiseProduct(half) * std::cbrt(draw.uniform(1e-9, 1.0));
+      const Vector out = normal(met(ellipsoid, p, Vector::Zero()));
+      const double gap = met(ellipsoid, p, -out).gap;
+      ASSERT_LT(gap, 0.0);
+      ASSERT_NEAR((p - gap * out).cwiseQuotient(half).norm(), 1.0, 1e-12) << p.transpose();
+      for (int j = 0; j < 300; ++j) {
+        ASSERT_GE((random_direction(draw).cwiseProduct(half) - p).norm(), -gap - 1e-17) << p.transpose();
+      }
+    }
+  }
+}
+
+TEST(Ellipsoid, NothingIsMetFromBetweenTwoNearestPoints) {
+  // The centre, and the disc of an oblate one whose points are nearer to its top and bottom than to its rim: out to a - c^2/a.
+  EXPECT_GT(met(Ellipsoid{{30e-3, 20e-3, 10e-3}}, Vector::Zero(), {0.0, 0.0, -1.0}).gap, 0.0);
+  EXPECT_GT(met(Ellipsoid{{30e-3, 30e-3, 10e-3}}, {26e-3, 0.0, 0.0}, {0.0, 0.0, -1.0}).gap, 0.0);
+  EXPECT_GT(met(Ellipsoid{{30e-3, 30e-3, 30e-3}}, Vector::Zero(), {0.0, 0.0, -1.0}).gap, 0.0);
+  EXPECT_LT(met(Ellipsoid{{30e-3, 30e-3, 10e-3}}, {27e-3, 0.0, 0.0}, {-1.0, 0.0, 0.0}).gap, 0.0);  // 30 - 100/30 = 26.67 mm
+}
+
+// Central differences over 2e of a distance of size r that bends on the scale of b: e^2/b^2 and 1e-16 r/e at most.
+template <class Shape>
+void expect_normal_is_gradient(const Shape& shape, const Vector& p, double tolerance) {
+  constexpr double e = 1e-6;
+  const SurfacePoint point = met(shape, p, Vector::Zero());
+  const auto gap = [&](const Vector& q) { return met(shape, q, -normal(point)).gap; };
+  Vector gradient;
+  for (int k = 0; k < 3; ++k) gradient[k] = (gap(p + e * Vector::Unit(k)) - gap(p - e * Vector::Unit(k))) / (2.0 * e);
+  ASSERT_NEAR((gradient.normalized() - normal(point)).norm(), 0.0, tolerance) << p.transpose();
+}
+
+TEST(SurfaceShapes, NormalIsTheGradientOfTheGap) {
+  // Distances of up to 50 mm that bend on the scale of 5 mm and more: (1e-6/5e-3)^2 = 4e-8, and 1e-16 * 0.05/1e-6 = 5e-12.
+  RandomStream draw(4, 0, "gradient");
+  const Ellipsoid ellipsoid{{30e-3, 20e-3, 15e-3}};
+  const DistanceGrid grid([&](const Vector& p) { return signed_distance(ellipsoid, p); }, -ellipsoid.half, ellipsoid.half, 2e-3);
+  for (int k = 0; k < 500; ++k) {
+    const Vector p = draw.uniform(0.8, 1.05) * random_direction(draw).cwiseProduct(ellipsoid.half);
+    expect_normal_is_gradient(ellipsoid, p, 4e-8);
+    expect_normal_is_gradient(grid, p, 4e-8);
+    expect_normal_is_gradient(Capsule{15e-3, 15e-3}, p, 4e-8);
+  }
+}
+
+TEST(DistanceGrid, CubicsAreReproduced) {
+  // Far above the least that the distance to the box allows; the value is 100 and its slope of the order of 1, so rounding is
+  // 1e-14 of it.
+  const auto cubic = [](const Vector& p) {
+    return 100.0 + p.x() * p.x() * p.x() - 2.0 * p.x() * p.y() * p.y() + p.x() * p.y() * p.z() + 0.5 * p.z() * p.z() + p.y() -
+           3.0 * p.z();
+  };
+  const auto slope = [](const Vector& p) {
+    return Vector(3.0 * p.x() * p.x() - 2.0 * p.y() * p.y() + p.y() * p.z(), -4.0 * p.x() * p.y() + p.x() * p.z() + 1.0,
+                  p.x() * p.y() + p.z() - 3.0);
+  };
+  const DistanceGrid grid(cubic, {-1.0, -0.5, -0.7}, {1.0, 0.5, 0.8}, 0.13);
+  RandomStream draw(5, 0, "cubic");
+  for (int k = 0; k < 500; ++k) {
+    const Vector p(draw.uniform(-1.3, 1.3), draw.uniform(-0.8, 0.8), draw.uniform(-1.0, 1.1));  // within the margin of 3 x 0.13
+    EXPECT_NEAR(met(grid, p, {0.0, 0.0, -1.0}).gap, cubic(p), 1e-12);
+    EXPECT_NEAR((normal(met(grid, p, {0.0, 0.0, -1.0})) - slope(p).normalized()).norm(), 0.0, 1e-11);
+  }
+}
+
+struct Errors {
+  double gap, normal;
+};
+
+// The largest from a third of the least radius of curvature below the surface to two cells above it (the grid ends at three).
+Errors errors_of_grid(const Ellipsoid& ellipsoid, double cell) {
+  const Vector& half = ellipsoid.half;
+  const double bend = half.minCoeff() * half.minCoeff() / half.maxCoeff();
+  const DistanceGrid grid([&](const Vector& p) { return signed_distance(ellipsoid, p); }, -half, half, cell);
+  RandomStream draw(6, 0, "grid");
+  Errors worst{0.0, 0.0};
+  for (int k = 0; k < 20000; ++k) {
+    const Vector s = random_direction(draw).cwiseProduct(half);
+    const Vector n = s.cwiseQuotient(half.cwiseProduct(half)).normalized();
+    const double d = draw.uniform(-bend / 3.0, 2.0 * cell);
+    const SurfacePoint point = met(grid, s + d * n, -n);
+    worst.gap = std::max(worst.gap, std::abs(point.gap - d));
+    worst.normal = std::max(worst.normal, (normal(point) - n).norm());
+  }
+  return worst;
+}
+
+TEST(DistanceGrid, ConvergesWithTheFourthOrderInTheGapAndTheThirdInTheNormal) {
+  // Half the cell: errors 16 and 8 times smaller, and more where the coarser grid is still too coarse for its leading error to
+  // lead.
+  for (const Vector& half : {Vector(30e-3, 30e-3, 30e-3), Vector(30e-3, 25e-3, 20e-3)}) {
+    const double bend = half.minCoeff() * half.minCoeff() / half.maxCoeff();
+    const Errors coarse = errors_of_grid({half}, bend / 8.0), fine = errors_of_grid({half}, bend / 16.0);
+    EXPECT_GT(coarse.gap / fine.gap, 14.0);
+    EXPECT_GT(coarse.normal / fine.normal, 7.0);
+  }
+}
+
+TEST(DistanceGrid, GapIsRightToAThousandthOfARadiusOfCurvatureOfFourCells) {
+  EXPECT_LT(errors_of_grid({{30e-3, 30e-3, 30e-3}}, 30e-3 / 4.0).gap, 1e-3 * 30e-3);
+}
+
+TEST(DistanceGrid, ErrorOfTheGapOfAFineGridIsThatOfACubicSpline) {
+  // Along each axis at most cell^4/384 times the fourth derivative. Of a distance r that is 3 (1 - w)(5 w - 1)/r^3, w the squared
+  // cosine of the angle to the axis: the three add up to 6/r^3 at most, on an axis. With r down to 2/3 of the radius R and cells
+  // of R/32 that is 6 (3/2)^3/(384 x 32^4) R = 5.03e-8 R. The next order is some (32 x 2/3)^2 times smaller.
+  const double leading = 6.0 * std::pow(1.5, 3) / (384.0 * std::pow(32.0, 4)) * 30e-3;
+  const double error = errors_of_grid({{30e-3, 30e-3, 30e-3}}, 30e-3 / 32.0).gap;
+  EXPECT_LT(error, 1.05 * leading);
+  EXPECT_GT(error, 0.8 * leading);  // the worst place is among those looked at, nearly
+}
+
+TEST(DistanceGrid, OutsideTheGapIsThatOfTheBoxAroundTheSurface) {
+  const Sphere sphere{10e-3};
+  const Vector half(10e-3, 10e-3, 10e-3);
+  const DistanceGrid grid([&](const Vector& p) { return p.norm() - sphere.radius; }, -half, half, 1e-3);
+  expect_met(grid, {14e-3, 0.0, 0.0}, {-1.0, 0.0, 0.0}, 4e-3, {1.0, 0.0, 0.0});
+  expect_met(grid, {0.0, -1.0, 9e-3}, {1.0, 0.0, 0.0}, 0.99, {0.0, -1.0, 0.0});
+  expect_met(grid, {13e-3, -14e-3, 0.0}, {1.0, 0.0, 0.0}, 5e-3, {0.6, -0.8, 0.0});
+  RandomStream draw(7, 0, "outside");
+  for (int k = 0; k < 2000; ++k) {
+    const Vector p = draw.uniform(10e-3, 40e-3) * random_direction(draw);
+    const double gap = met(grid, p, random_direction(draw)).gap;
+    EXPECT_GT(gap, 0.0);
+    EXPECT_LT(gap, p.norm() - sphere.radius + 1e-6);  // at cells of a tenth of the radius the grid is right to 36/384e4 of it
+  }
+}
+
+TEST(DistanceGrid, CopiesShareTheSamples) {
+  const DistanceGrid grid([](const Vector& p) { return p.norm() - 1.0; }, {-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}, 0.1);
+  const Surface surface = grid, copy = surface;
+  EXPECT_EQ(std::get<DistanceGrid>(copy).samples(), grid.samples());
+  EXPECT_EQ(grid.cell(), 0.1);
+  EXPECT_EQ(grid.nodes(), 29U * 29U * 29U);  // 20 cells and 3 on either side; 3 coefficients more than cells
+}
+
+TEST(DistanceGrid, RefusesWhatItCannotHold) {
+  const auto ball = [](const Vector& p) { return p.norm() - 1.0; };
+  const Vector one(1.0, 1.0, 1.0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NO_THROW(DistanceGrid(ball, -one, one, 0.1));
+  EXPECT_THROW(DistanceGrid(ball, -one, one, 0.0), std::invalid_argument);
+  EXPECT_THROW(DistanceGrid(ball, -one, one, nan), std::invalid_argument);
+  EXPECT_THROW(DistanceGrid(ball, -one, one, 1e-9), std::invalid_argument);
+  EXPECT_THROW(DistanceGrid(ball, one, -one, 0.1), std::invalid_argument);
+  EXPECT_THROW(DistanceGrid(ball, -one, Vector(nan, 1.0, 1.0), 0.1), std::invalid_argument);
+  EXPECT_THROW(DistanceGrid(ball, -0.9 * one, 0.9 * one, 0.1), std::invalid_argument);  // the ball sticks out
+  EXPECT_THROW(DistanceGrid([&](const Vector&) { return nan; }, -one, one, 0.1), std::invalid_argument);
+}
+
+TEST(DistanceGrid, CellForANumberOfSamples) {
+  // 10 cells along a cube of 1 m are 10 + 2 x 3 + 1 nodes and 3 samples beyond on either side: 23 along each axis.
+  const Vector one(1.0, 1.0, 1.0);
+  EXPECT_NEAR(DistanceGrid::cell_for(one, 23 * 23 * 23), 0.1, 1e-12);
+  EXPECT_GT(DistanceGrid::cell_for(one, 23 * 23 * 23 - 1), 0.11);  // one cell less: 1/9
+}
+
+// The signed distance to a box; inside it is that of the nearest face.
+double signed_distance(const Box& box, const Vector& p) {
+  const Vector out = p.cwiseAbs() - box.half;
+  return out.maxCoeff() > 0.0 ? out.cwiseMax(0.0).norm() : out.maxCoeff();
+}
+
+TEST(MeshDistance, CubeIsABox) {
+  const Box box{{30e-3, 20e-3, 50e-3}};
+  const oracle::Mesh mesh = oracle::box_mesh(box.half);
+  const MeshDistance distance(mesh.vertices, mesh.faces);
+  RandomStream draw(8, 0, "cube");
+  for (int k = 0; k < 20000; ++k) {
+    const Vector p(draw.uniform(-60e-3, 60e-3), draw.uniform(-40e-3, 40e-3), draw.uniform(-80e-3, 80e-3));
+    ASSERT_NEAR(distance(p), signed_distance(box, p), 1e-16) << p.transpose();
+  }
+}
+
+TEST(MeshDistance, HollowsAreHollow) {
+  // An L of two boxes, [-2, 2] x [-1, 1] x [-2, 0] and [-2, 0] x [-1, 1] x [-2, 2] mm: outside, the distance is the smaller one
+  // of theirs. Its convex hull would fill the notch above (1, 0, 1).
+  const oracle::Mesh mesh = oracle::l_mesh(1e-3);
+  const MeshDistance distance(mesh.vertices, mesh.faces);
+  const auto boxes = [](const Vector& p) {
+    return std::min(signed_distance(Box{{2e-3, 1e-3, 1e-3}}, p - Vector(0.0, 0.0, -1e-3)),
+                    signed_distance(Box{{1e-3, 1e-3, 2e-3}}, p - Vector(-1e-3, 0.0, 0.0)));
+  };
+  RandomStream draw(9, 0, "hollow");
+  int outside = 0;
+  for (int k = 0; k < 20000; ++k) {
+    const Vector p(draw.uniform(-3e-3, 3e-3), draw.uniform(-2e-3, 2e-3), draw.uniform(-3e-3, 3e-3));
+    const double expected = boxes(p);
+    if (expected > 0.0) {
+      ++outside;
+      ASSERT_NEAR(distance(p), expected, 1e-17) << p.transpose();
+    } else {
+      ASSERT_LE(distance(p), expected + 1e-17) << p.transpose();  // inside, the wall between the boxes is none
+    }
+  }
+  EXPECT_GT(outside, 1000);
+  EXPECT_NEAR(distance({0.5e-3, 0.0, 0.5e-3}), 0.5e-3, 1e-18);
+}
+
+TEST(MeshDistance, BesideSharpEdgesAndTipsTheSideIsThatOfTheWholeMesh) {
+  // A leaning spike: beyond its tip and along its edges the nearest point belongs to faces that look away from the point as well
+  // as to others. Inside is what lies below all four faces.
+  const oracle::Mesh spike{{{0.0, 0.0, 0.0}, {2e-3, 0.0, 0.0}, {0.0, 1e-3, 0.0}, {9e-3, 2e-3, 6e-3}},
+                           {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+  const MeshDistance distance(spike.vertices, spike.faces);
+  RandomStream draw(12, 0, "spike");
+  for (int k = 0; k < 20000; ++k) {
+    const Vector p(draw.uniform(-2e-3, 11e-3), draw.uniform(-2e-3, 4e-3), draw.uniform(-2e-3, 8e-3));
+    double highest = -1.0;  // over the plane of a face [m]
+    for (const auto& [a, b, c] : spike.faces) {
+      const Vector n = (spike.vertices[b] - spike.vertices[a]).cross(spike.vertices[c] - spike.vertices[a]).normalized();
+      highest = std::max(highest, n.dot(p - spike.vertices[a]));
+    }
+    // Inside, the nearest face is that of the least depth; outside, the mesh is no nearer than any plane that has it all below.
+    if (highest < 0.0) {
+      ASSERT_NEAR(distance(p), highest, 1e-17) << p.transpose();
+    } else {
+      ASSERT_GE(distance(p), highest - 1e-17) << p.transpose();
+    }
+  }
+}
+
+TEST(MeshDistance, GridOfACubeIsABoxAwayFromItsEdges) {
+  // A grid reproduces a linear distance, and up to 4 cells away along each axis it looks at. At a depth of up to 2 cells it looks
+  // down to 6, and 10 from the edges it looks out to 6 from them: up to where two faces are equally near.
+  const Box box{{30e-3, 20e-3, 50e-3}};
+  const oracle::Mesh mesh = oracle::box_mesh(box.half);
+  const DistanceGrid grid = MeshDistance(mesh.vertices, mesh.faces).on_grid(400'000);
+  const double cell = grid.cell(), from_edge = 10.0 * cell;
+  EXPECT_LT(cell, 1.5e-3);
+  RandomStream draw(10, 0, "cube");
+  for (int k = 0; k < 2000; ++k) {
+    const Vector p(draw.uniform(-1.0, 1.0) * (box.half.x() - from_edge), draw.uniform(-1.0, 1.0) * (box.half.y() - from_edge),
+                   box.half.z() + draw.uniform(-2.0, 2.0) * cell);
+    const SurfacePoint a = met(grid, p, {0.0, 0.0, -1.0}), b = met(box, p, {0.0, 0.0, -1.0});
+    ASSERT_NEAR(a.gap, b.gap, 1e-15);
+    ASSERT_NEAR((normal(a) - normal(b)).norm(), 0.0, 1e-12);
+  }
+}
+
+TEST(MeshDistance, GridOfABallOfTrianglesIsABall) {
+  // 20 x 4^4 triangles of a ball of 30 mm: a chord of length c lies c^2/(8 R) below its arc, the middle of a triangle 4/3 of
+  // that. Their edges are 63.4 degrees/2^4, 30 mm x 1.107/16 = 2.1 mm, times 1.2 for the longest: 36 um.
+  const oracle::Mesh mesh = oracle::ball_mesh(30e-3, 4);
+  EXPECT_EQ(mesh.faces.size(), 5120U);
+  const DistanceGrid grid = MeshDistance(mesh.vertices, mesh.faces).on_grid(400'000);
+  RandomStream draw(11, 0, "ball");
+  for (int k = 0; k < 2000; ++k) {
+    const double d = draw.uniform(-2e-3, 2e-3);
+    const Vector out = random_direction(draw), p = (30e-3 + d) * out;
+    const SurfacePoint point = met(grid, p, -out);
+    ASSERT_NEAR(point.gap, d + 18e-6, 18e-6 + 1e-6) << p.transpose();
+    ASSERT_NEAR((normal(point) - out).norm(), 0.0, 0.5 * 2.5e-3 / 30e-3) << p.transpose();  // half an edge of a triangle
+  }
+}
+
+template <class Action>
+void expect_refused(const Action& action, const std::string& what) {
+  try {
+    action();
+    FAIL() << "not refused: " << what;
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr(what));
+  }
+}
+
+TEST(MeshDistance, RefusesWhatHasNoInside) {
+  const oracle::Mesh cube = oracle::box_mesh({1e-3, 1e-3, 1e-3});
+  const auto make = [](const oracle::Mesh& mesh) { return MeshDistance(mesh.vertices, mesh.faces); };
+  EXPECT_NO_THROW(make(cube));
+
+  oracle::Mesh open = cube;
+  open.faces.pop_back();
+  expect_refused([&] { make(open); }, "not closed: of the 33 edges of its faces 3 meet no other face");
+  oracle::Mesh doubled = cube;
+  doubled.faces.push_back(doubled.faces.front());
+  expect_refused([&] { make(doubled); }, "3 more than one");
+  oracle::Mesh turned = cube;
+  for (MeshDistance::Face& face : turned.faces) std::swap(face[0], face[1]);
+  expect_refused([&] { make(turned); }, "inside out");
+  oracle::Mesh wrong = cube;
+  wrong.faces.front()[1] = 8;
+  expect_refused([&] { make(wrong); }, "names vertex 8 of 8");
+  oracle::Mesh infinite = cube;
+  infinite.vertices.front().x() = std::numeric_limits<double>::infinity();
+  expect_refused([&] { make(infinite); }, "not finite");
+  expect_refused([&] { make({cube.vertices, {}}); }, "no faces");
+}
+
+TEST(MeshDistance, VerticesAtOnePlaceAreOne) {
+  // Every face with corners of its own, as files of triangles have them.
+  const oracle::Mesh cube = oracle::box_mesh({1e-3, 1e-3, 1e-3});
+  oracle::Mesh loose;
+  for (const MeshDistance::Face& face : cube.faces) {
+    const auto first = static_cast<std::uint32_t>(loose.vertices.size());
+    for (const std::uint32_t corner : face) loose.vertices.push_back(cube.vertices[corner]);
+    loose.faces.push_back({first, first + 1, first + 2});
+  }
+  EXPECT_NEAR(MeshDistance(loose.vertices, loose.faces)({0.0, 0.0, 0.4e-3}), -0.6e-3, 1e-18);
+}
+
+TEST(MeshDistance, AWallThinnerThanTwoCellsIsRefused) {
+  // A plate of 100 x 100 x 0.2 mm: 400,000 samples are at most 30,000 in each of the 13 layers that any grid has, so cells are
+  // over 100 mm/sqrt(30,000) = 0.57 mm. One of 100 x 100 x 10 mm has room for them: its cells are under 1 mm.
+  const auto grid = [](double thickness) {
+    const oracle::Mesh mesh = oracle::box_mesh({50e-3, 50e-3, 0.5 * thickness});
+    return MeshDistance(mesh.vertices, mesh.faces).on_grid(400'000);
+  };
+  expect_refused([&] { grid(0.2e-3); }, "the mesh is too thin");
+  EXPECT_LT(grid(10e-3).cell(), 1e-3);
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,110 @@
+// A pad that is driven over a free box, which rests on another pad: slow and fast, to and fro; and a box between fingers of
+// another mass.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/stability/hard_case.h"
+
+namespace slipbench::hard {
+namespace {
+
+using ::testing::HasSubstr;
+
+// The box's upper face lies at z = 0, under the stage's pad; both pads are nine pillars.
+std::string stacked_model(const BoxOnPad& box) {
+  std::string model = model_of(box);
+  const double down = -2.0 * half_height;
+  const auto replace = [&model](const std::string& from, const std::string& to) {
+    model.replace(model.find(from), from.size(), to);
+  };
+  replace("<body name='pad'>", "<body name='pad' pos='0 0 " + exact(down) + "'>");
+  replace("<body name='box' pos='" + exact(box.position),
+          "<body name='box' pos='" + exact(box.position + Eigen::Vector3d(0, 0, down)));
+  return model;
+}
+
+std::string stacked_scene(const std::string& motion, double duration, double damping) {
+  return "slipbench: 1\nmodel: box.xml\nduration: " + exact(longest_sample * std::ceil(duration / longest_sample)) +
+         " s\ntime_step: auto\nfriction: {static: 0.2, kinetic: 0.2}\nsensors:\n  top: {type: papillarray, touches: [box], "
+         "damping: " +
+         exact(damping) + " s}\n  bottom: {type: papillarray, site: pad, touches: [box], damping: " + exact(damping) +
+         " s}\nmotion: {compression: 0.04 mm, gap: 0.05 mm, start: 0.5 s, acceleration: inf, " + motion + "}\n";
+}
+
+// The pad above bears N and slides with mu N, the pad below bears N + m g and sticks: its springs give way by mu N/K_t. So they
+// do at any speed, and after the way has been turned back, with the sign turned. The box leans under the two, so N is what
+// presses on its face.
+class Slide : public ::testing::TestWithParam<double> {};
+
+TEST_P(Slide, PullsWithMuTimesTheLoadAtAnySpeedAndBothWays) {
+  const double speed = GetParam();
+  BoxOnPad box;
+  box.mu = 0.2;
+  box.position.z() = -sag_of(box);
+  box.turn = {1e-4, 0.6e-4, 4e-3};
+  const double there = std::max(0.1, 0.3e-3 / speed), back = std::max(0.1, 0.45e-3 / speed);
+  CaseRun run(stacked_scene("speed: " + exact(speed) + " m/s, reverse: " + exact(there) + " s", 0.5 + there + back + 0.01, 4e-4),
+              "box.xml", stacked_model(box), {&box.pad, &box.pad});
+  for (const double at : {0.5 + there, 0.5 + there + back}) {
+    run.to(at - 0.001);
+    const Eigen::Vector3d above = run.force(0), below = run.force(1);
+    const double way = at < 0.6 + there ? 1.0 : -1.0;
+    EXPECT_EQ(run->contact(0).state, PadState::gross);
+    EXPECT_EQ(run->contact(1).state, PadState::non_slip);
+    const Eigen::Vector3d on_face = run.body("box").pose.rotation.transpose() * above;
+    EXPECT_NEAR(on_face.head<2>().norm(), 0.2 * -on_face.z(), 1e-6 * -on_face.z());
+    EXPECT_GT(way * above.x(), 0.0);
+    EXPECT_LT((above + below - Eigen::Vector3d(0.0, 0.0, box.mass * g)).norm(), 1e-3 * box.mass * g);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Stability, Slide, ::testing::Values(1e-4, 1e-3, 1e-2, 1e-1));
+
+// A finger on a guide presses with 5 N on the box, which rests on the pad.
+struct Ratio {
+  double finger, box;  // kg
+};
+class MassRatio : public ::testing::TestWithParam<Ratio> {};
+
+TEST_P(MassRatio, OfOneToAThousandIsCarriedOrRefused) {
+  const auto [finger, mass] = GetParam();
+  BoxOnPad box;
+  box.mass = mass;
+  box.position.z() = -sag_of(box);
+  box.turn = {1e-4, 0.6e-4, 4e-3};
+  std::string model = stacked_model(box);
+  model.insert(model.find("</worldbody>"),
+               "<body name='finger' pos='0.05e-3 0.03e-3 0.01e-3'><joint name='down' type='slide' axis='0 0 -1' damping='" +
+                   exact(40.0 * finger) + "'/><geom type='box' pos='0 0 0.03' size='0.01 0.01 0.01' mass='" + exact(finger) +
+                   "'/><site name='finger'/></body>");
+  model.insert(model.find("</actuator>"), "<motor name='press' joint='down'/>");
+  // The stiffest mode: the light body against 18 springs or 9 that are fixed; tau omega = 0.4 at most.
+  const double fastest = std::sqrt(18.0 * k_n / std::min(finger, mass));
+  const auto scene = [&](const std::string& step) {
+    return "slipbench: 1\nmodel: box.xml\nduration: 4 s\ntime_step: " + step +
+           "\nfriction: {static: 0.5, kinetic: 0.5}\ncontrols: {press: [[0.1 s, 0 N], [0.3 s, 5 N]]}\nsensors:\n"
+           "  top: {type: papillarray, site: finger, touches: [box], damping: " +
+           exact(0.4 / fastest) +
+           " s}\n  bottom: {type: papillarray, site: pad, touches: [box], damping: " + exact(0.4 / fastest) + " s}\n";
+  };
+  try {
+    CaseRun run(scene("1 ms"), "box.xml", model, {&box.pad, &box.pad});
+    ADD_FAILURE() << "1 ms is taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("1 ms is too long for explicit springs of the pads"));
+    EXPECT_THAT(error.what(), HasSubstr("allowed are up to "));
+  }
+  CaseRun run(scene("auto"), "box.xml", model, {&box.pad, &box.pad});
+  run.to_end();
+  EXPECT_NEAR(-run.force(0).z(), 5.0 + finger * g, 1e-3 * finger * g);
+  EXPECT_NEAR(run.force(1).z(), 5.0 + (finger + mass) * g, 1e-3 * mass * g);
+}
+
+INSTANTIATE_TEST_SUITE_P(Stability, MassRatio, ::testing::Values(Ratio{1e-3, 1.0}, Ratio{1.0, 1e-3}));
+
+}  // namespace
+}  // namespace slipbench::hard

@@ -1,0 +1,207 @@
+// A free box on a pad, as heavy, as stiff and as smooth as a hard case wants it.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <mujoco/mujoco.h>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+#include "sim/mujoco/dynamic_bench.h"
+#include "sim/scene/parser.h"
+#include "tests/sim/mujoco/dynamic_rig.h"
+
+namespace slipbench::hard {
+
+inline constexpr double g = 9.81;                    // m/s2
+inline constexpr double longest_sample = 2e-3;       // s, sampling time of the pads: the longest step of the hard cases
+inline constexpr double k_n = 7100.0, k_t = 3900.0;  // N/m, a real pillar (SENSORS.md)
+// m. So wide that 5 kg stand on the softest pad: turned by a, its face sends the box m g a/K_t sideways, and the pad has to bear
+// m g times that with K_r a, K_r = 6 k_n pitch^2: with K_t = 9 k_t it takes pitch > m g/sqrt(54 k_n k_t) = 13 mm at a tenth of
+// k_n, k_t.
+inline constexpr double pitch = 0.02;
+
+// n x n flat elements, one every `spacing` [m], each with `k_normal` and `k_tangential` [N/m]; one unit each.
+inline PadLayout flat_square(int n, double spacing, double k_normal, double k_tangential) {
+  PadLayout pad;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      Element element;
+      element.tip = {spacing * (i - 0.5 * (n - 1)), spacing * (j - 0.5 * (n - 1)), 0.0};
+      element.k_normal = k_normal;
+      element.k_tangential = k_tangential;
+      pad.units.push_back({pad.elements.size(), 1});
+      pad.elements.push_back(element);
+    }
+  }
+  return pad;
+}
+
+inline std::string exact(double value) {
+  std::ostringstream text;
+  text.precision(17);
+  text << value;
+  return text.str();
+}
+
+inline std::string exact(const Eigen::Vector3d& v) { return exact(v.x()) + " " + exact(v.y()) + " " + exact(v.z()); }
+
+// A box whose frame has its origin in the middle of the face it lies on, its centre of mass 1 mm above it and a little
+// beside: what pushes at the origin hardly tips it. Nothing of it is symmetric about the pad.
+struct BoxOnPad {
+  double mass = 0.1;                                                                   // kg
+  double mu = 0.5;                                                                     // static and kinetic
+  PadLayout pad = flat_square(3, pitch, k_n, k_t);                                     // looks up, fixed to the world
+  double damping = 0.0;                                                                // s, tau
+  std::string time_step = "auto";                                                      // of the scene
+  double duration = 1.0;                                                               // s, rounded up to whole samples
+  Eigen::Vector3d position{0.013e-3, -0.021e-3, 0.0};                                  // m, of the face's middle over the pad's
+  Eigen::Vector3d turn = 0.004 * Eigen::Vector3d(0.5, 0.7, 0.6).normalized();          // rad
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), spin = Eigen::Vector3d::Zero();  // m/s in the world, rad/s in the box
+  std::vector<std::pair<double, double>> push{{0.0, 0.0}};                             // s, N along x
+  std::string solver = "explicit", integrator = "implicitfast";
+  double gravity = g;
+};
+
+inline constexpr double half_width = 0.04, half_height = 0.02;  // m
+inline const Eigen::Vector3d centre{0.03e-3, 0.01e-3, 1e-3};    // m, of mass
+// About the centre of mass, of a plate of that width [kg m2].
+inline Eigen::Vector3d inertia_of(double mass) {
+  const double across = mass * (half_width * half_width + half_height * half_height) / 3.0;
+  return {across, across, 2.0 / 3.0 * mass * half_width * half_width};
+}
+
+inline std::string model_of(const BoxOnPad& box) {
+  const double angle = box.turn.norm();
+  const Eigen::Vector3d axis = angle > 0.0 ? Eigen::Vector3d(box.turn / angle) : Eigen::Vector3d::UnitZ();
+  return "<mujoco><compiler angle='radian'/><option integrator='" + box.integrator + "' gravity='0 0 " + exact(-box.gravity) +
+         "'/><worldbody>"
+         "<body name='pad'><geom type='box' pos='0 0 -0.02' size='0.02 0.02 0.005'/><site name='pad' zaxis='0 0 -1'/></body>"
+         "<body name='box' pos='" +
+         exact(box.position) + "' axisangle='" + exact(axis) + " " + exact(angle) + "'><freejoint name='box'/><inertial pos='" +
+         exact(centre) + "' mass='" + exact(box.mass) + "' diaginertia='" + exact(inertia_of(box.mass)) +
+         "'/><geom name='box' type='box' pos='0 0 " + exact(half_height) + "' size='" +
+         exact({half_width, half_width, half_height}) +
+         "'/></body></worldbody>"
+         "<actuator><motor name='push' joint='box' gear='1 0 0 0 0 0'/></actuator></mujoco>";
+}
+
+inline std::string scene_of(const BoxOnPad& box) {
+  std::string push;
+  for (const auto& [time, force] : box.push) push += (push.empty() ? "[[" : ", [") + exact(time) + " s, " + exact(force) + " N]";
+  return "slipbench: 1\nmodel: box.xml\nduration: " + exact(longest_sample * std::ceil(box.duration / longest_sample - 1e-9)) +
+         " s\ntime_step: " + box.time_step + "\nfield_solver: " + box.solver + "\nfriction: {static: " + exact(box.mu) +
+         ", kinetic: " + exact(box.mu) + "}\ncontrols: {push: " + push +
+         "]}\nsensors: {pad: {type: papillarray, site: pad, touches: [box], damping: " + exact(box.damping) + " s}}\n";
+}
+
+// A bench of the scene; pads are those handed over, whatever the scene's sensors are.
+class CaseRun {
+ public:
+  explicit CaseRun(const BoxOnPad& box) : CaseRun(scene_of(box), "box.xml", model_of(box), {&box.pad}) {
+    Eigen::Map<Eigen::Vector3d>(bench_->data()->qvel) = box.velocity;
+    Eigen::Map<Eigen::Vector3d>(bench_->data()->qvel + 3) = box.spin;
+  }
+  CaseRun(const std::string& scene, const std::string& file, const std::string& model,
+          const std::vector<const PadLayout*>& pads) {
+    register_plugin_once();
+    folder_.write(file, model);
+    const Scene read = parse_scene(SceneFile::from_text(scene, folder_.file("scene.yaml")), program_catalogues());
+    bench_ = std::make_unique<DynamicBench>(read, pads, std::vector<double>(pads.size(), 1.0 / longest_sample), 0);
+  }
+
+  DynamicBench* operator->() { return bench_.get(); }
+  // Until the tick at `time` [s] has been evaluated: truth and bodies are those of then.
+  void to(double time) {
+    while (static_cast<double>(done_) * bench_->time_step() <= time + 1e-9) step();
+  }
+  void to_end() {
+    while (done_ < bench_->ticks()) step();
+  }
+  void step() {
+    bench_->step();
+    ++done_;
+  }
+  [[nodiscard]] const BodyState& body(const std::string& name) const {
+    for (const NamedBody& body : bench_->bodies()) {
+      if (body.name == name) return body.state;
+    }
+    throw std::out_of_range(name);
+  }
+  // Of the box in the world [N s].
+  [[nodiscard]] Eigen::Vector3d momentum() const {
+    const BodyState& box = body("box");
+    const int id = mj_name2id(bench_->model(), mjOBJ_BODY, "box");
+    return bench_->model()->body_mass[id] * (box.velocity + box.angular_velocity.cross(box.pose.rotation * centre));
+  }
+  // Of the pad's springs on what it touches, in the world [N].
+  [[nodiscard]] Eigen::Vector3d force(std::size_t pad = 0) const {
+    return -(body_of_pad(pad).rotation * bench_->contact(pad).force.rowwise().sum().matrix());
+  }
+
+ private:
+  [[nodiscard]] const Pose& body_of_pad(std::size_t pad) const { return bench_->bodies()[pad].state.pose; }
+
+  ModelFolder folder_;
+  std::unique_ptr<DynamicBench> bench_;
+  std::size_t done_ = 0;
+};
+
+// The modes of the box on its pad with every element stuck: K x = omega^2 M x about the pad's origin, written out for a pad that
+// looks up and a box with the pose it starts with.
+struct Modes {
+  double fastest, slowest;  // rad/s
+};
+inline Modes modes_of(const BoxOnPad& box) {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  const auto cross = [](const Eigen::Vector3d& v) {
+    Eigen::Matrix3d m;
+    m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+    return m;
+  };
+  Matrix6 stiffness = Matrix6::Zero(), mass = Matrix6::Zero();
+  for (const Element& e : box.pad.elements) {
+    // The site's x axis is the world's x or -x: the pad is symmetric, so that the sign is the same.
+    Eigen::Matrix<double, 3, 6> move;  // of the tip, per velocity at the origin and spin
+    move << Eigen::Matrix3d::Identity(), -cross({e.tip.x(), e.tip.y(), -e.tip.z()});
+    stiffness += move.transpose() * Eigen::Vector3d(e.k_tangential, e.k_tangential, e.k_normal).asDiagonal() * move;
+  }
+  const double angle = box.turn.norm();
+  const Eigen::Matrix3d turn =
+      angle > 0.0 ? Eigen::AngleAxisd(angle, box.turn / angle).toRotationMatrix() : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  Eigen::Matrix<double, 3, 6> move;
+  move << Eigen::Matrix3d::Identity(), -cross(box.position + turn * centre);
+  mass = box.mass * move.transpose() * move;
+  mass.bottomRightCorner<3, 3>() += turn * inertia_of(box.mass).asDiagonal() * turn.transpose();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> solver(stiffness, mass, Eigen::EigenvaluesOnly);
+  return {std::sqrt(solver.eigenvalues()[5]), std::sqrt(solver.eigenvalues()[0])};
+}
+
+// Depth at which the pad carries the box [m].
+inline double sag_of(const BoxOnPad& box) {
+  double k = 0.0;
+  for (const Element& element : box.pad.elements) k += element.k_normal;
+  return box.mass * box.gravity / k;
+}
+
+// What a scene that is refused is told; empty when it is taken.
+inline std::string refusal(const BoxOnPad& box) {
+  try {
+    CaseRun run(box);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace slipbench::hard
