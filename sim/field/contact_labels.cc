@@ -92,6 +92,7 @@ void ContactLabels::sum_units(std::span<Field> fields, double dt) {
   for (Field& field : fields) field.view_from_pad();
   const double rate = 1.0 / dt;
   elements_ = {};
+  Eigen::Vector3d faced(0.0, 0.0, 0.0);  // the normal that the contact plane was turned for last
   for (std::size_t u = 0; u < units_.size(); ++u) {
     const double share = shares_[u];
     const auto c = static_cast<Eigen::Index>(u);
@@ -120,7 +121,10 @@ void ContactLabels::sum_units(std::span<Field> fields, double dt) {
           field, units_[u],
           [&](const auto& force, const auto& deflection, const auto& slip, double distance, const auto& tangential,
               const auto& normal, double limit, double /*press*/, const unit_rules::Count& count) __attribute__((always_inline)) {
-            if (u == 0 || !field.on_plane()) face(field, normal);
+            if (u == 0 || (!field.on_plane() && normal != faced)) {
+              faced = normal;
+              face(field, normal);
+            }
             write(field, force, deflection, slip, distance, tangential, normal, limit, count);
           });
       continue;

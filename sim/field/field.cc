@@ -407,11 +407,6 @@ ElementColumns Field::view(double dt) const {
           columns_[mode_before]};
 }
 
-double Field::cone_gauge(const Eigen::Vector3d& t, const Eigen::Vector3d& n, double limit) const {
-  if (limit == 0.0) return 1.0;
-  return effects_.cone ? effects_.cone->gauge(t.data(), n.data(), limit) : t.norm() / limit;
-}
-
 void Field::view_from_pad() { kernel::view_from_pad(columns_, pose_.rotation.transpose(), padded_); }
 
 Wrench Field::wrench_on_surface() const {

@@ -115,7 +115,10 @@ class Field {
 
   // How far a tangential force t [N] reaches towards the friction cone of `limit` [N] around the normal n: |t|/limit for the
   // circular cone, 1 on the cone of an effect and where there is no friction at all.
-  [[nodiscard]] double cone_gauge(const Eigen::Vector3d& t, const Eigen::Vector3d& n, double limit) const;
+  [[nodiscard]] double cone_gauge(const Eigen::Vector3d& t, const Eigen::Vector3d& n, double limit) const {
+    if (limit == 0.0) return 1.0;
+    return effects_.cone ? effects_.cone->gauge(t.data(), n.data(), limit) : t.norm() / limit;
+  }
   // mu_s f_n of the element as the effects leave it [N].
   [[nodiscard]] double stick_limit(std::size_t i) const { return columns_[limit][i]; }
 

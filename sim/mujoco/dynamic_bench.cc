@@ -381,12 +381,8 @@ void DynamicBench::State::find_field_force() {
     field_force = force(d()->qfrc_passive) - others;
     return;
   }
-  // They act in MuJoCo's solver: what is left of the change of momentum is theirs.
-  work_space = after - before;
-  mj_mulM(m(), d(), field_force.data(), work_space.data());
-  field_force = (field_force / dt + force(d()->qfrc_bias) - others - force(d()->qfrc_actuator) - force(d()->qfrc_applied) -
-                 force(d()->qfrc_constraint))
-                    .eval();
+  field_force.setZero();
+  pad_group_of(m(), d())->add_applied(m(), d(), field_force.data());
 }
 
 // Works of the step that has been taken. That of the fields on the stage waits for the force at the step's end: what moves as

@@ -48,8 +48,9 @@ Element read_row(const YamlNode& row, const std::string& subject) {
 
 std::size_t count_of(const YamlNode& node, const std::string& subject) {
   const double count = number_of(node, subject, Quantity::none);
-  if (!(count >= 1.0) || count != std::floor(count)) {
-    fail(node.origin, subject + " is '" + node.text + "'; allowed: a whole number of at least 1");
+  if (!(count >= 1.0) || !(count <= static_cast<double>(Field::max_elements)) || count != std::floor(count)) {
+    fail(node.origin,
+         subject + " is '" + node.text + "'; allowed: a whole number from 1 to " + std::to_string(Field::max_elements));
   }
   return static_cast<std::size_t>(count);
 }

@@ -30,27 +30,30 @@ PadGroup::PadGroup(const mjModel* model, std::vector<PadInstance*> pads) {
   for (PadInstance* pad : pads) (pad->config().implicit ? implicit_ : explicit_).push_back(pad);
   std::size_t contacts = 0;
   for (const PadInstance* pad : explicit_) contacts += pad->config().geoms.size();
-  most_touching_.assign(contacts, 0);
+  touching_.assign(contacts, 0);
   if (implicit_.empty()) return;
 
-  std::vector<ImplicitPad> described;
   for (const PadInstance* pad : implicit_) {
     if (pad->config().damping != implicit_.front()->config().damping) {
       throw InputError(fmt::format("plugins {}: implicit pads of one model have one damping; found {} and {}",
                                    names_of(implicit_), format_quantity(implicit_.front()->config().damping, Quantity::time),
                                    format_quantity(pad->config().damping, Quantity::time)));
     }
-    pad->describe(model, described);
+    pad->describe(model, described_);
   }
-  std::string failure = implicit_refusal(model, described);
-  if (failure.empty()) failure = implicit_self_test(model, described);
+  std::string failure = implicit_refusal(model, described_);
+  if (failure.empty()) failure = implicit_self_test(model, described_);
   if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit': {}", names_of(implicit_), failure));
-  memory_.resize(described.size() * ImplicitFields::memory_per_contact);
+  memory_.resize(described_.size() * ImplicitFields::memory_per_contact);
 }
 
 void PadGroup::add_force(const mjModel* model, mjData* data) {
   if (guarded_ && !explicit_.empty()) refuse_long_step(model, data);
   if (implicit_.empty()) return;
+  // Options may have been changed since the mjData was made.
+  if (const std::string refusal = implicit_refusal(model, described_); !refusal.empty()) {
+    throw InputError(fmt::format("plugins {}: solver='implicit': {}", names_of(implicit_), refusal));
+  }
   std::vector<ImplicitContact> contacts;
   double* gathered = memory_.data();
   for (PadInstance* pad : implicit_) {
@@ -75,39 +78,65 @@ void PadGroup::finish(const mjModel* model, mjData* data) {
   }
 }
 
+void PadGroup::add_applied(const mjModel* model, mjData* data, mjtNum* force) const {
+  std::size_t i = 0;
+  for (const PadInstance* pad : implicit_) {
+    const int site = pad->config().site;
+    for (const int geom : pad->config().geoms) {
+      const Wrench& wrench = solver_.applied(i++);
+      const Eigen::Vector3d back_force = -wrench.force, back_torque = -wrench.torque;
+      const mjtNum* origin = data->site_xpos + 3 * site;
+      mj_applyFT(model, data, wrench.force.data(), wrench.torque.data(), origin, model->site_bodyid[site], force);
+      mj_applyFT(model, data, back_force.data(), back_torque.data(), origin, model->geom_bodyid[geom], force);
+    }
+  }
+}
+
 void PadGroup::copy_from(const PadGroup& other) {
   guarded_ = other.guarded_;
-  most_touching_ = other.most_touching_;
+  pending_ = other.pending_;
+  touching_ = other.touching_;
   solver_ = other.solver_;
   memory_ = other.memory_;
   unconverged_ = other.unconverged_;
 }
 
+// The step is judged when more elements of a pad touch than in the step before. Before the first commit nothing is thrown, since MuJoCo's
+// compiler takes one step with whatever step the model has; what was found then is thrown at the next one, contact or not.
 void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
-  if (!explicit_.front()->placed(model, data)) return;  // MuJoCo's compiler takes one step with whatever step the model has
+  const bool placed = explicit_.front()->placed(model, data);
+  if (!placed) {
+    pending_.clear();
+    std::fill(touching_.begin(), touching_.end(), std::size_t{0});
+  } else if (!pending_.empty()) {
+    throw InputError(pending_);
+  }
   bool more = false;
-  std::size_t k = 0;
+  std::vector<std::size_t> touching;
   for (const PadInstance* pad : explicit_) {
     for (const Field& field : pad->fields()) {
-      std::size_t touching = 0;
-      for (std::size_t i = 0; i < field.size(); ++i) touching += field.state(i) != ElementState::detached ? 1 : 0;
-      more = more || touching > most_touching_[k];
-      most_touching_[k] = std::max(most_touching_[k], touching);
-      ++k;
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < field.size(); ++i) count += field.state(i) != ElementState::detached ? 1 : 0;
+      more = more || count > touching_[touching.size()];
+      touching.push_back(count);
     }
   }
-  if (!more) return;
-  std::vector<PadOnBodies> bodies;
-  std::vector<PadTangent> tangents;
-  for (const PadInstance* pad : explicit_) pad->add_touching_tangents(model, data, bodies, tangents);
-  const Vibration vibration = fastest_vibration(model, data, bodies, tangents);
-  const double longest = bearable * longest_explicit_step(vibration);
-  if (model->opt.timestep <= longest) return;
-  throw InputError(fmt::format(
-      "plugins {}: the time step {} is too long for what touches at {}: its fastest vibration is {:.4g} rad/s; allowed: "
-      "up to {:.4g} ms, or solver='implicit'",
-      names_of(explicit_), format_quantity(model->opt.timestep, Quantity::time), format_quantity(data->time, Quantity::time),
-      vibration.omega, 1e3 * longest));
+  if (more) {
+    std::vector<PadOnBodies> bodies;
+    std::vector<PadTangent> tangents;
+    for (const PadInstance* pad : explicit_) pad->add_touching_tangents(model, data, bodies, tangents);
+    const Vibration vibration = fastest_vibration(model, data, bodies, tangents);
+    const double longest = bearable * longest_explicit_step(vibration);
+    if (!(model->opt.timestep <= longest)) {
+      pending_ = fmt::format(
+          "plugins {}: the time step {} is too long for what touches at {}: its fastest vibration is {:.4g} rad/s; "
+          "allowed: up to {:.4g} ms, or solver='implicit'",
+          names_of(explicit_), format_quantity(model->opt.timestep, Quantity::time), format_quantity(data->time, Quantity::time),
+          vibration.omega, 1e3 * longest);
+      if (placed) throw InputError(std::exchange(pending_, ""));
+    }
+  }
+  touching_ = std::move(touching);
 }
 
 }  // namespace slipbench

@@ -1,12 +1,13 @@
 // All pads of one mjData together: what one of them cannot know alone.
 //
 // - Explicit pads bear no step with h omega > 1 (stability.h), omega that of all of them on their bodies. It is worked out for the elements
-//   that touch, taken as stuck, before the second step and whenever more touch than ever before. A step that is too long is refused then.
-//   (The first step is also taken by MuJoCo's compiler, before the caller could set its length.)
+//   that touch, taken as stuck, whenever more of them touch than in the step before. A step that is too long is refused from the second one
+//   on: the first is also taken by MuJoCo's compiler, before the caller could set its length.
 // - Implicit pads are solved together (implicit.h).
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include <mujoco/mujoco.h>
@@ -27,6 +28,8 @@ class PadGroup {
   void add_force(const mjModel* model, mjData* data);
   // When the step has found its acceleration.
   void finish(const mjModel* model, mjData* data);
+  // After finish(): adds to `force` [nv] what the implicit pads applied in the step. Before anything moves the kinematics on.
+  void add_applied(const mjModel* model, mjData* data, mjtNum* force) const;
   // What mj_copyData does not copy.
   void copy_from(const PadGroup& other);
 
@@ -40,7 +43,9 @@ class PadGroup {
 
   std::vector<PadInstance*> explicit_, implicit_;
   bool guarded_ = true;
-  std::vector<std::size_t> most_touching_;  // of each explicit pad and touched geom
+  std::string pending_;                // why the next step is to be refused
+  std::vector<std::size_t> touching_;  // elements of each explicit pad and touched geom in the step before
+  std::vector<ImplicitPad> described_;
   ImplicitFields solver_;
   std::vector<double> memory_;  // of the solver, gathered from the pads' states
   std::size_t unconverged_ = 0;

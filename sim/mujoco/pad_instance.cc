@@ -139,6 +139,12 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   constexpr std::size_t seen_of_a_frame = 21;
   seen_.resize(seen_of_a_frame * (1 + config_.geoms.size()));
   values_.resize(channel_values(*sensor_) + truth_values(config_, *sensor_));
+  for (const Touched& touched : touched_) {
+    if (model->body_weldid[touched.body] == model->body_weldid[model->site_bodyid[config_.site]]) {
+      throw InputError(fmt::format("plugin '{}': the touched geom '{}' moves with the pad; allowed: a geom of another body",
+                                   config_.name, mj_id2name(model, mjOBJ_GEOM, touched.geom)));
+    }
+  }
   std::size_t size = 0;
   for (Field& field : fields_) size += field.state_size();
   began_with_.resize(size);
@@ -277,6 +283,12 @@ void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
         fmt::format("plugin '{}': the flags spring and damper are both disabled, so that MuJoCo leaves out every passive "
                     "force, the pad's too; allowed: at most one of them",
                     config_.name));
+  }
+  if ((model->opt.enableflags & mjENBL_SLEEP) != 0) {
+    throw InputError(fmt::format(
+        "plugin '{}': the flag sleep is enabled, and MuJoCo does not see that a pad joins two bodies: one that sleeps would "
+        "stay where it is when the other lets go; allowed: sleep off",
+        config_.name));
   }
   if (model->opt.timestep != step_) {
     throw InputError(

@@ -1,8 +1,8 @@
 // One pad inside MuJoCo: what the plugin `slipbench.field` does for one instance in one mjData.
 //
-// Everything that outlives a step is in mjData's plugin_state, so that mj_getState, mj_setState, mj_copyData, resets and
-// keyframes carry it. What stands in this object besides is worked out from there and from the kinematics again whenever either
-// has changed.
+// Everything that outlives a step is in mjData's plugin_state, so that mj_getState, mj_setState, mj_copyData and resets carry it.
+// (MuJoCo's keyframes hold no plugin state: they start the pads afresh.) What stands in this object besides is worked out from there
+// and from the kinematics again whenever either has changed.
 //
 // - A force is that of a trial from the anchors committed last (compute PASSIVE). It commits nothing, so extra mj_forward calls,
 //   finite differences and the stages of RK4 leave the anchors alone.

@@ -151,10 +151,20 @@ std::string scene_text(const Scene& scene, const Catalogues& catalogues, const S
   std::string effects;
   for (const Named& effect : scene.effects) effects += (effects.empty() ? "" : ", ") + effect.name;
   std::string text = scene.description.empty() ? "" : style.bold(scene.description) + '\n';
-  text += wrap_text(fmt::format("surface: {} ({}), mu_static {:.4g}, mu_kinetic {:.4g}", scene.material, scene.surface.name,
+  const std::string shape = scene.dynamic() ? "" : fmt::format(" ({})", scene.surface.name);
+  text += wrap_text(fmt::format("surface: {}{}, mu_static {:.4g}, mu_kinetic {:.4g}", scene.material, shape,
                                 scene.friction.static_coefficient, scene.friction.kinetic_coefficient),
                     width, 2);
-  text += wrap_text(fmt::format("motion:  {}{}", scene.motion.name, motion_values(scene, catalogues)), width, 2);
+  if (!scene.model.empty()) text += "  model:   " + scene.model + '\n';
+  if (!scene.bodies.empty()) {
+    std::string bodies;
+    for (const BodyScene& body : scene.bodies) bodies += (bodies.empty() ? "" : ", ") + body.name;
+    text += wrap_text("bodies:  " + bodies, width, 2);
+  }
+  // Where every sensor is at a site of the model there is no stage.
+  const bool on_stage =
+      !scene.dynamic() || std::ranges::any_of(scene.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); });
+  if (on_stage) text += wrap_text(fmt::format("motion:  {}{}", scene.motion.name, motion_values(scene, catalogues)), width, 2);
   text += wrap_text("effects: " + (effects.empty() ? "none" : effects), width, 2);
   return text + '\n';
 }

@@ -126,7 +126,7 @@ TEST_P(ImplicitPlugin, ExplicitPadsAreRefusedWithTheLimit) {
   mjData* d = data.get();
   EXPECT_EQ(mju_error_of([=] { mj_step(m, d); }), "") << "MuJoCo's compiler takes one step, too";
   const std::string what = mju_error_of([=] { mj_step(m, d); });
-  EXPECT_THAT(what, HasSubstr("the time step 1 ms is too long for what touches at 1 ms: its fastest vibration is "));
+  EXPECT_THAT(what, HasSubstr("the time step 1 ms is too long for what touches at 0 s: its fastest vibration is "));
   EXPECT_THAT(what, HasSubstr(" rad/s; allowed: up to "));
 }
 
@@ -177,6 +177,19 @@ TEST(ImplicitPluginRefusal, SaysWhatTheModelLacks) {
   const std::size_t damping = uneven.find("key='damping' value=\"") + 21;
   uneven.replace(damping, uneven.find('"', damping) - damping, "0.5");
   EXPECT_THAT(refusal(uneven), HasSubstr("implicit pads of one model have one damping"));
+}
+
+TEST(ImplicitPluginRefusal, OptionsThatChangeLaterAreSeen) {
+  const double least = 0.005 * g;
+  for (int change = 0; change < 3; ++change) {
+    Held held({0.005, 10.0, 1.1 * least});
+    mjModel* m = held.model.get();
+    mjData* d = held.data.get();
+    if (change == 0) m->opt.solver = mjSOL_PGS;
+    if (change == 1) m->opt.disableflags |= mjDSBL_DAMPER;
+    if (change == 2) m->opt.noslip_iterations = 3;
+    EXPECT_THAT(mju_error_of([=] { mj_step(m, d); }), HasSubstr("solver='implicit': ")) << change;
+  }
 }
 
 }  // namespace

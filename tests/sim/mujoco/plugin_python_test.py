@@ -17,7 +17,7 @@ INTEGRATORS = {"Euler": 0, "RK4": 1, "implicitfast": 3, "discrete": 4}
 STEPS = 5000  # 5 s at 1 ms
 
 
-def rows(n=3, pitch=0.007, k_n=3000, k_t=500):
+def rows(n=3, pitch=0.007, k_n=1000, k_t=200):
     return str([[pitch * (i - (n - 1) / 2), pitch * (j - (n - 1) / 2), 0, k_n, k_t] for i in range(n) for j in range(n)])
 
 

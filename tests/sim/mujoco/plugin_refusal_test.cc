@@ -20,7 +20,8 @@ std::string model_of(const std::string& attributes, const std::string& option = 
   return "<mujoco>" + option + "<extension><plugin plugin='slipbench.field'><instance name='left'>" + attributes +
          "</instance></plugin></extension><worldbody><geom name='plate' type='box' size='.1 .1 .1' pos='0 0 -.1'/>"
          "<geom name='ball' type='sphere' size='.1' pos='0 0 -9'/><body><joint type='slide' axis='0 0 1'/>"
-         "<geom size='.01' contype='0' conaffinity='0'/><site name='fingertip'/><plugin instance='left'/></body></worldbody>"
+         "<geom size='.01' mass='1' contype='0' conaffinity='0'/><site name='fingertip'/><plugin "
+         "instance='left'/></body></worldbody>"
          "<sensor><plugin instance='left'/></sensor></mujoco>";
 }
 
@@ -73,7 +74,7 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
   refuses(site + plate + one + config("units", "[2]"),
           " units='[2]': the units have 2 elements; allowed: as many as there are, 1");
   refuses(site + plate + one + config("units", "[0.5]"),
-          " units='[0.5]': unit 0 is '0.5'; allowed: a whole number of at least 1");
+          " units='[0.5]': unit 0 is '0.5'; allowed: a whole number from 1 to 4096");
   refuses(site + plate + one + config("effects", "[stribek]"),
           " effects='[stribek]': unknown effect 'stribek'; did you mean 'stribeck'? allowed: ageing, anisotropic_friction, "
           "load_dependent_friction, patchy_friction, stribeck, texture, viscoelastic");
@@ -167,6 +168,67 @@ TEST_F(PluginRun, TimeThatGoesBackIsRefused) {
   EXPECT_THAT(error(), EndsWith("slipbench: plugin 'left': the time went back from 0.004 s to 0.002 s without a reset; allowed: "
                                 "mj_resetData, or a whole state by mj_setState"));
   expect_to_work_again();
+}
+
+TEST(PluginStep, IsRefusedAgainAfterAReset) {
+  // 100 g between pads of 9 x 3 kN/m: omega is 735 rad/s or more, and 2 ms is too long.
+  const Model model = load(grip_xml({.dt = 2e-3}));
+  const Data data = data_of(model);
+  const mjModel* m = model.get();
+  mjData* d = data.get();
+  for (int round = 0; round < 3; ++round) {
+    std::string what;
+    for (int i = 0; i < 500 && what.empty(); ++i) {
+      d->ctrl[0] = 2.0;
+      what = mju_error_of([=] { mj_step(m, d); });
+    }
+    EXPECT_THAT(what, HasSubstr("the time step 2 ms is too long for what touches at ")) << "round " << round;
+    // Nor is it obeyed by going on.
+    EXPECT_THAT(mju_error_of([=] { mj_step(m, d); }), HasSubstr("is too long for what touches")) << "round " << round;
+    mj_resetData(m, d);
+  }
+}
+
+TEST(PluginStep, PadThatFliesOffInTheFirstStepIsRefusedAllTheSame) {
+  // Pressed by 1 mm at the start with 1 MN/m an element: after one step of 1 ms nothing touches any more.
+  const Model model = load(model_of(site + plate + config("elements", "[[0, 0, 0, 1e6, 1e5]]")));
+  const Data data = data_of(model);
+  const mjModel* m = model.get();
+  mjData* d = data.get();
+  d->qpos[0] = -1e-3;
+  EXPECT_EQ(mju_error_of([=] { mj_step(m, d); }), "") << "the first one is MuJoCo's compiler's as well";
+  EXPECT_THAT(mju_error_of([=] { mj_step(m, d); }), HasSubstr("is too long for what touches at 0 s"));
+}
+
+TEST(PluginRefusal, SleepingTrees) {
+  std::string what;
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler disabler;  // as in refusal_of
+#endif
+  try {
+    const Model model = load(model_of(site + plate + one, "<option><flag sleep='enable'/></option>"));
+    const Data data = data_of(model);
+    const mjModel* m = model.get();
+    mjData* d = data.get();
+    what = mju_error_of([=] { mj_step(m, d); });
+  } catch (const std::runtime_error& error) {
+    what = error.what();
+  }
+  EXPECT_THAT(what, HasSubstr("the flag sleep is enabled"));
+}
+
+TEST(PluginRefusal, PadOnTheBodyThatItTouches) {
+  std::string self = model_of(site + config("touch", "tip") + one);
+  self.replace(self.find("<geom size='.01' mass"), 5, "<geom name='tip'");
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler disabler;  // as in refusal_of
+#endif
+  try {
+    load(self);
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the touched geom 'tip' moves with the pad; allowed: a geom of another body"));
+  }
 }
 
 }  // namespace
