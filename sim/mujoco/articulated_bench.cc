@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/mujoco/articulated.h"
+#include "sim/mujoco/mujoco_call.h"
 
 namespace slipbench {
 namespace {
@@ -21,12 +22,6 @@ constexpr double carrier_mass = 1e6;
 
 // A contact that begins without penetration comes within 1e-9 of its load in these (measured: a factor of 4 to 5 a step).
 constexpr int settling_steps = 30;
-
-struct Freed {
-  void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
-  void operator()(mjModel* model) const { mj_deleteModel(model); }
-  void operator()(mjData* data) const { mj_deleteData(data); }
-};
 
 struct GeomShape {
   mjtGeom type;
@@ -47,29 +42,6 @@ SurfacePoint meet(const Surface& surface, const Eigen::Vector3d& p, const Eigen:
   return std::visit([&](const auto& shape) { return shape.at(p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z()); }, surface);
 }
 
-// The body of the degree of freedom or coordinate that a warning names, or nothing.
-std::string body_of(const mjModel* model, int warning, int info) {
-  int body = -1;
-  if (warning == mjWARN_INERTIA || warning == mjWARN_BADQVEL || warning == mjWARN_BADQACC) {
-    if (info >= 0 && info < model->nv) body = model->dof_bodyid[info];
-  } else if (warning == mjWARN_BADQPOS) {
-    for (int j = 0; j < model->njnt; ++j) {
-      if (model->jnt_qposadr[j] <= info) body = model->jnt_bodyid[j];
-    }
-  }
-  const char* name = body < 0 ? nullptr : mj_id2name(model, mjOBJ_BODY, body);
-  return name == nullptr ? "" : std::string(", body '") + name + "'";
-}
-
-void refuse_warnings(const mjModel* model, const mjData* data, double time) {
-  for (int w = 0; w < mjNWARNING; ++w) {
-    if (data->warning[w].number == 0) continue;
-    const int info = data->warning[w].lastinfo;
-    throw std::runtime_error(std::string("MuJoCo warns: ") + mju_warningText(w, static_cast<std::size_t>(info)) + " (at " +
-                             std::to_string(time) + " s" + body_of(model, w, info) + ")");
-  }
-}
-
 }  // namespace
 
 struct ArticulatedBench::World {
@@ -77,8 +49,8 @@ struct ArticulatedBench::World {
   Surface surface;
   double dt;
   int parts;  // MuJoCo's steps in one of the bench's
-  std::unique_ptr<mjModel, Freed> model;
-  std::unique_ptr<mjData, Freed> data;
+  ModelPointer model;
+  DataPointer data;
   std::unique_ptr<ArticulatedContact> contact;
   std::array<int, 2> carrier{};   // address of the carrier in qpos and qvel
   std::vector<int> normal_slide;  // address of an element's normal slide in qpos
@@ -103,7 +75,7 @@ ArticulatedBench::ArticulatedBench(const PadLayout& layout, const Surface& surfa
   w.parts = static_cast<int>(std::ceil(dt / settings.longest_step * (1.0 - 1e-9)));
   w.dt = dt / w.parts;
 
-  const std::unique_ptr<mjSpec, Freed> spec(mj_makeSpec());
+  const SpecPointer spec(mj_makeSpec());
   set_articulated_options(spec.get(), settings, w.dt);
   mju_zero3(spec->option.gravity);
   mjsBody* base = mjs_findBody(spec.get(), "world");
