@@ -207,7 +207,7 @@ void Field::meet(const Shape& shape) {
   // Copies: the compiler cannot know that what is written to the columns is none of these.
   const kernel::Columns c = columns_;
   const Pose pose = pose_;
-  const Shape met_by = shape;
+  const Shape met_by = shape;  // NOLINT(performance-unnecessary-copy-initialization)
   Eigen::Vector3d axis = pose.rotation * vector(kernel::axis_x, 0);
   for (std::size_t i = 0; i < count_; ++i) {
     const Eigen::Vector3d tip = pose * Eigen::Vector3d(c[kernel::tip_x][i], c[kernel::tip_y][i], c[kernel::tip_z][i]);

@@ -76,7 +76,7 @@ int make(const mjModel* model, mjData* data, int instance) {
         if (is_pad(model, i)) pads.push_back(&slot_in(data, i)->pad);
       }
       pads.push_back(&slot->pad);
-      slot->group = std::make_unique<PadGroup>(model, std::move(pads));
+      slot->group = std::make_unique<PadGroup>(model, pads);
     }
     data->plugin_data[instance] = reinterpret_cast<std::uintptr_t>(slot.release());
   });

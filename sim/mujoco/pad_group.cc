@@ -26,7 +26,7 @@ std::string names_of(const std::vector<PadInstance*>& pads) {
 
 }  // namespace
 
-PadGroup::PadGroup(const mjModel* model, std::vector<PadInstance*> pads) {
+PadGroup::PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads) {
   for (PadInstance* pad : pads) (pad->config().implicit ? implicit_ : explicit_).push_back(pad);
   std::size_t contacts = 0;
   for (const PadInstance* pad : explicit_) contacts += pad->config().geoms.size();

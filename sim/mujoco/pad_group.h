@@ -22,7 +22,7 @@ class PadGroup {
  public:
   // `pads`: every pad of the mjData, in MuJoCo's order; they must outlive the group. Throws InputError when implicit pads do not suit the
   // model or each other.
-  PadGroup(const mjModel* model, std::vector<PadInstance*> pads);
+  PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads);
 
   // After every explicit pad has added its force: refuses a step that is too long (InputError), and adds the force of the implicit pads.
   void add_force(const mjModel* model, mjData* data);
