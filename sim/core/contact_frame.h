@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "sim/core/pad_state.h"
+
 namespace slipbench {
 
 // State of a unit. Values are those of the dataset (unit_state).
@@ -15,9 +17,6 @@ enum class UnitState : std::uint8_t {
   slip = 2,     // all of its touching elements slip
   partial = 3,  // some of them slip
 };
-
-// State of a whole pad. Values are those of the dataset (state, state_micro).
-enum class PadState : std::uint8_t { no_contact = 0, non_slip = 1, incipient = 2, gross = 3 };
 
 // Kind of an event of a unit. Values are those of the dataset (events/kind). Events tell every change of a unit's state: after touch and
 // stick it sticks, after micro and part_sticks a part of it slips, after slip all of it, after detach it is detached. A unit that lets

@@ -63,6 +63,12 @@ class ChecksTest(unittest.TestCase):
     def test_detector_includes_truth(self):
         self.assert_found("include_rule", "detectors/d.h", '#include "sim/field/field.h"\n', "sim/core/")
 
+    def test_detector_includes_truth(self):
+        self.assert_found("include_rule", "detectors/d.h", '#include "sim/core/contact_frame.h"\n', "truth")
+
+    def test_detector_includes_what_measures_truth(self):
+        self.assert_found("include_rule", "rtl/d.h", '#include "sim/core/sensor.h"\n', "truth")
+
     def test_controller_includes_detector(self):
         self.assert_found("include_rule", "controllers/d.h", '#include "detectors/e.h"\n', "controllers/")
 

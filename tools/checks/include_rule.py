@@ -2,7 +2,8 @@
 
 - sim/core: itself, the standard library and Eigen; Random123 in a .cc.
 - sensors/X: sim/core, sensors/X, and sensors/electronics, which every sensor is composed of.
-- detectors, controllers: sim/core and themselves.
+- detectors, controllers: sim/core without the truth (contact_frame.h, and sensor.h, which is handed it), and themselves.
+- rtl: what detectors may include, and detectors, whose golden models it runs in lockstep with.
 - the rest of sim: sim only. MuJoCo's headers: sim/mujoco and its tests (tests/stability too) only; sim/field does not include sim/mujoco either.
 - tools: everything but tests. tests: everything.
 """
@@ -13,7 +14,8 @@ from tree import lines_of, main, project_files
 
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
 STANDARD = re.compile(r"[a-z_0-9]+")
-TOP_FOLDERS = ("sim", "sensors", "detectors", "controllers", "tools", "tests")
+TRUTH = ("sim/core/contact_frame.h", "sim/core/sensor.h")
+TOP_FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools", "tests")
 
 
 def allowed_folders(path):
@@ -25,6 +27,8 @@ def allowed_folders(path):
         return ("sim/core/", f"sensors/{path.parts[1]}/", "sensors/electronics/")
     if top in ("detectors", "controllers"):
         return ("sim/core/", f"{top}/")
+    if top == "rtl":
+        return ("sim/core/", "detectors/", "rtl/")
     if top == "tools":
         return tuple(f"{folder}/" for folder in TOP_FOLDERS if folder != "tests")
     return tuple(f"{folder}/" for folder in TOP_FOLDERS)
@@ -38,6 +42,8 @@ def fault_of(path, quoted, header):
             return f'"{header}" is not given from the project root'
         if not header.startswith(allowed_folders(path)):
             return f'{folder} may include {", ".join(allowed_folders(path))} only, not "{header}"'
+        if path.parts[0] in ("detectors", "controllers", "rtl") and header in TRUTH:
+            return f'{folder} must not see the truth, found "{header}"'
         if folder.startswith("sim/field") and header.startswith("sim/mujoco/"):
             return f'sim/field is free of MuJoCo, found "{header}"'
         return None

@@ -1,0 +1,25 @@
+// A detector: from a sensor's frames to an estimate of slip. Its signature keeps the truth out: neither this header nor a detector may
+// include sim/core/contact_frame.h or sim/core/sensor.h, which tests/style checks.
+#pragma once
+
+#include "sim/core/pad_state.h"
+#include "sim/core/sensor_frame.h"
+
+namespace slipbench {
+
+// What a detector makes of the frames so far.
+struct SlipEstimate {
+  double time = 0.0;                      // s, of the frame it was made from
+  double latency = 0.0;                   // s, from that frame until the estimate is there; the loop sees it no earlier
+  PadState state = PadState::no_contact;  // no_contact: nothing touches, or the detector has seen too little to say
+};
+
+class Detector {
+ public:
+  virtual ~Detector() = default;
+
+  // Takes the next frame of its sensor, in order of time, at the sensor's own rate. Valid until the next update().
+  virtual const SlipEstimate& update(const SensorFrame& frame) = 0;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,31 @@
+// What a sensor emits. Detectors and controllers see this and never the truth.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace slipbench {
+
+// One array a sensor emits each sample, as it stands in the dataset: `name` [T, shape...] float32 in `unit`.
+struct Channel {
+  std::string name;                        // "force"
+  std::string unit;                        // "N"
+  std::vector<std::size_t> shape;          // {9, 3}
+  std::vector<std::string> channel_names;  // one a value, in C order: "P0_FX", ...
+
+  [[nodiscard]] std::size_t size() const {
+    std::size_t product = 1;
+    for (const std::size_t extent : shape) product *= extent;
+    return product;
+  }
+};
+
+// What a sensor reports at one instant. Valid until the next measure().
+struct SensorFrame {
+  double time = 0.0;              // s
+  std::span<const float> values;  // all channels in order, each in C order
+};
+
+}  // namespace slipbench
