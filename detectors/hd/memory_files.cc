@@ -1,0 +1,272 @@
+#include "detectors/hd/memory_files.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "sim/core/error.h"
+
+namespace slipbench::hd {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* description_file = "model.txt";
+constexpr std::array<const char*, 4> memory_files{"AM.hex", "CIM.hex", "CM.hex", "IM.hex"};
+constexpr std::size_t published_item_rows = 14;
+
+template <class Value>
+struct Word {
+  const char* name;
+  Value value;
+};
+constexpr std::array version_words{Word<int>{"1", 1}};
+constexpr std::array encoding_words{Word<Encoding>{"spatial", Encoding::spatial},
+                                    Word<Encoding>{"spatial_temporal", Encoding::spatial_temporal},
+                                    Word<Encoding>{"graph_spatial_temporal", Encoding::graph_spatial_temporal}};
+constexpr std::array flag_words{Word<bool>{"false", false}, Word<bool>{"true", true}};
+constexpr std::array ties_words{Word<Ties>{"one", Ties::one}, Word<Ties>{"zero", Ties::zero}};
+constexpr std::array compat_words{Word<Compat>{"paper", Compat::paper}, Word<Compat>{"published_core", Compat::published_core}};
+constexpr std::array quantiser_words{Word<Quantiser>{"fixed_point", Quantiser::fixed_point},
+                                     Word<Quantiser>{"exact", Quantiser::exact},
+                                     Word<Quantiser>{"unrounded", Quantiser::unrounded}};
+
+template <class Words, class Value>
+const char* name_of(const Words& words, Value value) {
+  for (const auto& word : words) {
+    if (word.value == value) return word.name;
+  }
+  return "";
+}
+
+std::string at(const fs::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line) + ": "; }
+
+// A file's lines. The last may lack its newline.
+std::vector<std::string> lines_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file.string() + ": " + std::generic_category().message(errno));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  if (stream.bad()) throw InputError(file.string() + ": " + std::generic_category().message(errno));
+  return lines;
+}
+
+// A memory of `rows` vectors, or of `rows_too`, of which the first `rows` are kept.
+std::vector<Hypervector> read_memory(const fs::path& file, std::size_t dimension, std::size_t rows, std::size_t rows_too) {
+  const std::vector<std::string> lines = lines_of(file);
+  std::vector<Hypervector> memory;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (i == rows_too) throw InputError(at(file, i + 1) + "one line too many; allowed: " + std::to_string(rows));
+    try {
+      memory.push_back(from_hex(lines[i], dimension));
+    } catch (const InputError& error) {
+      throw InputError(at(file, i + 1) + error.what());
+    }
+  }
+  if (memory.size() != rows && memory.size() != rows_too) {
+    throw InputError(at(file, lines.size() + 1) + "the file ends after " + std::to_string(lines.size()) +
+                     " lines; needed: " + std::to_string(rows));
+  }
+  memory.resize(rows);
+  return memory;
+}
+
+// The keys of model.txt, each read once.
+class DescriptionReader {
+ public:
+  explicit DescriptionReader(fs::path file) : file_(std::move(file)) {
+    const std::vector<std::string> lines = lines_of(file_);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const std::size_t colon = lines[i].find(": ");
+      if (colon == std::string::npos) throw InputError(at(file_, i + 1) + "found " + quote(lines[i]) + "; allowed: key: value");
+      const auto [entry, fresh] = entries_.emplace(lines[i].substr(0, colon), Entry{lines[i].substr(colon + 2), i + 1});
+      if (!fresh)
+        throw InputError(at(file_, i + 1) + quote(entry->first) + " stands in line " + std::to_string(entry->second.line) +
+                         " already");
+    }
+    line_count_ = lines.size();
+  }
+
+  // The text of a key.
+  const std::string& text(const std::string& key) { return entry(key).text; }
+
+  std::size_t number(const std::string& key) {
+    const Entry& found = entry(key);
+    constexpr std::size_t most_digits = 9;
+    if (found.text.empty() || found.text.size() > most_digits ||
+        found.text.find_first_not_of("0123456789") != std::string::npos) {
+      throw InputError(at(file_, found.line) + key + ": found " + quote(found.text) + "; allowed: a whole number");
+    }
+    return std::stoul(found.text);
+  }
+
+  template <class Words>
+  auto word(const std::string& key, const Words& words) {
+    const Entry& found = entry(key);
+    std::vector<std::string> names;
+    for (const auto& word : words) {
+      if (found.text == word.name) return word.value;
+      names.emplace_back(word.name);
+    }
+    throw InputError(at(file_, found.line) + key + ": found " + quote(found.text) + allowed_names(found.text, names));
+  }
+
+  // To be called when everything is read: refuses keys that nobody asked for.
+  void finish() const {
+    for (const auto& [key, entry] : entries_) {
+      if (!asked_.contains(key))
+        throw InputError(at(file_, entry.line) + "unknown key " + quote(key) + allowed_names(key, asked_));
+    }
+  }
+
+ private:
+  struct Entry {
+    std::string text;
+    std::size_t line;
+  };
+
+  const Entry& entry(const std::string& key) {
+    asked_.insert(key);
+    const auto found = entries_.find(key);
+    if (found == entries_.end()) throw InputError(at(file_, line_count_ + 1) + "the file ends without the key " + quote(key));
+    return found->second;
+  }
+
+  fs::path file_;
+  std::map<std::string, Entry> entries_;
+  std::set<std::string> asked_;
+  std::size_t line_count_ = 0;
+};
+
+SavedModel read_description(const fs::path& file) {
+  DescriptionReader reader(file);
+  SavedModel saved;
+  reader.word("slipbench_hd", version_words);
+  saved.model.dimension = reader.number("dimension");
+  saved.model.window = reader.number("window");
+  saved.model.encoding = reader.word("encoding", encoding_words);
+  saved.model.context_driven = reader.word("context_driven", flag_words);
+  saved.model.ties = reader.word("ties", ties_words);
+  saved.model.compat = reader.word("compat", compat_words);
+  saved.quantiser = reader.word("quantiser", quantiser_words);
+  saved.trained = reader.text("trained");
+  reader.finish();
+  try {
+    check(saved.model);
+  } catch (const InputError& error) {
+    throw InputError(file.string() + ": " + error.what());
+  }
+  return saved;
+}
+
+std::string description_of(const SavedModel& saved) {
+  const Model& model = saved.model;
+  std::string text = "slipbench_hd: 1\n";
+  const auto line = [&](const char* key, const std::string& value) { text += std::string(key) + ": " + value + "\n"; };
+  line("dimension", std::to_string(model.dimension));
+  line("window", std::to_string(model.window));
+  line("encoding", name_of(encoding_words, model.encoding));
+  line("context_driven", name_of(flag_words, model.context_driven));
+  line("ties", name_of(ties_words, model.ties));
+  line("compat", name_of(compat_words, model.compat));
+  line("quantiser", name_of(quantiser_words, saved.quantiser));
+  line("trained", saved.trained);
+  return text;
+}
+
+void write_file(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream) throw InputError(file.string() + ": cannot write: " + std::generic_category().message(errno));
+}
+
+std::string hex_lines(const std::vector<Hypervector>& memory) {
+  std::string text;
+  for (const Hypervector& vector : memory) text += to_hex(vector) + "\n";
+  return text;
+}
+
+// Refuses a folder that holds what save() would destroy.
+void check_replaceable(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  if (!fs::is_directory(folder))
+    throw InputError(folder.string() + ": is no folder; allowed: a new name, or a folder of a model");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name != description_file && std::ranges::find(memory_files, name) == memory_files.end()) {
+      throw InputError(folder.string() + ": holds " + quote(name) + ", which is no part of a model; give another name");
+    }
+  }
+}
+
+}  // namespace
+
+SavedModel load(const std::string& folder, const std::optional<Model>& unnamed) {
+  const fs::path path(folder);
+  SavedModel saved;
+  std::size_t item_rows_too = item_count;
+  if (fs::exists(path / description_file)) {
+    saved = read_description(path / description_file);
+  } else {
+    const std::vector<std::string> lines = lines_of(path / memory_files[0]);
+    if (!unnamed) {
+      throw InputError((path / description_file).string() +
+                       ": no such file, and the memories do not say which model they belong to; name it (hd replay: --encoder)");
+    }
+    saved.model = *unnamed;
+    if (lines.empty()) throw InputError(at(path / memory_files[0], 1) + "the file is empty");
+    saved.model.dimension = 4 * lines.front().size();
+    item_rows_too = published_item_rows;
+    try {
+      check(saved.model);
+    } catch (const InputError& error) {
+      throw InputError(at(path / memory_files[0], 1) + error.what());
+    }
+  }
+  const auto read = [&](std::size_t file, std::size_t rows, std::size_t rows_too) {
+    return read_memory(path / memory_files[file], saved.model.dimension, rows, rows_too);
+  };
+  saved.memories.associative = read(0, class_count, class_count);
+  saved.memories.level = read(1, level_count, level_count);
+  saved.memories.context = read(2, context_count, context_count);
+  saved.memories.item = read(3, item_count, item_rows_too);
+  return saved;
+}
+
+void save(const std::string& folder, const SavedModel& saved) {
+  check(saved.model, saved.memories, true);
+  if (saved.trained.find('\n') != std::string::npos) throw InputError("trained: a line break; allowed: one line");
+  fs::path target = fs::absolute(folder).lexically_normal();
+  if (!target.has_filename()) target = target.parent_path();  // "folder/"
+  try {
+    check_replaceable(target);
+    const fs::path fresh = target.string() + ".partial." + std::to_string(getpid());
+    const fs::path stale = target.string() + ".old." + std::to_string(getpid());
+    fs::create_directories(fresh);
+    write_file(fresh / memory_files[0], hex_lines(saved.memories.associative));
+    write_file(fresh / memory_files[1], hex_lines(saved.memories.level));
+    write_file(fresh / memory_files[2], hex_lines(saved.memories.context));
+    write_file(fresh / memory_files[3], hex_lines(saved.memories.item));
+    write_file(fresh / description_file, description_of(saved));
+    if (fs::exists(target)) fs::rename(target, stale);
+    fs::rename(fresh, target);
+    fs::remove_all(stale);
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(target.string() + ": cannot write: " + error.code().message());
+  }
+}
+
+}  // namespace slipbench::hd

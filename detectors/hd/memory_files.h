@@ -1,0 +1,44 @@
+// Classifiers in folders: the format that C++ and $readmemh both read.
+//
+// A folder holds AM.hex, CIM.hex, CM.hex and IM.hex: a hypervector a line (to_hex), 3, 21, 4 and 12 lines. model.txt says which
+// model they belong to, a `key: value` a line:
+//
+//   slipbench_hd: 1
+//   dimension: 1000
+//   window: 15
+//   encoding: graph_spatial_temporal   (spatial, spatial_temporal)
+//   context_driven: true               (false)
+//   ties: one                          (zero)
+//   compat: paper                      (published_core)
+//   quantiser: fixed_point             (exact, unrounded)
+//   trained: hexapod.h5, draw 3        (anything, to the end of the line)
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "detectors/hd/features.h"
+#include "detectors/hd/memories.h"
+#include "detectors/hd/model.h"
+
+namespace slipbench::hd {
+
+// A classifier as it stands in a folder.
+struct SavedModel {
+  Model model;
+  Quantiser quantiser = Quantiser::fixed_point;
+  std::string trained;  // from what, for people
+  Memories memories;
+};
+
+// Reads a folder. Without model.txt, as the published memories are, the model is `unnamed` (its dimension is taken from the files):
+// when that is not given either, it is refused. The published IM.hex has two rows that nothing reads; they are let pass there.
+// Throws InputError with file and line: a missing file, too few or too many lines, a line that is short, long or not hexadecimal, a
+// key that is unknown, missing or said twice.
+SavedModel load(const std::string& folder, const std::optional<Model>& unnamed = std::nullopt);
+
+// Writes a folder under a temporary name and moves it into place when it is whole. A folder of that name is replaced when it holds
+// nothing but a model. Throws InputError when it holds anything else or cannot be written, or when `saved` does not fit together.
+void save(const std::string& folder, const SavedModel& saved);
+
+}  // namespace slipbench::hd

@@ -1,0 +1,55 @@
+// The published memories and vectors of tests/detectors/hd/data.
+#pragma once
+
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "detectors/hd/engine.h"
+
+namespace slipbench::hd {
+
+inline const std::string published_folder = std::string(SLIPBENCH_SOURCE_DIR) + "/tests/detectors/hd/data/published";
+
+// One step: column name to value.
+using PublishedRow = std::map<std::string, int>;
+
+inline std::vector<PublishedRow> published_rows() {
+  std::ifstream file(published_folder + "/vectors.csv");
+  const auto cells = [](const std::string& line) {
+    std::vector<std::string> parts;
+    std::istringstream stream(line);
+    for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+    return parts;
+  };
+  std::string line;
+  std::getline(file, line);
+  const std::vector<std::string> names = cells(line);
+  std::vector<PublishedRow> rows;
+  while (std::getline(file, line)) {
+    const std::vector<std::string> values = cells(line);
+    PublishedRow row;
+    for (std::size_t i = 0; i < names.size(); ++i) row[names[i]] = std::stoi(values.at(i));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+inline Frame published_frame(const PublishedRow& row) {
+  Frame frame;
+  for (std::size_t p = 0; p < pillar_count; ++p) frame.level[p] = static_cast<std::uint8_t>(row.at("L" + std::to_string(p)));
+  frame.context = static_cast<std::uint8_t>(row.at("ctx"));
+  return frame;
+}
+
+// The models of the columns "A", "P1" and "P0".
+inline Model published_model(const std::string& column) {
+  Model model;
+  model.ties = column == "P0" ? Ties::zero : Ties::one;
+  model.compat = column == "A" ? Compat::published_core : Compat::paper;
+  return model;
+}
+
+}  // namespace slipbench::hd
