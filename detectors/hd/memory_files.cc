@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "detectors/hd/words.h"
 #include "sim/core/error.h"
 
 namespace slipbench::hd {
@@ -27,29 +28,8 @@ constexpr const char* description_file = "model.txt";
 constexpr std::array<const char*, 4> memory_files{"AM.hex", "CIM.hex", "CM.hex", "IM.hex"};
 constexpr std::size_t published_item_rows = 14;
 
-template <class Value>
-struct Word {
-  const char* name;
-  Value value;
-};
 constexpr std::array version_words{Word<int>{"1", 1}};
-constexpr std::array encoding_words{Word<Encoding>{"spatial", Encoding::spatial},
-                                    Word<Encoding>{"spatial_temporal", Encoding::spatial_temporal},
-                                    Word<Encoding>{"graph_spatial_temporal", Encoding::graph_spatial_temporal}};
 constexpr std::array flag_words{Word<bool>{"false", false}, Word<bool>{"true", true}};
-constexpr std::array ties_words{Word<Ties>{"one", Ties::one}, Word<Ties>{"zero", Ties::zero}};
-constexpr std::array compat_words{Word<Compat>{"paper", Compat::paper}, Word<Compat>{"published_core", Compat::published_core}};
-constexpr std::array quantiser_words{Word<Quantiser>{"fixed_point", Quantiser::fixed_point},
-                                     Word<Quantiser>{"exact", Quantiser::exact},
-                                     Word<Quantiser>{"unrounded", Quantiser::unrounded}};
-
-template <class Words, class Value>
-const char* name_of(const Words& words, Value value) {
-  for (const auto& word : words) {
-    if (word.value == value) return word.name;
-  }
-  return "";
-}
 
 std::string at(const fs::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line) + ": "; }
 
@@ -115,12 +95,10 @@ class DescriptionReader {
   template <class Words>
   auto word(const std::string& key, const Words& words) {
     const Entry& found = entry(key);
-    std::vector<std::string> names;
-    for (const auto& word : words) {
-      if (found.text == word.name) return word.value;
-      names.emplace_back(word.name);
-    }
-    throw InputError(at(file_, found.line) + key + ": found " + quote(found.text) + allowed_names(found.text, names));
+    const auto value = value_of(words, found.text);
+    if (!value)
+      throw InputError(at(file_, found.line) + key + ": found " + quote(found.text) + allowed_names(found.text, names_of(words)));
+    return *value;
   }
 
   // To be called when everything is read: refuses keys that nobody asked for.

@@ -33,6 +33,13 @@ TEST_P(Published, ReferenceGivesEveryClassAndDistance) {
   expect_published(*make_reference(saved_.model, saved_.memories), GetParam());
 }
 
+TEST_P(Published, KernelGivesEveryClassAndDistanceOnEveryPath) {
+  for (const KernelPath path : kernel_paths()) {
+    SCOPED_TRACE(static_cast<int>(path));
+    expect_published(*make_kernel(saved_.model, saved_.memories, path), GetParam());
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Models, Published, testing::Values("A", "P1", "P0"), [](const auto& info) { return info.param; });
 
 }  // namespace

@@ -1,0 +1,67 @@
+// The kernel's passes over packed rows, compiled once for each instruction set. They compute the same bits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace slipbench::hd::kernel {
+
+using Word = std::uint64_t;
+
+// Rows start on cache lines and are padded with zeros to a multiple of this many words; passes leave zeros (or what a permutation
+// reads, see `slide`) in the padding.
+inline constexpr std::size_t block_words = 8;
+
+// What one frame picks from the tables.
+struct FrameRows {
+  const Word* pillar[9];  // CIM(f_p) * IM(p)
+  const Word* corner[4];  // CIM(f_p)
+  const Word* edge[4];    // CIM(f_p)
+  const Word* centre;     // CIM(f_4) * IM(graph of the centre)
+};
+
+// IM of the two graphs with edges.
+struct GraphRows {
+  const Word* corner;
+  const Word* edge;
+};
+
+// A bit-sliced count needs bit_width(21 + 9 * 1,000) planes in the longest window.
+inline constexpr unsigned most_planes = 14;
+
+// The window of the published core: `frames` rows of a ring of which `oldest` comes first, `planes` to count their vectors.
+struct CoreWindow {
+  const FrameRows* rows;
+  std::size_t frames, oldest;
+  unsigned planes;
+};
+
+struct Passes {
+  // gs = [pillars].
+  void (*bundle_pillars)(const FrameRows& rows, std::size_t words, Word* gs);
+
+  // gs = [graphs + pillars], ties to `tie`.
+  void (*bundle_graphs)(const FrameRows& rows, const GraphRows& graphs, bool tie, std::size_t words, Word* gs);
+
+  // Row r of `gs`, `stride` words apart, = [graphs of frame r + pillars of the frames 0 to r]; without `graphs` the pillars alone.
+  void (*bundle_core)(const CoreWindow& window, const GraphRows* graphs, bool tie, std::size_t words, std::size_t stride,
+                      Word* gs);
+
+  // gst = rho(gst) * rho^shift(oldest) * gs. `gst` and `oldest` repeat their first bits behind the last, as many as are rotated.
+  void (*slide)(const Word* oldest, std::size_t shift, const Word* gs, std::size_t words, Word* gst);
+
+  // gst = gst * rho^shift(row).
+  void (*bind_rotated)(const Word* row, std::size_t shift, std::size_t words, Word* gst);
+
+  // Bits of `mask` in which gst differs from each of three prototypes.
+  void (*distances)(const Word* gst, const Word* mask, const Word* const prototypes[3], std::size_t words,
+                    std::size_t distance[3]);
+};
+
+extern const Passes portable_passes;
+#ifdef SLIPBENCH_HD_X86
+extern const Passes avx2_passes;    // AVX2, POPCNT
+extern const Passes avx512_passes;  // AVX-512 F and VPOPCNTDQ
+#endif
+
+}  // namespace slipbench::hd::kernel
