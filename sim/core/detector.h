@@ -2,6 +2,9 @@
 // include sim/core/contact_frame.h or sim/core/sensor.h, which tests/style checks.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "sim/core/pad_state.h"
 #include "sim/core/sensor_frame.h"
 
@@ -12,6 +15,14 @@ struct SlipEstimate {
   double time = 0.0;                      // s, of the frame it was made from
   double latency = 0.0;                   // s, from that frame until the estimate is there; the loop sees it no earlier
   PadState state = PadState::no_contact;  // no_contact: nothing touches, or the detector has seen too little to say
+};
+
+// The sensor whose frames a detector gets.
+struct FrameSource {
+  std::string sensor;             // the scene's name for it: "pad"
+  std::string type;               // "papillarray"
+  double rate = 0.0;              // Hz, of the frames
+  std::vector<Channel> channels;  // what a frame holds
 };
 
 class Detector {

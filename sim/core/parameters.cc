@@ -18,6 +18,7 @@ std::string_view type_name(ParameterType type) {
     case ParameterType::flag: return "flag";
     case ParameterType::choice: return "choice";
     case ParameterType::vector: return "vector";
+    case ParameterType::path: return "path";
   }
   throw std::logic_error("no such parameter type");
 }
@@ -77,6 +78,11 @@ std::string parse_choice(const ParameterSpec& spec, std::string_view text) {
   throw std::invalid_argument("unknown value " + quote(text) + allowed_names(text, spec.choices));
 }
 
+std::string parse_path(const ParameterSpec& spec, std::string_view text) {
+  if (text.empty()) throw std::invalid_argument("the path is empty; allowed: a path, or " + spec.default_text);
+  return std::string(text);
+}
+
 // The entries of a default such as "[0 mm, 0 mm]".
 Parameters::Value default_vector(const ParameterSpec& spec) {
   std::string_view rest = spec.default_text;
@@ -108,6 +114,10 @@ const std::string& Parameters::choice(std::string_view name) const {
   return value_of<std::string>(values_, name, ParameterType::choice);
 }
 
+const std::string& Parameters::path(std::string_view name) const {
+  return value_of<std::string>(values_, name, ParameterType::path);
+}
+
 const std::vector<double>& Parameters::vector(std::string_view name) const {
   return value_of<std::vector<double>>(values_, name, ParameterType::vector);
 }
@@ -117,6 +127,7 @@ Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text)
     case ParameterType::integer: return parse_integer(spec, text);
     case ParameterType::flag: return parse_flag(text);
     case ParameterType::choice: return parse_choice(spec, text);
+    case ParameterType::path: return parse_path(spec, text);
     case ParameterType::number:
     case ParameterType::vector: {
       const double value = parse_quantity(text, spec.quantity);

@@ -14,7 +14,14 @@
 namespace slipbench {
 
 // What a parameter holds.
-enum class ParameterType { number, integer, flag, choice, vector };
+enum class ParameterType {
+  number,
+  integer,
+  flag,
+  choice,
+  vector,
+  path,  // of a file or folder; all but the default is taken from the folder of the scene that names it
+};
 
 // Allowed interval of a number (or of each entry of a vector), in SI. Bounds are included unless `open_min` is set. Infinity is
 // refused whatever the interval, unless `infinite` is set or the parameter's own default is inf: elsewhere it would end as NaN.
@@ -56,6 +63,7 @@ class Parameters {
   [[nodiscard]] std::int64_t integer(std::string_view name) const;
   [[nodiscard]] bool flag(std::string_view name) const;
   [[nodiscard]] const std::string& choice(std::string_view name) const;
+  [[nodiscard]] const std::string& path(std::string_view name) const;
   [[nodiscard]] const std::vector<double>& vector(std::string_view name) const;  // SI
   [[nodiscard]] const std::map<std::string, Value, std::less<>>& values() const { return values_; }
 
@@ -79,7 +87,7 @@ struct Named {
   Parameters parameters;
 };
 
-// What a catalogue says of one of its entries: an effect, a sensor, a motion, a surface, a part of the electronics.
+// What a catalogue says of one of its entries: an effect, a sensor, a motion, a surface, a part of the electronics, a detector.
 struct Entry {
   std::string name;
   std::string summary;  // one line

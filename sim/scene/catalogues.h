@@ -25,6 +25,7 @@ struct Catalogues {
   std::vector<Entry> electronics;  // sensors.*.electronics
   std::vector<Entry> effects;      // effects
   std::vector<Entry> bodies;       // bodies.*.shape
+  std::vector<Entry> detectors;    // detector.type
 };
 
 }  // namespace slipbench

@@ -1,6 +1,7 @@
 // A scene: everything that a scene file says, checked and in SI.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -22,6 +23,13 @@ struct SensorScene {
   std::string site = {};                  // of the model, its frame is the pad frame P; empty: the pad rides on the stage
   std::vector<std::string> touches = {};  // geoms or bodies that the pad may touch
   double damping = 0.0;                   // s, time of a dashpot beside each spring
+};
+
+// What tells slip from one of the sensors.
+struct DetectorScene {
+  std::string type;        // "force_ratio"
+  std::size_t sensor = 0;  // which of Scene::sensors it reads
+  Parameters parameters;
 };
 
 // A body that the scene brings: a shape of the catalogue `bodies`.
@@ -59,7 +67,8 @@ struct Scene {
   Named motion;  // name is the kind: stage
   std::vector<SensorScene> sensors;
   std::vector<Named> effects;
-  bool expects = false;  // it says under `expect` what must come out
+  std::optional<DetectorScene> detector = {};  // empty: none
+  bool expects = false;                        // it says under `expect` what must come out
 
   // Bodies that move by forces. Without a model and without bodies all of it is empty, and everything moves as prescribed.
   std::string model = {};              // path of an MJCF file; empty: none

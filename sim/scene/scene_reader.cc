@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "sim/core/error.h"
+#include "sim/scene/scene_values.h"
 
 namespace slipbench {
 namespace {
@@ -18,72 +19,9 @@ namespace {
 constexpr std::string_view schema_version = "1";
 constexpr double max_steps = 1e8;
 constexpr std::size_t max_sensors = 64;
-constexpr double max_friction = 100.0;  // of a coefficient and of its scale: far beyond any dry pair, so likely a slip of the pen
 
 // What a closed loop may name; each later method adds its name.
-constexpr std::array<std::string_view, 1> detector_types{"none"};
 constexpr std::array<std::string_view, 1> controller_types{"none"};
-
-const ParameterSpec duration_spec{.name = "duration",
-                                  .quantity = Quantity::time,
-                                  .default_text = "4 s",
-                                  .range = {0.0, 86400.0, true},
-                                  .choices = {},
-                                  .doc = "length of a trial",
-                                  .source = "the published sequences"};
-const ParameterSpec time_step_spec{.name = "time_step",
-                                   .quantity = Quantity::time,
-                                   .default_text = "1 ms",
-                                   .range = positive,
-                                   .choices = {},
-                                   .doc = "step of the simulation",
-                                   .source = "assumed"};
-const ParameterSpec fidelity_spec{.name = "fidelity",
-                                  .type = ParameterType::choice,
-                                  .default_text = "field",
-                                  .choices = {"field", "articulated"},
-                                  .doc = "model of the pad",
-                                  .source = "assumed"};
-const ParameterSpec coefficient_spec{.name = "coefficient",
-                                     .default_text = "0.5",
-                                     .range = {0.0, max_friction},
-                                     .choices = {},
-                                     .doc = "friction coefficient",
-                                     .source = "the material's"};
-const ParameterSpec scale_spec{.name = "scale",
-                               .default_text = "1",
-                               .range = {0.0, max_friction, true},
-                               .choices = {},
-                               .doc = "multiplies both coefficients",
-                               .source = "assumed"};
-
-const ParameterSpec gravity_spec{.name = "gravity",
-                                 .quantity = Quantity::acceleration,
-                                 .default_text = "9.81 m/s2",
-                                 .range = {0.0, 1000.0},
-                                 .choices = {},
-                                 .doc = "weight of a unit of mass, downwards",
-                                 .source = "the Earth's"};
-const ParameterSpec field_solver_spec{.name = "field_solver",
-                                      .type = ParameterType::choice,
-                                      .default_text = "explicit",
-                                      .choices = {"explicit", "implicit"},
-                                      .doc = "how the pads' springs enter a step",
-                                      .source = "free"};
-const ParameterSpec damping_spec{.name = "damping",
-                                 .quantity = Quantity::time,
-                                 .default_text = "1 ms",
-                                 .range = non_negative,
-                                 .choices = {},
-                                 .doc = "time of a dashpot beside each spring",
-                                 .source = "assumed"};
-const ParameterSpec control_time_spec{.name = "time",
-                                      .quantity = Quantity::time,
-                                      .default_text = "0 s",
-                                      .range = non_negative,
-                                      .choices = {},
-                                      .doc = "when a control has a value",
-                                      .source = "free"};
 
 // Keys that only a scene with bodies that move by forces may have: of the scene, and of its sensors.
 constexpr std::array<std::string_view, 3> dynamic_keys{"controls", "field_solver", "gravity"};
@@ -96,6 +34,7 @@ std::string allowed_form(const ParameterSpec& spec) {
     case ParameterType::flag: return "true or false";
     case ParameterType::choice: return "a name such as " + spec.default_text;
     case ParameterType::vector: return "a sequence of " + std::to_string(spec.size) + " such as " + spec.default_text;
+    case ParameterType::path: return "a path from the scene's own folder, or " + spec.default_text;
   }
   throw std::logic_error("no such parameter type");
 }
@@ -154,7 +93,7 @@ class SceneReader {
     scene.sensors = read_sensors(root);
     read_dynamics(root, scene);
     scene.effects = read_list(root.find("effects"), "effects", catalogues_.effects, "effect");
-    read_loop_part(root.find("detector"), "detector", detector_types);
+    scene.detector = read_detector(root.find("detector"), scene.sensors);
     read_loop_part(root.find("controller"), "controller", controller_types);
     // What it says is the business of `slipbench check`.
     if (const YamlNode* node = root.find("expect")) {
@@ -199,7 +138,14 @@ class SceneReader {
                                : spec.type == ParameterType::vector ? vector(*node, path, spec)
                                                                     : scalar(*node, path, spec);
     record(path, result);
+    if (node != nullptr && spec.type == ParameterType::path && node->text != spec.default_text) return in_folder(node->text);
     return result;
+  }
+
+  // A path as the scene writes it, from the scene's own folder: the root's origin is its file, also where --set has put the value.
+  [[nodiscard]] std::string in_folder(const std::string& path) const {
+    const std::filesystem::path folder = root_origin_.source ? std::filesystem::path(*root_origin_.source).parent_path() : "";
+    return (folder / path).string();
   }
 
   double number(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
@@ -358,14 +304,51 @@ class SceneReader {
     return sensor;
   }
 
+  // A map whose `type` names a detector, or none.
+  std::optional<DetectorScene> read_detector(const YamlNode* node, const std::vector<SensorScene>& sensors) {
+    if (node == nullptr) return std::nullopt;
+    require_map(*node, "detector", "'type' and parameters");
+    std::vector<std::string_view> types = names_of(catalogues_.detectors);
+    types.emplace_back(none_);
+    std::ranges::sort(types);
+    const YamlNode* type = node->find("type");
+    if (type == nullptr) fail(node->origin, "no key 'type' in detector" + allowed_names("", types));
+    const std::string& name = text_of(*type, "detector.type", "the name of a detector");
+    if (std::ranges::find(types, name) == types.end()) {
+      fail(type->origin, "unknown detector " + quote(name) + allowed_names(name, types));
+    }
+    record("detector.type", name);
+    if (name == none_) {
+      check_keys(*node, "detector", {"type"});
+      return std::nullopt;
+    }
+    const Entry& entry = named(catalogues_.detectors, name, type->origin, "detector");
+    DetectorScene detector{name, 0, parameters(node, "detector", "detector", entry, {"sensor", "type"})};
+    detector.sensor = read_detector_sensor(*node, sensors);
+    return detector;
+  }
+
+  std::size_t read_detector_sensor(const YamlNode& detector, const std::vector<SensorScene>& sensors) {
+    const YamlNode* node = detector.find("sensor");
+    if (node == nullptr && sensors.size() > 1) {
+      fail(detector.origin, "no key 'sensor' in detector, and the scene has several" + allowed_names("", names_of(sensors)));
+    }
+    const std::string& name =
+        node == nullptr ? sensors.front().name : text_of(*node, "detector.sensor", "the scene's name of a sensor");
+    record("detector.sensor", name);
+    const auto found = std::ranges::find(sensors, name, &SensorScene::name);
+    if (found == sensors.end()) {
+      fail(node->origin, "detector.sensor: no sensor " + quote(name) + allowed_names(name, names_of(sensors)));
+    }
+    return static_cast<std::size_t>(found - sensors.begin());
+  }
+
   // What a scene says of bodies that move by forces.
   void read_dynamics(const YamlNode& root, Scene& scene) {
     if (const YamlNode* node = root.find("model")) {
       const std::string& file = text_of(*node, "model", "the path of an MJCF file, from the scene's own folder");
       if (file.empty()) fail(node->origin, "model is empty; allowed: the path of an MJCF file, from the scene's own folder");
-      // The root's origin is the scene's file, also where --set has replaced the path.
-      const std::filesystem::path folder = root.origin.source ? std::filesystem::path(*root.origin.source).parent_path() : "";
-      scene.model = (folder / file).string();
+      scene.model = in_folder(file);
       record("model", file);
     }
     if (const YamlNode* node = root.find("bodies")) scene.bodies = read_bodies(*node);
@@ -564,6 +547,7 @@ class SceneReader {
   Trace* trace_;
   Origin root_origin_;
   const std::string ideal_ = "ideal";
+  const std::string none_ = "none";
 };
 
 }  // namespace

@@ -33,7 +33,7 @@ const std::vector<SensorKind>& sensor_catalogue() {
 
 }  // namespace
 
-Catalogues program_catalogues() {
+Catalogues pad_catalogues() {
   Catalogues catalogues;
   add_sim_catalogues(catalogues);
   for (const SensorKind& kind : sensor_catalogue()) catalogues.sensors.push_back(kind.about);

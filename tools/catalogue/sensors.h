@@ -1,4 +1,4 @@
-// Where the program's catalogues and sensors are composed: the one place that names them all.
+// Where the program's sensors are composed: the one place that names them all.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace slipbench {
 
-// Everything that a scene may name in this program.
-Catalogues program_catalogues();
+// What a scene may name of pads and of what they touch: everything but what reads the sensors.
+Catalogues pad_catalogues();
 
 // The sensor that `scene` describes. (`seed`, `trial`) key the random streams of its electronics. Throws InputError for a type
 // that the catalogue does not have, and what the sensor itself refuses.

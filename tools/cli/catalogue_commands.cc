@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/catalogue/sensors.h"
+#include "tools/catalogue/catalogues.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/describe.h"
 #include "tools/cli/terminal.h"

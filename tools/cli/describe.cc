@@ -19,7 +19,8 @@ constexpr CatalogueKind bodies{"bodies", "body", "bodies.<name>.shape"};
 constexpr CatalogueKind materials{"materials", "material", "surface.material"};
 constexpr CatalogueKind motions{"motions", "motion", "motion.kind"};
 constexpr CatalogueKind electronics{"electronics", "electronics part", "sensors.<name>.electronics"};
-constexpr std::array kinds{effects, sensors, surfaces, bodies, materials, motions, electronics};
+constexpr CatalogueKind detectors{"detectors", "detector", "detector.type"};
+constexpr std::array kinds{effects, sensors, surfaces, bodies, materials, motions, electronics, detectors};
 
 std::string type_text(const ParameterSpec& spec) {
   switch (spec.type) {
@@ -28,6 +29,7 @@ std::string type_text(const ParameterSpec& spec) {
     case ParameterType::flag: return "true or false";
     case ParameterType::choice: return "choice";
     case ParameterType::vector: return fmt::format("{} numbers", spec.size);
+    case ParameterType::path: return "path";
   }
   throw std::logic_error("parameter type without a name");
 }
@@ -53,6 +55,7 @@ std::string bound_text(const ParameterSpec& spec, double value) {
 std::string allowed_text(const ParameterSpec& spec) {
   if (spec.type == ParameterType::choice) return fmt::format("{}", fmt::join(spec.choices, ", "));
   if (spec.type == ParameterType::flag) return "true, false";
+  if (spec.type == ParameterType::path) return fmt::format("{}, or a path from the scene's own folder", spec.default_text);
   const bool below = std::isfinite(spec.range.min);
   const bool above = std::isfinite(spec.range.max);
   const std::string lower = below ? fmt::format("{} {}", spec.range.open_min ? ">" : ">=", bound_text(spec, spec.range.min)) : "";
@@ -142,6 +145,7 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
   for (const Material& material : catalogues.materials) items.push_back(material_item(material));
   add_all(motions, catalogues.motions);
   add_all(electronics, catalogues.electronics);
+  add_all(detectors, catalogues.detectors);
   return items;
 }
 
@@ -179,6 +183,7 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
     return fmt::format("bodies:\n  object:\n    shape: {}\n{}sensors:\n  pad:\n    type: {}\n    touches: [object]\n", entry.name,
                        parameter_lines(entry, 4), touching);
   }
+  if (item.kind.plural == detectors.plural) return fmt::format("detector:\n  type: {}\n", entry.name) + parameter_lines(entry, 2);
   if (item.kind.plural == motions.plural) return fmt::format("motion:\n  kind: {}\n", entry.name) + parameter_lines(entry, 2);
   const std::string sensor = catalogues.sensors.empty() ? "papillarray" : catalogues.sensors.front().name;
   return fmt::format("sensors:\n  pad:\n    type: {}\n    electronics:\n", sensor) + list_item(entry, 6);

@@ -207,7 +207,8 @@ Parser::Parser() {
   exporting->add_option("--trial", trial, "Trial to export (default: all)")->option_text("K");
 
   CLI::App* list = command("list", "List what a scene may name", list_footer);
-  list->add_option("CATALOGUE", options.name, "effects, sensors, surfaces, materials, motions or electronics (default: all)")
+  list->add_option("CATALOGUE", options.name,
+                   "effects, sensors, surfaces, bodies, materials, motions, electronics or detectors (default: all)")
       ->option_text(" ");
   CLI::App* describe = command("describe", "Explain one name: parameters, units, defaults, law, source", describe_footer);
   describe->add_option("NAME", options.name, "A name that `slipbench list` shows")->required()->option_text(" ");

@@ -122,6 +122,9 @@ std::string gross_text(const TrialOutcome& outcome, const Style& style) {
                      onset_text(outcome.gross_slip_time), 1e3 * (outcome.gross_slip_time - outcome.first_micro_slip_time));
 }
 
+// `sorted` holds at least one value.
+double median(const std::vector<double>& sorted) { return 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]); }
+
 // A row of the sweep's table: how many trials came to this, and when.
 std::vector<std::string> stage_row(const std::string& name, const std::vector<TrialSummary>& trials, double TrialOutcome::*time) {
   std::vector<double> times;
@@ -130,8 +133,56 @@ std::vector<std::string> stage_row(const std::string& name, const std::vector<Tr
   }
   if (times.empty()) return {name, "0", "-", "-", "-"};
   std::sort(times.begin(), times.end());
-  const double median = 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
-  return {name, std::to_string(times.size()), onset_text(times.front()), onset_text(median), onset_text(times.back())};
+  return {name, std::to_string(times.size()), onset_text(times.front()), onset_text(median(times)), onset_text(times.back())};
+}
+
+std::string accuracy_text(const Confusion& confusion) {
+  const double share = accuracy(confusion);
+  return std::isnan(share) ? "nothing ever touches" : fmt::format("right in {:.1f} % of the time in contact", 100.0 * share);
+}
+
+// When one trial's detector saw slip, against when it began.
+std::string detector_text(const DetectorSummary& detector, const TrialOutcome& outcome, const Style& style) {
+  std::string text = fmt::format("  {} on {}: ", style.bold(detector.type), detector.sensor);
+  text += std::isnan(outcome.detection_time) ? "no slip seen after it began"
+                                             : fmt::format("slip seen at {}, {:.1f} ms after it began",
+                                                           onset_text(outcome.detection_time), 1e3 * outcome.detection_delay);
+  if (!std::isnan(outcome.false_alarm_time)) text += fmt::format("; false alarm at {}", onset_text(outcome.false_alarm_time));
+  return text + "; " + accuracy_text(detector.confusion) + '\n';
+}
+
+// Whether the detector's sensor slipped: a slip too short for its samples shows by its detection alone.
+bool slipped(const TrialSummary& trial) {
+  const Confusion& confusion = trial.detector->confusion;
+  const auto samples = [&](PadState truth) {
+    const StateCounts& row = confusion[static_cast<std::size_t>(truth)];
+    return std::accumulate(row.begin(), row.end(), std::size_t{0});
+  };
+  return !std::isnan(trial.outcome.detection_delay) || samples(PadState::incipient) + samples(PadState::gross) > 0;
+}
+
+// The same of all trials with one type of detector.
+std::string detectors_text(const std::string& type, const std::vector<TrialSummary>& trials, const Style& style) {
+  std::size_t slips = 0;
+  std::size_t alarms = 0;
+  std::vector<double> delays;
+  Confusion confusion{};
+  for (const TrialSummary& trial : trials) {
+    if (!trial.detector || trial.detector->type != type) continue;
+    if (slipped(trial)) ++slips;
+    if (!std::isnan(trial.outcome.false_alarm_time)) ++alarms;
+    if (!std::isnan(trial.outcome.detection_delay)) delays.push_back(trial.outcome.detection_delay);
+    for (std::size_t truth = 0; truth < confusion.size(); ++truth) {
+      for (std::size_t seen = 0; seen < confusion.size(); ++seen)
+        confusion[truth][seen] += trial.detector->confusion[truth][seen];
+    }
+  }
+  std::sort(delays.begin(), delays.end());
+  std::string text = fmt::format("  {}: slip seen in {} of {} trials that slip", style.bold(type), delays.size(), slips);
+  if (!delays.empty()) {
+    text += fmt::format(", {:.1f} ms after it began (median; at worst {:.1f} ms)", 1e3 * median(delays), 1e3 * delays.back());
+  }
+  return text + fmt::format("; false alarm before it in {}; {}\n", alarms, accuracy_text(confusion));
 }
 
 }  // namespace
@@ -183,7 +234,8 @@ std::vector<SensorAbout> sensors_of(const Scene& scene) {
 std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>& sensors, const Style& style) {
   std::string text;
   for (std::size_t i = 0; i < trial.sensors.size(); ++i) text += sensor_text(trial.sensors[i], sensors.at(i), style);
-  return text + gross_text(trial.outcome, style);
+  text += gross_text(trial.outcome, style);
+  return trial.detector ? text + detector_text(*trial.detector, trial.outcome, style) : text;
 }
 
 std::string sweep_text(const SweepSummary& summary, const Style& style) {
@@ -202,8 +254,14 @@ std::string sweep_text(const SweepSummary& summary, const Style& style) {
       }
     }
   }
-  return fmt::format("{}\n", style.heading(fmt::format("{} trials", summary.trials.size()))) + table.text(style) +
-         class_text(strict, micro);
+  std::string text = fmt::format("{}\n", style.heading(fmt::format("{} trials", summary.trials.size()))) + table.text(style) +
+                     class_text(strict, micro);
+  std::vector<std::string> types;
+  for (const TrialSummary& trial : summary.trials) {
+    if (trial.detector && std::ranges::find(types, trial.detector->type) == types.end()) types.push_back(trial.detector->type);
+  }
+  for (const std::string& type : types) text += detectors_text(type, summary.trials, style);
+  return text;
 }
 
 std::string speed_text(const SweepSummary& summary, double elapsed) {

@@ -31,10 +31,12 @@ struct SensorAbout {
 std::vector<SensorAbout> sensors_of(const Scene& scene);
 
 // One trial in full: a table of the units of each sensor (touch, first micro-slip, full slip and its rank, slipped distance, load
-// and margin at the end), the pad's gross slip and the shares of the classes. `sensors` in the order of the trial's.
+// and margin at the end), the pad's gross slip, the shares of the classes, and a line on the detector where there is one. `sensors` in
+// the order of the trial's.
 std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>& sensors, const Style& style);
 
-// Several trials: how many reached each stage of slip and when (earliest, median, latest), and the shares of the classes.
+// Several trials: how many reached each stage of slip and when (earliest, median, latest), the shares of the classes, and a line for
+// each type of detector.
 std::string sweep_text(const SweepSummary& summary, const Style& style);
 
 // "800 s simulated in 3.2 s: 250 x real time, 62 trials/s; one core steps at 400 x real time". The first rate is that of the whole

@@ -91,6 +91,14 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
       arrays.push_back(view_of(truth + name, unit, record.body_time.size(), tail, column));
     });
   }
+  if (record.control) {
+    const std::string control = std::string(control_group) + "/";
+    const std::size_t rows = record.control->time.size();
+    arrays.push_back(view_of(control + "t", "s", rows, {}, record.control->time));
+    for_each_control_column(*record.control, [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
+      arrays.push_back(view_of(control + name, unit, rows, tail, column));
+    });
+  }
   std::sort(arrays.begin(), arrays.end(), [](const ArrayView& a, const ArrayView& b) { return a.path < b.path; });
   return arrays;
 }
@@ -117,6 +125,11 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
       matrix.shape.insert(matrix.shape.end(), tail.begin(), tail.end());
       attributes.push_back({label_group(sensor.name), name, std::move(matrix)});
     });
+  }
+  if (record.control) {
+    attributes.push_back({control_group, "detector", record.control->detector});
+    attributes.push_back({control_group, "sensor", record.control->sensor});
+    attributes.push_back({control_group, "rate_hz", record.control->rate});
   }
   return attributes;
 }

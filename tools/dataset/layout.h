@@ -60,6 +60,13 @@ void for_each_body_column(Body& body, Visit&& visit) {
   visit("velocity", "m/s, rad/s", Extents{6}, body.velocity);
 }
 
+// The same for every array of the control loop, which has a row a sample of the detector's sensor.
+template <class Control, class Visit>
+void for_each_control_column(Control& control, Visit&& visit) {
+  visit("detector_class", "1", Extents{}, control.detector_class);
+}
+
+inline constexpr const char* control_group = "control";
 inline std::string sensor_group(const std::string& sensor) { return "sensors/" + sensor; }
 inline std::string label_group(const std::string& sensor) { return "labels/" + sensor; }
 inline std::string body_group(const std::string& body) { return "truth/" + body; }

@@ -319,6 +319,30 @@ struct DatasetReader::State {
     labels.state_micro_count = count_states(place.below("state_micro"), labels.state_micro);
     return labels;
   }
+
+  // The control loop of a demo, empty where it has none. `sensors`: those of the demo.
+  [[nodiscard]] static std::optional<ControlRecord> read_control(const Place& demo, const std::vector<SensorRecord>& sensors) {
+    const Place place = demo.below(control_group);
+    if (H5Lexists(place.file, place.object.c_str(), H5P_DEFAULT) <= 0) return std::nullopt;
+    const Handle group = open_object(place);
+    ControlRecord control;
+    control.detector = read_text(place, group, "detector");
+    control.sensor = read_text(place, group, "sensor");
+    control.rate = read_number<double>(place, group, "rate_hz");
+    control.time = read_array<double>(place.below("t")).values;
+    for_each_control_column(control, [&]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
+      column = read_column<T>(place.below(name), control.time.size(), tail);
+    });
+    static_cast<void>(count_states(place.below("detector_class"), control.detector_class));
+    const auto sensor = std::find_if(sensors.begin(), sensors.end(),
+                                     [&](const SensorRecord& candidate) { return candidate.name == control.sensor; });
+    if (sensor == sensors.end()) place.fail(fmt::format("reads the sensor '{}', which the trial does not have", control.sensor));
+    if (sensor->time != control.time) place.fail("has not the times of its sensor");
+    for (std::size_t row = 0; row < control.time.size(); ++row) {
+      ++control.confusion[sensor->labels.state[row]][control.detector_class[row]];
+    }
+    return control;
+  }
 };
 
 std::optional<FileAbout> file_about(const std::string& path) {
@@ -450,6 +474,7 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
     });
     record.bodies.push_back(std::move(columns));
   }
+  record.control = state_->read_control(state_->demo(trial), record.sensors);
   return record;
 }
 

@@ -1,6 +1,7 @@
 #include "tools/dataset/trial_record.h"
 
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,16 @@ double number_or_nan(const Json& value) {
 
 }  // namespace
 
+double accuracy(const Confusion& confusion) {
+  std::size_t right = 0;
+  std::size_t all = 0;
+  for (std::size_t truth = 1; truth < confusion.size(); ++truth) {
+    right += confusion[truth][truth];
+    all = std::accumulate(confusion[truth].begin(), confusion[truth].end(), all);
+  }
+  return static_cast<double>(right) / static_cast<double>(all);
+}
+
 std::string outcome_json(const TrialOutcome& outcome) {
   Json json;
   for (const char* key :
@@ -32,6 +43,9 @@ std::string outcome_json(const TrialOutcome& outcome) {
   json["first_slip_time_s"] = nullable(outcome.first_slip_time);
   json["gross_slip_time_s"] = nullable(outcome.gross_slip_time);
   json["max_slip_distance_m"] = outcome.max_slip_distance;
+  json["false_alarm_time_s"] = nullable(outcome.false_alarm_time);
+  json["detection_time_s"] = nullable(outcome.detection_time);
+  json["detection_delay_s"] = nullable(outcome.detection_delay);
   return json.dump();
 }
 
@@ -44,6 +58,9 @@ TrialOutcome parse_outcome(const std::string& text) {
     outcome.first_slip_time = number_or_nan(json.at("first_slip_time_s"));
     outcome.gross_slip_time = number_or_nan(json.at("gross_slip_time_s"));
     outcome.max_slip_distance = json.at("max_slip_distance_m").get<double>();
+    outcome.false_alarm_time = number_or_nan(json.value("false_alarm_time_s", Json(nullptr)));
+    outcome.detection_time = number_or_nan(json.value("detection_time_s", Json(nullptr)));
+    outcome.detection_delay = number_or_nan(json.value("detection_delay_s", Json(nullptr)));
     return outcome;
   } catch (const nlohmann::json::exception& error) {
     throw InputError(fmt::format("outcome is not the JSON object of a press-and-slide trial: {}", error.what()));

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,23 @@ struct SensorRecord {
   LabelRecord labels;
 };
 
+// Samples by true state (strict) and by detector class: [truth][class].
+using Confusion = std::array<StateCounts, 4>;
+
+// Share of the samples in contact whose class is the true state; NaN where nothing ever touches.
+double accuracy(const Confusion& confusion);
+
+// What the loop saw, at the samples of the detector's sensor.
+struct ControlRecord {
+  std::string detector;                      // "force_ratio"
+  std::string sensor;                        // the scene's name of the one it reads: "pad"
+  double rate = 0.0;                         // Hz, of the samples
+  std::vector<double> time;                  // [T] s
+  std::vector<std::uint8_t> detector_class;  // [T] PadState, of the latest estimate that was there at that instant
+
+  Confusion confusion{};  // there in every mode of recording
+};
+
 // A body's motion in the world frame, at TrialRecord::body_time.
 struct BodyRecord {
   std::string name;
@@ -81,12 +99,17 @@ struct TrialOutcome {
   double first_slip_time = std::numeric_limits<double>::quiet_NaN();        // s, a first unit slips as a whole
   double gross_slip_time = std::numeric_limits<double>::quiet_NaN();        // s, all touching units slip
   double max_slip_distance = 0.0;                                           // m, of any unit
+
+  // Of the detector. Slip is that of the sensor that it reads, by the rule strict: it begins when a first unit slips as a whole.
+  double false_alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, first tick before slip that shows incipient or gross
+  double detection_time = std::numeric_limits<double>::quiet_NaN();    // s, first tick after it began that does
+  double detection_delay = std::numeric_limits<double>::quiet_NaN();   // s, from when it began to detection_time
 };
 
 // The JSON object of a demo's attribute `outcome`: touch_time_s, first_micro_slip_time_s, first_slip_time_s, gross_slip_time_s,
-// max_slip_distance_m, and the keys of a grasp, which are null here.
+// max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s, and the keys of a grasp, which are null here.
 std::string outcome_json(const TrialOutcome& outcome);
-// The inverse. Throws InputError when `text` is no such object.
+// The inverse. A dataset of a version without detectors has none of their keys. Throws InputError when `text` is no such object.
 TrialOutcome parse_outcome(const std::string& text);
 
 struct TrialRecord {
@@ -99,6 +122,7 @@ struct TrialRecord {
   std::vector<SensorRecord> sensors;
   std::vector<double> body_time;  // [T] s, samples of the fastest sensor
   std::vector<BodyRecord> bodies;
+  std::optional<ControlRecord> control;  // empty: the scene has no detector
 
   // Samples of the fastest sensor.
   [[nodiscard]] std::size_t num_samples() const { return body_time.size(); }

@@ -5,7 +5,7 @@
 namespace slipbench {
 namespace {
 
-[[gnu::constructor]] void register_on_load() { register_field_plugin({program_catalogues(), &make_sensor}); }
+[[gnu::constructor]] void register_on_load() { register_field_plugin({pad_catalogues(), &make_sensor}); }
 
 }  // namespace
 }  // namespace slipbench

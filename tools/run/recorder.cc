@@ -75,7 +75,7 @@ void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBa
 
 }  // namespace
 
-double record_bytes(std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench) {
+double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench) {
   double bytes = 0.0;
   std::size_t most_rows = 0;
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
@@ -87,6 +87,13 @@ double record_bytes(std::span<const std::unique_ptr<Sensor>> sensors, const Benc
     const std::size_t rows = samples_of(bench.ticks(), bench.stride(pad));
     most_rows = std::max(most_rows, rows);
     bytes += static_cast<double>(row) * static_cast<double>(rows);
+  }
+  if (scene.detector) {
+    std::size_t row = sizeof(double);
+    const ControlRecord control;
+    for_each_control_column(
+        control, [&row](const char*, const char*, const Extents& tail, const auto& column) { row += row_bytes(tail, column); });
+    bytes += static_cast<double>(row) * static_cast<double>(samples_of(bench.ticks(), bench.stride(scene.detector->sensor)));
   }
   std::size_t body_row = sizeof(double);
   for (const NamedBody& body : bench.bodies()) {
@@ -125,11 +132,15 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
     describe_units(sensors[pad]->layout(), scene.friction, record_.sensors[pad].labels);
     units_.emplace_back(sensors[pad]->layout().units.size());
   }
+  if (scene.detector) {
+    const std::size_t pad = scene.detector->sensor;
+    record_.control = {scene.detector->type, scene.sensors[pad].name, sensors[pad]->rate(), {}, {}};
+  }
   if (recording == Recording::full) allocate();
 }
 
 void TrialRecorder::allocate() {
-  bytes_ = record_bytes(sensors_, bench_);
+  bytes_ = record_bytes(scene_, sensors_, bench_);
   check_record_size(scene_, bytes_, max_bytes_);
   body_stride_ = bench_.ticks();
   for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
@@ -149,6 +160,11 @@ void TrialRecorder::allocate() {
       for (const std::size_t extent : tail) size *= extent;
       column.resize(size);
     });
+  }
+  if (scene_.detector) {
+    const std::size_t rows = samples_of(bench_.ticks(), bench_.stride(scene_.detector->sensor));
+    record_.control->time.reserve(rows);
+    record_.control->detector_class.reserve(rows);
   }
   record_.body_time.resize(samples_of(bench_.ticks(), body_stride_));
 }
@@ -217,6 +233,23 @@ void TrialRecorder::write_sample(std::size_t pad, const ContactFrame& truth, con
   labels.slip_angle[row] = static_cast<float>(truth.slip_angle);
 }
 
+void TrialRecorder::detection(std::size_t tick, const ContactFrame& truth, PadState seen) {
+  TrialOutcome& outcome = record_.outcome;
+  for (const ContactEvent& event : truth.events) {
+    if (event.kind == EventKind::slip) keep_earliest(slip_began_, event.time);
+  }
+  if (seen == PadState::incipient || seen == PadState::gross) {
+    double& first = std::isnan(slip_began_) ? outcome.false_alarm_time : outcome.detection_time;
+    if (std::isnan(first)) first = truth.time;
+  }
+  if (tick % bench_.stride(scene_.detector->sensor) != 0) return;
+  ControlRecord& control = *record_.control;
+  ++control.confusion[static_cast<std::size_t>(truth.state)][static_cast<std::size_t>(seen)];
+  if (recording_ == Recording::outcome) return;
+  control.time.push_back(truth.time);
+  control.detector_class.push_back(static_cast<std::uint8_t>(seen));
+}
+
 void TrialRecorder::write_bodies(double time, const std::vector<NamedBody>& bodies) {
   const std::size_t rows = record_.body_time.size();
   if (record_.bodies.empty()) {
@@ -240,6 +273,7 @@ void TrialRecorder::write_bodies(double time, const std::vector<NamedBody>& bodi
 
 TrialResult TrialRecorder::finish() {
   if (recording_ == Recording::full) check_finite(record_);
+  record_.outcome.detection_delay = record_.outcome.detection_time - slip_began_;
   for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
     const ContactFrame& last = bench_.contact(pad);
     check_finite(record_.sensors[pad].name, last);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -18,7 +19,7 @@
 namespace slipbench {
 
 // Bytes that the columns of a trial's whole record take in memory. Its events, whose number the trial decides, come on top.
-double record_bytes(std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench);
+double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench);
 
 // A trial is recorded in memory before it is written. Throws SceneValueError when `bytes` are more than `max_bytes`.
 void check_record_size(const Scene& scene, double bytes, double max_bytes);
@@ -43,6 +44,8 @@ class TrialRecorder {
     last_[pad] = frame;
     if (recording_ == Recording::full) write_sample(pad, truth, frame);
   }
+  // Called every tick after the pads where the scene has a detector: the truth of the pad that it reads, and what the loop sees.
+  void detection(std::size_t tick, const ContactFrame& truth, PadState seen);
   // Called every tick after the pads.
   void bodies(std::size_t tick, double time, const std::vector<NamedBody>& bodies) {
     if (recording_ == Recording::full && tick % body_stride_ == 0) write_bodies(time, bodies);
@@ -66,7 +69,8 @@ class TrialRecorder {
   double bytes_ = 0.0;  // that the record takes so far
   std::size_t body_stride_ = 1;
   std::size_t body_row_ = 0;
-  std::vector<std::size_t> rows_;  // samples written so far, by pad
+  double slip_began_ = std::numeric_limits<double>::quiet_NaN();  // s, a first unit of the detector's pad slips as a whole
+  std::vector<std::size_t> rows_;                                 // samples written so far, by pad
   TrialRecord record_;
   std::vector<std::vector<UnitOutcome>> units_;
   std::vector<SensorFrame> last_;  // by pad; the values are the sensor's own

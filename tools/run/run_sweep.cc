@@ -81,12 +81,13 @@ struct FinishedTrial {
 
 TrialSummary summary_of(TrialResult& result) {
   const TrialRecord& record = result.record;
-  TrialSummary summary{record.trial, record.params, record.outcome, {}};
+  TrialSummary summary{record.trial, record.params, record.outcome, {}, std::nullopt};
   for (std::size_t i = 0; i < record.sensors.size(); ++i) {
     const SensorRecord& sensor = record.sensors[i];
     summary.sensors.push_back(
         {sensor.name, std::move(result.units[i]), sensor.labels.state_count, sensor.labels.state_micro_count});
   }
+  if (record.control) summary.detector = {record.control->detector, record.control->sensor, record.control->confusion};
   return summary;
 }
 
@@ -265,10 +266,15 @@ std::string summary_json(const SweepSummary& summary) {
                               {"state_count", sensor.state_count},
                               {"state_micro_count", sensor.state_micro_count}};
     }
-    trials.push_back({{"trial", trial.trial},
-                      {"params", Json::parse(trial.params)},
-                      {"outcome", Json::parse(outcome_json(trial.outcome))},
-                      {"sensors", std::move(sensors)}});
+    Json json = {{"trial", trial.trial},
+                 {"params", Json::parse(trial.params)},
+                 {"outcome", Json::parse(outcome_json(trial.outcome))},
+                 {"sensors", std::move(sensors)}};
+    if (trial.detector) {
+      json["detector"] = {
+          {"type", trial.detector->type}, {"sensor", trial.detector->sensor}, {"confusion", trial.detector->confusion}};
+    }
+    trials.push_back(std::move(json));
   }
   const Json json = {{"command", summary.command},       {"seed", summary.seed},
                      {"planned", summary.planned},       {"finished", summary.trials.size()},

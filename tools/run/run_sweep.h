@@ -47,11 +47,18 @@ struct SensorSummary {
   StateCounts state_micro_count{};  // likewise, rule micro
 };
 
+struct DetectorSummary {
+  std::string type;    // "force_ratio"
+  std::string sensor;  // the scene's name of the one it reads
+  Confusion confusion{};
+};
+
 struct TrialSummary {
   std::size_t trial = 0;
   std::string params;  // JSON object of what was swept
   TrialOutcome outcome;
   std::vector<SensorSummary> sensors;
+  std::optional<DetectorSummary> detector;  // empty: the scene has none
 };
 
 struct SweepSummary {

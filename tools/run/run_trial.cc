@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "sim/testbench/testbench.h"
+#include "tools/catalogue/detectors.h"
 #include "tools/catalogue/sensors.h"
 #include "tools/dataset/encoder.h"
+#include "tools/run/detector_loop.h"
 #include "tools/run/recorder.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "sim/mujoco/articulated_testbench.h"
@@ -32,7 +34,7 @@ Sensors make_sensors(const Scene& scene, std::uint64_t trial) {
 std::unique_ptr<Bench> make_mujoco_bench(const Scene& scene, std::span<const PadLayout* const> pads,
                                          std::span<const double> rates, std::uint64_t trial) {
   if (!scene.dynamic()) return std::make_unique<ArticulatedTestbench>(scene, pads, rates);
-  [[maybe_unused]] static const bool registered = (register_field_plugin({program_catalogues(), &make_sensor}), true);
+  [[maybe_unused]] static const bool registered = (register_field_plugin({pad_catalogues(), &make_sensor}), true);
   return std::make_unique<DynamicBench>(scene, pads, rates, trial);
 }
 #else
@@ -54,26 +56,54 @@ std::unique_ptr<Bench> make_bench(const Scene& scene, const Sensors& sensors, st
   return std::make_unique<Testbench>(scene, pads, rates, trial);
 }
 
-}  // namespace
-
-double check_trial(const Scene& scene, std::uint64_t trial) {
-  const Sensors sensors = make_sensors(scene, trial);
-  return record_bytes(sensors, *make_bench(scene, sensors, trial));
+DetectorLoop make_loop(const DetectorScene& detector, const Scene& scene, const Sensors& sensors) {
+  const SensorScene& about = scene.sensors[detector.sensor];
+  const Sensor& sensor = *sensors[detector.sensor];
+  return {make_detector(detector, {about.name, about.type, sensor.rate(), sensor.channels()}), detector.sensor};
 }
 
-TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes) {
-  const Sensors sensors = make_sensors(scene, trial);
-  const std::unique_ptr<Bench> chosen = make_bench(scene, sensors, trial);
-  Bench& bench = *chosen;
-  TrialRecorder recorder(scene, sensors, bench, trial, recording, max_bytes);
+void close_loop(TrialRecorder&, std::size_t, const Bench&, const OpenLoop&) {}
+void close_loop(TrialRecorder& recorder, std::size_t tick, const Bench& bench, DetectorLoop& loop) {
+  const ContactFrame& truth = bench.contact(loop.pad());
+  recorder.detection(tick, truth, loop.seen_at(truth.time).state);
+}
+
+template <class Loop>
+void run(Bench& bench, const Sensors& sensors, TrialRecorder& recorder, Loop& loop) {
   for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
     bench.step();
     for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
       const ContactFrame& truth = bench.contact(pad);
       recorder.observe(pad, truth);
-      if (tick % bench.stride(pad) == 0) recorder.sample(pad, truth, sensors[pad]->measure(truth));
+      if (tick % bench.stride(pad) == 0) {
+        const SensorFrame& frame = sensors[pad]->measure(truth);
+        recorder.sample(pad, truth, frame);
+        loop.sample(pad, frame);
+      }
     }
+    close_loop(recorder, tick, bench, loop);
     recorder.bodies(tick, bench.contact(0).time, bench.bodies());
+  }
+}
+
+}  // namespace
+
+double check_trial(const Scene& scene, std::uint64_t trial) {
+  const Sensors sensors = make_sensors(scene, trial);
+  if (scene.detector) static_cast<void>(make_loop(*scene.detector, scene, sensors));
+  return record_bytes(scene, sensors, *make_bench(scene, sensors, trial));
+}
+
+TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes) {
+  const Sensors sensors = make_sensors(scene, trial);
+  const std::unique_ptr<Bench> bench = make_bench(scene, sensors, trial);
+  TrialRecorder recorder(scene, sensors, *bench, trial, recording, max_bytes);
+  if (scene.detector) {
+    DetectorLoop loop = make_loop(*scene.detector, scene, sensors);
+    run(*bench, sensors, recorder, loop);
+  } else {
+    OpenLoop loop;
+    run(*bench, sensors, recorder, loop);
   }
   TrialResult result = recorder.finish();
   if (!scene.model.empty()) result.record.model_sha256 = file_sha256(scene.model);

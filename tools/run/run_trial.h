@@ -37,7 +37,7 @@ struct TrialResult {
 inline constexpr double max_record_bytes = 4e9;
 
 // Runs trial number `trial` of a dataset whose seed is `scene.seed`. `params` of the record is left to the caller, who knows the
-// sweep. Throws InputError when the scene cannot be simulated as it says (Testbench, make_sensor), when its full record would take
+// sweep. Throws InputError when the scene cannot be simulated as it says (Testbench, make_sensor, make_detector), when its full record would take
 // more than `max_bytes`, or when something in the record (without one: in the last tick) is not finite that must be.
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes = max_record_bytes);
 

@@ -29,6 +29,7 @@ TEST(ParseScalar, ReadsEachType) {
   EXPECT_EQ(std::get<std::int64_t>(parse_scalar(spec(integer, Quantity::none, "1"), "-6")), -6);
   EXPECT_EQ(std::get<bool>(parse_scalar(spec(flag, Quantity::none, "true"), "false")), false);
   EXPECT_EQ(std::get<std::string>(parse_scalar(spec(choice, Quantity::none, "gripper"), "hexapod")), "hexapod");
+  EXPECT_EQ(std::get<std::string>(parse_scalar(spec(path, Quantity::none, "own"), "../a b.hex")), "../a b.hex");
 }
 
 TEST(ParseScalar, ChecksTheRange) {
@@ -60,6 +61,7 @@ TEST(ParseScalar, RefusesOtherText) {
   EXPECT_EQ(refusal(spec(flag, Quantity::none, "true"), "yes"), "'yes' is not a flag; allowed: true, false");
   EXPECT_EQ(refusal(spec(choice, Quantity::none, "gripper"), "griper"),
             "unknown value 'griper'; did you mean 'gripper'? allowed: gripper, hexapod");
+  EXPECT_EQ(refusal(spec(path, Quantity::none, "own"), ""), "the path is empty; allowed: a path, or own");
 }
 
 TEST(Defaults, AreReadFromTheDeclaration) {

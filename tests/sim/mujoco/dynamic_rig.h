@@ -14,12 +14,13 @@
 #include "sim/mujoco/dynamic_bench.h"
 #include "sim/mujoco/register_plugin.h"
 #include "sim/scene/parser.h"
+#include "tools/catalogue/catalogues.h"
 #include "tools/catalogue/sensors.h"
 
 namespace slipbench {
 
 inline void register_plugin_once() {
-  [[maybe_unused]] static const bool registered = (register_field_plugin({program_catalogues(), &make_sensor}), true);
+  [[maybe_unused]] static const bool registered = (register_field_plugin({pad_catalogues(), &make_sensor}), true);
 }
 
 // A folder of its own for model files, gone with the object.

@@ -30,7 +30,7 @@ using Data = DataPointer;
 
 inline void know_the_plugin() {
   [[maybe_unused]] static const bool once = [] {
-    register_field_plugin({program_catalogues(), &make_sensor});
+    register_field_plugin({pad_catalogues(), &make_sensor});
     return true;
   }();
 }

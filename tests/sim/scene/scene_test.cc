@@ -40,6 +40,48 @@ TEST(Scene, HasDefaultsForAllButItsSensors) {
   EXPECT_FALSE(scene.expects);
 }
 
+TEST(Scene, DetectorReadsItsSensor) {
+  EXPECT_FALSE(read(minimal).detector.has_value());
+  EXPECT_FALSE(read(minimal + "detector: {type: none}\n").detector.has_value());
+  const Scene one = read(minimal + "detector: {type: ratio}\n");
+  EXPECT_EQ(one.detector->type, "ratio");
+  EXPECT_EQ(one.detector->sensor, 0u);
+  EXPECT_EQ(one.detector->parameters.number("threshold"), 0.4);
+  const Scene two = read(
+      "slipbench: 1\nsensors: {a: {type: papillarray}, b: {type: papillarray}}\ndetector: {type: ratio, sensor: b, threshold: "
+      "0.3}\n");
+  EXPECT_EQ(two.detector->sensor, 1u);
+  EXPECT_EQ(two.detector->parameters.number("threshold"), 0.3);
+}
+
+// A path is meant from the scene's own folder, wherever it is set; the default is a name, not a path, and so stays as it is.
+TEST(Scene, PathsAreFromItsFolder) {
+  const Catalogues catalogues = test_catalogues();
+  const auto memories = [&](const std::string& value, const std::string& folder, const std::string& set) {
+    SceneFile file = SceneFile::from_text(minimal + "detector: {type: trained" + value + "}\n", folder + "s.yaml");
+    if (!set.empty()) file.apply({"detector.memories", set});
+    return parse_scene(file, catalogues).detector->parameters.path("memories");
+  };
+  EXPECT_EQ(memories("", "scenes/", ""), "own");
+  EXPECT_EQ(memories(", memories: own", "scenes/", ""), "own");
+  EXPECT_EQ(memories(", memories: ./own", "scenes/", ""), "scenes/./own");
+  EXPECT_EQ(memories(", memories: ../mine", "scenes/", ""), "scenes/../mine");
+  EXPECT_EQ(memories(", memories: mine", "", ""), "mine");
+  EXPECT_EQ(memories(", memories: /mine", "scenes/", ""), "/mine");
+  EXPECT_EQ(memories("", "scenes/", "mine"), "scenes/mine");
+}
+
+// A trial reports a swept path as the scene says it: it holds on any machine.
+TEST(Scene, SweptPathsAreReportedAsWritten) {
+  const Catalogues catalogues = test_catalogues();
+  const SceneFile file =
+      SceneFile::from_text(minimal + "detector: {type: trained}\nsweep: {detector.memories: [own, ../mine]}\n", "scenes/s.yaml");
+  const TrialPlan plan(file, catalogues, 1, 7);
+  const TrialPlan::Trial trial = plan.trial(1);
+  EXPECT_EQ(trial.drawn.front().second, "\"../mine\"");
+  EXPECT_EQ(trial.scene.detector->parameters.path("memories"), "scenes/../mine");
+}
+
 TEST(Scene, ReadsEveryKey) {
   const Scene scene = read(R"(
 slipbench: 1

@@ -11,7 +11,8 @@ inline ParameterSpec spec(std::string name, ParameterType type, Quantity quantit
   return {std::move(name), type, quantity, std::move(default_text), range, std::move(choices), size, "doc", "assumed"};
 }
 
-// The names and defaults of the program's stage, PapillArray and plane; two effects and two parts of electronics for the lists.
+// The names and defaults of the program's stage, PapillArray and plane; two effects and two parts of electronics for the lists; two
+// detectors, one with a path.
 inline Catalogues test_catalogues() {
   using enum ParameterType;
   Catalogues catalogues;
@@ -63,6 +64,8 @@ inline Catalogues test_catalogues() {
        "",
        {spec("position", vector, Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value, {}, 3),
         spec("friction", number, Quantity::none, "0.5", {0.0, 100.0})}}};
+  catalogues.detectors = {{"ratio", "a threshold", "", "", {spec("threshold", number, Quantity::none, "0.4", positive)}},
+                          {"trained", "a classifier", "", "", {spec("memories", path, Quantity::none, "own")}}};
   return catalogues;
 }
 

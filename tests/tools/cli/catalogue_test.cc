@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/scene/parser.h"
-#include "tools/catalogue/sensors.h"
+#include "tools/catalogue/catalogues.h"
 #include "tools/cli/describe.h"
 
 namespace slipbench {

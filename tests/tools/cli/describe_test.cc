@@ -44,7 +44,8 @@ Catalogues small_catalogues() {
                       spec("steps", ParameterType::integer, "3", "How many."),
                       spec("shift", ParameterType::vector, "[0 mm, 1 mm]", "Where to."),
                       spec("mode", ParameterType::choice, "soft", "Which."),
-                      spec("twice", ParameterType::flag, "false", "Whether twice.")};
+                      spec("twice", ParameterType::flag, "false", "Whether twice."),
+                      spec("table", ParameterType::path, "own", "Which table.")};
   creep.parameters[0].source = "assumed";
   creep.parameters[2].range = {1.0, 8.0, false};
   creep.parameters[3].quantity = Quantity::length;
@@ -61,6 +62,11 @@ Catalogues small_catalogues() {
   hum.summary = "Mains hum.";
   catalogues.electronics = {hum};
   catalogues.materials = {{"glass", 0.4, 0.3, "assumed: smooth"}};
+  Entry threshold;
+  threshold.name = "limit";
+  threshold.summary = "A threshold.";
+  threshold.parameters = {number("ratio", Quantity::none, "0.4", positive, "Above which it slips.")};
+  catalogues.detectors = {threshold};
   return catalogues;
 }
 
@@ -117,6 +123,10 @@ Parameters
       Whether twice.
       default: false
       allowed: true, false
+  table  path
+      Which table.
+      default: own
+      allowed: own, or a path from the scene's own folder
 
 In a scene (effects)
   effects:
@@ -127,7 +137,12 @@ In a scene (effects)
         shift: [0 mm, 1 mm]
         mode: soft
         twice: false
+        table: own
 )");
+}
+
+TEST(Describe, DetectorStandsBesideTheSensors) {
+  EXPECT_THAT(page("limit"), HasSubstr("In a scene (detector.type)\n  detector:\n    type: limit\n    ratio: 0.4\n"));
 }
 
 TEST(Describe, MaterialShowsItsFrictionAndSource) {
@@ -165,7 +180,7 @@ TEST(Describe, JsonHoldsEverythingDeclared) {
   const nlohmann::ordered_json json = describe_json(item("creep"), small_catalogues());
   EXPECT_EQ(json["kind"], "effect");
   EXPECT_EQ(json["law"], "du/dt = f_t / c\n  c  damping");
-  ASSERT_EQ(json["parameters"].size(), 6U);
+  ASSERT_EQ(json["parameters"].size(), 7U);
   const nlohmann::ordered_json& damping = json["parameters"][0];
   EXPECT_EQ(damping["name"], "damping");
   EXPECT_EQ(damping["unit"], "N s/m");
@@ -201,6 +216,9 @@ motions  scene key motion.kind
 
 electronics  scene key sensors.<name>.electronics
   hum    Mains hum.
+
+detectors  scene key detector.type
+  limit  A threshold.
 )");
 }
 
@@ -227,8 +245,7 @@ TEST(List, UnknownCatalogueGetsTheNearestOne) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
                  "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, "
-                 "materials, motions, "
-                 "electronics");
+                 "materials, motions, electronics, detectors");
   }
 }
 

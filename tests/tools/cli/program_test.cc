@@ -177,7 +177,7 @@ TEST(Program, WhatASceneExpectsIsLeftToLaterVersions) {
 
 TEST(Program, ListAndDescribe) {
   const nlohmann::json list = json_of(run_program_file({"list", "--json"}));
-  for (const char* kind : {"effects", "sensors", "surfaces", "materials", "motions", "electronics"}) {
+  for (const char* kind : {"effects", "sensors", "surfaces", "materials", "motions", "electronics", "detectors"}) {
     EXPECT_FALSE(list.at(kind).empty()) << kind;
   }
   EXPECT_EQ(json_of(run_program_file({"list", "sensors", "--json"})).size(), 1U);

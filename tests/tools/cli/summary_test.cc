@@ -60,6 +60,45 @@ TEST(Summary, TrialShowsEveryUnit) {
             "  gross slip at 1.2500 s, 50.0 ms after the first micro-slip\n");
 }
 
+// 20 samples in contact, 3 + 2 + 12 of them right.
+DetectorSummary small_detector() { return {"ratio", "pad", {{{4, 1, 0, 0}, {0, 3, 1, 0}, {0, 1, 2, 0}, {0, 0, 1, 12}}}}; }
+
+TEST(Summary, TrialSaysWhenTheDetectorSawSlip) {
+  TrialSummary trial = small_trial();
+  trial.detector = small_detector();
+  EXPECT_THAT(trial_text(trial, sensors, Style(false)),
+              HasSubstr("\n  ratio on pad: no slip seen after it began; right in 85.0 % of the time in contact\n"));
+  trial.outcome.false_alarm_time = 0.5;
+  trial.outcome.detection_time = 1.26;
+  trial.outcome.detection_delay = 0.01;
+  EXPECT_THAT(
+      trial_text(trial, sensors, Style(false)),
+      HasSubstr("\n  ratio on pad: slip seen at 1.2600 s, 10.0 ms after it began; false alarm at 0.5000 s; right in 85.0 % of "
+                "the time in contact\n"));
+  trial.detector->confusion = {};
+  EXPECT_THAT(trial_text(trial, sensors, Style(false)), HasSubstr("; nothing ever touches\n"));
+}
+
+// Four trials with `ratio`: two see their slip, after 10 and 30 ms, one misses it, one does not slip; one false alarm. One trial with
+// another detector.
+TEST(Summary, SweepSaysSoOfEachDetector) {
+  SweepSummary summary;
+  summary.trials.assign(5, small_trial());
+  for (TrialSummary& trial : summary.trials) trial.detector = small_detector();
+  summary.trials[0].outcome.detection_delay = 0.01;
+  summary.trials[2].outcome.detection_delay = 0.03;
+  summary.trials[1].detector->confusion = {{{0, 0, 0, 0}, {0, 20, 0, 0}, {}, {}}};
+  summary.trials[1].outcome.false_alarm_time = 0.5;
+  summary.trials[3].detector->type = "other";
+  // Right: 17 of 20 in three trials and 20 of 20 in one.
+  EXPECT_THAT(
+      sweep_text(summary, Style(false)),
+      HasSubstr("\n  ratio: slip seen in 2 of 3 trials that slip, 20.0 ms after it began (median; at worst 30.0 ms); false "
+                "alarm before it in 1; right in 88.8 % of the time in contact\n"
+                "  other: slip seen in 0 of 1 trials that slip; false alarm before it in 0; right in 85.0 % of the time in "
+                "contact\n"));
+}
+
 TEST(Summary, TrialWithoutGrossSlipSaysSo) {
   TrialSummary trial = small_trial();
   trial.outcome.gross_slip_time = never;

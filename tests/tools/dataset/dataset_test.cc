@@ -108,6 +108,47 @@ TEST_F(DatasetTest, ComesBackAsItWasWritten) {
   expect_same(found.bodies[0].velocity, expected.bodies[0].velocity);
 }
 
+TEST_F(DatasetTest, DetectorComesBackAsItWasWritten) {
+  const TrialRecord expected = make_controlled_record(0, 41);
+  {
+    DatasetWriter writer(path("a.h5"), header, 2);
+    writer.append(TrialEncoder().encode(expected));
+    writer.append(make_trial(1, 41));
+    writer.commit();
+  }
+  const DatasetReader reader(path("a.h5"));
+  const TrialRecord found = reader.read_trial(0);
+  ASSERT_TRUE(found.control.has_value());
+  EXPECT_EQ(found.control->detector, "force_ratio");
+  EXPECT_EQ(found.control->sensor, "pad");
+  EXPECT_EQ(found.control->rate, 1000.0);
+  EXPECT_EQ(found.control->time, expected.control->time);
+  EXPECT_EQ(found.control->detector_class, expected.control->detector_class);
+  EXPECT_EQ(found.control->confusion, expected.control->confusion);
+  EXPECT_FALSE(reader.read_trial(1).control.has_value());
+  EXPECT_THAT(reader.content_sha256(), ElementsAre(content_digest({trial_digest(found), trial_digest(reader.read_trial(1))})));
+}
+
+TEST_F(DatasetTest, DetectorThatDoesNotFitItsTrialIsRefused) {
+  const auto refusal = [&](const auto& damage) {
+    TrialRecord record = make_controlled_record(0, 8);
+    damage(*record.control);
+    {
+      DatasetWriter writer(path("a.h5"), header, 1);
+      writer.append(TrialEncoder().encode(record));
+      writer.commit();
+    }
+    const DatasetReader reader(path("a.h5"));
+    return message_of<InputError>([&] { static_cast<void>(reader.read_trial(0)); });
+  };
+  EXPECT_THAT(refusal([](ControlRecord& control) { control.detector_class[3] = 4; }),
+              HasSubstr("/data/demo_0/control/detector_class: holds 4, which is no state of a pad"));
+  EXPECT_THAT(refusal([](ControlRecord& control) { control.sensor = "pat"; }),
+              HasSubstr("/data/demo_0/control: reads the sensor 'pat', which the trial does not have"));
+  EXPECT_THAT(refusal([](ControlRecord& control) { control.time[3] += 1e-3; }),
+              HasSubstr("/data/demo_0/control: has not the times of its sensor"));
+}
+
 TEST_F(DatasetTest, ReadsArraysOfSeveralChunks) {
   const DatasetReader reader(write("a.h5", 1, 100'001, DatasetWriter::default_shard_limit));
   expect_same(reader.read<float>(0, "labels/pad/force"), make_record(0, 100'001).sensors[0].labels.force);

@@ -20,6 +20,32 @@ TEST(Outcome, ComesBackFromItsJson) {
   EXPECT_EQ(back.first_slip_time, outcome.first_slip_time);
   EXPECT_EQ(back.max_slip_distance, outcome.max_slip_distance);
   EXPECT_TRUE(std::isnan(back.gross_slip_time));
+  EXPECT_TRUE(std::isnan(back.detection_time));
+}
+
+TEST(Outcome, KeepsWhatBecameOfTheDetector) {
+  TrialOutcome outcome;
+  outcome.false_alarm_time = 1.0 / 3.0;
+  outcome.detection_time = 2.166;
+  outcome.detection_delay = 2.166 - 2.1651602564102563;
+  const TrialOutcome back = parse_outcome(outcome_json(outcome));
+  EXPECT_EQ(back.false_alarm_time, outcome.false_alarm_time);
+  EXPECT_EQ(back.detection_time, outcome.detection_time);
+  EXPECT_EQ(back.detection_delay, outcome.detection_delay);
+}
+
+// Datasets of versions before there were detectors.
+TEST(Outcome, NeedsNoDetector) {
+  const TrialOutcome outcome = parse_outcome(
+      R"({"touch_time_s":0.5,"first_micro_slip_time_s":null,"first_slip_time_s":null,"gross_slip_time_s":null,"max_slip_distance_m":0})");
+  EXPECT_EQ(outcome.touch_time, 0.5);
+  EXPECT_TRUE(std::isnan(outcome.detection_delay));
+}
+
+// Of 10 samples in contact 3 + 0 + 4 are right; those without contact do not count.
+TEST(Confusion, AccuracyIsThatInContact) {
+  EXPECT_EQ(accuracy({{{7, 1, 1, 1}, {0, 3, 1, 0}, {1, 0, 0, 0}, {0, 0, 1, 4}}}), 0.7);
+  EXPECT_TRUE(std::isnan(accuracy({{{7, 1, 0, 0}, {}, {}, {}}})));
 }
 
 TEST(Outcome, KeepsTheKeysOfAGraspAsNull) {

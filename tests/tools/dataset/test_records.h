@@ -78,6 +78,18 @@ inline TrialRecord make_record(std::size_t trial, std::size_t rows, const std::s
   return record;
 }
 
+// The same with a detector, whose class goes round all states while the truth is incipient.
+inline TrialRecord make_controlled_record(std::size_t trial, std::size_t rows) {
+  TrialRecord record = make_record(trial, rows);
+  ControlRecord control{"force_ratio", "pad", 1000.0, record.sensors[0].time, {}, {}};
+  for (std::size_t row = 0; row < rows; ++row) {
+    control.detector_class.push_back(static_cast<std::uint8_t>(row % 4));
+    ++control.confusion[2][row % 4];
+  }
+  record.control = std::move(control);
+  return record;
+}
+
 inline EncodedTrial make_trial(std::size_t trial, std::size_t rows, const std::string& material = "acrylic") {
   return TrialEncoder().encode(make_record(trial, rows, material));
 }

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "sim/core/error.h"
-#include "tools/catalogue/sensors.h"
+#include "tools/catalogue/catalogues.h"
 #include "tools/dataset/encoder.h"
 #include "tools/dataset/reader.h"
 #include "tools/export/export.h"

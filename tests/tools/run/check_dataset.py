@@ -78,11 +78,23 @@ def check_coulomb(labels):
     assert (force[state == 0] == 0).all()
 
 
-def main():
-    program, scene = sys.argv[1:]
+def check_control(demo):
+    """The classes that a force_ratio of 0.4 from 0.05 N on gives to the recorded forces."""
+    control, force = demo["control"], demo["sensors/pad/force"][()].astype("f8")
+    assert set(control) == {"t", "detector_class"} and control["detector_class"].dtype == "u1"
+    assert control.attrs["detector"] == "force_ratio" and control.attrs["sensor"] == "pad" and control.attrs["rate_hz"] == 1000
+    assert np.array_equal(control["t"], demo["sensors/pad/t"])
+    touching = force[..., 2] >= 0.05
+    slipping = touching & (np.hypot(force[..., 0], force[..., 1]) > 0.4 * force[..., 2])
+    count, slips = touching.sum(axis=1), slipping.sum(axis=1)
+    expected = np.where(count == 0, 0, np.where(slips == 0, 1, np.where(slips < count, 2, 3)))
+    assert len(set(expected)) == 4 and np.array_equal(control["detector_class"], expected)
+
+
+def check_run(program, scene, settings):
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "out.h5"
-        subprocess.run([program, "run", scene, "-o", str(path)], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([program, "run", scene, *settings, "-o", str(path)], check=True, stdout=subprocess.DEVNULL)
         with h5py.File(path) as file:
             assert file.attrs["schema"] == 1 and file.attrs["complete"] == 1
             assert file.attrs["scene"] == pathlib.Path(scene).read_text()
@@ -98,6 +110,9 @@ def main():
                 json.loads(demo.attrs["params"])
                 assert json.loads(demo.attrs["outcome"])["dropped"] is None
                 check_filters(demo)
+                assert ("control" in demo) == bool(settings)
+                if settings:
+                    check_control(demo)
                 for sensor in demo["sensors"]:
                     check_sensor(demo, sensor)
                     check_coulomb(demo["labels"][sensor])
@@ -106,6 +121,12 @@ def main():
                     assert truth["pose"].shape == (demo.attrs["num_samples"], 7)
                     assert truth["velocity"].shape == (demo.attrs["num_samples"], 6)
                     assert np.allclose(np.linalg.norm(truth["pose"][:, 3:], axis=1), 1, atol=1e-6)
+
+
+def main():
+    program, scene = sys.argv[1:]
+    check_run(program, scene, [])
+    check_run(program, scene, ["--set", "detector.type=force_ratio"])
 
 
 if __name__ == "__main__":

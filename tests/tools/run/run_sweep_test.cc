@@ -10,7 +10,7 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/dataset/test_records.h"
-#include "tools/catalogue/sensors.h"
+#include "tools/catalogue/catalogues.h"
 #include "tools/dataset/reader.h"
 #include "tools/run/interrupt.h"
 

@@ -7,6 +7,7 @@
 
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
+#include "tools/catalogue/catalogues.h"
 #include "tools/catalogue/sensors.h"
 
 namespace slipbench {

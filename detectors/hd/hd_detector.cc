@@ -1,0 +1,161 @@
+#include "detectors/hd/hd_detector.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "detectors/channel.h"
+#include "detectors/hd/shipped_memories.h"
+#include "detectors/hd/words.h"
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+
+namespace slipbench {
+namespace hd {
+namespace {
+
+constexpr const char* as_saved = "model";
+
+std::size_t stride_of(double rate, const FrameSource& source) {
+  const double frames = std::round(source.rate / rate);
+  if (frames < 1.0 || std::abs(frames * rate - source.rate) > 1e-9 * source.rate) {
+    throw SceneValueError("detector.rate", format_quantity(rate, Quantity::frequency) + " does not divide the " +
+                                               format_quantity(source.rate, Quantity::frequency) + " of sensors." +
+                                               source.sensor + "; allowed: that over a whole number");
+  }
+  return static_cast<std::size_t>(frames);
+}
+
+ChannelPlace displacement_of(const FrameSource& source) {
+  const ChannelPlace place = vector_channel(source, "displacement", "the hyperdimensional classifier");
+  if (source.type != "papillarray" || place.units != pillar_count) {
+    throw SceneValueError("detector.sensor", "the hyperdimensional classifier reads the nine pillars of a papillarray; " +
+                                                 quote(source.sensor) + " is a " + source.type);
+  }
+  return place;
+}
+
+class HdDetector final : public Detector {
+ public:
+  HdDetector(std::unique_ptr<Engine> engine, Quantiser quantiser, double rate, double latency, const FrameSource& source)
+      : engine_(std::move(engine)),
+        quantiser_(quantiser),
+        displacement_(displacement_of(source)),
+        stride_(stride_of(rate, source)) {
+    estimate_.latency = latency;
+  }
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    if (frames_++ % stride_ != 0) return estimate_;
+    const Frame levels = quantise(frame.values.subspan(displacement_.first, 3 * pillar_count), quantiser_);
+    estimate_.time = frame.time;
+    estimate_.state = engine_->update(levels).state;
+    return estimate_;
+  }
+
+ private:
+  std::unique_ptr<Engine> engine_;
+  Quantiser quantiser_;
+  ChannelPlace displacement_;
+  std::size_t stride_;
+  std::size_t frames_ = 0;
+  SlipEstimate estimate_;
+};
+
+// `path` is the default or a folder.
+SavedModel load_memories(const std::string& path) {
+  try {
+    return load(path == default_memories ? shipped_memories(path) : path, Model{});
+  } catch (const InputError& error) {
+    throw SceneValueError("detector.memories", error.what());
+  }
+}
+
+// Replaces `value` by what `said` stands for, unless that is to leave it as saved.
+template <class Words, class Value>
+void take(const Words& words, const std::string& said, Value& value) {
+  value = value_of(words, said).value_or(value);
+}
+
+ParameterSpec choice(std::string name, std::vector<std::string> choices, std::string doc, std::string source) {
+  choices.insert(choices.begin(), as_saved);
+  return {.name = std::move(name),
+          .type = ParameterType::choice,
+          .quantity = Quantity::none,
+          .default_text = as_saved,
+          .range = any_value,
+          .choices = std::move(choices),
+          .size = 1,
+          .doc = std::move(doc),
+          .source = std::move(source)};
+}
+
+}  // namespace
+
+std::vector<ParameterSpec> detector_parameters() {
+  return {
+      {.name = "memories",
+       .type = ParameterType::path,
+       .quantity = Quantity::none,
+       .default_text = default_memories,
+       .range = any_value,
+       .choices = {},
+       .size = 1,
+       .doc = "Folder of the trained classifier: AM.hex, CIM.hex, CM.hex, IM.hex and model.txt.",
+       .source = "the one that ships with the program"},
+      {.name = "rate",
+       .type = ParameterType::number,
+       .quantity = Quantity::frequency,
+       .default_text = "100 Hz",
+       .range = positive,
+       .choices = {},
+       .size = 1,
+       .doc = "Frames a second that are classified: every k-th of the sensor's, whose rate must be a multiple.",
+       .source = "paper, section III-A"},
+      choice("quantiser", names_of(quantiser_words), "How displacements become levels, where not as in model.txt.",
+             "without model.txt: fixed_point, as the published hardware"),
+      choice(
+          "compat", {"paper", "published_core"},
+          "Whose bundle, where not as in model.txt: the paper's, or that of the published core, which does not clear its counts "
+          "between the frames of a window.",
+          "without model.txt: paper"),
+      choice("ties", names_of(ties_words), "What a bit becomes whose bundle sums to zero, where not as in model.txt.",
+             "without model.txt: one")};
+}
+
+SavedModel detector_model(const Parameters& parameters) {
+  SavedModel saved = load_memories(parameters.path("memories"));
+  take(quantiser_words, parameters.choice("quantiser"), saved.quantiser);
+  take(compat_words, parameters.choice("compat"), saved.model.compat);
+  take(ties_words, parameters.choice("ties"), saved.model.ties);
+  return saved;
+}
+
+std::unique_ptr<Detector> make_detector(std::unique_ptr<Engine> engine, Quantiser quantiser, double rate, double latency,
+                                        const FrameSource& source) {
+  return std::make_unique<HdDetector>(std::move(engine), quantiser, rate, latency, source);
+}
+
+}  // namespace hd
+
+Entry gst_hd_entry() {
+  return {
+      .name = "gst_hd",
+      .summary = "hyperdimensional classifier of the PapillArray's displacements, in software and without latency",
+      .law =
+          "level of a pillar: |(d_x, d_y)| / |d| in 21 steps; GST_t = prod_k rho^k GS_{t-k} over N frames\n"
+          "class: the prototype nearest to GST_t once bound with the context, which is the compression of the centre pillar\n"
+          "no contact: the first N - 1 frames; later on there is no such class, and a pad that touches nothing gets one of the "
+          "three",
+      .source =
+          "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile "
+          "Sensor, section III",
+      .parameters = hd::detector_parameters()};
+}
+
+std::unique_ptr<Detector> make_gst_hd(const Parameters& parameters, const FrameSource& source) {
+  const hd::SavedModel saved = hd::detector_model(parameters);
+  return hd::make_detector(hd::make_kernel(saved.model, saved.memories), saved.quantiser, parameters.number("rate"), 0.0, source);
+}
+
+}  // namespace slipbench

@@ -1,0 +1,38 @@
+// The hyperdimensional classifier as a detector: frames of a PapillArray at the sensor's own rate in, states of the pad out.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "detectors/hd/engine.h"
+#include "detectors/hd/memory_files.h"
+#include "sim/core/detector.h"
+#include "sim/core/parameters.h"
+
+namespace slipbench {
+
+// The catalogue's entry, and the detector: the software kernel, without latency.
+Entry gst_hd_entry();
+std::unique_ptr<Detector> make_gst_hd(const Parameters& parameters, const FrameSource& source);
+
+namespace hd {
+
+// What follows makes the same detector on another engine.
+
+// memories, rate, quantiser, compat, ties.
+std::vector<ParameterSpec> detector_parameters();
+
+// The classifier that these parameters name: its folder, with what they say differently. Throws SceneValueError where load() or
+// shipped_memories() refuse it.
+SavedModel detector_model(const Parameters& parameters);
+
+// Takes every k-th frame, the first one included, with k = rate of the source / `rate`; the frames between leave the estimate as it is.
+// (The paper downsamples 1000 Hz recordings to 100 Hz and does not say how; its hardware reads the sensor at 100 Hz, which is this.)
+// The state is no_contact until the engine has seen its window. From then on it is the nearest of three classes, also while nothing
+// touches: the classifier has no class for that, and sees nine displacements of zero.
+// `latency`: of the engine [s]. Throws SceneValueError where the source is no PapillArray or its rate no multiple of `rate`.
+std::unique_ptr<Detector> make_detector(std::unique_ptr<Engine> engine, Quantiser quantiser, double rate, double latency,
+                                        const FrameSource& source);
+
+}  // namespace hd
+}  // namespace slipbench

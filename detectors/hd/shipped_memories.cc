@@ -1,0 +1,22 @@
+#include "detectors/hd/shipped_memories.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include "sim/core/error.h"
+
+namespace slipbench::hd {
+
+std::string shipped_memories(const std::string& name) {
+  namespace fs = std::filesystem;
+  const fs::path bin = fs::read_symlink("/proc/self/exe").parent_path();
+  const fs::path folder = (bin / SLIPBENCH_HD_MEMORIES / name).lexically_normal();
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw InputError("the program's own memories " + quote(name) + " are not at " + folder.string() +
+                     "; allowed: a folder with AM.hex, CIM.hex, CM.hex and IM.hex");
+  }
+  return folder.string();
+}
+
+}  // namespace slipbench::hd

@@ -1,0 +1,40 @@
+#include "tools/catalogue/detectors.h"
+
+#include "detectors/force_ratio.h"
+#include "detectors/hd/hd_detector.h"
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+// A detector that a scene may name.
+struct DetectorKind {
+  Entry about;
+  std::unique_ptr<Detector> (*create)(const Parameters& parameters, const FrameSource& source);
+};
+
+// All detectors, one line each.
+const std::vector<DetectorKind>& detector_catalogue() {
+  static const std::vector<DetectorKind> kinds{
+      {force_ratio_entry(), make_force_ratio},
+      {gst_hd_entry(), make_gst_hd},
+  };
+  return kinds;
+}
+
+}  // namespace
+
+std::vector<Entry> detector_entries() {
+  std::vector<Entry> entries;
+  for (const DetectorKind& kind : detector_catalogue()) entries.push_back(kind.about);
+  return entries;
+}
+
+std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source) {
+  for (const DetectorKind& kind : detector_catalogue()) {
+    if (kind.about.name == scene.type) return kind.create(scene.parameters, source);
+  }
+  throw InputError("detector: unknown type " + quote(scene.type));
+}
+
+}  // namespace slipbench

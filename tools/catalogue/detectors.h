@@ -1,0 +1,20 @@
+// Where the program's detectors are composed: the one place that names them all.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim/core/detector.h"
+#include "sim/core/parameters.h"
+#include "sim/scene/scene.h"
+
+namespace slipbench {
+
+// What a scene may name as detector.type, beside none.
+std::vector<Entry> detector_entries();
+
+// The detector that `scene` describes, for the frames that `source` says. Throws InputError for a type that the catalogue does not
+// have, and what the detector itself refuses.
+std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source);
+
+}  // namespace slipbench
