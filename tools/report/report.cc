@@ -85,8 +85,17 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
     for (const double time : report::touch_times(sensor.labels)) first_touch = std::fmin(first_touch, time);
     row["sensors"][sensor.name] = report::summarise(sensor);
     if (curve_values > 0) {
-      curves[std::to_string(record.trial)].push_back(report::trial_payload(sensor, curve_values / record.sensors.size()));
+      curves[std::to_string(record.trial)].push_back(
+          report::trial_payload(sensor, record.control ? &*record.control : nullptr, curve_values / record.sensors.size()));
     }
+  }
+  if (record.control) {
+    row["detector"] = {{"type", record.control->detector},
+                       {"sensor", record.control->sensor},
+                       {"confusion", record.control->confusion},
+                       {"detection_s", report::number_or_null(record.outcome.detection_time)},
+                       {"delay_s", report::number_or_null(record.outcome.detection_delay)},
+                       {"false_alarm_s", report::number_or_null(record.outcome.false_alarm_time)}};
   }
   row["motion_start_s"] = report::number_or_null(report::motion_start(record, first_touch));
   return row;

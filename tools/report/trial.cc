@@ -59,7 +59,7 @@ std::vector<Curve> sensor_curves(const SensorRecord& sensor) {
 
 }  // namespace
 
-Json trial_payload(const SensorRecord& sensor, std::size_t curve_values) {
+Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std::size_t curve_values) {
   const LabelRecord& labels = sensor.labels;
   const std::size_t units = labels.units();
   std::vector<Curve> curves = label_curves(labels);
@@ -97,6 +97,7 @@ Json trial_payload(const SensorRecord& sensor, std::size_t curve_values) {
                        {"strict", pack_bytes(labels.state, 1)},
                        {"micro", pack_bytes(labels.state_micro, 1)},
                        {"paper", pack_bytes(labels.state_paper, 1)}};
+  if (control != nullptr && control->sensor == sensor.name) payload["states"]["seen"] = pack_bytes(control->detector_class, 1);
   return payload;
 }
 

@@ -111,6 +111,31 @@ TEST(Report, HoldsEverySampleOfATrial) {
   }
 }
 
+TEST(Report, HoldsWhatTheLoopSaw) {
+  TrialRecord trial = sample_trial(0, "{}");
+  trial.control = {"ratio", "pad", 1000.0, trial.sensors[0].time, {0, 0, 1, 2, 1, 2, 3, 2}, {}};
+  trial.outcome.false_alarm_time = 3e-3;
+  trial.outcome.detection_time = 5e-3;
+  trial.outcome.detection_delay = 1.5e-3;
+  SensorRecord other = trial.sensors[0];
+  other.name = "zother";
+  trial.sensors.push_back(other);
+  write_report(write_dataset("report_seen.h5", scene, {trial, sample_trial(1, "{}")}), page_path("report_seen.html"));
+  const Json data = data_of(page_path("report_seen.html"));
+  const Json& curves = data.at("curves").at("0");
+  EXPECT_THAT(unpack(curves.at(0).at("states").at("seen"))[0], ElementsAre(0, 0, 1, 2, 1, 2, 3, 2));
+  EXPECT_FALSE(curves.at(1).at("states").contains("seen")) << "the detector reads the other sensor";
+  const Json& detector = data.at("trials").at(0).at("detector");
+  EXPECT_EQ(detector.at("type"), "ratio");
+  EXPECT_EQ(detector.at("sensor"), "pad");
+  // Truth 0 1 1 1 2 2 3 3 against the classes above.
+  EXPECT_EQ(detector.at("confusion"), Json::parse("[[1,0,0,0],[1,1,1,0],[0,1,1,0],[0,0,1,1]]"));
+  EXPECT_EQ(detector.at("detection_s"), 5e-3);
+  EXPECT_EQ(detector.at("delay_s"), 1.5e-3);
+  EXPECT_EQ(detector.at("false_alarm_s"), 3e-3);
+  EXPECT_FALSE(data.at("trials").at(1).contains("detector"));
+}
+
 TEST(Report, ListsEveryTrialOfADataset) {
   write_report(write_dataset("report_sweep.h5", scene, trials(11)), page_path("report_sweep.html"));
   const Json data = data_of(page_path("report_sweep.html"));

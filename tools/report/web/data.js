@@ -64,6 +64,10 @@ class Recording {
       recording.padStates[rule.key] = (await unpack(payload.states[rule.key]))[0];
       recording.padRuns[rule.key] = runsOf(recording.padStates[rule.key], recording.time);
     }
+    if (payload.states.seen) {
+      recording.padStates.seen = (await unpack(payload.states.seen))[0];
+      recording.padRuns.seen = runsOf(recording.padStates.seen, recording.time);
+    }
     recording.addSlipSpeed();
     return recording;
   }

@@ -505,7 +505,8 @@ sb.showDataset = (host, open) => {
                el('label', {}, 'sensor',
                   el('select', {onchange: event => draw(event.target.value)},
                      sensors.map(name => el('option', {value: name, selected: name === sensor ? '' : null}, name))))),
-        swept(), el('div.two', {}, balance(sensor), durations(sensor)), scatter(sensor, open), table(sensor, open));
+        swept(), el('div.two', {}, balance(sensor), durations(sensor)), ...sb.detectorSections(page.trials),
+        scatter(sensor, open), table(sensor, open));
   };
   draw(sensors[0]);
 };

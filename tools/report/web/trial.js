@@ -14,7 +14,12 @@ function keyFigures(trial, summary) {
       figure('First full slip', sb.seconds(summary.first_full_s), after(summary.first_full_s)),
       figure('Gross slip', sb.seconds(summary.gross_s), after(summary.gross_s)),
       figure('Incipient phase', sb.milliseconds(summary.incipient_s), 'first micro-slip to gross slip'),
-      figure('Longest slip', sb.quantity(summary.max_slip_m, 'm'), 'path slipped by one ' + sb.unitWord(summary.type)));
+      figure('Longest slip', sb.quantity(summary.max_slip_m, 'm'), 'path slipped by one ' + sb.unitWord(summary.type)),
+      trial.detector ? figure(
+                           'Slip seen', sb.seconds(trial.detector.detection_s),
+                           trial.detector.delay_s === null ? trial.detector.type :
+                                                             sb.milliseconds(trial.detector.delay_s) + ' after it began') :
+                       null);
 }
 
 // Slider, play button and readings below the pad.
@@ -60,7 +65,7 @@ function player(timeline) {
 function readout(recording) {
   const fields = {};
   const node = el('dl.readout', {}, [
-    ['strict', 'strict'], ['micro', 'micro'], ['paper', 'paper'], ['stuck', 'stuck fraction'], ['speed', 'slip speed'],
+    ['strict', 'strict'], ['micro', 'micro'], ['paper', 'paper'], ...(recording.padStates.seen ? [['seen', 'seen']] : []), ['stuck', 'stuck fraction'], ['speed', 'slip speed'],
     ['direction', 'slip direction'], ['angle', 'slip angle'], ['centre', 'slip centre'], ['normal', 'normal force'],
     ['tangential', 'tangential force']
   ].map(([key, name]) => {
@@ -70,6 +75,7 @@ function readout(recording) {
   const update = sample => {
     const label = (key, component) => recording.at('labels/' + key, 0, component || 0, sample);
     for (const rule of sb.rules) fields[rule.key].textContent = sb.states.pad[recording.padStates[rule.key][sample]].name;
+    if (fields.seen) fields.seen.textContent = sb.states.pad[recording.padStates.seen[sample]].name;
     fields.stuck.textContent = sb.percent(isNaN(label('stuck_fraction')) ? null : label('stuck_fraction'));
     fields.speed.textContent = sb.quantity(label('pad_speed', 1), 'm/s');
     fields.direction.textContent = sb.quantity(label('slip_direction'), 'rad');
@@ -87,7 +93,7 @@ function readout(recording) {
 }
 
 // Sensor-wide charts.
-function wholeSensor(recording, timeline) {
+function wholeSensor(trial, recording, timeline) {
   const onsets_s = [...recording.micro_onset_s, ...recording.onset_s].filter(t => t !== null);
   const zoom = (text, from, to) =>
       el('button', {onclick: () => timeline.setWindow(Math.max(timeline.full[0], from), Math.min(timeline.full[1], to))}, text);
@@ -101,14 +107,17 @@ function wholeSensor(recording, timeline) {
                                  zoom('onset of slip', first - gap, last + gap))) :
                            null);
   const title = (name, note) => el('div.chart-title', {}, el('span', {}, el('b', {}, name), ' ', note || ''));
-  section.append(title('State by rule', ''), sb.stateLegend(sb.states.pad));
+  const seen = recording.padRuns.seen;
+  section.append(
+      title('State by rule', seen ? 'seen: what the loop saw of the detector ' + trial.detector.type : ''),
+      sb.stateLegend(sb.states.pad));
   const host = el('div');
   section.append(host);
   return {
     section,
     draw() {
-      new sb.StateRows(
-          host, timeline, sb.rules.map(rule => ({name: rule.name, runs: recording.padRuns[rule.key], kinds: sb.states.pad})), 20);
+      const rows = sb.rules.map(rule => ({name: rule.name, runs: recording.padRuns[rule.key], kinds: sb.states.pad}));
+      new sb.StateRows(host, timeline, seen ? [{name: 'seen', runs: seen, kinds: sb.states.pad}, ...rows] : rows, 20);
       const word = sb.unitWord(recording.type);
       section.append(title('State of each ' + word, ''), sb.stateLegend(sb.states.unit));
       const order = onsetOrder(recording);
@@ -407,14 +416,15 @@ sb.showTrial = async (host, index, sensorName) => {
          'The pad seen from the surface it touches; +Z points away from the reader, into the sensor. Above each ' + word +
              ': its name and normal force. Arrows: true tangential force of the object on the ' + word +
              ' (solid) and slip velocity of its tip (dashed). ⊕ marks the slip centre where it lies within the picture.'));
-  const whole = wholeSensor(recording, timeline);
+  const whole = wholeSensor(trial, recording, timeline);
   const onset = onsets(recording, timeline);
   const thinned = recording.stride === 1 ?
       null :
       el('p.note', {}, 'Curves show one sample in ' + recording.stride + '. States and onsets are complete.');
   host.replaceChildren(
       keyFigures(trial, summary),
-      el('div.layout', {}, side, el('div', {}, thinned, whole.section, charts.section, onset.section, rules(summary))));
+      el('div.layout', {}, side, el('div', {}, thinned, whole.section, charts.section, onset.section, rules(summary),
+                                              recording.padRuns.seen ? sb.detectorSection([trial]) : null)));
   whole.draw();
   charts.draw();
 
