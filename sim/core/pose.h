@@ -1,4 +1,4 @@
-// Poses and velocities of bodies.
+// Poses and velocities of bodies, and forces on them.
 #pragma once
 
 #include <string>
@@ -21,6 +21,12 @@ struct Pose {
 struct Twist {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   // m/s, of B's origin
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  // rad/s
+};
+
+// Force and torque on a body.
+struct Wrench {
+  Eigen::Vector3d force;   // N
+  Eigen::Vector3d torque;  // N m
 };
 
 // A body at one instant, in the world frame.

@@ -430,51 +430,7 @@ Wrench Field::wrench_on_pad() const {
 }
 
 Wrench Field::damped_wrench_on_pad(const Twist& motion, double tau) const {
-  // One partial sum a lane, so that the additions vectorise and their order does not depend on how.
-  using Lanes = Eigen::Array<double, kernel::lanes, 1>;
-  const auto column = [this](Column c, std::size_t i) { return Eigen::Map<const Lanes, Eigen::Aligned32>(columns_[c] + i); };
-  const bool extended = columns_[k_normal_spring] != nullptr;
-  const Column normal_spring = extended ? k_normal_spring : k_normal,
-               tangential_spring = extended ? k_tangential_spring : k_tangential;
-  const Eigen::Vector3d &v = motion.linear, &w = motion.angular, &origin = pose_.position;
-  std::array<Lanes, 6> sums;
-  sums.fill(Lanes::Zero());
-  for (std::size_t i = 0; i < padded_; i += kernel::lanes) {
-    const Lanes nx = column(normal_x, i), ny = column(normal_y, i), nz = column(normal_z, i);
-    const Lanes ax = column(contact_x, i) - origin.x(), ay = column(contact_y, i) - origin.y(),
-                az = column(contact_z, i) - origin.z();
-    const Lanes vx = v.x() + w.y() * az - w.z() * ay, vy = v.y() + w.z() * ax - w.x() * az, vz = v.z() + w.x() * ay - w.y() * ax;
-    const Lanes approach = -(nx * vx + ny * vy + nz * vz);
-    const Lanes viscous = (column(mode, i) == 1.0).select(tau * column(tangential_spring, i), 0.0);
-    Lanes tx = column(force_x, i) + viscous * (vx + approach * nx);
-    Lanes ty = column(force_y, i) + viscous * (vy + approach * ny);
-    Lanes tz = column(force_z, i) + viscous * (vz + approach * nz);
-    const Lanes reach = column(limit, i);
-    Lanes held = Lanes::Ones();
-    if (effects_.cone) {
-      for (Eigen::Index lane = 0; lane < held.size(); ++lane) {
-        const double gauge = cone_gauge({tx[lane], ty[lane], tz[lane]}, {nx[lane], ny[lane], nz[lane]}, reach[lane]);
-        if (viscous[lane] > 0.0 && gauge > 1.0) held[lane] = 1.0 / gauge;
-      }
-    } else {
-      const Lanes size = (tx * tx + ty * ty + tz * tz).sqrt();
-      held = (viscous > 0.0 && size > reach).select(reach / size, held);
-    }
-    const Lanes damped = (column(press, i).max(0.0) + tau * column(normal_spring, i) * approach).max(0.0);
-    const Lanes pressed = (column(mode, i) != 0.0).select(damped, 0.0);
-    const Lanes fx = pressed * nx - held * tx, fy = pressed * ny - held * ty, fz = pressed * nz - held * tz;
-    sums[0] += fx;
-    sums[1] += fy;
-    sums[2] += fz;
-    sums[3] += ay * fz - az * fy;
-    sums[4] += az * fx - ax * fz;
-    sums[5] += ax * fy - ay * fx;
-  }
-  const auto total = [&sums](std::size_t k) {
-    const Lanes& s = sums[k];
-    return (s[0] + s[1]) + (s[2] + s[3]);
-  };
-  return {{total(0), total(1), total(2)}, {total(3), total(4), total(5)}};
+  return kernel::damped_wrench_on_pad(columns_, pose_.position, motion, tau, effects_.cone.get(), padded_);
 }
 
 }  // namespace slipbench

@@ -55,12 +55,6 @@ struct ElementEvent {
   ElementState from, to;
 };
 
-// Force and torque on a body.
-struct Wrench {
-  Eigen::Vector3d force;   // N
-  Eigen::Vector3d torque;  // N m
-};
-
 class Field {
  public:
   static constexpr std::size_t max_elements = 4096;

@@ -1,5 +1,7 @@
 #include "sim/field/kernel.h"
 
+#include <cstring>
+
 // Each pass is compiled for x86-64-v3 and for any x86-64, and the loader picks one by the CPU it finds. Sanitizers do not survive the
 // loader's early calls, and other compilers lack the attribute: they get the portable version, which computes the same bits.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__OPTIMIZE__) && \
@@ -155,6 +157,72 @@ SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d&
     c[pad_slip_y][i] = r10 * c[slip_x][i] + r11 * c[slip_y][i] + r12 * c[slip_z][i];
     c[pad_slip_z][i] = r20 * c[slip_x][i] + r21 * c[slip_y][i] + r22 * c[slip_z][i];
   }
+}
+
+namespace {
+
+// As many entries of a column as one sum a lane needs, so that additions vectorise and their order does not depend on how.
+using Lanes __attribute__((vector_size(lanes * sizeof(double)))) = double;
+
+SLIPBENCH_INLINE Lanes at(const Columns& c, Column column, std::size_t i) {
+  Lanes values;
+  std::memcpy(&values, c[column] + i, sizeof values);
+  return values;
+}
+
+SLIPBENCH_INLINE Lanes root(const Lanes& values) {
+  Lanes roots;
+  for (std::size_t lane = 0; lane < lanes; ++lane) roots[lane] = std::sqrt(values[lane]);
+  return roots;
+}
+
+}  // namespace
+
+SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::Vector3d& origin, const Twist& motion, double tau,
+                                                 const ConeEffect* cone, std::size_t count) {
+  const bool extended = c[k_normal_spring] != nullptr;
+  const Column normal_spring = extended ? k_normal_spring : k_normal,
+               tangential_spring = extended ? k_tangential_spring : k_tangential;
+  const Eigen::Vector3d &v = motion.linear, &w = motion.angular;
+  const Lanes none{};
+  Lanes force_sum_x{}, force_sum_y{}, force_sum_z{}, torque_sum_x{}, torque_sum_y{}, torque_sum_z{};
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i);
+    const Lanes ax = at(c, contact_x, i) - origin.x(), ay = at(c, contact_y, i) - origin.y(),
+                az = at(c, contact_z, i) - origin.z();
+    const Lanes vx = v.x() + w.y() * az - w.z() * ay, vy = v.y() + w.z() * ax - w.x() * az, vz = v.z() + w.x() * ay - w.y() * ax;
+    const Lanes approach = -(nx * vx + ny * vy + nz * vz);
+    const Lanes state = at(c, mode, i);
+    const Lanes viscous = state == 1.0 ? tau * at(c, tangential_spring, i) : none;
+    const Lanes tx = at(c, force_x, i) + viscous * (vx + approach * nx);
+    const Lanes ty = at(c, force_y, i) + viscous * (vy + approach * ny);
+    const Lanes tz = at(c, force_z, i) + viscous * (vz + approach * nz);
+    const Lanes reach = at(c, limit, i);
+    Lanes held = none + 1.0;
+    if (cone != nullptr) {
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        const double t[3] = {tx[lane], ty[lane], tz[lane]}, n[3] = {nx[lane], ny[lane], nz[lane]};
+        const double gauge = reach[lane] == 0.0 ? 1.0 : cone->gauge(t, n, reach[lane]);
+        if (viscous[lane] > 0.0 && gauge > 1.0) held[lane] = 1.0 / gauge;
+      }
+    } else {
+      const Lanes size = root(tx * tx + ty * ty + tz * tz);
+      held = ((viscous > 0.0) & (size > reach)) ? reach / size : held;
+    }
+    const Lanes raw = at(c, press, i);
+    const Lanes stopped = (raw > 0.0 ? raw : none) + tau * at(c, normal_spring, i) * approach;
+    const Lanes pressed = ((state != 0.0) & (stopped > 0.0)) ? stopped : none;
+    const Lanes fx = pressed * nx - held * tx, fy = pressed * ny - held * ty, fz = pressed * nz - held * tz;
+    force_sum_x += fx;
+    force_sum_y += fy;
+    force_sum_z += fz;
+    torque_sum_x += ay * fz - az * fy;
+    torque_sum_y += az * fx - ax * fz;
+    torque_sum_z += ax * fy - ay * fx;
+  }
+  const auto total = [](const Lanes& s) __attribute__((always_inline)) { return (s[0] + s[1]) + (s[2] + s[3]); };
+  return {{total(force_sum_x), total(force_sum_y), total(force_sum_z)},
+          {total(torque_sum_x), total(torque_sum_y), total(torque_sum_z)}};
 }
 
 void map(const Columns& columns, bool plane, bool memory, std::size_t count) {

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "sim/core/pose.h"
+#include "sim/field/effect.h"
 
 namespace slipbench::kernel {
 
@@ -67,5 +68,9 @@ void slide_on_plane(const Columns& columns, const Pose& pose, std::size_t count)
 
 // After the passes: forces, deflections and slip as the pad sees them. `to_pad`: rotation of the surface in the pad.
 void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, std::size_t count);
+
+// Field::damped_wrench_on_pad(); `origin`: of the pad, in S.
+Wrench damped_wrench_on_pad(const Columns& columns, const Eigen::Vector3d& origin, const Twist& motion, double tau,
+                            const ConeEffect* cone, std::size_t count);
 
 }  // namespace slipbench::kernel
