@@ -1,7 +1,7 @@
 #include "sim/field/contact_labels.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <limits>
 
 namespace slipbench {
@@ -9,35 +9,25 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-}  // namespace
+// Columns of summed units: sums over all surfaces up to `summed`, then what they are on the one that presses hardest.
+namespace unit {
+enum Column : std::size_t {
+  force,  // kernel::UnitColumns
+  deflection = force + 3,
+  slip = deflection + 3,
+  path = slip + 3,
+  touching,
+  slipping,
+  summed,
+  tangential = summed,
+  normal = tangential + 3,
+  limit = normal + 3,
+  press,  // [N]
+  columns
+};
+}  // namespace unit
 
-// Sums a unit's elements on one surface and hands over what came out, in the pad frame but for the tangential force and the normal, which is
-// that of the element that is pressed hardest: one beside the surface meets another face. Handed over one by one and not as a struct, so that
-// all of it stays in registers: this is a third of a labelled step.
-template <class Use>
-[[gnu::always_inline]] inline void ContactLabels::sum_unit(const Field& field, const UnitRange& unit, Use&& use) {
-  const std::size_t first = unit.first, end = unit.first + unit.count;
-  Eigen::Vector3d force = field.force_on_pad(first), deflection = field.deflection(first), slip = field.slip_in_pad(first);
-  Eigen::Vector3d tangential = field.tangential_force(first), normal = field.normal(first);
-  double distance = field.slip_path(first), limit = field.stick_limit(first), press = field.normal_force(first), hardest = press;
-  unit_rules::Count count;
-  count.add(field.state(first));
-  for (std::size_t i = first + 1; i < end; ++i) {
-    force += field.force_on_pad(i);
-    deflection += field.deflection(i);
-    slip += field.slip_in_pad(i);
-    tangential += field.tangential_force(i);
-    distance += field.slip_path(i);
-    limit += field.stick_limit(i);
-    press += field.normal_force(i);
-    count.add(field.state(i));
-    if (field.normal_force(i) > hardest) {
-      hardest = field.normal_force(i);
-      normal = field.normal(i);
-    }
-  }
-  use(force, deflection, slip, distance, tangential, normal, limit, press, count);
-}
+}  // namespace
 
 ContactLabels::ContactLabels(const PadLayout& layout) : units_(layout.units) {
   const auto n = static_cast<Eigen::Index>(units_.size());
@@ -50,6 +40,7 @@ ContactLabels::ContactLabels(const PadLayout& layout) : units_(layout.units) {
     undeformed_.col(static_cast<Eigen::Index>(u)) = shares_[u] * sum;
     for (std::size_t i = 0; i < units_[u].count; ++i) unit_of_element_[units_[u].first + i] = static_cast<std::uint32_t>(u);
   }
+  single_ = units_.size() == layout.elements.size();
   frame_.force.setZero(3, n);
   frame_.contact_force.setZero(3, n);
   frame_.displacement.setZero(3, n);
@@ -69,7 +60,7 @@ const ContactFrame& ContactLabels::update(std::span<Field> fields, double time, 
 
 const ContactFrame& ContactLabels::judge(std::span<Field> fields, double time, double dt) {
   frame_.time = time;
-  sum_units(fields, dt);
+  label_units(fields, dt);
   unit_rules::judge_pad(frame_, elements_);
   const bool one_plane = fields.size() == 1 && fields.front().on_plane();
   slip_rate_ = unit_rules::fit_slip_motion(frame_, undeformed_, one_plane ? contact_plane_ : unit_rules::ContactPlane{});
@@ -88,69 +79,125 @@ void ContactLabels::settle(std::span<const Field> fields, double dt) {
   unit_rules::report_unit_events(changes_, before, frame_.time, dt, frame_.events);
 }
 
-void ContactLabels::sum_units(std::span<Field> fields, double dt) {
-  for (Field& field : fields) field.view_from_pad();
-  const double rate = 1.0 / dt;
+void ContactLabels::label_units(std::span<Field> fields, double dt) {
   elements_ = {};
-  Eigen::Vector3d faced(0.0, 0.0, 0.0);  // the normal that the contact plane was turned for last
-  for (std::size_t u = 0; u < units_.size(); ++u) {
-    const double share = shares_[u];
-    const auto c = static_cast<Eigen::Index>(u);
-    // `field`: that of the surface that presses hardest.
-    const auto write = [&](const Field& field, const Eigen::Vector3d& force, const Eigen::Vector3d& deflection,
-                           const Eigen::Vector3d& slip, double distance, const Eigen::Vector3d& tangential,
-                           const Eigen::Vector3d& normal, double limit, const unit_rules::Count& count)
-        __attribute__((always_inline)) {
-      frame_.force.col(c) = force.array();
-      frame_.contact_force.col(c) = contact_plane_.turned(force).array();
-      frame_.displacement.col(c) = (share * deflection).array();
-      frame_.slip_velocity.col(c) = (share * rate) * contact_plane_.turned(slip).head<2>().array();
-      frame_.slip_distance[c] = share * distance;
-      frame_.margin[c] = count.touching == 0 ? nan : 1.0 - field.cone_gauge(tangential, normal, limit);
-      frame_.unit_state[u] = unit_rules::unit_state(count);
-      elements_.touching += count.touching;
-      elements_.slipping += count.slipping;
-    };
-    const auto face = [&](const Field& field, const Eigen::Vector3d& normal) {
-      contact_plane_.face(field.pad_in_surface().rotation.transpose() * normal);
-    };
+  for (Field& field : fields) {
+    field.view_from_pad();
+    elements_.touching += static_cast<std::uint32_t>(field.touching());
+    elements_.slipping += static_cast<std::uint32_t>(field.slipping());
+  }
+  const bool one_field = fields.size() == 1;
+  const kernel::UnitColumns units = one_field && single_ ? elements_as_units(fields.front()) : sum_fields(fields);
+  const std::size_t count = units_.size();
+  const auto hardest = [&](std::size_t u) { return one_field ? &fields.front() : hardest_[u]; };
+  const auto normal = [&](std::size_t u) { return Eigen::Vector3d(units.normal[0][u], units.normal[1][u], units.normal[2][u]); };
+  for (std::size_t first = 0, end = 0; first < count; first = end) {  // units that meet the same normal are turned together
+    const Field& field = *hardest(first);
+    const Eigen::Vector3d met = normal(first);
+    end = one_field && field.on_plane() ? count : first + 1;
+    while (end < count && hardest(end) == &field && normal(end) == met) ++end;
+    contact_plane_.face(field.pad_in_surface().rotation.transpose() * met);
+    kernel::label_units(units, contact_plane_.turn(), 1.0 / dt, field.effect_cone(), first, end, frame_);
+  }
+}
 
-    if (fields.size() == 1) {
-      const Field& field = fields.front();
-      sum_unit(
-          field, units_[u],
-          [&](const auto& force, const auto& deflection, const auto& slip, double distance, const auto& tangential,
-              const auto& normal, double limit, double /*press*/, const unit_rules::Count& count) __attribute__((always_inline)) {
-            if (u == 0 || (!field.on_plane() && normal != faced)) {
-              faced = normal;
-              face(field, normal);
-            }
-            write(field, force, deflection, slip, distance, tangential, normal, limit, count);
-          });
-      continue;
-    }
-    UnitSum sum;
-    const Field* hardest = &fields.front();
+// Units of one element on one surface are what their elements are.
+kernel::UnitColumns ContactLabels::elements_as_units(const Field& field) {
+  const double* const mode = field.column(kernel::mode);
+  for (std::size_t u = 0; u < units_.size(); ++u) frame_.unit_state[u] = static_cast<UnitState>(static_cast<int>(mode[u]));
+  const auto vector = [&](kernel::Column x) {
+    const auto component = [&](std::size_t k) { return field.column(static_cast<kernel::Column>(x + k)); };
+    return std::array{component(0), component(1), component(2)};
+  };
+  return {vector(kernel::pad_force_x),
+          vector(kernel::deflection_x),
+          vector(kernel::pad_slip_x),
+          vector(kernel::force_x),
+          vector(kernel::normal_x),
+          field.column(kernel::path),
+          field.column(kernel::limit),
+          mode,
+          shares_.data()};
+}
+
+// Sums units of several elements, or on several surfaces.
+kernel::UnitColumns ContactLabels::sum_fields(std::span<const Field> fields) {
+  const auto count = static_cast<Eigen::Index>(units_.size());
+  sums_.resize(count, unit::columns);
+  const auto column = [this](std::size_t c) { return sums_.col(static_cast<Eigen::Index>(c)).data(); };
+  if (fields.size() == 1) {
+    sum_elements(fields.front(), sums_);
+  } else {
+    const auto own = static_cast<Eigen::Index>(unit::columns - unit::summed);
+    hardest_.assign(units_.size(), &fields.front());
+    sums_.setZero();
+    sums_.col(unit::normal + 2).setOnes();
+    on_one_.resize(count, unit::columns);
     for (const Field& field : fields) {
-      sum_unit(field, units_[u],
-               [&](const auto& force, const auto& deflection, const auto& slip, double distance, const auto& tangential,
-                   const auto& normal, double limit, double press, const unit_rules::Count& count) {
-                 sum.force += force;
-                 sum.deflection += deflection;
-                 sum.slip += slip;
-                 sum.distance += distance;
-                 sum.count.touching += count.touching;
-                 sum.count.slipping += count.slipping;
-                 if (!(press > sum.press)) return;
-                 sum.press = press;
-                 sum.limit = limit;
-                 sum.tangential = tangential;
-                 sum.normal = normal;
-                 hardest = &field;
-               });
+      sum_elements(field, on_one_);
+      sums_.leftCols(unit::summed) += on_one_.leftCols(unit::summed);
+      for (Eigen::Index u = 0; u < count; ++u) {
+        if (!(on_one_(u, unit::press) > sums_(u, unit::press))) continue;
+        sums_.row(u).tail(own) = on_one_.row(u).tail(own);
+        hardest_[static_cast<std::size_t>(u)] = &field;
+      }
     }
-    face(*hardest, sum.normal);
-    write(*hardest, sum.force, sum.deflection, sum.slip, sum.distance, sum.tangential, sum.normal, sum.limit, sum.count);
+  }
+  for (std::size_t u = 0; u < units_.size(); ++u) {
+    const unit_rules::Count elements{static_cast<std::uint32_t>(column(unit::touching)[u]),
+                                     static_cast<std::uint32_t>(column(unit::slipping)[u])};
+    frame_.unit_state[u] = unit_rules::unit_state(elements);
+  }
+  const auto vector = [&](std::size_t x) { return std::array<const double*, 3>{column(x), column(x + 1), column(x + 2)}; };
+  return {vector(unit::force),      vector(unit::deflection), vector(unit::slip),
+          vector(unit::tangential), vector(unit::normal),     column(unit::path),
+          column(unit::limit),      column(unit::touching),   shares_.data()};
+}
+
+// Sums the elements of units on one surface, in the pad frame but for the tangential force and the normal. That is the one of the element
+// that is pressed hardest: one beside the surface meets another face.
+void ContactLabels::sum_elements(const Field& field, Eigen::ArrayXXd& sums) const {
+  const auto element = [&](std::size_t c) { return field.column(static_cast<kernel::Column>(c)); };
+  const auto column = [&](std::size_t c) { return sums.col(static_cast<Eigen::Index>(c)).data(); };
+  const auto sum = [&](std::size_t from, std::size_t to) {  // vectors
+    const double *const x = element(from), *const y = element(from + 1), *const z = element(from + 2);
+    double *const sum_x = column(to), *const sum_y = column(to + 1), *const sum_z = column(to + 2);
+    for (std::size_t u = 0; u < units_.size(); ++u) {
+      const std::size_t first = units_[u].first, end = first + units_[u].count;
+      double total_x = x[first], total_y = y[first], total_z = z[first];
+      for (std::size_t i = first + 1; i < end; ++i) {
+        total_x += x[i];
+        total_y += y[i];
+        total_z += z[i];
+      }
+      sum_x[u] = total_x;
+      sum_y[u] = total_y;
+      sum_z[u] = total_z;
+    }
+  };
+  sum(kernel::pad_force_x, unit::force);
+  sum(kernel::deflection_x, unit::deflection);
+  sum(kernel::pad_slip_x, unit::slip);
+  sum(kernel::force_x, unit::tangential);
+  for (std::size_t u = 0; u < units_.size(); ++u) {
+    const std::size_t first = units_[u].first, end = first + units_[u].count;
+    double slipped = 0.0, reach = 0.0, pressed = 0.0, touch = 0.0, slide = 0.0;
+    std::size_t hardest = first;
+    for (std::size_t i = first; i < end; ++i) {
+      const double mode = element(kernel::mode)[i], f_n = field.normal_force(i);
+      slipped += field.slip_path(i);
+      reach += field.stick_limit(i);
+      pressed += f_n;
+      touch += mode != 0.0 ? 1.0 : 0.0;
+      slide += mode == 2.0 ? 1.0 : 0.0;
+      if (f_n > field.normal_force(hardest)) hardest = i;
+    }
+    column(unit::path)[u] = slipped;
+    column(unit::limit)[u] = reach;
+    column(unit::touching)[u] = touch;
+    column(unit::slipping)[u] = slide;
+    column(unit::press)[u] = pressed;
+    for (const std::size_t k : {0U, 1U, 2U}) column(unit::normal + k)[u] = element(kernel::normal_x + k)[hardest];
   }
 }
 

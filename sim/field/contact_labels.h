@@ -31,23 +31,20 @@ class ContactLabels {
   void set_slip_angle(double angle) { frame_.slip_angle = angle; }
 
  private:
-  // A unit summed over several surfaces; `press` to `normal` are those of the one that presses hardest.
-  struct UnitSum {
-    Eigen::Vector3d force{0.0, 0.0, 0.0}, deflection{0.0, 0.0, 0.0}, slip{0.0, 0.0, 0.0};
-    double distance = 0.0, press = 0.0, limit = 0.0;
-    Eigen::Vector3d tangential{0.0, 0.0, 0.0}, normal{0.0, 0.0, 1.0};
-    unit_rules::Count count;
-  };
-
-  template <class Use>
-  static void sum_unit(const Field& field, const UnitRange& unit, Use&& use);
-  void sum_units(std::span<Field> fields, double dt);
+  void label_units(std::span<Field> fields, double dt);
+  kernel::UnitColumns elements_as_units(const Field& field);
+  kernel::UnitColumns sum_fields(std::span<const Field> fields);
+  void sum_elements(const Field& field, Eigen::ArrayXXd& sums) const;
   [[nodiscard]] unit_rules::Count count_before(std::span<const Field> fields, std::uint32_t unit) const;
 
   std::vector<UnitRange> units_;
   std::vector<double> shares_;  // 1/elements of the unit
   std::vector<std::uint32_t> unit_of_element_;
-  Eigen::Array3Xd undeformed_;  // [3,N] m, mean of a unit's undeformed tips in P
+  bool single_ = false;                // every unit is one element
+  Eigen::ArrayXXd sums_;               // [N, columns] units of several elements, or on several surfaces
+  Eigen::ArrayXXd on_one_;             // the same on one of several surfaces
+  std::vector<const Field*> hardest_;  // [N] of several fields: the one that presses the unit hardest
+  Eigen::Array3Xd undeformed_;         // [3,N] m, mean of a unit's undeformed tips in P
   std::vector<unit_rules::UnitEvent> changes_;
   unit_rules::ContactPlane contact_plane_;
   unit_rules::Count elements_;  // of the whole pad

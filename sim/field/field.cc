@@ -148,7 +148,7 @@ void Field::load_state(std::span<const double> state) {
     std::copy_n(in, memory.size(), memory.begin());
     in += static_cast<std::ptrdiff_t>(memory.size());
   });
-  attached_ = static_cast<std::size_t>(std::count_if(columns_[mode], columns_[mode] + count_, [](double m) { return m != 0.0; }));
+  count_states();
 }
 
 void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
@@ -163,7 +163,7 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
   keep_as_before(limit, limit_before);
   keep_as_before(mode, mode_before);
 
-  if (plain_ && attached_ == count_ && looks_at_plane()) {
+  if (plain_ && touching_ == count_ && looks_at_plane()) {
     kernel::slide_on_plane(columns_, pose_, padded_);
   } else {
     step_in_stages(placed_ ? dt : 0.0, motion);
@@ -181,7 +181,7 @@ void Field::step_in_stages(double dt, const Twist* motion) {
   if (!on_plane()) keep_energy();
   if (has_memory()) prepare_rheology(dt);
   if (!effects_.friction.empty()) rate_friction(dt, motion);
-  if (attached_ < count_) anchor_touched();
+  if (touching_ < count_) anchor_touched();
   if (effects_.cone) {
     for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(i);
   } else {
@@ -370,11 +370,18 @@ double Field::onset_fraction(std::size_t i) const {
   return high;
 }
 
+void Field::count_states() {
+  touching_ = slipping_ = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    touching_ += state(i) != ElementState::detached ? 1 : 0;
+    slipping_ += state(i) == ElementState::slip ? 1 : 0;
+  }
+}
+
 void Field::resolve_events() {
-  attached_ = 0;
+  count_states();
   for (std::size_t i = 0; i < count_; ++i) {
     const ElementState from = state_before(i), to = state(i);
-    attached_ += to != ElementState::detached ? 1 : 0;
     if (from == to) continue;
     double fraction = 0.0;  // slip that ends has ended with the step before
     if (!placed_) {

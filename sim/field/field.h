@@ -125,6 +125,14 @@ class Field {
   // all that stick, with what they add held inside the cone of stick_limit().
   [[nodiscard]] Wrench damped_wrench_on_pad(const Twist& motion, double tau) const;
 
+  // Of all elements, where entries come in the order of elements: a column of the structure of arrays.
+  [[nodiscard]] const double* column(kernel::Column c) const { return columns_[c]; }
+  // How many elements touch after the last step, and how many of them slip.
+  [[nodiscard]] std::size_t touching() const { return touching_; }
+  [[nodiscard]] std::size_t slipping() const { return slipping_; }
+  // The effect that replaces the circular friction cone, or null.
+  [[nodiscard]] const ConeEffect* effect_cone() const { return effects_.cone.get(); }
+
   // Whether the surface is a plane, so that all elements meet one normal.
   [[nodiscard]] bool on_plane() const { return std::holds_alternative<Plane>(surface_); }
   // The pose of the last step.
@@ -150,6 +158,7 @@ class Field {
   [[nodiscard]] double touch_fraction(std::size_t i) const;
   void anchor_touched();
   void map_to_effect_cone(std::size_t i);
+  void count_states();
   void resolve_events();
   [[nodiscard]] double onset_fraction(std::size_t i) const;
   [[nodiscard]] ElementColumns view(double dt) const;
@@ -175,7 +184,7 @@ class Field {
   bool flat_pad_;
   bool plain_;  // springs on a plane, and no effect: one pass does it all
   bool placed_ = false;
-  std::size_t attached_ = 0;  // elements that touched after the last step
+  std::size_t touching_ = 0, slipping_ = 0;
 };
 
 }  // namespace slipbench

@@ -1,6 +1,7 @@
 #include "sim/field/kernel.h"
 
 #include <cstring>
+#include <limits>
 
 // Each pass is compiled for x86-64-v3 and for any x86-64, and the loader picks one by the CPU it finds. Sanitizers do not survive the
 // loader's early calls, and other compilers lack the attribute: they get the portable version, which computes the same bits.
@@ -223,6 +224,70 @@ SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::
   const auto total = [](const Lanes& s) __attribute__((always_inline)) { return (s[0] + s[1]) + (s[2] + s[3]); };
   return {{total(force_sum_x), total(force_sum_y), total(force_sum_z)},
           {total(torque_sum_x), total(torque_sum_y), total(torque_sum_z)}};
+}
+
+namespace {
+
+template <bool kLevel>
+SLIPBENCH_INLINE void label_all(const UnitColumns& units, const Eigen::Matrix3d& turn, double rate, std::size_t first,
+                                std::size_t end, ContactFrame& frame) {
+  const UnitColumns c = units;  // a copy: what is written to the frame is none of its pointers
+  double* const force = frame.force.data();
+  double* const contact_force = frame.contact_force.data();
+  double* const displacement = frame.displacement.data();
+  double* const slip_velocity = frame.slip_velocity.data();
+  double* const slip_distance = frame.slip_distance.data();
+  double* const margin = frame.margin.data();
+  const double r00 = turn(0, 0), r01 = turn(0, 1), r02 = turn(0, 2);
+  const double r10 = turn(1, 0), r11 = turn(1, 1), r12 = turn(1, 2);
+  const double r20 = turn(2, 0), r21 = turn(2, 1), r22 = turn(2, 2);
+  SLIPBENCH_VECTORISE
+  for (std::size_t u = first; u < end; ++u) {
+    const double share = c.share[u], pace = share * rate;
+    const double fx = c.force[0][u], fy = c.force[1][u], fz = c.force[2][u];
+    const double sx = c.slip[0][u], sy = c.slip[1][u], sz = c.slip[2][u];
+    force[3 * u] = fx;
+    force[3 * u + 1] = fy;
+    force[3 * u + 2] = fz;
+    // In the order in which Eigen adds up a product, so that a turn is the same to the bit wherever it is worked out.
+    contact_force[3 * u] = kLevel ? fx : r00 * fx + r01 * fy + r02 * fz;
+    contact_force[3 * u + 1] = kLevel ? fy : r10 * fx + r11 * fy + r12 * fz;
+    contact_force[3 * u + 2] = kLevel ? fz : r20 * fx + (r21 * fy + r22 * fz);
+    displacement[3 * u] = share * c.deflection[0][u];
+    displacement[3 * u + 1] = share * c.deflection[1][u];
+    displacement[3 * u + 2] = share * c.deflection[2][u];
+    slip_velocity[2 * u] = pace * (kLevel ? sx : r00 * sx + r01 * sy + r02 * sz);
+    slip_velocity[2 * u + 1] = pace * (kLevel ? sy : r10 * sx + r11 * sy + r12 * sz);
+    slip_distance[u] = share * c.path[u];
+    const double tx = c.tangential[0][u], ty = c.tangential[1][u], tz = c.tangential[2][u], limit = c.limit[u];
+    const double gauge = std::sqrt(tx * tx + ty * ty + tz * tz) / limit;
+    const double left = limit == 0.0 ? 0.0 : 1.0 - gauge;
+    margin[u] = c.touching[u] == 0.0 ? std::numeric_limits<double>::quiet_NaN() : left;
+  }
+}
+
+SLIPBENCH_DISPATCHED void label_level(const UnitColumns& units, const Eigen::Matrix3d& turn, double rate, std::size_t first,
+                                      std::size_t end, ContactFrame& frame) {
+  label_all<true>(units, turn, rate, first, end, frame);
+}
+SLIPBENCH_DISPATCHED void label_turned(const UnitColumns& units, const Eigen::Matrix3d& turn, double rate, std::size_t first,
+                                       std::size_t end, ContactFrame& frame) {
+  label_all<false>(units, turn, rate, first, end, frame);
+}
+
+}  // namespace
+
+void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double rate, const ConeEffect* cone, std::size_t first,
+                 std::size_t end, ContactFrame& frame) {
+  turn == nullptr ? label_level(units, Eigen::Matrix3d::Identity(), rate, first, end, frame)
+                  : label_turned(units, *turn, rate, first, end, frame);
+  if (cone == nullptr) return;
+  for (std::size_t u = first; u < end; ++u) {
+    if (units.touching[u] == 0.0 || units.limit[u] == 0.0) continue;
+    const double t[3] = {units.tangential[0][u], units.tangential[1][u], units.tangential[2][u]};
+    const double n[3] = {units.normal[0][u], units.normal[1][u], units.normal[2][u]};
+    frame.margin[static_cast<Eigen::Index>(u)] = 1.0 - cone->gauge(t, n, units.limit[u]);
+  }
 }
 
 void map(const Columns& columns, bool plane, bool memory, std::size_t count) {

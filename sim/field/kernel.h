@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "sim/core/contact_frame.h"
 #include "sim/core/pose.h"
 #include "sim/field/effect.h"
 
@@ -72,5 +73,19 @@ void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, std::s
 // Field::damped_wrench_on_pad(); `origin`: of the pad, in S.
 Wrench damped_wrench_on_pad(const Columns& columns, const Eigen::Vector3d& origin, const Twist& motion, double tau,
                             const ConeEffect* cone, std::size_t count);
+
+// What labels are made of, an entry a unit: sums over its elements, vectors by component.
+struct UnitColumns {
+  std::array<const double*, 3> force, deflection, slip;  // columns pad_force_x, deflection_x and pad_slip_x
+  std::array<const double*, 3> tangential, normal;       // columns force_x and normal_x
+  const double *path, *limit;
+  const double* touching;  // 0: no element of the unit touches
+  const double* share;     // 1/elements of the unit
+};
+
+// Fills the columns from `first` to before `end` of `frame` (contact_frame.h) with what its units are given in: all but their states.
+// `turn`: into the contact plane, null where that is the pad's own; `rate`: 1/step [1/s]; `cone`: in place of the circular one, or null.
+void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double rate, const ConeEffect* cone, std::size_t first,
+                 std::size_t end, ContactFrame& frame);
 
 }  // namespace slipbench::kernel

@@ -27,16 +27,16 @@ void ContactPlane::face(const Eigen::Vector3d& normal) {
 }
 
 void judge_pad(ContactFrame& frame, const Count& elements) {
-  const auto state = [](std::size_t touching, std::size_t slipping) {
+  const auto state = [](std::uint32_t touching, std::uint32_t slipping) {
     if (touching == 0) return PadState::no_contact;
     if (slipping == 0) return PadState::non_slip;
     return slipping == touching ? PadState::gross : PadState::incipient;
   };
-  std::size_t touching = 0, slipping = 0, touched_by_slip = 0;
+  std::uint32_t touching = 0, slipping = 0, touched_by_slip = 0;
   for (const UnitState unit : frame.unit_state) {
-    touching += unit != UnitState::detached ? 1 : 0;
-    slipping += unit == UnitState::slip ? 1 : 0;
-    touched_by_slip += unit == UnitState::slip || unit == UnitState::partial ? 1 : 0;
+    touching += static_cast<std::uint32_t>(unit != UnitState::detached);
+    slipping += static_cast<std::uint32_t>(unit == UnitState::slip);
+    touched_by_slip += static_cast<std::uint32_t>(unit >= UnitState::slip);  // or partial
   }
   frame.state = state(touching, slipping);
   frame.state_micro = state(touching, touched_by_slip);

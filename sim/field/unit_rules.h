@@ -41,6 +41,8 @@ class ContactPlane {
  public:
   // `normal`: unit vector. The units of a pad that meet the same one share the turn, which is then not worked out again.
   void face(const Eigen::Vector3d& normal);
+  // The turn's matrix, null where there is nothing to turn.
+  [[nodiscard]] const Eigen::Matrix3d* turn() const { return level_ ? nullptr : &turn_; }
   [[nodiscard]] Eigen::Vector3d turned(const Eigen::Vector3d& v) const { return level_ ? v : turn_ * v; }
   [[nodiscard]] Eigen::Vector3d turned_back(const Eigen::Vector3d& v) const { return level_ ? v : turn_.transpose() * v; }
 
