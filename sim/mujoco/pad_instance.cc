@@ -138,7 +138,7 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   for (const std::span<double> memory : sensor_memory_) first_memory_.insert(first_memory_.end(), memory.begin(), memory.end());
   constexpr std::size_t seen_of_a_frame = 21;
   seen_.resize(seen_of_a_frame * (1 + config_.geoms.size()));
-  values_.resize(channel_values(*sensor_) + truth_values(config_, *sensor_));
+  readings_ = channel_values(*sensor_) + truth_values(config_, *sensor_);
   for (const Touched& touched : touched_) {
     if (model->body_weldid[touched.body] == model->body_weldid[model->site_bodyid[config_.site]]) {
       throw InputError(fmt::format("plugin '{}': the touched geom '{}' moves with the pad; allowed: a geom of another body",
@@ -148,7 +148,7 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   std::size_t size = 0;
   for (Field& field : fields_) size += field.state_size();
   began_with_.resize(size);
-  size += header_size + implicit_values(config_) + first_memory_.size() + values_.size();
+  size += header_size + implicit_values(config_) + first_memory_.size() + readings_;
   if (size != static_cast<std::size_t>(model->plugin_statenum[instance_])) {
     throw std::logic_error("slipbench.field: a state of another size than the model was compiled for");
   }
@@ -167,8 +167,8 @@ PadInstance::Parts PadInstance::parts(const mjModel* model, mjData* data) const 
   result.fields = take(began_with_.size());
   const std::size_t truth = truth_values(config_, *sensor_);
   result.implicit = take(implicit_values(config_));
-  result.memory = take(rest.size() - values_.size());
-  result.held = take(values_.size() - truth);
+  result.memory = take(rest.size() - readings_);
+  result.held = take(readings_ - truth);
   result.truth = take(truth);
   return result;
 }
@@ -253,11 +253,10 @@ void PadInstance::judge(const Parts& state) {
   judged_ = true;
 }
 
-// Fills values_ with what the sensor and the truth say at the trial's time.
+// Lets labels and sensor read the trial.
 void PadInstance::measure(const Parts& state) {
   if (measured_) return;
   judge(state);
-  const std::size_t channels = state.held.size();
   next_sample_ = state.header[next_sample];
   sampled_ = sample_time_ == 0.0 || time_ >= sample_time_ * (next_sample_ - rounding);
   if (sampled_) {
@@ -266,13 +265,9 @@ void PadInstance::measure(const Parts& state) {
       std::copy_n(remembered, memory.size(), memory.begin());
       remembered += memory.size();
     }
-    const SensorFrame& frame = sensor_->measure(labels_.frame());
-    std::copy(frame.values.begin(), frame.values.end(), values_.begin());
+    sample_ = sensor_->measure(labels_.frame()).values;
     if (sample_time_ > 0.0) next_sample_ = std::floor(time_ / sample_time_ + rounding) + 1.0;
-  } else {
-    std::copy(state.held.begin(), state.held.end(), values_.begin());
   }
-  if (config_.truth) write_truth(labels_.frame(), values_.data() + channels);
   measured_ = true;
 }
 
@@ -364,20 +359,23 @@ void PadInstance::write_sensors(const mjModel* model, mjData* data) {
   refuse_what_cannot_work(model);
   if (outputs_.empty()) return;  // MuJoCo asks every instance, read or not
   const Parts state = parts(model, data);
-  const auto write = [&](std::span<const double> part, std::size_t offset) {
-    for (const int address : outputs_) std::copy(part.begin(), part.end(), data->sensordata + address + offset);
-  };
   // RK4 commits at the end of a step, so that at the beginning of the next one nothing has moved since: what was seen then still
   // holds.
   if (is_placed(state.fields) && data->time == state.header[committed_time]) {
-    write(state.held, 0);
-    write(state.truth, state.held.size());
+    for (const int address : outputs_) {
+      mjtNum* const out = std::copy(state.held.begin(), state.held.end(), data->sensordata + address);
+      std::copy(state.truth.begin(), state.truth.end(), out);
+    }
     return;
   }
   evaluated_ = locate(model, data);
   evaluate(state, data->time);
   measure(state);
-  write(values_, 0);
+  for (const int address : outputs_) {
+    mjtNum* const out = data->sensordata + address;
+    sampled_ ? std::copy(sample_.begin(), sample_.end(), out) : std::copy(state.held.begin(), state.held.end(), out);
+    if (config_.truth) write_truth(labels_.frame(), out + state.held.size());
+  }
 }
 
 void PadInstance::commit(const mjModel* model, mjData* data) {
@@ -406,9 +404,9 @@ void PadInstance::remember_readings(const Parts& state) {
   if (sampled_) {
     double* remembered = state.memory.data();
     for (const std::span<double> memory : sensor_memory_) remembered = std::copy(memory.begin(), memory.end(), remembered);
+    std::copy(sample_.begin(), sample_.end(), state.held.begin());
   }
-  std::copy_n(values_.begin(), state.held.size(), state.held.begin());
-  std::copy(values_.begin() + static_cast<std::ptrdiff_t>(state.held.size()), values_.end(), state.truth.begin());
+  if (config_.truth) write_truth(labels_.frame(), state.truth.data());
 }
 
 void PadInstance::draw(const mjModel* model, mjData* data, mjvScene* scene) {

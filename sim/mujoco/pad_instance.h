@@ -112,6 +112,7 @@ class PadInstance {
   std::vector<Touched> touched_;
   std::vector<Field> fields_;  // one a touched geom
   ContactLabels labels_;
+  std::size_t readings_;      // how many numbers the sensor and the truth give
   std::vector<int> outputs_;  // addresses in sensordata
   bool watched_;              // somebody reads the labels and the sensor
   double step_;               // s
@@ -130,8 +131,8 @@ class PadInstance {
   bool fields_hold_state_ = false;  // the fields are as the state says: no load needed
   double time_ = 0.0;               // s
   double dt_ = 0.0;                 // s, since the commit
-  std::vector<double> values_;      // of the sensor, then of the truth
-  bool sampled_ = false;            // the sensor has taken a sample
+  bool sampled_ = false;            // the sensor has taken a sample; else what it holds is in the state
+  std::span<const float> sample_;   // valid until it takes the next one
   double next_sample_ = 0.0;
 };
 
