@@ -89,6 +89,7 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
   const bool one_field = fields.size() == 1;
   const kernel::UnitColumns units = one_field && single_ ? elements_as_units(fields.front()) : sum_fields(fields);
   const std::size_t count = units_.size();
+  const double rate = 1.0 / dt;
   const auto hardest = [&](std::size_t u) { return one_field ? &fields.front() : hardest_[u]; };
   const auto normal = [&](std::size_t u) { return Eigen::Vector3d(units.normal[0][u], units.normal[1][u], units.normal[2][u]); };
   for (std::size_t first = 0, end = 0; first < count; first = end) {  // units that meet the same normal are turned together
@@ -97,7 +98,7 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
     end = one_field && field.on_plane() ? count : first + 1;
     while (end < count && hardest(end) == &field && normal(end) == met) ++end;
     contact_plane_.face(field.pad_in_surface().rotation.transpose() * met);
-    kernel::label_units(units, contact_plane_.turn(), 1.0 / dt, field.effect_cone(), first, end, frame_);
+    kernel::label_units(units, contact_plane_.turn(), rate, field.effect_cone(), first, end, frame_);
   }
 }
 

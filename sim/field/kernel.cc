@@ -229,9 +229,8 @@ SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::
 namespace {
 
 template <bool kLevel>
-SLIPBENCH_INLINE void label_all(const UnitColumns& units, const Eigen::Matrix3d& turn, double rate, std::size_t first,
+SLIPBENCH_INLINE void label_all(const UnitColumns& c, const Eigen::Matrix3d& turn, double rate, std::size_t first,
                                 std::size_t end, ContactFrame& frame) {
-  const UnitColumns c = units;  // a copy: what is written to the frame is none of its pointers
   double* const force = frame.force.data();
   double* const contact_force = frame.contact_force.data();
   double* const displacement = frame.displacement.data();
