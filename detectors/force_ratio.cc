@@ -1,7 +1,5 @@
 #include "detectors/force_ratio.h"
 
-#include <cmath>
-
 #include "detectors/channel.h"
 
 namespace slipbench {
@@ -19,10 +17,12 @@ class ForceRatio final : public Detector {
     std::size_t slipping = 0;
     for (std::size_t unit = 0; unit < force_.units; ++unit) {
       const float* const force = frame.values.data() + force_.first + 3 * unit;
+      const double x = force[0];
+      const double y = force[1];
       const double normal = force[2];
       if (normal < touch_) continue;
       ++touching;
-      if (std::hypot(static_cast<double>(force[0]), static_cast<double>(force[1])) > ratio_ * normal) ++slipping;
+      if (x * x + y * y > ratio_ * ratio_ * normal * normal) ++slipping;
     }
     estimate_.time = frame.time;
     estimate_.state = touching == 0          ? PadState::no_contact

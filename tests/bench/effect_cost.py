@@ -13,13 +13,12 @@ import sys
 import tempfile
 
 
-def count(valgrind, program, ticks):
-    """Instructions of the whole run, and the names of all functions in which any were spent."""
+def count(valgrind, function, command):
+    """Instructions that a command spends inside a function, and the names of all functions in which any of them were spent."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "callgrind.out"
         subprocess.run(
-            [valgrind, "--tool=callgrind", f"--callgrind-out-file={out}", "--toggle-collect=slipbench::Testbench::step()",
-             program, str(ticks)],
+            [valgrind, "--tool=callgrind", f"--callgrind-out-file={out}", f"--toggle-collect={function}", *command],
             check=True, capture_output=True)
         text = out.read_text()
     total = int(re.search(r"^(?:summary|totals): (\d+)", text, re.M).group(1))
@@ -36,9 +35,10 @@ def defined_in(archive):
 def main():
     valgrind, plain, one_more, archive = sys.argv[1:]
     ticks = 2000
-    short, _ = count(valgrind, plain, ticks)
-    total, names = count(valgrind, plain, 2 * ticks)
-    total_more, _ = count(valgrind, one_more, 2 * ticks)
+    step = "slipbench::Testbench::step()"
+    short, _ = count(valgrind, step, [plain, str(ticks)])
+    total, names = count(valgrind, step, [plain, str(2 * ticks)])
+    total_more, _ = count(valgrind, step, [one_more, str(2 * ticks)])
     if not any("Field::step" in name for name in names):
         sys.exit("the count saw no Field::step: nothing was measured")
     print(f"{(total - short) / ticks:.0f} instructions a step, {(total_more - total) / (2 * ticks):+.2f} with one effect more")
