@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <variant>
 
 #include <Eigen/Geometry>
+
+#include "sim/core/error.h"
 
 namespace slipbench {
 namespace {
@@ -36,18 +39,48 @@ void check(const PadLayout& layout, Friction friction) {
 
 // The stiffness of an element's normal slide that makes slide and contact in series as stiff as the element. The discrete
 // integrator gives a tip on its slide k the effective mass m + c dt + k dt^2, and MuJoCo's contact of constant impedance d and
-// solref -contact_stiffness/dt^2 is contact_stiffness/(1 - d)/dt^2 times that. So k solves r k^2 + (r M - (1 + r) k_n) k - r M k_n
-// = 0 with M = (m + c dt)/dt^2.
-double normal_slide(double k_n, double damping, const ArticulatedSettings& settings, double dt) {
+// solref -contact_stiffness/dt^2 is r/(dt^2 (1/m_eff + w)), r = contact_stiffness/(1 - d), w the inverse mass of what the tip is
+// mounted on and of what it touches. The part w dt^2/r of the contact's compliance does not depend on k: with 1/k' = 1/k_n - w dt^2/r
+// k solves r k^2 + (r M - (1 + r) k') k - r M k' = 0, M = (m + c dt)/dt^2.
+double normal_slide(double wanted, double inverse_mass, double damping, const ArticulatedSettings& settings, double dt) {
   const double r = settings.contact_stiffness / (1.0 - settings.impedance);
+  const double k_n = 1.0 / (1.0 / wanted - inverse_mass * dt * dt / r);
   const double free = (settings.tip_mass + damping * dt) / (dt * dt);
   const double b = r * free - (1.0 + r) * k_n;
   return (std::sqrt(b * b + 4.0 * r * r * free * k_n) - b) / (2.0 * r);
 }
 
+// MuJoCo's own defaults for a part that has been added, whatever the model's default class says.
+template <class Part, class... Links>
+void make_plain(Part* part, void (*set_default)(Part*), Links Part::*... links) {
+  Part plain;
+  set_default(&plain);
+  ((plain.*links = part->*links), ...);
+  *part = plain;
+}
+
 Eigen::Map<const Eigen::Vector3d> vector3(const mjtNum* v) { return Eigen::Map<const Eigen::Vector3d>(v); }
 
 }  // namespace
+
+void refuse_without_field(const Scene& scene) {
+  if (!scene.effects.empty()) {
+    throw SceneValueError("effects", "articulated pads have none; allowed: none, or fidelity: field");
+  }
+  if (scene.friction.static_coefficient != scene.friction.kinetic_coefficient) {
+    throw SceneValueError("friction", "articulated pads have one coefficient of friction; allowed: kinetic equal to static");
+  }
+}
+
+double longest_articulated_step(const PadLayout& layout, std::span<const double> inverse_mass,
+                                const ArticulatedSettings& settings) {
+  double longest = settings.longest_step;
+  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
+    const double r = settings.contact_stiffness / (1.0 - settings.impedance);
+    longest = std::min(longest, std::sqrt(settings.compliance_share * r / (layout.elements[i].k_normal * inverse_mass[i])));
+  }
+  return longest;
+}
 
 void set_articulated_options(mjSpec* spec, const ArticulatedSettings& settings, double dt) {
   // A hair above the longest step is rounding of a step that was divided.
@@ -55,7 +88,12 @@ void set_articulated_options(mjSpec* spec, const ArticulatedSettings& settings, 
     throw std::invalid_argument("the articulated recipe holds for steps of at most " + std::to_string(settings.longest_step) +
                                 " s");
   }
+  mjOption usual;
+  mj_defaultOption(&usual);
   mjOption& option = spec->option;
+  option.iterations = usual.iterations;
+  option.ls_iterations = usual.ls_iterations;
+  option.ls_tolerance = usual.ls_tolerance;
   option.timestep = dt;
   option.integrator = mjINT_DISCRETE;
   option.cone = mjCONE_ELLIPTIC;
@@ -64,12 +102,12 @@ void set_articulated_options(mjSpec* spec, const ArticulatedSettings& settings, 
   option.noslip_iterations = settings.noslip_iterations;
   option.tolerance = settings.tolerance;
   option.noslip_tolerance = settings.tolerance;
-  option.disableflags |= mjDSBL_REFSAFE | mjDSBL_AUTORESET;
+  option.disableflags |= mjDSBL_AUTORESET;
 }
 
 void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carrier, const PadLayout& layout,
                          std::span<const std::string> touched, Friction friction, const ArticulatedSettings& settings, double dt,
-                         const std::string& prefix) {
+                         const std::string& prefix, std::span<const double> inverse_mass) {
   check(layout, friction);
   for (std::size_t i = 0; i < layout.elements.size(); ++i) {
     const Element& element = layout.elements[i];
@@ -89,6 +127,7 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
     const double inwards = damping(element.k_normal, element.c_normal);
     const auto slide = [&](const char* name, int axis, double stiffness, double c) {
       mjsJoint* joint = mjs_addJoint(body, nullptr);
+      make_plain(joint, mjs_defaultJoint, &mjsJoint::element, &mjsJoint::userdata, &mjsJoint::info);
       mjs_setName(joint->element, part(prefix, name, i).c_str());
       joint->type = mjJNT_SLIDE;
       mju_zero3(joint->axis);
@@ -98,9 +137,12 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
     };
     slide("x", 0, element.k_tangential, sideways);
     slide("y", 1, element.k_tangential, sideways);
-    slide("z", 2, normal_slide(element.k_normal, inwards, settings, dt), inwards);
+    const double w = inverse_mass.empty() ? 0.0 : inverse_mass[i];
+    slide("z", 2, normal_slide(element.k_normal, w, inwards, settings, dt), inwards);
 
     mjsGeom* tip = mjs_addGeom(body, nullptr);
+    make_plain(tip, mjs_defaultGeom, &mjsGeom::element, &mjsGeom::material, &mjsGeom::hfieldname, &mjsGeom::meshname,
+               &mjsGeom::userdata, &mjsGeom::plugin, &mjsGeom::info);
     const std::string tip_name = part(prefix, "tip", i);
     mjs_setName(tip->element, tip_name.c_str());
     tip->type = mjGEOM_SPHERE;
@@ -111,17 +153,34 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
 
     for (const std::string& geom : touched) {
       mjsPair* pair = mjs_addPair(spec, nullptr);
+      make_plain(pair, mjs_defaultPair, &mjsPair::element, &mjsPair::geomname1, &mjsPair::geomname2, &mjsPair::info);
       mjs_setString(pair->geomname1, geom.c_str());
       mjs_setString(pair->geomname2, tip_name.c_str());
       pair->condim = 3;
       pair->friction[0] = pair->friction[1] = friction.mu_static;
       pair->solref[0] = -settings.contact_stiffness / (dt * dt);
       pair->solref[1] = -2.0 * std::sqrt(settings.contact_stiffness) / dt;
-      pair->solreffriction[0] = settings.friction_time * dt;
-      pair->solreffriction[1] = 1.0;
+      // A time constant, written directly: refsafe, which the rest of the model may need, would lengthen one that is under 2 dt.
+      // Friction has no position, so the stiffness counts for nothing; that it is negative says that these are direct.
+      pair->solreffriction[0] = -1.0;
+      pair->solreffriction[1] = -2.0 / (settings.friction_time * dt);
       pair->solimp[0] = pair->solimp[1] = settings.impedance;  // whatever the penetration
     }
   }
+}
+
+void drive_free_joint(const mjModel* model, mjData* data, int joint, const Pose& from, const Pose& to, double dt) {
+  const Eigen::Quaterniond turn(from.rotation);
+  const Eigen::AngleAxisd way(Eigen::Matrix3d(from.rotation.transpose() * to.rotation));
+  const Eigen::Vector3d linear = (to.position - from.position) / dt;
+  const Eigen::Vector3d angular = way.angle() / dt * way.axis();  // of a free joint: in the body's own frame
+  const double quaternion[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
+  mjtNum* qpos = data->qpos + model->jnt_qposadr[joint];
+  mjtNum* qvel = data->qvel + model->jnt_dofadr[joint];
+  mju_copy3(qpos, from.position.data());
+  mju_copy4(qpos + 3, quaternion);
+  mju_copy3(qvel, linear.data());
+  mju_copy3(qvel + 3, angular.data());
 }
 
 ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& prefix, const PadLayout& layout,
@@ -135,9 +194,11 @@ ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& 
     if (geom < 0) throw std::invalid_argument("the model has no articulated pad '" + prefix + "' of this layout");
     const int body = model->geom_bodyid[geom];
     element_of_geom_[static_cast<std::size_t>(geom)] = static_cast<int>(i);
-    qpos_.push_back(model->jnt_qposadr[model->body_jntadr[body]]);
+    bodies_.push_back(body);
+    const int joint = model->body_jntadr[body];
+    qpos_.push_back(model->jnt_qposadr[joint]);
+    slide_share_.push_back(layout.elements[i].k_normal / model->jnt_stiffness[joint + 2]);
     tip_in_pad_.push_back(tip_rotation(layout.elements[i]));
-    if (i == 0) first_body_ = body;
   }
   unit_of_element_.resize(elements);
   undeformed_.setZero(3, n);
@@ -158,6 +219,18 @@ ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& 
   frame_.slip_distance.setZero(n);
   frame_.margin.setConstant(n, nan);
   frame_.unit_state.assign(layout.units.size(), UnitState::detached);
+}
+
+void ArticulatedContact::begin_on(mjData* data, const Surface& surface, const Pose& pad_in_surface) const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Eigen::Vector3d p = pad_in_surface * layout_.elements[i].tip, axis = pad_in_surface.rotation * layout_.elements[i].axis;
+    const SurfacePoint point =
+        std::visit([&](const auto& shape) { return shape.at(p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z()); }, surface);
+    const double towards = -(point.nx * axis.x() + point.ny * axis.y() + point.nz * axis.z());
+    if (!(point.gap < 0.0 && towards > 0.0)) continue;
+    mjtNum& slide = data->qpos[qpos_[i] + 2];
+    slide = std::max(slide, -slide_share_[i] * point.gap / towards);
+  }
 }
 
 const ContactFrame& ArticulatedContact::read(const mjModel* model, const mjData* data, double time, double dt) {
@@ -200,7 +273,7 @@ void ArticulatedContact::gather(const mjModel* model, const mjData* data) {
   mj_mulJacVec(model, data, constraint_velocity_.data(), data->qvel);
 
   using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const Eigen::Matrix3d pad_from_world = tip_in_pad_[0] * Eigen::Map<const Rows>(data->xmat + 9 * first_body_).transpose();
+  const Eigen::Matrix3d pad_from_world = tip_in_pad_[0] * Eigen::Map<const Rows>(data->xmat + 9 * bodies_.front()).transpose();
   for (int c = 0; c < data->ncon; ++c) {
     const mjContact& contact = data->contact[c];
     if (contact.efc_address < 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;

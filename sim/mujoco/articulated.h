@@ -14,7 +14,9 @@
 #include "sim/core/pad_layout.h"
 #include "sim/core/pose.h"
 #include "sim/field/field.h"
+#include "sim/field/surface.h"
 #include "sim/field/unit_rules.h"
+#include "sim/scene/scene.h"
 
 namespace slipbench {
 
@@ -39,28 +41,47 @@ struct ArticulatedSettings {
   double impedance = 0.8;          // solimp
   double friction_time = 0.5;      // solreffriction: time constant over dt
   double impratio = 0.1;           // softness of the main solve's normal over its friction
-  int noslip_iterations = 10;
-  double tolerance = 1e-10;    // of main solver and noslip
-  double longest_step = 2e-3;  // s
+  int noslip_iterations = 100;     // most; usually 3 to 10 do. With 10 at most a box of 5 g is shaken loose
+  double tolerance = 1e-10;        // of main solver and noslip
+  double longest_step = 2e-3;      // s
+  // Tips that begin_on() pressed in come within 1e-9 of their loads in these (measured: a factor of 4 to 5 a step on tilted ones).
+  int settling_steps = 30;
+  double compliance_share = 0.25;  // of an element's compliance, that the bodies' inverse masses may make its contact
 
   // The state rule, see ArticulatedContact.
   double cone_share = 1e-6;
   double creep_speed = 1e-6;  // m/s
 };
 
-// Sets the recipe's model-wide options for steps of `dt` [s]: integrator discrete, elliptic cone, Newton, impratio, noslip,
-// tolerances, and the flags refsafe and autoreset off. Throws std::invalid_argument unless 0 < dt <= longest_step.
+// Throws SceneValueError for what articulated pads cannot have: effects, and a kinetic friction that is not the static one.
+void refuse_without_field(const Scene& scene);
+
+// Sets the recipe's model-wide options for steps of `dt` [s]: integrator discrete, elliptic cone, Newton, impratio, noslip, the
+// solvers' tolerances and their bounds of iterations, and the flag autoreset off. Throws std::invalid_argument unless 0 < dt <=
+// longest_step.
 void set_articulated_options(mjSpec* spec, const ArticulatedSettings& settings, double dt);
 
 // Adds one body with a spherical tip, two tangential slides and a normal slide to `carrier` for each element of the pad, in its
 // order, and a contact pair of each tip with each of the geoms named in `touched`. Tips touch nothing else. The touched geoms
-// should be declared before: the solver is several times slower the other way round. Bodies, joints and geoms are named
-// `<prefix>/<part>/<element>`. An element's dashpots become joint damping. Tips carry no weight (gravcomp).
+// should be declared before: the solver is several times slower the other way round. `inverse_mass` [1/kg]: how easily carrier and
+// touched body move apart along each element's axis, by which MuJoCo's contact gets softer and the slide must be stiffer; empty: not
+// at all. Bodies, joints and geoms are named
+// `<prefix>/<part>/<element>`. An element's dashpots become joint damping. Tips carry no weight (gravcomp). Defaults of the model
+// do not reach them.
 // Throws std::invalid_argument when a stiffness is not positive and finite, a dashpot is negative, an axis is not a unit vector, or
 // mu_static != mu_kinetic: MuJoCo knows one coefficient of friction.
 void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carrier, const PadLayout& layout,
                          std::span<const std::string> touched, Friction friction, const ArticulatedSettings& settings, double dt,
-                         const std::string& prefix);
+                         const std::string& prefix, std::span<const double> inverse_mass = {});
+
+// The longest step [s] for a pad on bodies with the given inverse masses: the recipe's, or that at which the contact itself is so
+// soft, by compliance_share, that a slide could no longer make up for it.
+double longest_articulated_step(const PadLayout& layout, std::span<const double> inverse_mass,
+                                const ArticulatedSettings& settings);
+
+// Puts a body with the free joint `joint` at `from`, moving so that it reaches `to` in a step of `dt` [s]. It is heavy and what
+// becomes of it in the step is not kept. (A mocap body would not do: it has no velocity, and friction against it is wrong.)
+void drive_free_joint(const mjModel* model, mjData* data, int joint, const Pose& from, const Pose& to, double dt);
 
 // Reads the truth about a pad out of a stepped mjData, into the same frame that ContactLabels fills.
 // Forces are those that the solver found for the end of the step (the discrete integrator is implicit), and so is the slip
@@ -79,11 +100,17 @@ class ArticulatedContact {
   ArticulatedContact(const mjModel* model, const std::string& prefix, const PadLayout& layout,
                      const ArticulatedSettings& settings);
 
+  // Presses the tips in that stand inside the surface, each along its axis: slide and contact share the depth as in a press that
+  // has come to rest, sideways nothing is strained. For data as mj_makeData() leaves it; of several surfaces the deepest counts.
+  void begin_on(mjData* data, const Surface& surface, const Pose& pad_in_surface) const;
+
   // Reads the contact after mj_step() of `dt` that ended at `time` [s]; to be called once after every step, before anything else
   // changes the data. What the first call finds makes no events.
   const ContactFrame& read(const mjModel* model, const mjData* data, double time, double dt);
 
   [[nodiscard]] const ContactFrame& frame() const { return frame_; }
+  // The tips' bodies, by element.
+  [[nodiscard]] const std::vector<int>& bodies() const { return bodies_; }
 
  private:
   // What one element's tip did in a step. Vectors in the pad frame P.
@@ -108,9 +135,10 @@ class ArticulatedContact {
   PadLayout layout_;
   double cone_share_, creep_speed_;
   std::vector<int> element_of_geom_;         // -1: not a tip
+  std::vector<int> bodies_;                  // of an element's tip
   std::vector<int> qpos_;                    // address of an element's three joints
+  std::vector<double> slide_share_;          // of a press that its normal slide takes up; the contact has the rest
   std::vector<Eigen::Matrix3d> tip_in_pad_;  // rotation of its body in P
-  int first_body_ = 0;
   std::vector<std::uint32_t> unit_of_element_;
   Eigen::Array3Xd undeformed_;              // [3,N] m, mean of a unit's undeformed tips in P
   unit_rules::ContactPlane hardest_plane_;  // of the unit that presses hardest

@@ -20,9 +20,6 @@ namespace {
 // kg and kg m^2. Against it the forces of a pad (tens of N) turn the prescribed velocity by 1e-8 m/s in a step of 1 ms.
 constexpr double carrier_mass = 1e6;
 
-// A contact that begins without penetration comes within 1e-9 of its load in these (measured: a factor of 4 to 5 a step).
-constexpr int settling_steps = 30;
-
 struct GeomShape {
   mjtGeom type;
   std::array<double, 3> size;
@@ -38,10 +35,6 @@ GeomShape geom_shape(const DistanceGrid&) {
   throw std::invalid_argument("the articulated bench has no geom for a distance grid");
 }
 
-SurfacePoint meet(const Surface& surface, const Eigen::Vector3d& p, const Eigen::Vector3d& axis) {
-  return std::visit([&](const auto& shape) { return shape.at(p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z()); }, surface);
-}
-
 }  // namespace
 
 struct ArticulatedBench::World {
@@ -52,8 +45,7 @@ struct ArticulatedBench::World {
   ModelPointer model;
   DataPointer data;
   std::unique_ptr<ArticulatedContact> contact;
-  std::array<int, 2> carrier{};   // address of the carrier in qpos and qvel
-  std::vector<int> normal_slide;  // address of an element's normal slide in qpos
+  int carrier = -1;  // its free joint
   bool placed = false;
   Pose pose;
   ContactFrame frame;
@@ -100,45 +92,24 @@ ArticulatedBench::ArticulatedBench(const PadLayout& layout, const Surface& surfa
   if (!w.model) throw std::runtime_error(std::string("MuJoCo cannot compile the articulated pad: ") + mjs_getError(spec.get()));
   w.data.reset(mj_makeData(w.model.get()));
   w.contact = std::make_unique<ArticulatedContact>(w.model.get(), "pad", layout, settings);
-  const int joint = w.model->body_jntadr[mj_name2id(w.model.get(), mjOBJ_BODY, "carrier")];
-  w.carrier = {w.model->jnt_qposadr[joint], w.model->jnt_dofadr[joint]};
-  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
-    const int slide = mj_name2id(w.model.get(), mjOBJ_JOINT, ("pad/z/" + std::to_string(i)).c_str());
-    w.normal_slide.push_back(w.model->jnt_qposadr[slide]);
-  }
+  w.carrier = w.model->body_jntadr[mj_name2id(w.model.get(), mjOBJ_BODY, "carrier")];
 }
 
 ArticulatedBench::~ArticulatedBench() = default;
 
 const ContactFrame& ArticulatedBench::frame() const { return world_->frame; }
 
-// A tip inside the surface is pushed back along its axis until it lies on it; then the contacts take up their load while the pad
-// rests.
+// Tips inside the surface are pressed in; then the contacts take up the rest of their load while the pad rests.
 void ArticulatedBench::World::place(const Pose& pad) {
-  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
-    const Eigen::Vector3d tip = pad * layout.elements[i].tip, axis = pad.rotation * layout.elements[i].axis;
-    const SurfacePoint point = meet(surface, tip, axis);
-    const double towards = -(point.nx * axis.x() + point.ny * axis.y() + point.nz * axis.z());
-    data->qpos[normal_slide[i]] = point.gap < 0.0 && towards > 0.0 ? -point.gap / towards : 0.0;
-  }
-  for (int k = 0; k < settling_steps; ++k) {
+  contact->begin_on(data.get(), surface, pad);
+  for (int k = 0; k < ArticulatedSettings{}.settling_steps; ++k) {
     step_part(pad, pad, 0.0);
     contact->read(model.get(), data.get(), 0.0, dt);
   }
 }
 
 void ArticulatedBench::World::step_part(const Pose& from, const Pose& to, double time) {
-  const Eigen::Quaterniond turn(from.rotation);
-  const Eigen::AngleAxisd way(Eigen::Matrix3d(from.rotation.transpose() * to.rotation));
-  const Eigen::Vector3d linear = (to.position - from.position) / dt;
-  const Eigen::Vector3d angular = way.angle() / dt * way.axis();  // of a free joint: in the body's own frame
-  mjtNum* qpos = data->qpos + carrier[0];
-  mjtNum* qvel = data->qvel + carrier[1];
-  mju_copy3(qpos, from.position.data());
-  const double quaternion[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
-  mju_copy4(qpos + 3, quaternion);
-  mju_copy3(qvel, linear.data());
-  mju_copy3(qvel + 3, angular.data());
+  drive_free_joint(model.get(), data.get(), carrier, from, to, dt);
   data->time = time - dt;
   mj_step(model.get(), data.get());
   refuse_warnings(model.get(), data.get(), time);

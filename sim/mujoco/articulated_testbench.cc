@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sim/core/error.h"
+#include "sim/mujoco/articulated.h"
 #include "sim/mujoco/articulated_bench.h"
 #include "sim/testbench/stage_setup.h"
 #include "sim/testbench/step_plan.h"
@@ -23,12 +24,7 @@ struct ArticulatedTestbench::State {
 ArticulatedTestbench::ArticulatedTestbench(const Scene& scene, std::span<const PadLayout* const> pads,
                                            std::span<const double> output_rates)
     : state_(std::make_unique<State>()) {
-  if (!scene.effects.empty()) {
-    throw SceneValueError("effects", "articulated pads have none; allowed: none, or fidelity: field");
-  }
-  if (scene.friction.static_coefficient != scene.friction.kinetic_coefficient) {
-    throw SceneValueError("friction", "articulated pads have one coefficient of friction; allowed: kinetic equal to static");
-  }
+  refuse_without_field(scene);
   State& s = *state_;
   StageSetup stage = set_up_stage(scene);
   s.motion = std::move(stage.motion);

@@ -1,4 +1,4 @@
-// A scene whose bodies move by forces: MuJoCo steps them, with the pads as fields.
+// A scene whose bodies move by forces: MuJoCo steps them, with the pads as fields or as articulated pillars.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ struct DynamicBenchOptions {
   WatchLimits limits{};
 };
 
-// Bodies by mj_step; pads by the plugin `slipbench.field` (model_builder.h), which must be registered before; the stage, and the
+// Bodies by mj_step; fields by the plugin `slipbench.field` (model_builder.h), which must be registered before; the stage, and the
 // sensors that ride on it, exactly as the motion says: its state is overwritten at every tick.
 //
 // Truth at tick k is that of the state at k * time_step: with MuJoCo's one-stage integrators the state that the step k -> k + 1
@@ -33,6 +33,11 @@ struct DynamicBenchOptions {
 // of every pad stuck. Where an element touches it is worked out again, for the elements that touch, and a step a third beyond it (h
 // omega = 1: there a slide begins to come out wrong) ends the run. `time_step: auto` takes
 // the longest that fits, at most the fastest sensor's sampling time. Implicit fields have no such limit.
+//
+// With `fidelity: articulated` the same scene has MuJoCo bodies, joints and contacts for the pads' elements (articulated.h). Tips that
+// begin inside what they touch are pressed in and settled, everything else held and without weights, before t = 0. Truth at tick k is
+// that of the step k - 1 -> k, at its end. The step is longest_articulated_step() at most. No other contact of MuJoCo's with friction
+// may touch: it ends the run, for the pads' recipe makes its friction wrong.
 //
 // A run that has gone wrong ends in an InputError, with the time: any warning of MuJoCo (autoreset is off), and the rules of
 // watch.h.

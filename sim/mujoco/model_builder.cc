@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -12,6 +13,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "sim/mujoco/articulated.h"
 #include "sim/mujoco/implicit.h"
 #include "sim/mujoco/register_plugin.h"
 
@@ -112,8 +114,49 @@ class Builder {
     add_all(bare.get());
     SpecPointer spec = parse(extension());
     add_all(spec.get());
-    ModelPointer model(mj_compile(spec.get(), &vfs_.vfs));
-    if (!model) throw SceneValueError(blame(), std::string("MuJoCo cannot compile it: ") + mjs_getError(spec.get()));
+    return compile(spec.get());
+  }
+
+  ModelPointer build_articulated(const std::function<double(double)>& step_for) {
+    const ArticulatedSettings settings;
+    SpecPointer spec = parse("");
+    add_all(spec.get());
+    // Where the sites are and what moves how easily is known only when the model has been compiled.
+    const ModelPointer bare = compile(spec.get());
+    refuse_articulated(bare.get());
+    std::vector<Pose> sites;
+    std::vector<std::vector<double>> inverse_masses;
+    double longest = settings.longest_step;
+    for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
+      const int site = mj_name2id(bare.get(), mjOBJ_SITE, site_of(scene_.sensors[i]).c_str());
+      const mjtNum* turn = bare->site_quat + 4 * site;
+      sites.push_back({Eigen::Quaterniond(turn[0], turn[1], turn[2], turn[3]).toRotationMatrix(),
+                       Eigen::Map<const Eigen::Vector3d>(bare->site_pos + 3 * site)});
+      inverse_masses.push_back(inverse_mass(bare.get(), i, site));
+      longest = std::min(longest, longest_articulated_step(*pads_[i], inverse_masses[i], settings));
+    }
+    const double dt = step_for(longest);
+    set_articulated_options(spec.get(), settings, dt);
+    for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
+      const SensorScene& sensor = scene_.sensors[i];
+      PadLayout layout = *pads_[i];
+      for (Element& element : layout.elements) {
+        element.c_normal += sensor.damping * element.k_normal;
+        element.c_tangential += sensor.damping * element.k_tangential;
+      }
+      mjsBody* carrier = mjs_getParent(mjs_findElement(spec.get(), mjOBJ_SITE, site_of(sensor).c_str()));
+      add_articulated_pad(spec.get(), carrier, sites[i], layout, touched_[i],
+                          {scene_.friction.static_coefficient, scene_.friction.kinetic_coefficient}, settings, dt,
+                          pillars_of(sensor), inverse_masses[i]);
+    }
+    ModelPointer model = compile(spec.get());
+    for (const SensorScene& sensor : scene_.sensors) {
+      const int body = mj_name2id(model.get(), mjOBJ_BODY, (pillars_of(sensor) + "/body/0").c_str());
+      if (std::abs(model->body_mass[body] - settings.tip_mass) <= 1e-9 * settings.tip_mass) continue;
+      throw SceneValueError("model", fmt::format("its compiler makes a pillar's tip weigh {:.6g} kg, not {:.6g} kg; allowed with "
+                                                 "fidelity articulated: no boundmass, no settotalmass",
+                                                 model->body_mass[body], settings.tip_mass));
+    }
     return model;
   }
 
@@ -128,6 +171,67 @@ class Builder {
 
   // What of the scene a message of MuJoCo is about.
   [[nodiscard]] std::string blame() const { return scene_.model.empty() ? "bodies" : "model"; }
+
+  ModelPointer compile(mjSpec* spec) {
+    ModelPointer model(mj_compile(spec, &vfs_.vfs));
+    if (!model) throw SceneValueError(blame(), std::string("MuJoCo cannot compile it: ") + mjs_getError(spec));
+    return model;
+  }
+
+  // For add_articulated_pad(): of the pad's body at each tip, and of the first touched body as a whole, since where on it the pad will
+  // come down may not be known yet. Both in the pose that the scene begins with.
+  [[nodiscard]] std::vector<double> inverse_mass(const mjModel* model, std::size_t sensor, int site) const {
+    using Jacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+    DataPointer data;
+    call_mujoco([&] {
+      data.reset(mj_makeData(model));
+      mj_forward(model, data.get());
+    });
+    const int object = model->geom_bodyid[mj_name2id(model, mjOBJ_GEOM, touched_[sensor].front().c_str())];
+    const Pose pad{Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data->site_xmat + 9 * site),
+                   Eigen::Map<const Eigen::Vector3d>(data->site_xpos + 3 * site)};
+    Jacobian of_object(3, model->nv), of_tip(3, model->nv);
+    mj_jacBodyCom(model, data.get(), of_object.data(), nullptr, object);
+    std::vector<double> result;
+    for (const Element& element : pads_[sensor]->elements) {
+      const Eigen::Vector3d tip = pad * element.tip;
+      mj_jac(model, data.get(), of_tip.data(), nullptr, tip.data(), model->site_bodyid[site]);
+      const Eigen::VectorXd row = (of_tip - of_object).transpose() * (pad.rotation * element.axis);
+      Eigen::VectorXd solved(model->nv);
+      mj_solveM(model, data.get(), solved.data(), row.data(), 1);
+      result.push_back(row.dot(solved));
+    }
+    return result;
+  }
+
+  // What MuJoCo would leave out or do otherwise, without a word.
+  void refuse_articulated(const mjModel* model) const {
+    const auto refuse_flag = [](const std::string& flag, const std::string& setting) {
+      throw SceneValueError("model",
+                            fmt::format("its flag {} is {}, and articulated pads would not be what they should; allowed: "
+                                        "the default, or fidelity: field",
+                                        flag, setting));
+    };
+    using Flag = std::pair<int, const char*>;
+    for (const auto& [bit, flag] : {Flag{mjDSBL_CONSTRAINT, "constraint"}, Flag{mjDSBL_CONTACT, "contact"},
+                                    Flag{mjDSBL_SPRING, "spring"}, Flag{mjDSBL_DAMPER, "damper"}}) {
+      if ((model->opt.disableflags & bit) != 0) refuse_flag(flag, "disabled");
+    }
+    for (const auto& [bit, flag] : {Flag{mjENBL_OVERRIDE, "override"}, Flag{mjENBL_SLEEP, "sleep"}}) {
+      if ((model->opt.enableflags & bit) != 0) refuse_flag(flag, "enabled");
+    }
+    for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
+      for (const std::string& name : touched_[i]) {
+        const int type = model->geom_type[mj_name2id(model, mjOBJ_GEOM, name.c_str())];
+        if (type == mjGEOM_PLANE || (type >= mjGEOM_SPHERE && type <= mjGEOM_BOX)) continue;
+        throw SceneValueError(
+            "sensors." + scene_.sensors[i].name + ".touches",
+            "the geom " + quote(name) +
+                " is a mesh or a field of heights or distances, which MuJoCo's own contact sees otherwise; allowed "
+                "with fidelity articulated: plane, box, sphere, cylinder, capsule, ellipsoid");
+      }
+    }
+  }
 
   SpecPointer parse(const std::string& extension_text) {
     std::array<char, 1024> error{};
@@ -252,8 +356,6 @@ class Builder {
     }
   }
 
-  static std::string site_of(const SensorScene& sensor) { return sensor.site.empty() ? stage_name : sensor.site; }
-
   // A set of pointers has no order that is the same in every run.
   static std::vector<mjsBody*> in_order(const mjSpec* spec, const std::set<mjsBody*>& bodies) {
     std::vector<mjsBody*> result;
@@ -340,5 +442,13 @@ class Builder {
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial) {
   return Builder(scene, pads, trial).build();
 }
+
+ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,
+                                     const std::function<double(double)>& step_for) {
+  return Builder(scene, pads, 0).build_articulated(step_for);
+}
+
+std::string site_of(const SensorScene& sensor) { return sensor.site.empty() ? stage_name : sensor.site; }
+std::string pillars_of(const SensorScene& sensor) { return "slipbench/" + sensor.name; }
 
 }  // namespace slipbench

@@ -7,7 +7,8 @@
 //     on it would have no dashpot and friction against it would be wrong.) Its mass, `stage_mass`, makes it deaf to what it touches:
 //     a force of 100 N changes its velocity by 1e-7 m/s in a step of 1 ms, and that is overwritten before it has moved. No weight
 //     pulls it (gravcomp),
-//   - one instance of the plugin `slipbench.field` a sensor, named as the sensor, with the attributes that a user would write,
+//   - with fidelity field one instance of the plugin `slipbench.field` a sensor, named as the sensor, with the attributes that a
+//     user would write; with fidelity articulated in its place the pillars of articulated.h, as children of the pad's body,
 //   - an exclusion of MuJoCo's own contact between a pad's body and every body that it touches: the field is their contact, and no
 //     force may count twice. It is for the whole bodies, since MuJoCo knows no other,
 //   - for implicit fields what implicit.h asks for.
@@ -15,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,5 +35,16 @@ inline constexpr double stage_mass = 1e6;  // kg, and kg m^2
 // `pads`: one layout a sensor. The time step is the model's own, or MuJoCo's default.
 // Throws SceneValueError when the model cannot be read or compiled, and when a site, geom, body or name does not suit.
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial);
+
+// The same with articulated pads, for steps of step_for(longest) [s], `longest` being what longest_articulated_step() allows on the
+// scene's bodies. The recipe's options (set_articulated_options()) take the place of the model's, also for its other contacts. An
+// element's dashpots are its layout's and the scene's `damping` beside each spring. Throws SceneValueError also for a touched mesh,
+// and for flags and compiler attributes with which there would be no pillars; and what step_for() throws.
+ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,
+                                     const std::function<double(double longest)>& step_for);
+
+// Name of the site that is a sensor's pad, and the prefix of its articulated pillars.
+std::string site_of(const SensorScene& sensor);
+std::string pillars_of(const SensorScene& sensor);
 
 }  // namespace slipbench

@@ -356,15 +356,14 @@ class SceneReader {
       refuse_dynamic_keys(root);
       return;
     }
-    if (scene.fidelity != "field") {
-      fail(root.find("fidelity")->origin,
-           "fidelity: 'articulated' is for pads that move as prescribed; a scene with 'model' or "
-           "'bodies' allows: field");
-    }
     if (const YamlNode* node = root.find("surface")) check_keys(*node, "surface of a scene with bodies", {"material"});
     if (const YamlNode* node = root.find("gravity")) scene.gravity = number(node, "gravity", gravity_spec);
     scene.implicit_fields =
         std::get<std::string>(value(root.find("field_solver"), "field_solver", field_solver_spec)) == "implicit";
+    if (scene.implicit_fields && scene.fidelity != "field") {
+      fail(root.find("field_solver")->origin,
+           "field_solver: 'implicit' is for pads as fields; with 'fidelity: articulated' leave it out");
+    }
     if (const YamlNode* node = root.find("controls")) scene.controls = read_controls(*node);
     bool any_on_stage = false;
     for (SensorScene& sensor : scene.sensors) {

@@ -1,4 +1,5 @@
-// The articulated pad beside the field: two models of the same pillars that share no code but the rules for units.
+// The articulated pad beside the field: two models of the same pillars that share no code but the rules for units. As prescribed on
+// a plane, and in one scene of bodies that move by forces.
 //
 // Where they differ, and by how much (articulated_bench_test.cc derives it): a pillar slips 85 us early (damping) and 0.2 steps
 // late (trailing), rings for 5 ms, needs some steps to take up a press (the contact's damping), and finds out at the end of a step
@@ -16,6 +17,8 @@
 #include "sim/field/contact_labels.h"
 #include "sim/mujoco/articulated_bench.h"
 #include "tests/oracle/pads.h"
+#include "tests/sim/mujoco/dynamic_rig.h"
+#include "tests/sim/mujoco/dynamic_scenes.h"
 
 namespace slipbench {
 namespace {
@@ -75,8 +78,8 @@ Pose at(double x, double z) {
   return pose;
 }
 
-// Pressed at 20 mm/s for 80 ms from 0.1 mm above, then at rest until 0.1 s.
-double press(double t) { return 0.1e-3 - std::min(1.6e-3, 20e-3 * t); }
+// Pressed at 20 mm/s for 80 ms from 0.113 mm above, then at rest until 0.1 s: the pillars touch at 5.65, 15.65 and 28.15 ms.
+double press(double t) { return 0.113e-3 - std::min(1.6e-3, 20e-3 * t); }
 
 void expect_agreement(const PadLayout& pad, const std::function<Pose(double)>& pose, std::size_t events) {
   const Agreement agreement = compare(pad, Plane{}, 1.5, pose);
@@ -87,8 +90,9 @@ void expect_agreement(const PadLayout& pad, const std::function<Pose(double)>& p
   EXPECT_LT(agreement.worst_time, 1.01 * dt);
   EXPECT_EQ(agreement.events, events);
   EXPECT_EQ(agreement.unmatched, 0U);
-  // A state may differ for a step next to each event.
-  EXPECT_LE(agreement.states_apart, static_cast<double>(events));
+  // MuJoCo looks for contacts where a step begins: each of the nine tips, which touch between two ticks, is detached for a tick more.
+  // Slip comes 0.14 ms late at most (0.2 steps of trailing less the damping), and no onset of these motions lies so near before a tick.
+  EXPECT_EQ(agreement.states_apart, 9.0);
 }
 
 // Touch, micro and slip of nine pillars each.
@@ -97,8 +101,8 @@ TEST(ArticulatedAgainstField, PressAndSlide) {
       oracle::nine_pillars(1, k_n, k_t), [](double t) { return at(4e-3 * std::max(0.0, t - 0.1), press(t)); }, 27);
 }
 
-// Touches of all; micro, slip and stick of the corners, which let go after 1.05 mm x mu k_n/(k_t v) = 0.79 s; the edges would after
-// 0.98 s.
+// Touches of all; micro, slip and stick of the corners, which let go after 1.037 mm x mu k_n/(k_t v) = 0.778 s; the edges would after
+// 0.965 s.
 TEST(ArticulatedAgainstField, Stop) {
   expect_agreement(
       oracle::nine_pillars(1, k_n, k_t), [](double t) { return at(4e-3 * std::clamp(t - 0.1, 0.0, 0.88), press(t)); }, 9 + 3 * 4);
@@ -112,6 +116,72 @@ TEST(ArticulatedAgainstField, Turn) {
         return oracle::turned(0.5 * std::max(0.0, t - 0.1), {0.0, 0.0, press(t)});
       },
       9 + 2 * 8);
+}
+
+// Two fingers hold a box of 100 g with 4 N each and let go by 3.5 N/s from 0.5 s on: scenes/bodies/held_box.yaml at 1 ms for the
+// pillars and at what the springs bear for the field. Its pads have pillars of 7.1 and 3.9 kN/m, of which five touch.
+class HeldBox : public testing::Test {
+ protected:
+  HeldBox() { folder_.write("fingers.xml", two_fingers("")); }
+  [[nodiscard]] DynamicRig rig(const std::string& fidelity) const {
+    return DynamicRig(held_box("fidelity: " + fidelity +
+                               "\nduration: 1.5 s\n"
+                               "controls: {left: [[0.5 s, 4 N], [1.5 s, 0.5 N]], right: [[0.5 s, 4 N], [1.5 s, 0.5 N]]}\n"),
+                      folder_.file("scene.yaml"));
+  }
+  ModelFolder folder_;
+};
+
+TEST_F(HeldBox, IsCarriedByTheSamePillarsAndCreepsInNeither) {
+  DynamicRig field = rig("field"), pillars = rig("articulated");
+  for (DynamicRig* one : {&field, &pillars}) one->run_to(0.3);
+  const Eigen::Vector3d of_field = field.body("box").pose.position, of_pillars = pillars.body("box").pose.position;
+  for (DynamicRig* one : {&field, &pillars}) {
+    one->run_to(0.5);
+    // Half the weight on each pad, shared alike by five pillars of the same k_t.
+    for (const std::size_t pad : {0, 1}) {
+      const ContactFrame& frame = (*one)->contact(pad);
+      for (const Eigen::Index u : {1, 3, 4, 5, 7}) {
+        EXPECT_NEAR(frame.contact_force.col(u).head<2>().matrix().norm(), 0.1 * weight_of_100_g, 1e-3 * 0.1 * weight_of_100_g)
+            << u;
+      }
+      EXPECT_NEAR(frame.force.row(0).sum(), (pad == 0 ? -0.5 : 0.5) * weight_of_100_g, 1e-5 * weight_of_100_g);
+      EXPECT_NEAR(frame.force.row(2).sum(), 4.0, 1e-5);
+    }
+  }
+  // A slide makes up for the softer contact between light bodies, but not for the box's turning and the dampers of the fingers:
+  // w = r^2/I + 1/(m + c dt) - 1/m = 1.1/kg and -1.8/kg, and k_n dt^2 w/15 (articulated.cc) is within 1e-3.
+  for (const std::size_t pad : {0, 1}) {
+    const auto press = [pad](DynamicRig& of) -> Eigen::ArrayXd { return of->contact(pad).contact_force.row(2); };
+    EXPECT_LT((press(pillars) - press(field)).abs().maxCoeff(), 1e-3 * press(field).maxCoeff());
+  }
+  // At most 0.05 um/s, a tenth of the bar, and the same sag of m g/(10 k_t) = 25 um as exactly as k_t is known.
+  EXPECT_LT((field.body("box").pose.position - of_field).norm(), 0.2 * 0.05e-6);
+  EXPECT_LT((pillars.body("box").pose.position - of_pillars).norm(), 0.2 * 0.05e-6);
+  EXPECT_NEAR(of_pillars.z(), of_field.z(), 1e-3 * 25e-6);
+}
+
+TEST_F(HeldBox, IsDroppedByBothWhenTheGripIsTooWeak) {
+  DynamicRig field = rig("field"), pillars = rig("articulated");
+  const auto onsets = [](DynamicRig& of, double until) {
+    oracle::FirstTimes slips(9, EventKind::slip);
+    while (of->contact(0).time < until - 1e-9) {
+      of->step();
+      slips(of->contact(0));
+    }
+    return slips.times();
+  };
+  const std::vector<double> of_field = onsets(field, 1.39), of_pillars = onsets(pillars, 1.39);
+  // The edges let go when their share of the grip no longer holds their share of the weight, the middle, at last alone, when 2 mu F =
+  // m g: at 1.3626 s, and 1.7 ms later for the fingers' damping (tests/tools/run/bodies_test.cc). Within a step of 1 ms, in which
+  // the grip falls by 0.36 % of that: the grip's bar is 0.5 %.
+  for (const std::size_t u : {1, 3, 4, 5, 7}) EXPECT_NEAR(of_pillars[u], of_field[u], 1e-3) << u;
+  EXPECT_NEAR(of_pillars[4], 1.3626 + 0.0017, 1e-3);
+  // Both fall: v grows by g (1 - F/F_least), F falling by 3.5 N/s.
+  for (DynamicRig* one : {&field, &pillars}) {
+    EXPECT_LT(one->body("box").velocity.z(), -1e-3);
+    EXPECT_EQ((*one)->contact(0).state, PadState::gross);
+  }
 }
 
 }  // namespace

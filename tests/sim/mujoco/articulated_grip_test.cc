@@ -1,110 +1,67 @@
 // Two articulated pads hold a free box: the weight, the creep and the force at which it drops.
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <memory>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <mujoco/mujoco.h>
 
-#include "sim/mujoco/articulated.h"
-#include "sim/mujoco/mujoco_call.h"
 #include "tests/oracle/pads.h"
+#include "tests/sim/mujoco/dynamic_rig.h"
 
 namespace slipbench {
 namespace {
 
-constexpr double dt = 1e-3, g = 9.81, mass = 0.1;  // kg
+constexpr double g = 9.81, mass = 0.1, half = 0.02;  // m/s2, kg, m
 
-// A free box between two pads on slides, pushed together by a force each; gravity grows to g once they hold it.
+// A free box of 100 g between two pads on slides.
 class Grip {
  public:
-  Grip(double k_n, double k_t, double mu) {
-    pad_ = oracle::nine_pillars(1, k_n, k_t);
-    // A fiftieth of the heights (4 and 9 um): unequal loads, and yet all press. On the middle ones alone the box would swing.
-    for (Element& element : pad_.elements) element.tip.z() *= 0.02;
-    // Bare springs ring for seconds: dashpots that damp the box on its eighteen pillars at ratio 0.2.
-    for (Element& element : pad_.elements) element.c_tangential = 0.4 * std::sqrt(mass * 18.0 * k_t) / 18.0;
-    const SpecPointer spec(mj_makeSpec());
-    const ArticulatedSettings settings;
-    set_articulated_options(spec.get(), settings, dt);
-    mju_zero3(spec->option.gravity);
-    mjsBody* world = mjs_findBody(spec.get(), "world");
-    mjsBody* box = mjs_addBody(world, nullptr);  // before the pads
-    mjs_setName(box->element, "box");
-    mjs_addFreeJoint(box);
-    mjsGeom* geom = mjs_addGeom(box, nullptr);
-    mjs_setName(geom->element, "box");
-    geom->type = mjGEOM_BOX;
-    std::fill(std::begin(geom->size), std::end(geom->size), half);
-    geom->mass = mass;
-    geom->contype = geom->conaffinity = 0;
-    const std::string touched = "box";
-    for (const int side : {-1, 1}) {
-      mjsBody* finger = mjs_addBody(world, nullptr);
-      finger->mass = 0.05;
-      finger->explicitinertial = 1;
-      std::fill(std::begin(finger->inertia), std::end(finger->inertia), 1e-4);
-      finger->gravcomp = 1.0;
-      finger->pos[0] = side * half;
-      mjsJoint* slide = mjs_addJoint(finger, nullptr);
-      mjs_setName(slide->element, name(side));
-      slide->type = mjJNT_SLIDE;
-      slide->axis[0] = 1.0;
-      slide->axis[2] = 0.0;
-      slide->damping[0] = 20.0;
-      Pose pose;  // +Z of the pad points away from the box
-      pose.rotation = turned(side);
-      add_articulated_pad(spec.get(), finger, pose, pad_, {&touched, 1}, {mu, mu}, settings, dt, name(side));
+  // The fingers push with `first` [N] each for 0.1 s, then within 0.4 s ever less down to `last`. `more`: further keys of the box.
+  Grip(double k_n, double k_t, double mu, double first, double last, const std::string& more = "") {
+    PadLayout pad = oracle::nine_pillars(1, k_n, k_t);
+    for (Element& element : pad.elements) {
+      // A fiftieth of the heights (4 and 9 um): unequal loads, and yet all press. On the middle ones alone the box would swing.
+      element.tip.z() *= 0.02;
+      // Bare springs ring for seconds: dashpots that damp the box on its eighteen pillars at ratio 0.2.
+      element.c_tangential = 0.4 * std::sqrt(mass * 18.0 * k_t) / 18.0;
     }
-    model_.reset(mj_compile(spec.get(), nullptr));
-    EXPECT_NE(model_, nullptr) << mjs_getError(spec.get());
-    data_.reset(mj_makeData(model_.get()));
-    contact_ = std::make_unique<ArticulatedContact>(model_.get(), name(1), pad_, settings);
-    for (const int side : {-1, 1}) {
-      dof_[side > 0 ? 1 : 0] = model_->jnt_dofadr[mj_name2id(model_.get(), mjOBJ_JOINT, name(side))];
-    }
+    // Placed so that the pads push with about `first`.
+    const double finger = half - first / (9.0 * k_n);
+    folder_.write(
+        "fingers.xml",
+        fmt::format("<mujoco><worldbody>"
+                    "<body pos='{0} 0 0'><joint name='left' type='slide' axis='1 0 0' damping='20'/>"
+                    "<inertial pos='0 0 0' mass='0.05' diaginertia='1e-4 1e-4 1e-4'/><site name='left' zaxis='-1 0 0'/></body>"
+                    "<body pos='{1} 0 0'><joint name='right' type='slide' axis='-1 0 0' damping='20'/>"
+                    "<inertial pos='0 0 0' mass='0.05' diaginertia='1e-4 1e-4 1e-4'/><site name='right' zaxis='1 0 0'/></body>"
+                    "</worldbody><actuator><motor name='left' joint='left'/><motor name='right' joint='right'/></actuator>"
+                    "</mujoco>",
+                    -finger, finger));
+    const std::string push = fmt::format("[[0.1 s, {} N], [0.5 s, {} N]]", first, last);
+    rig_ = std::make_unique<DynamicRig>(
+        fmt::format("fidelity: articulated\nduration: 5 s\ntime_step: 1 ms\nfriction: {{static: {0}, kinetic: {0}}}\n"
+                    "model: fingers.xml\nbodies: {{box: {{shape: box, size: [40 mm, 40 mm, 40 mm], mass: 100 g{1}}}}}\n"
+                    "controls: {{left: {2}, right: {2}}}\nsensors:\n"
+                    "  left: {{type: papillarray, site: left, touches: [box], damping: 0 s}}\n"
+                    "  right: {{type: papillarray, site: right, touches: [box], damping: 0 s}}\n",
+                    mu, more, push),
+        folder_.file("scene.yaml"), DynamicBenchOptions{}, &pad);
   }
 
-  // Moves the box out of the middle by `y` [m] and turns it about the fingers' axis by `angle` [rad].
-  void perturb(double y, double angle) {
-    data_->qpos[1] = y;
-    data_->qpos[3] = std::cos(angle / 2.0);
-    data_->qpos[4] = std::sin(angle / 2.0);
+  // The height of the box at `time` [s], after all that has been asked for before.
+  double height_at(double time) {
+    rig_->run_to(time);
+    return rig_->body("box").pose.position.z();
   }
-
-  // Runs until `end` [s] with the fingers pushed together by `force` [N] each: full after 0.2 s, gravity from 0.3 s to 0.8 s.
-  void run(double force, double end) {
-    for (; time_ < end - 0.5 * dt; time_ += dt) {
-      const double push = force * std::min(1.0, time_ / 0.2);
-      data_->qfrc_applied[dof_[0]] = push;
-      data_->qfrc_applied[dof_[1]] = -push;
-      model_->opt.gravity[2] = -g * std::clamp((time_ - 0.3) / 0.5, 0.0, 1.0);
-      mj_step(model_.get(), data_.get());
-      contact_->read(model_.get(), data_.get(), time_ + dt, dt);
-    }
-    for (const mjWarningStat& warning : data_->warning) EXPECT_EQ(warning.number, 0);
-  }
-
-  [[nodiscard]] double height() const { return data_->qpos[2]; }
-  [[nodiscard]] const ContactFrame& frame() const { return contact_->frame(); }
+  [[nodiscard]] const ContactFrame& frame() { return (*rig_)->contact(1); }
   // What the box pulls the pad down with [N].
-  [[nodiscard]] double share_of_weight() const { return -(turned(1) * frame().force.rowwise().sum().matrix()).z(); }
+  [[nodiscard]] double share_of_weight() {
+    return -(rig_->body("right").pose.rotation * frame().force.rowwise().sum().matrix()).z();
+  }
 
  private:
-  static constexpr double half = 0.02;  // m
-  static const char* name(int side) { return side < 0 ? "left" : "right"; }
-  static Eigen::Matrix3d turned(int side) {
-    return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d(side, 0.0, 0.0)).toRotationMatrix();
-  }
-
-  PadLayout pad_;
-  ModelPointer model_;
-  DataPointer data_;
-  std::unique_ptr<ArticulatedContact> contact_;
-  std::array<int, 2> dof_{};
-  double time_ = 0.0;
+  ModelFolder folder_;
+  std::unique_ptr<DynamicRig> rig_;
 };
 
 TEST(ArticulatedGrip, ABoxDropsJustUnderTheLeastForceAndHoldsJustOverIt) {
@@ -112,14 +69,11 @@ TEST(ArticulatedGrip, ABoxDropsJustUnderTheLeastForceAndHoldsJustOverIt) {
   // F/F_least), 0.2 % of g for 0.2 %: 1.6 mm in 0.4 s, and faster still. Over it nothing moves once it hangs. Bar: 0.5 %.
   for (const double mu : {0.2, 0.5, 1.0}) {
     const double least = mass * g / (2.0 * mu);
-    Grip under(3000.0, 500.0, mu), over(3000.0, 500.0, mu);
-    for (Grip* grip : {&under, &over}) grip->run((grip == &under ? 0.998 : 1.002) * least, 1.2);
-    const double under_before = under.height(), over_before = over.height();
-    under.run(0.998 * least, 1.6);
-    over.run(1.002 * least, 1.6);
-    EXPECT_LT(under.height() - under_before, -0.5 * 0.002 * g * 0.4 * 0.4) << mu;
+    Grip under(3000.0, 500.0, mu, 2.0 * least, 0.998 * least), over(3000.0, 500.0, mu, 2.0 * least, 1.002 * least);
+    const double under_before = under.height_at(0.6), over_before = over.height_at(0.6);
+    EXPECT_LT(under.height_at(1.0) - under_before, -0.5 * 0.002 * g * 0.4 * 0.4) << mu;
     EXPECT_EQ(under.frame().state, PadState::gross) << mu;
-    EXPECT_GT(over.height() - over_before, -0.5e-6) << mu;
+    EXPECT_GT(over.height_at(1.0) - over_before, -0.5e-6) << mu;
     EXPECT_NE(over.frame().state, PadState::gross) << mu;
   }
 }
@@ -128,14 +82,11 @@ TEST(ArticulatedGrip, AHeldBoxDoesNotCreepAndItsWeightIsCarried) {
   // At 1.2 times the least force, in the middle and out of it: the pads carry half the weight each, and the box hangs still. Bar:
   // 0.5 um/s.
   for (const double k_t : {500.0, 3900.0}) {
-    for (const double off : {0.0, 0.13e-3}) {
-      Grip grip(k_t > 1000.0 ? 7100.0 : 3000.0, k_t, 0.5);
-      grip.perturb(off, off > 0.0 ? 4e-3 : 0.0);
-      grip.run(1.2 * mass * g, 2.0);
-      const double before = grip.height();
-      grip.run(1.2 * mass * g, 4.0);
-      EXPECT_LT(std::abs(grip.height() - before) / 2.0, 0.05e-6) << k_t << ' ' << off;
-      EXPECT_NEAR(grip.share_of_weight(), 0.5 * mass * g, 1e-4 * mass * g) << k_t << ' ' << off;
+    for (const std::string more : {"", ", position: [0, 0.13 mm, 0], rotation: [0.004 rad, 0, 0]"}) {
+      Grip grip(k_t > 1000.0 ? 7100.0 : 3000.0, k_t, 0.5, 3.0, 1.2 * mass * g, more);
+      const double before = grip.height_at(1.0);
+      EXPECT_LT(std::abs(grip.height_at(2.0) - before), 0.05e-6) << k_t << more;
+      EXPECT_NEAR(grip.share_of_weight(), 0.5 * mass * g, 1e-4 * mass * g) << k_t << more;
     }
   }
 }

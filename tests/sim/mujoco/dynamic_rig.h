@@ -49,15 +49,16 @@ class ModelFolder {
 // A bench with the scene and the sensors that it stands on.
 class DynamicRig {
  public:
-  // `text`: a scene without its first line; `name`: where it would lie, for the paths in it.
-  explicit DynamicRig(const std::string& text, const std::string& name = "scene.yaml", const DynamicBenchOptions& options = {})
+  // `text`: a scene without its first line; `name`: where it would lie, for the paths in it. `layout`: in place of every sensor's own.
+  explicit DynamicRig(const std::string& text, const std::string& name = "scene.yaml", const DynamicBenchOptions& options = {},
+                      const PadLayout* layout = nullptr)
       : scene_(parse_scene(SceneFile::from_text("slipbench: 1\n" + text, name), program_catalogues())) {
     register_plugin_once();
     std::vector<const PadLayout*> pads;
     std::vector<double> rates;
     for (const SensorScene& sensor : scene_.sensors) {
       sensors_.push_back(make_sensor(sensor, scene_.seed, 0));
-      pads.push_back(&sensors_.back()->layout());
+      pads.push_back(layout != nullptr ? layout : &sensors_.back()->layout());
       rates.push_back(sensors_.back()->rate());
     }
     bench_ = std::make_unique<DynamicBench>(scene_, pads, rates, 0, options);

@@ -193,9 +193,8 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:5: gravity: '-1' is out of range; allowed: >= 0 m/s2 and <= 1000 m/s2"},
         Case{"Solver", bodies_head + "field_solver: implicite\n",
              "s.yaml:5: field_solver: unknown value 'implicite'; did you mean 'implicit'? allowed: explicit, implicit"},
-        Case{"ArticulatedBodies", bodies_head + "fidelity: articulated\n",
-             "s.yaml:5: fidelity: 'articulated' is for pads that move as prescribed; a scene with 'model' or 'bodies' allows: "
-             "field"},
+        Case{"ImplicitArticulated", bodies_head + "fidelity: articulated\nfield_solver: implicit\n",
+             "s.yaml:6: field_solver: 'implicit' is for pads as fields; with 'fidelity: articulated' leave it out"},
         Case{"SurfaceShapeWithBodies", bodies_head + "surface: {material: felt, shape: plane}\n",
              "s.yaml:5: unknown key 'shape' in surface of a scene with bodies; allowed: material"},
         Case{"NoTouches", with_sensor("{type: papillarray}"),

@@ -1,0 +1,155 @@
+// `fidelity: articulated` in scenes whose bodies move by forces: what the program makes of them, and what it refuses.
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "sim/mujoco/articulated_testbench.h"
+#include "tests/sim/mujoco/dynamic_rig.h"
+#include "tests/sim/mujoco/dynamic_scenes.h"
+
+namespace slipbench {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+const std::string held = held_box("fidelity: articulated\ntime_step: 1 ms\nduration: 1 s\ncontrols: {left: 4 N, right: 4 N}\n");
+
+// Runs the scene to `time` [s].
+std::string answer(const std::string& scene, const std::string& model = two_fingers(""), double time = 0.0) {
+  const ModelFolder folder;
+  folder.write("fingers.xml", model);
+  try {
+    DynamicRig rig(scene, folder.file("scene.yaml"));
+    rig.run_to(time);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// The stage over a floor that does not move, once as a surface and once as a body.
+TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
+  const std::string motion =
+      "fidelity: articulated\nduration: 1 s\ntime_step: 1 ms\nfriction: {static: 0.5, kinetic: 0.5}\n"
+      "motion: {kind: stage, compression: 0.8 mm, speed: 8 mm/s, rotation: 20 deg/s, start: 0.5 s}\n";
+  DynamicRig rig(motion +
+                 "bodies: {floor: {shape: plane}}\n"
+                 "sensors: {pad: {type: papillarray, touches: [floor], damping: 0 s}}\n");
+  const Scene prescribed =
+      parse_scene(SceneFile::from_text("slipbench: 1\n" + motion + "sensors: {pad: {type: papillarray}}\n", "scene.yaml"),
+                  program_catalogues());
+  const std::unique_ptr<Sensor> sensor = make_sensor(prescribed.sensors.front(), 0, 0);
+  const PadLayout* layout = &sensor->layout();
+  const double rate = 1000.0;
+  ArticulatedTestbench bench(prescribed, {&layout, 1}, {&rate, 1});
+  ASSERT_EQ(rig->ticks(), bench.ticks());
+  std::size_t slipping = 0;
+  for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
+    rig->step();
+    bench.step();
+    const ContactFrame &one = rig->contact(0), &other = bench.contact(0);
+    ASSERT_EQ(one.time, other.time);
+    ASSERT_EQ(one.unit_state, other.unit_state) << tick;
+    // The solver stops at another digit, for the tolerance is relative to the model's inertia.
+    ASSERT_LT((one.force - other.force).abs().maxCoeff(), 1e-6) << tick;
+    for (const UnitState state : one.unit_state) slipping += state == UnitState::slip ? 1 : 0;
+    const Pose &pad = rig.body("pad").pose, &told = bench.bodies().front().state.pose;
+    ASSERT_LT((pad.position - told.position).norm() + (pad.rotation - told.rotation).norm(), 1e-15) << tick;
+  }
+  EXPECT_GT(slipping, 1000U) << "the comparison has seen a slide";
+}
+
+// A tip is what it is, whatever the model says of joints, geoms and pairs that are not its own.
+TEST(ArticulatedScene, DefaultsOfTheModelDoNotReachThePillars) {
+  const auto height = [](const std::string& defaults) {
+    const ModelFolder folder;
+    folder.write("fingers.xml", replaced(two_fingers(""), "<worldbody>", defaults + "<worldbody>"));
+    DynamicRig rig(held, folder.file("scene.yaml"));
+    rig.run_to(0.3);
+    return rig.body("box").pose.position.z();
+  };
+  const double plain = height("");
+  // What the model has itself keeps what it says: the fingers' joints and geoms set none of these but the joints' damping.
+  EXPECT_EQ(height("<default><joint damping='7' pos='0.1 0 0'/><geom margin='0.001' density='1e5' solimp='0.5 0.6'/>"
+                   "<pair solref='0.1 1' margin='0.01' gap='0.01' condim='1'/></default>"),
+            plain);
+  // 100 g on ten pillars of 3.9 kN/m.
+  EXPECT_NEAR(plain, 0.1 - weight_of_100_g / (10.0 * 3900.0), 1e-3 * 25e-6);
+}
+
+// Light boxes take noslip more iterations: with 10 one of 5 g was shaken loose in 0.5 s.
+TEST(ArticulatedScene, LightBoxIsHeld) {
+  for (const double mass : {5e-3, 2e-3}) {
+    const ModelFolder folder;
+    folder.write("fingers.xml", two_fingers(""));
+    DynamicRig rig(replaced(held, "mass: 100 g", "mass: " + std::to_string(mass)), folder.file("scene.yaml"));
+    rig.run_to(0.2);
+    const double before = rig.body("box").pose.position.z();
+    rig.run_to(1.0);
+    EXPECT_NEAR(rig.body("box").pose.position.z(), before, 0.8 * 0.5e-6) << mass;
+    EXPECT_NEAR(rig->contact(0).force.row(0).sum(), -0.5 * mass * 9.81, 1e-3 * mass * 9.81) << mass;
+  }
+}
+
+// w is 1/m of the box and 1/m of its finger, and the contact may be a quarter of the compliance: h = sqrt(0.25 15/(k_n w)), 719 us
+// at 1 g and 50 g with the 7.1 kN/m of a pillar.
+TEST(ArticulatedScene, StepIsLimitedByTheLightestBody) {
+  const std::string light = replaced(held, "mass: 100 g", "mass: 1 g");
+  const std::string text = answer(light);
+  EXPECT_THAT(text, StartsWith("time_step: 1 ms is too long for articulated pads on these bodies; allowed are up to "));
+  EXPECT_NEAR(parse_quantity(text.substr(text.find("up to ") + 6), Quantity::time),
+              std::sqrt(0.25 * 15.0 / (7100.0 * (1.0 / 1e-3 + 1.0 / 50e-3))), 2e-6);
+  EXPECT_EQ(answer(replaced(light, "time_step: 1 ms", "time_step: auto")), "accepted");
+  EXPECT_EQ(answer(replaced(held, "time_step: 1 ms", "time_step: 5 ms")),
+            "time_step: 5 ms is too long for articulated pads on these bodies; allowed are up to 2 ms");
+}
+
+TEST(ArticulatedScene, WhatOnlyAFieldCanDoIsRefused) {
+  EXPECT_EQ(answer(held + "effects: [ageing]\n"), "effects: articulated pads have none; allowed: none, or fidelity: field");
+  EXPECT_EQ(answer(replaced(held, "kinetic: 0.5", "kinetic: 0.4")),
+            "friction: articulated pads have one coefficient of friction; allowed: kinetic equal to static");
+  EXPECT_THAT(answer(replaced(held, "touches: [box]", "touches: [rock]"),
+                     replaced(two_fingers(""), "<worldbody>",
+                              "<asset><mesh name='rock' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset><worldbody><body name='rock' "
+                              "pos='0 0 5'><geom name='rock' type='mesh' mesh='rock'/></body>")),
+              StartsWith("sensors.left.touches: the geom 'rock' is a mesh"));
+}
+
+TEST(ArticulatedScene, ModelsThatWouldHaveOtherPillarsAreRefused) {
+  const auto with_flag = [](const std::string& flag) {
+    return answer(held, two_fingers("> <flag " + flag + "/></option><option "));
+  };
+  for (const std::string flag : {"constraint", "contact", "spring", "damper"}) {
+    EXPECT_THAT(with_flag(flag + "='disable'"), StartsWith("model: its flag " + flag + " is disabled"));
+  }
+  for (const std::string flag : {"override", "sleep"}) {
+    EXPECT_THAT(with_flag(flag + "='enable'"), StartsWith("model: its flag " + flag + " is enabled"));
+  }
+  EXPECT_THAT(answer(held, replaced(two_fingers(""), "<option", "<compiler boundmass='0.001'/><option")),
+              StartsWith("model: its compiler makes a pillar's tip weigh 0.001 kg, not 1e-05 kg"));
+}
+
+// A table under the box: MuJoCo's own friction is wrong by half beside the pillars' recipe.
+TEST(ArticulatedScene, FrictionOfOtherContactsIsRefusedWhenItComes) {
+  const std::string table = replaced(held, "bodies: {", "bodies: {table: {shape: plane, position: [0, 0, 0.06]}, ");
+  EXPECT_EQ(answer(table), "accepted") << "10 mm under the box, which hangs";
+  const std::string dropped = replaced(table, "{left: 4 N, right: 4 N}", "{left: 0 N, right: 0 N}");
+  EXPECT_THAT(
+      answer(dropped, two_fingers(""), 1.0),
+      ::testing::AllOf(StartsWith("fidelity: at 0."), HasSubstr("the bodies 'table' and 'box' touch by MuJoCo's own contact"),
+                       EndsWith("or fidelity: field")));
+  EXPECT_EQ(answer(pressed_box("fidelity: articulated\ntime_step: 1 ms\n"), "", 0.0), "accepted");
+  EXPECT_THAT(answer(pressed_box("fidelity: articulated\ntime_step: 1 ms\n"), "", 0.1), StartsWith("fidelity: at 0"));
+}
+
+}  // namespace
+}  // namespace slipbench
