@@ -96,6 +96,7 @@ struct Grip {
   bool perturbed = true;  // moved by 0.13 mm and turned by 4 mrad, so that nothing balances by symmetry
   bool truth = true;
   std::string option{};  // attributes
+  std::string more{};    // elements of the model
 };
 
 inline std::string grip_xml(const Grip& grip) {
@@ -122,7 +123,7 @@ inline std::string grip_xml(const Grip& grip) {
       << "<site name='right'/>" << finger << (plugin ? "<plugin instance='right'/>" : "") << "</body></worldbody>"
       << "<actuator><motor joint='right'/></actuator>"
       << (plugin ? "<sensor><plugin name='left' instance='left'/><plugin name='right' instance='right'/></sensor>" : "")
-      << "</mujoco>";
+      << grip.more << "</mujoco>";
   return xml.str();
 }
 

@@ -19,7 +19,8 @@ Model busy_model(const std::string& integrator) {
                 .left = config("sensor", "{type: papillarray, bristles: 6, electronics: typical}") +
                         config("effects", "[ageing, load_dependent_friction, patchy_friction, stribeck, texture, viscoelastic]"),
                 .right = nine_pillars() + config("effects", "[anisotropic_friction, viscoelastic]"),
-                .option = "noslip_iterations='0'"}));
+                .option = "noslip_iterations='0'",
+                .more = "<keyframe><key/></keyframe>"}));
 }
 
 // For a step of 0.5 ms: the grip goes from 0.3 to 2.8 N and back at 5 Hz, and the box is pulled sideways by up to 1.2 N at 20 Hz.
@@ -243,17 +244,40 @@ TEST_P(PluginState, DrawingChangesNothing) {
   mjv_freeScene(&scene);
 }
 
-TEST_P(PluginState, KeyframeBeginsFromNothing) {
+// Keyframes hold positions, velocities, time and controls, but no plugin state.
+TEST_P(PluginState, KeyframeStartsThePadsAfresh) {
   go_to_the_middle();
-  mj_resetData(m(), d());
+  mj_setKeyframe(m(), d(), 0);
+  const std::vector<mjtNum> held(d()->plugin_state, d()->plugin_state + m()->npluginstate);
+  run(m(), d(), middle, middle + 50);
+  mj_resetDataKeyframe(m(), d(), 0);
+
   const Data fresh = data_of(model_);
-  for (mjData* data : {d(), fresh.get()}) {
-    data->qpos[2] = 1e-3;
-    data->time = 0.7;  // as a keyframe may say
-  }
-  run(m(), d(), 0, 200);
-  run(m(), fresh.get(), 0, 200);
-  EXPECT_TRUE(same(m(), d(), fresh.get()));
+  std::copy_n(m()->key_qpos, m()->nq, fresh->qpos);
+  std::copy_n(m()->key_qvel, m()->nv, fresh->qvel);
+  std::copy_n(m()->key_ctrl, m()->nu, fresh->ctrl);
+  fresh->time = m()->key_time[0];
+  const auto state = [this](const mjData* data) {
+    std::vector<mjtNum> values(static_cast<std::size_t>(mj_stateSize(m(), mjSTATE_INTEGRATION)));
+    mj_getState(m(), data, values.data(), mjSTATE_INTEGRATION);
+    return values;
+  };
+  EXPECT_EQ(state(d()), state(fresh.get()));
+  EXPECT_FALSE(same_bits(d()->plugin_state, held.data(), m()->npluginstate));
+  expect_to_go_on_alike(m(), d(), fresh.get(), middle, rest);
+}
+
+// What the pads held when the keyframe was taken, put back after it: the run goes on as if nothing had been.
+TEST_P(PluginState, KeyframeWithThePadsStateGoesOnToTheSameBits) {
+  go_to_the_middle();
+  mj_setKeyframe(m(), d(), 0);
+  std::vector<mjtNum> pads(static_cast<std::size_t>(mj_stateSize(m(), mjSTATE_PLUGIN)));
+  mj_getState(m(), d(), pads.data(), mjSTATE_PLUGIN);
+  const Data other = data_of(model_);
+  run(m(), other.get(), 0, 100);
+  mj_resetDataKeyframe(m(), other.get(), 0);
+  mj_setState(m(), other.get(), pads.data(), mjSTATE_PLUGIN);
+  expect_to_go_on_alike(m(), d(), other.get(), middle, rest);
 }
 
 TEST(PluginSensor, TakesTheSamplesThatTheSensorAloneWouldTake) {
