@@ -31,7 +31,8 @@ inline constexpr const char* stage_name = "slipbench/stage";
 inline constexpr double stage_mass = 1e6;  // kg, and kg m^2
 
 // The integrator of a scene without a model of its own is implicitfast, its contacts have elliptic cones and ten noslip iterations:
-// with fewer a box on a table creeps under a sideways force (shared MUJOCO.md, section C).
+// with fewer a box on a table creeps under a sideways force (shared MUJOCO.md, section C). With implicit fields, which bear no noslip,
+// it is discrete, and impratio 1e4 does what noslip would.
 // `pads`: one layout a sensor. The time step is the model's own, or MuJoCo's default.
 // Throws SceneValueError when the model cannot be read or compiled, and when a site, geom, body or name does not suit.
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial);

@@ -153,6 +153,42 @@ TEST(DynamicBench, StageDragsAFreeBoxOverATable) {
   EXPECT_GT(rig->data()->ncon, 0);
 }
 
+// Implicit fields bear no noslip pass: what rests on MuJoCo's own contacts must not lose its friction for that.
+TEST(DynamicBench, ImplicitPadDragsABoxAgainstAllOfTheTablesFriction) {
+  for (const std::string mass : {"100 g", "5 g"}) {
+    std::string scene = pressed_box(
+        "field_solver: implicit\ntime_step: 1 ms\nduration: 1.6 s\n"
+        "motion: {compression: 0.8 mm, speed: 8 mm/s, start: 1 s}\n");
+    scene.replace(scene.find("mass: 100 g"), 11, "mass: " + mass);
+    DynamicRig rig(scene);
+    rig.run_to(1.4);
+    const double weight = mass == "5 g" ? 0.05 * weight_of_100_g : weight_of_100_g;
+    double dragged = 0.0, held = 0.0;
+    for (int tick = 0; tick < 100; ++tick) {
+      rig->step();
+      const auto force = rig->contact(0).force.rowwise().sum().eval();
+      dragged -= force[0];
+      held += 0.3 * (weight + force[2]);
+    }
+    EXPECT_NEAR(dragged, held, 2e-3 * held) << mass;
+  }
+}
+
+// At half of what the table holds the box must not creep. Bar of the issue for held things: 0.5 um/s.
+TEST(DynamicBench, BoxOnATableDoesNotCreepUnderAPad) {
+  for (const std::string solver : {"explicit", "implicit"}) {
+    DynamicRig rig(pressed_box("field_solver: " + solver +
+                               "\ntime_step: auto\nduration: 2 s\n"
+                               "motion: {compression: 0.8 mm, speed: 1 mm/s, start: 1 s, stop: 0.145 s}\n"));
+    rig.run_to(1.3);
+    const Eigen::Vector3d before = rig.body("box").pose.position;
+    const auto force = rig->contact(0).force.rowwise().sum().eval();
+    EXPECT_NEAR(-force[0], 0.5 * 0.3 * (weight_of_100_g + force[2]), 0.1 * -force[0]) << "the drag is what it should be";
+    rig.run_to(1.9);
+    EXPECT_LT((rig.body("box").pose.position - before).norm() / 0.6, 0.5e-6) << solver;
+  }
+}
+
 TEST(DynamicBench, StageIsWhereItsMotionSaysAtEveryTick) {
   DynamicRig rig(
       pressed_box("duration: 1.5 s\nmotion: {compression: 0.8 mm, speed: 8 mm/s, rotation: 40 deg/s, pivot: [5 mm, 0 mm], "
