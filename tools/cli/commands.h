@@ -13,6 +13,7 @@ int run_command(const Options& options);          // run
 int sweep_command(const Options& options);        // sweep
 int report_command(const Options& options);       // report
 int export_command(const Options& options);       // export
+int hd_replay_command(const Options& options);    // hd replay
 int list_command(const Options& options);         // list
 int describe_command(const Options& options);     // describe
 int plugin_path_command(const Options& options);  // plugin-path

@@ -6,12 +6,15 @@
 #include <limits>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "detectors/hd/words.h"
 #include "sim/core/error.h"
+#include "tools/catalogue/engines.h"
 #include "tools/cli/suggestion.h"
 
 namespace slipbench {
@@ -59,6 +62,20 @@ Examples:
   slipbench export hexapod.h5 --format training-csv -o training
   slipbench export hexapod.h5 --format vendor-csv --slip paper -o logs)";
 
+constexpr std::string_view hd_footer = R"(
+Its memories are a folder of hex files, as detectors/hd/README.md explains.)";
+
+constexpr std::string_view hd_replay_footer = R"(
+Prints step,class,d1,d2,d3 as CSV: class 1 non-slip, 2 incipient, 3 gross, and the Hamming distances of the three; from the first step
+on whose window is full. VECTORS.csv has the columns n (step), L0 to L8 (levels, 0 to 20) and ctx (context, 0 to 3); others are left alone.
+
+DIR holds AM.hex, CIM.hex, CM.hex, IM.hex and model.txt. Without model.txt, as the published memories are, --encoder must be given and
+ties go to one; with it, --encoder and --ties replace what it says.
+
+Examples:
+  slipbench hd replay vectors.csv --memories published --encoder published_core --ties one
+  slipbench hd replay vectors.csv --memories published --encoder paper --ties zero --engine reference)";
+
 constexpr std::string_view list_footer = R"(
 Examples:
   slipbench list
@@ -95,6 +112,14 @@ Integer parse_integer(const std::string& command, const std::string& option, con
     throw InputError(fmt::format("{}: {} is '{}'; allowed: a whole number from {} to {}", command, option, text, min, max));
   }
   return value;
+}
+
+// Reads one of the words of a table.
+template <class Words>
+auto parse_word(const std::string& command, const std::string& option, const std::string& text, const Words& words) {
+  const auto value = hd::value_of(words, text);
+  if (!value) throw InputError(fmt::format("{}: {} is '{}'{}", command, option, text, allowed_names(text, hd::names_of(words))));
+  return *value;
 }
 
 // Reads a speed above zero, in m/s or with its unit.
@@ -149,19 +174,23 @@ std::vector<std::string> repeat_set(const std::vector<std::string>& arguments) {
 struct Parser {
   Options options;
   std::vector<std::string> sets;
-  std::optional<std::string> seed, trials, jobs, trial, output, format, slip_rule, label_speed;
+  std::optional<std::string> seed, trials, jobs, trial, output, format, slip_rule, label_speed, compat, ties;
   bool version = false;
   CLI::App app{"A physics testbench for tactile slip detection.", "slipbench"};
 
   Parser();
-  CLI::App* command(const char* name, const char* summary, std::string_view footer);
+  CLI::App* command(const char* name, const char* summary, std::string_view footer) {
+    return command(app, name, summary, footer);
+  }
+  CLI::App* command(CLI::App& parent, const char* name, const char* summary, std::string_view footer);
   void simulation(const char* name, const char* summary, std::string_view footer, const char* trials_help);
 };
 
-CLI::App* Parser::command(const char* name, const char* summary, std::string_view footer) {
-  CLI::App* sub = app.add_subcommand(name, summary);
+CLI::App* Parser::command(CLI::App& parent, const char* name, const char* summary, std::string_view footer) {
+  CLI::App* sub = parent.add_subcommand(name, summary);
   sub->footer(footer_text(footer));
   sub->add_flag("--json", options.json, "Print one JSON object on stdout and nothing else there");
+  sub->get_formatter()->column_width(26);
   return sub;
 }
 
@@ -206,6 +235,19 @@ Parser::Parser() {
       ->option_text("NAME");
   exporting->add_option("--trial", trial, "Trial to export (default: all)")->option_text("K");
 
+  CLI::App* hd = command("hd", "Work with the hyperdimensional classifier", hd_footer);
+  CLI::App* replay = command(*hd, "replay", "Classify quantised input step by step", hd_replay_footer);
+  replay->add_option("VECTORS", options.vectors, "Quantised input (CSV)")->required()->option_text(" ");
+  replay->add_option("--memories", options.memories, "Folder of the classifier")->required()->option_text("DIR");
+  replay->add_option("--encoder", compat, fmt::format("Whose bundle: {}", fmt::join(hd::names_of(hd::compat_words), " or ")))
+      ->option_text("NAME");
+  replay
+      ->add_option("--ties", ties,
+                   fmt::format("A bundle that sums to zero becomes {}", fmt::join(hd::names_of(hd::ties_words), " or ")))
+      ->option_text("NAME");
+  replay->add_option("--engine", options.engine, fmt::format("{} (default: kernel)", fmt::join(hd_engine_names(), " or ")))
+      ->option_text("NAME");
+
   CLI::App* list = command("list", "List what a scene may name", list_footer);
   list->add_option("CATALOGUE", options.name,
                    "effects, sensors, surfaces, bodies, materials, motions, electronics or detectors (default: all)")
@@ -215,7 +257,6 @@ Parser::Parser() {
   command("doctor", "Check the installation", doctor_footer);
   command("plugin-path", "Print where the MuJoCo plugin is", plugin_path_footer);
 
-  for (CLI::App* sub : app.get_subcommands({})) sub->get_formatter()->column_width(26);
   app.get_formatter()->column_width(26);
 }
 
@@ -228,13 +269,32 @@ std::vector<std::string> option_names(const CLI::App& app) {
 }
 
 // A word that CLI11 had no place for.
-InputError unexpected(const CLI::App& app, const std::string& prefix, const std::string& word) {
-  if (word.rfind('-', 0) != 0)
-    return InputError(fmt::format("{}unexpected argument '{}'; see slipbench {} --help", prefix, word, app.get_name()));
+InputError unexpected(const CLI::App& app, const std::string& command, const std::string& word) {
+  const std::string prefix = command.empty() ? "" : command + ": ";
+  if (word.rfind('-', 0) != 0) {
+    return InputError(fmt::format("{}unexpected argument '{}'; see slipbench {} --help", prefix, word, command));
+  }
   const std::vector<std::string> names = option_names(app);
   const std::string name = word.substr(0, word.find('='));
   return InputError(
       fmt::format("{}unknown option '{}'{} options: {}", prefix, name, suggestion(name, names), fmt::join(names, ", ")));
+}
+
+// The commands of a program or of a command, in the order the help shows them.
+std::vector<std::string> subcommand_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
+  return names;
+}
+
+// The innermost command given and its full name: "run", "hd replay"; the program itself and "" where there is none.
+std::pair<const CLI::App*, std::string> chosen_command(const CLI::App& app) {
+  std::pair<const CLI::App*, std::string> chosen{&app, ""};
+  while (!chosen.first->get_subcommands().empty()) {
+    chosen.first = chosen.first->get_subcommands().front();
+    chosen.second += (chosen.second.empty() ? "" : " ") + chosen.first->get_name();
+  }
+  return chosen;
 }
 
 // Of the command line's fixed part: later versions have them.
@@ -254,9 +314,7 @@ void check_command(const std::vector<std::string>& arguments) {
 
 std::vector<std::string> command_names() {
   const Parser parser;
-  std::vector<std::string> names;
-  for (const CLI::App* sub : parser.app.get_subcommands({})) names.push_back(sub->get_name());
-  return names;
+  return subcommand_names(parser.app);
 }
 
 Options parse_options(const std::vector<std::string>& arguments) {
@@ -269,18 +327,18 @@ Options parse_options(const std::vector<std::string>& arguments) {
   }
   std::vector<std::string> words = repeat_set(arguments);
   std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
-  const auto chosen = [&parser]() -> const CLI::App& {
-    const std::vector<CLI::App*> subs = parser.app.get_subcommands();
-    return subs.empty() ? parser.app : *subs.front();
+  const auto prefix = [&parser] {
+    const std::string name = chosen_command(parser.app).second;
+    return name.empty() ? name : name + ": ";
   };
-  const auto prefix = [&] { return &chosen() == &parser.app ? std::string() : chosen().get_name() + ": "; };
   try {
     parser.app.parse(words);
   } catch (const CLI::CallForHelp&) {
     options.help = parser.app.help();
     return options;
   } catch (const CLI::ExtrasError&) {
-    throw unexpected(chosen(), prefix(), parser.app.remaining(true).front());
+    const auto [app, name] = chosen_command(parser.app);
+    throw unexpected(*app, name, parser.app.remaining(true).front());
   } catch (const CLI::ArgumentMismatch& error) {
     const std::string message = error.what();  // "--output: 1 required TEXT missing"
     throw InputError(fmt::format("{}{} needs one value", prefix(), message.substr(0, message.find(':'))));
@@ -291,8 +349,11 @@ Options parse_options(const std::vector<std::string>& arguments) {
     options.command = "--version";
     return options;
   }
-  if (&chosen() == &parser.app) throw InputError(fmt::format("no command given; commands: {}", fmt::join(command_names(), ", ")));
-  options.command = chosen().get_name();
+  const auto [chosen, name] = chosen_command(parser.app);
+  if (const std::vector<std::string> further = subcommand_names(*chosen); !further.empty()) {
+    throw InputError(fmt::format("{}no command given; commands: {}", prefix(), fmt::join(further, ", ")));
+  }
+  options.command = name;
   const std::string& command = options.command;
   for (const std::string& text : parser.sets) options.overrides.push_back(parse_override(command, text));
   if (parser.seed) options.seed = parse_integer<std::uint64_t>(command, "--seed", *parser.seed, 0);
@@ -308,6 +369,8 @@ Options parse_options(const std::vector<std::string>& arguments) {
   if (command == "export" && options.output.empty()) throw InputError("export: --output is required");
   if (parser.slip_rule) options.slip_rule = parse_slip_rule(*parser.slip_rule);
   if (parser.label_speed) options.label_speed = parse_speed(command, "--label-speed", *parser.label_speed);
+  if (parser.compat) options.hd_compat = parse_word(command, "--encoder", *parser.compat, hd::compat_words);
+  if (parser.ties) options.hd_ties = parse_word(command, "--ties", *parser.ties, hd::ties_words);
   return options;
 }
 

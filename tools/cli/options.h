@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "detectors/hd/model.h"
 #include "sim/scene/parser.h"
 #include "tools/export/export.h"
 
@@ -14,7 +15,7 @@ namespace slipbench {
 
 // What the user asked for. Only the members of the command given are filled in.
 struct Options {
-  std::string command;  // "run", ...; "--version"; empty when `help` is asked for
+  std::string command;  // "run", "hd replay", ...; "--version"; empty when `help` is asked for
   std::string help;     // to be printed on stdout
   bool json = false;
   bool quiet = false;
@@ -35,6 +36,13 @@ struct Options {
   SlipRule slip_rule = SlipRule::strict;  // export
   std::optional<double> label_speed;      // export [m/s]
   std::string sensor;                     // export; empty: the only one
+
+  // hd replay
+  std::string vectors;   // CSV file
+  std::string memories;  // folder
+  std::optional<hd::Compat> hd_compat;
+  std::optional<hd::Ties> hd_ties;
+  std::string engine = "kernel";
 
   std::string name;  // list: a catalogue or empty; describe: the entry
 };

@@ -31,6 +31,7 @@ const std::map<std::string, Command>& commands() {
       {"sweep", sweep_command},
       {"report", report_command},
       {"export", export_command},
+      {"hd replay", hd_replay_command},
       {"list", list_command},
       {"describe", describe_command},
       {"doctor", [](const Options& options) { return doctor_main(options.json); }},

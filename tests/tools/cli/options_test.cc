@@ -70,6 +70,20 @@ TEST(Options, SetValueMayHoldEqualsSignsBracketsAndSpaces) {
               ElementsAre("effects -> [stribeck, {ageing: {}}]", "description -> a = b"));
 }
 
+TEST(Options, HdReplay) {
+  const Options options =
+      parse_options({"hd", "replay", "v.csv", "--memories", "m", "--encoder", "published_core", "--ties", "zero"});
+  EXPECT_EQ(options.command, "hd replay");
+  EXPECT_EQ(options.vectors, "v.csv");
+  EXPECT_EQ(options.memories, "m");
+  EXPECT_EQ(options.hd_compat, hd::Compat::published_core);
+  EXPECT_EQ(options.hd_ties, hd::Ties::zero);
+  EXPECT_EQ(options.engine, "kernel");
+  const Options plain = parse_options({"--json", "hd", "replay", "v.csv", "--memories", "m"});
+  EXPECT_TRUE(plain.json);
+  EXPECT_FALSE(plain.hd_compat || plain.hd_ties);
+}
+
 TEST(Options, JsonMayStandBeforeTheCommand) {
   EXPECT_TRUE(parse_options({"--json", "list"}).json);
   EXPECT_TRUE(parse_options({"list", "--json"}).json);
@@ -124,22 +138,24 @@ INSTANTIATE_TEST_SUITE_P(
     All, OptionsRefusal,
     ::testing::Values(
         Refusal{{"swep", "s.yaml"},
-                "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, report, export, list, describe, doctor, "
+                "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, report, export, hd, list, describe, doctor, "
                 "plugin-path"},
-        Refusal{{"xyzzy"}, "unknown command 'xyzzy'; commands: run, sweep, report, export, list, describe, doctor, plugin-path"},
+        Refusal{{"xyzzy"},
+                "unknown command 'xyzzy'; commands: run, sweep, report, export, hd, list, describe, doctor, plugin-path"},
         Refusal{{"--json", "lst"},
-                "unknown command 'lst'; did you mean 'list'? commands: run, sweep, report, export, list, describe, doctor, "
+                "unknown command 'lst'; did you mean 'list'? commands: run, sweep, report, export, hd, list, describe, doctor, "
                 "plugin-path"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
-        Refusal{{"--json"}, "no command given; commands: run, sweep, report, export, list, describe, doctor, plugin-path"},
+        Refusal{{"--json"}, "no command given; commands: run, sweep, report, export, hd, list, describe, doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{{"run", "s.yaml", "--job", "2"},
                 "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --trials, --jobs, "
                 "--output, --quiet"},
         Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
-        Refusal{{"cost", "s.yaml"},
-                "command 'cost' is not available in this version; available: run, sweep, report, export, list, describe, doctor, "
-                "plugin-path"},
+        Refusal{
+            {"cost", "s.yaml"},
+            "command 'cost' is not available in this version; available: run, sweep, report, export, hd, list, describe, doctor, "
+            "plugin-path"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
         Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
         Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},

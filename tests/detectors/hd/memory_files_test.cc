@@ -1,0 +1,152 @@
+#include "detectors/hd/memory_files.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/detectors/hd/published.h"
+#include "tests/detectors/hd/random_frames.h"
+
+namespace slipbench::hd {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+class MemoryFiles : public testing::Test {
+ protected:
+  MemoryFiles() {
+    std::string name = (std::filesystem::temp_directory_path() / "slipbench_hd_XXXXXX").string();
+    root_ = mkdtemp(name.data());
+    folder_ = root_ + "/model";
+    saved_.model = {65, 4, Encoding::spatial_temporal, false, Ties::zero, Compat::published_core};
+    saved_.quantiser = Quantiser::exact;
+    saved_.trained = "hexapod.h5: draw 3";
+    saved_.memories = random_memories(saved_.model, 1);
+  }
+  ~MemoryFiles() override { std::filesystem::remove_all(root_); }
+
+  [[nodiscard]] std::vector<std::string> lines(const std::string& file) const {
+    std::ifstream stream(folder_ + "/" + file);
+    std::vector<std::string> all;
+    for (std::string line; std::getline(stream, line);) all.push_back(line);
+    return all;
+  }
+
+  void write(const std::string& file, const std::vector<std::string>& all) const {
+    std::ofstream stream(folder_ + "/" + file);
+    for (const std::string& line : all) stream << line << "\n";
+  }
+
+  // What load() says after `change` was made to the lines of `file`, without the folder's name.
+  std::string refusal(const std::string& file, const std::function<void(std::vector<std::string>&)>& change) const {
+    save(folder_, saved_);
+    std::vector<std::string> all = lines(file);
+    change(all);
+    write(file, all);
+    const std::string message = message_of([&] { load(folder_); });
+    return message.starts_with(folder_ + "/") ? message.substr(folder_.size() + 1) : message;
+  }
+
+  std::string root_, folder_;
+  SavedModel saved_;
+};
+
+TEST_F(MemoryFiles, WhatIsSavedIsLoaded) {
+  save(folder_, saved_);
+  const SavedModel loaded = load(folder_);
+  EXPECT_EQ(loaded.model, saved_.model);
+  EXPECT_EQ(loaded.quantiser, saved_.quantiser);
+  EXPECT_EQ(loaded.trained, saved_.trained);
+  EXPECT_EQ(loaded.memories, saved_.memories);
+  EXPECT_EQ(lines("IM.hex").size(), 12U);
+  EXPECT_EQ(lines("IM.hex")[11], to_hex(saved_.memories.item[11]));
+}
+
+TEST_F(MemoryFiles, AModelIsReplacedWholeAndNothingElseIsLeft) {
+  save(folder_, saved_);
+  saved_.model.ties = Ties::one;
+  save(folder_ + "/", saved_);
+  EXPECT_EQ(load(folder_).model.ties, Ties::one);
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root_)) names.push_back(entry.path().filename());
+  EXPECT_THAT(names, testing::UnorderedElementsAre("model", "AM.hex", "CIM.hex", "CM.hex", "IM.hex", "model.txt"));
+}
+
+TEST_F(MemoryFiles, AFolderWithAnythingElseIsNotReplaced) {
+  save(folder_, saved_);
+  write("thesis.tex", {"years of work"});
+  EXPECT_THAT(message_of([&] { save(folder_, saved_); }), HasSubstr("holds 'thesis.tex', which is no part of a model"));
+  EXPECT_EQ(lines("thesis.tex"), std::vector<std::string>{"years of work"});
+  EXPECT_THAT(message_of([&] { save(folder_ + "/thesis.tex", saved_); }), HasSubstr("is no folder"));
+}
+
+TEST_F(MemoryFiles, WhatDoesNotFitTogetherIsNotSaved) {
+  saved_.memories.associative.clear();
+  EXPECT_EQ(message_of([&] { save(folder_, saved_); }), "associative memory: 0 vectors; the model has 3");
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
+TEST_F(MemoryFiles, ShortLongAndGarbledMemoriesAreRefusedWithTheirLine) {
+  EXPECT_EQ(refusal("AM.hex", [](auto& all) { all.pop_back(); }), "AM.hex:3: the file ends after 2 lines; needed: 3");
+  EXPECT_EQ(refusal("CIM.hex", [](auto& all) { all.clear(); }), "CIM.hex:1: the file ends after 0 lines; needed: 21");
+  EXPECT_EQ(refusal("CM.hex", [](auto& all) { all.push_back(all[0]); }), "CM.hex:5: one line too many; allowed: 4");
+  // 65 bits are 17 digits, the first of which holds one bit.
+  EXPECT_EQ(refusal("CIM.hex", [](auto& all) { all[20].pop_back(); }), "CIM.hex:21: 16 digits; 65 bits are 17");
+  EXPECT_EQ(refusal("IM.hex", [](auto& all) { all[4] += "0"; }), "IM.hex:5: 18 digits; 65 bits are 17");
+  EXPECT_EQ(refusal("IM.hex", [](auto& all) { all[1][16] = 'x'; }), "IM.hex:2: 'x' in column 17 is no hexadecimal digit");
+  EXPECT_EQ(refusal("AM.hex", [](auto& all) { all[0][0] = '2'; }),
+            "AM.hex:1: the first digit has bits beyond the 65 of a vector: '2'");
+  EXPECT_EQ(refusal("CM.hex", [](auto& all) { all[3] += "\r"; }), "CM.hex:4: 18 digits; 65 bits are 17");
+  EXPECT_EQ(refusal("IM.hex", [](auto& all) { all.insert(all.end(), 2, all[0]); }), "IM.hex:13: one line too many; allowed: 12");
+  save(folder_, saved_);
+  std::filesystem::remove(folder_ + "/CM.hex");
+  EXPECT_EQ(message_of([&] { load(folder_); }), folder_ + "/CM.hex: No such file or directory");
+}
+
+TEST_F(MemoryFiles, GarbledDescriptionsAreRefusedWithTheirLine) {
+  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[0] = "slipbench_hd: 2"; }),
+            "model.txt:1: slipbench_hd: found '2'; allowed: 1");
+  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[1] = "dimension: 1e3"; }),
+            "model.txt:2: dimension: found '1e3'; allowed: a whole number");
+  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[1] = "dimension: 99999999999999999999"; }),
+            "model.txt:2: dimension: found '99999999999999999999'; allowed: a whole number");
+  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[2] = "window: 0"; }), "model.txt: window: 0; allowed: 1 to 1000");
+  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[5] = "ties: ones"; }),
+            "model.txt:6: ties: found 'ones'; did you mean 'one'? allowed: one, zero");
+  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[5] = "ties"; }), "model.txt:6: found 'ties'; allowed: key: value");
+  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[5] = all[4]; }), "model.txt:6: 'context_driven' stands in line 5 already");
+  EXPECT_EQ(refusal("model.txt", [](auto& all) { all.erase(all.begin() + 5); }),
+            "model.txt:9: the file ends without the key 'ties'");
+  EXPECT_THAT(refusal("model.txt", [](auto& all) { all.push_back("tie: one"); }),
+              HasSubstr("model.txt:10: unknown key 'tie'; did you mean 'ties'?"));
+}
+
+TEST_F(MemoryFiles, PublishedMemoriesNeedAModelFromElsewhere) {
+  EXPECT_THAT(message_of([] { load(published_folder); }), HasSubstr("model.txt: no such file"));
+  const SavedModel published = load(published_folder, published_model("A"));
+  EXPECT_EQ(published.model, published_model("A"));
+  EXPECT_EQ(published.memories.item.size(), 12U);
+  // The published level memory: 25 bits a level.
+  for (std::size_t level = 0; level < level_count; ++level) {
+    EXPECT_EQ(hamming(published.memories.level[0], published.memories.level[level]), 25 * level);
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::hd
