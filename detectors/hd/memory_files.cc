@@ -196,7 +196,7 @@ SavedModel load(const std::string& folder, const std::optional<Model>& unnamed) 
   const fs::path path(folder);
   SavedModel saved;
   std::size_t item_rows_too = item_count;
-  if (fs::exists(path / description_file)) {
+  if (std::error_code ignored; fs::exists(path / description_file, ignored)) {  // what cannot be read says so below
     saved = read_description(path / description_file);
   } else {
     const std::vector<std::string> lines = lines_of(path / memory_files[0]);
@@ -229,10 +229,10 @@ void save(const std::string& folder, const SavedModel& saved) {
   if (saved.trained.find('\n') != std::string::npos) throw InputError("trained: a line break; allowed: one line");
   fs::path target = fs::absolute(folder).lexically_normal();
   if (!target.has_filename()) target = target.parent_path();  // "folder/"
+  const fs::path fresh = target.string() + ".partial." + std::to_string(getpid());
+  const fs::path stale = target.string() + ".old." + std::to_string(getpid());
   try {
     check_replaceable(target);
-    const fs::path fresh = target.string() + ".partial." + std::to_string(getpid());
-    const fs::path stale = target.string() + ".old." + std::to_string(getpid());
     fs::create_directories(fresh);
     write_file(fresh / memory_files[0], hex_lines(saved.memories.associative));
     write_file(fresh / memory_files[1], hex_lines(saved.memories.level));
@@ -242,8 +242,12 @@ void save(const std::string& folder, const SavedModel& saved) {
     if (fs::exists(target)) fs::rename(target, stale);
     fs::rename(fresh, target);
     fs::remove_all(stale);
-  } catch (const fs::filesystem_error& error) {
-    throw InputError(target.string() + ": cannot write: " + error.code().message());
+  } catch (const std::exception& error) {
+    std::error_code ignored;
+    fs::remove_all(fresh, ignored);
+    const auto* const system = dynamic_cast<const fs::filesystem_error*>(&error);
+    if (system == nullptr) throw;
+    throw InputError(target.string() + ": cannot write: " + system->code().message());
   }
 }
 

@@ -131,9 +131,9 @@ TEST(Features, NothingMovedIsLevelZero) {
 TEST(Features, AFrameOfThePad) {
   // Centre pressed by 1 mm, and its tip dragged by 0.75 mm: 8 and 6 units, ratio 0.6, context (0.75, 1].
   std::vector<float> displacement(27);
-  displacement[3 * 4] = 0.75e-3F;
-  displacement[3 * 4 + 2] = 1e-3F;
-  displacement[3 * 7 + 1] = -0.25e-3F;  // an edge pillar that is dragged and not pressed
+  displacement[12] = 0.75e-3F;  // values 12 to 14 are the centre's
+  displacement[14] = 1e-3F;
+  displacement[22] = -0.25e-3F;  // an edge pillar that is dragged and not pressed
   Frame expected;
   expected.level[4] = 12;  // code 76 lies in 72 to 79; 0.6 = 12 * 0.05
   expected.level[7] = 20;

@@ -34,6 +34,26 @@ std::string text(const Model& model) {
          std::to_string(static_cast<int>(model.ties)) + ", compat " + std::to_string(static_cast<int>(model.compat));
 }
 
+// Everything that an engine and an encoder say, with a reset before frame `restart`. No query: an empty vector.
+struct Outcome {
+  std::vector<Decision> decisions;
+  std::vector<Hypervector> queries;
+};
+
+Outcome outcome(Engine& engine, Encoder& encoder, const std::vector<Frame>& frames, std::size_t restart) {
+  Outcome all;
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    if (t == restart) {
+      engine.reset();
+      encoder.reset();
+    }
+    all.decisions.push_back(engine.update(frames[t]));
+    const Hypervector* const query = encoder.encode(frames[t]);
+    all.queries.push_back(query == nullptr ? Hypervector() : *query);
+  }
+  return all;
+}
+
 class KernelAgainstReference : public testing::TestWithParam<std::tuple<std::size_t, std::size_t>> {};
 
 TEST_P(KernelAgainstReference, SameDecisionsAndQueriesOnRandomFramesThroughResets) {
@@ -42,24 +62,14 @@ TEST_P(KernelAgainstReference, SameDecisionsAndQueriesOnRandomFramesThroughReset
   for (const Model& model : all_models(dimension, window)) {
     const Memories memories = random_memories(model, ++seed);
     const std::vector<Frame> frames = random_frames(2 * model.frames() + 8, seed);
+    const std::size_t restart = model.frames() + 2;  // in a full window; the next is not full for N - 1 frames
+    const Outcome expected = outcome(*make_reference(model, memories), *make_reference_encoder(model, memories), frames, restart);
     for (const KernelPath path : kernel_paths()) {
-      const auto reference = make_reference(model, memories), kernel = make_kernel(model, memories, path);
-      const auto reference_encoder = make_reference_encoder(model, memories),
-                 encoder = make_kernel_encoder(model, memories, path);
+      const Outcome got =
+          outcome(*make_kernel(model, memories, path), *make_kernel_encoder(model, memories, path), frames, restart);
       for (std::size_t t = 0; t < frames.size(); ++t) {
-        if (t == model.frames() + 2) {  // in a full window, and the next window is not full for N - 1 frames
-          reference->reset();
-          kernel->reset();
-          reference_encoder->reset();
-          encoder->reset();
-        }
-        ASSERT_EQ(kernel->update(frames[t]), reference->update(frames[t]))
-            << text(model) << ", path " << int(path) << ", frame " << t;
-        const Hypervector* const expected = reference_encoder->encode(frames[t]);
-        const Hypervector* const query = encoder->encode(frames[t]);
-        ASSERT_EQ(query == nullptr, expected == nullptr) << text(model) << ", frame " << t;
-        if (query == nullptr) continue;
-        ASSERT_EQ(*query, *expected) << text(model) << ", path " << int(path) << ", frame " << t;
+        ASSERT_EQ(got.decisions[t], expected.decisions[t]) << text(model) << ", path " << int(path) << ", frame " << t;
+        ASSERT_EQ(got.queries[t], expected.queries[t]) << text(model) << ", path " << int(path) << ", frame " << t;
       }
     }
   }
@@ -78,12 +88,11 @@ TEST(Kernel, AWindowAsLongAsTheVector) {
     const Model model{.dimension = 577, .window = 577, .compat = compat};
     const Memories memories = random_memories(model, 1);
     const std::vector<Frame> frames = random_frames(model.window + 2, 2);
+    const Outcome expected = outcome(*make_reference(model, memories), *make_reference_encoder(model, memories), frames, 0);
     for (const KernelPath path : kernel_paths()) {
-      const auto reference = make_reference(model, memories), kernel = make_kernel(model, memories, path);
-      for (std::size_t t = 0; t < frames.size(); ++t) {
-        ASSERT_EQ(kernel->update(frames[t]), reference->update(frames[t]))
-            << text(model) << ", path " << int(path) << ", frame " << t;
-      }
+      const Outcome got = outcome(*make_kernel(model, memories, path), *make_kernel_encoder(model, memories, path), frames, 0);
+      ASSERT_EQ(got.decisions, expected.decisions) << text(model) << ", path " << int(path);
+      ASSERT_EQ(got.queries, expected.queries) << text(model) << ", path " << int(path);
     }
   }
 }

@@ -96,6 +96,11 @@ TEST_F(MemoryFiles, AFolderWithAnythingElseIsNotReplaced) {
   EXPECT_THAT(message_of([&] { save(folder_ + "/thesis.tex", saved_); }), HasSubstr("is no folder"));
 }
 
+TEST_F(MemoryFiles, AFolderThatCannotBeWrittenIsRefused) {
+  std::ofstream(root_ + "/file") << "in the way";
+  EXPECT_EQ(message_of([&] { save(root_ + "/file/model", saved_); }), root_ + "/file/model: cannot write: Not a directory");
+}
+
 TEST_F(MemoryFiles, WhatDoesNotFitTogetherIsNotSaved) {
   saved_.memories.associative.clear();
   EXPECT_EQ(message_of([&] { save(folder_, saved_); }), "associative memory: 0 vectors; the model has 3");
