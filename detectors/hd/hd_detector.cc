@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "detectors/channel.h"
+#include "detectors/hd/engine.h"
 #include "detectors/hd/shipped_memories.h"
 #include "detectors/hd/words.h"
 #include "sim/core/error.h"
@@ -37,25 +38,18 @@ ChannelPlace displacement_of(const FrameSource& source) {
 
 class HdDetector final : public Detector {
  public:
-  HdDetector(std::unique_ptr<Engine> engine, Quantiser quantiser, double rate, double latency, const FrameSource& source)
-      : engine_(std::move(engine)),
-        quantiser_(quantiser),
-        displacement_(displacement_of(source)),
-        stride_(stride_of(rate, source)) {
-    estimate_.latency = latency;
-  }
+  HdDetector(Classify classify, double rate, const FrameSource& source)
+      : classify_(std::move(classify)), displacement_(displacement_of(source)), stride_(stride_of(rate, source)) {}
 
   const SlipEstimate& update(const SensorFrame& frame) override {
     if (frames_++ % stride_ != 0) return estimate_;
-    const Frame levels = quantise(frame.values.subspan(displacement_.first, 3 * pillar_count), quantiser_);
-    estimate_.time = frame.time;
-    estimate_.state = engine_->update(levels).state;
+    const Classified classified = classify_(frame.values.subspan(displacement_.first, 3 * pillar_count));
+    estimate_ = {frame.time, classified.latency, classified.state};
     return estimate_;
   }
 
  private:
-  std::unique_ptr<Engine> engine_;
-  Quantiser quantiser_;
+  Classify classify_;
   ChannelPlace displacement_;
   std::size_t stride_;
   std::size_t frames_ = 0;
@@ -131,9 +125,8 @@ SavedModel detector_model(const Parameters& parameters) {
   return saved;
 }
 
-std::unique_ptr<Detector> make_detector(std::unique_ptr<Engine> engine, Quantiser quantiser, double rate, double latency,
-                                        const FrameSource& source) {
-  return std::make_unique<HdDetector>(std::move(engine), quantiser, rate, latency, source);
+std::unique_ptr<Detector> make_detector(Classify classify, double rate, const FrameSource& source) {
+  return std::make_unique<HdDetector>(std::move(classify), rate, source);
 }
 
 }  // namespace hd
@@ -155,7 +148,11 @@ Entry gst_hd_entry() {
 
 std::unique_ptr<Detector> make_gst_hd(const Parameters& parameters, const FrameSource& source) {
   const hd::SavedModel saved = hd::detector_model(parameters);
-  return hd::make_detector(hd::make_kernel(saved.model, saved.memories), saved.quantiser, parameters.number("rate"), 0.0, source);
+  const std::shared_ptr<hd::Engine> engine = hd::make_kernel(saved.model, saved.memories);
+  const auto classify = [engine, quantiser = saved.quantiser](std::span<const float> displacement) {
+    return hd::Classified{engine->update(hd::quantise(displacement, quantiser)).state, 0.0};
+  };
+  return hd::make_detector(classify, parameters.number("rate"), source);
 }
 
 }  // namespace slipbench

@@ -1,10 +1,11 @@
 // The hyperdimensional classifier as a detector: frames of a PapillArray at the sensor's own rate in, states of the pad out.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
-#include "detectors/hd/engine.h"
 #include "detectors/hd/memory_files.h"
 #include "sim/core/detector.h"
 #include "sim/core/parameters.h"
@@ -19,6 +20,14 @@ namespace hd {
 
 // What follows makes the same detector on another engine.
 
+// What one classified frame comes to.
+struct Classified {
+  PadState state = PadState::no_contact;
+  double latency = 0.0;  // s, that the engine took for it
+};
+// Classifies the displacements [9][3] in m of one frame, in C order. Called once a classified frame, in order of time.
+using Classify = std::function<Classified(std::span<const float> displacement)>;
+
 // memories, rate, quantiser, compat, ties.
 std::vector<ParameterSpec> detector_parameters();
 
@@ -30,9 +39,8 @@ SavedModel detector_model(const Parameters& parameters);
 // (The paper downsamples 1000 Hz recordings to 100 Hz and does not say how; its hardware reads the sensor at 100 Hz, which is this.)
 // The state is no_contact until the engine has seen its window. From then on it is the nearest of three classes, also while nothing
 // touches: the classifier has no class for that, and sees nine displacements of zero.
-// `latency`: of the engine [s]. Throws SceneValueError where the source is no PapillArray or its rate no multiple of `rate`.
-std::unique_ptr<Detector> make_detector(std::unique_ptr<Engine> engine, Quantiser quantiser, double rate, double latency,
-                                        const FrameSource& source);
+// Throws SceneValueError where the source is no PapillArray or its rate no multiple of `rate` [Hz].
+std::unique_ptr<Detector> make_detector(Classify classify, double rate, const FrameSource& source);
 
 }  // namespace hd
 }  // namespace slipbench

@@ -2,6 +2,7 @@
 // include sim/core/contact_frame.h or sim/core/sensor.h, which tests/style checks.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,13 @@ struct SlipEstimate {
   PadState state = PadState::no_contact;  // no_contact: nothing touches, or the detector has seen too little to say
 };
 
-// The sensor whose frames a detector gets.
+// Whose frames a detector gets.
 struct FrameSource {
   std::string sensor;             // the scene's name for it: "pad"
   std::string type;               // "papillarray"
   double rate = 0.0;              // Hz, of the frames
   std::vector<Channel> channels;  // what a frame holds
+  std::uint64_t trial = 0;        // of the dataset
 };
 
 class Detector {

@@ -141,16 +141,6 @@ std::string accuracy_text(const Confusion& confusion) {
   return std::isnan(share) ? "nothing ever touches" : fmt::format("right in {:.1f} % of the time in contact", 100.0 * share);
 }
 
-// When one trial's detector saw slip, against when it began.
-std::string detector_text(const DetectorSummary& detector, const TrialOutcome& outcome, const Style& style) {
-  std::string text = fmt::format("  {} on {}: ", style.bold(detector.type), detector.sensor);
-  text += std::isnan(outcome.detection_time) ? "no slip seen after it began"
-                                             : fmt::format("slip seen at {}, {:.1f} ms after it began",
-                                                           onset_text(outcome.detection_time), 1e3 * outcome.detection_delay);
-  if (!std::isnan(outcome.false_alarm_time)) text += fmt::format("; false alarm at {}", onset_text(outcome.false_alarm_time));
-  return text + "; " + accuracy_text(detector.confusion) + '\n';
-}
-
 // Whether the detector's sensor slipped: a slip too short for its samples shows by its detection alone.
 bool slipped(const TrialSummary& trial) {
   const Confusion& confusion = trial.detector->confusion;
@@ -159,6 +149,22 @@ bool slipped(const TrialSummary& trial) {
     return std::accumulate(row.begin(), row.end(), std::size_t{0});
   };
   return !std::isnan(trial.outcome.detection_delay) || samples(PadState::incipient) + samples(PadState::gross) > 0;
+}
+
+// When one trial's detector saw slip, against when it began.
+std::string detector_text(const TrialSummary& trial, const Style& style) {
+  const TrialOutcome& outcome = trial.outcome;
+  std::string text = fmt::format("  {} on {}: ", style.bold(trial.detector->type), trial.detector->sensor);
+  if (!slipped(trial)) {
+    text += "no slip to see";
+  } else if (std::isnan(outcome.detection_time)) {
+    text += "slip not seen";
+  } else {
+    text += fmt::format("slip seen at {}, {:.1f} ms after it began", onset_text(outcome.detection_time),
+                        1e3 * outcome.detection_delay);
+  }
+  if (!std::isnan(outcome.false_alarm_time)) text += fmt::format("; false alarm at {}", onset_text(outcome.false_alarm_time));
+  return text + "; " + accuracy_text(trial.detector->confusion) + '\n';
 }
 
 // The same of all trials with one type of detector.
@@ -235,7 +241,7 @@ std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>
   std::string text;
   for (std::size_t i = 0; i < trial.sensors.size(); ++i) text += sensor_text(trial.sensors[i], sensors.at(i), style);
   text += gross_text(trial.outcome, style);
-  return trial.detector ? text + detector_text(*trial.detector, trial.outcome, style) : text;
+  return trial.detector ? text + detector_text(trial, style) : text;
 }
 
 std::string sweep_text(const SweepSummary& summary, const Style& style) {

@@ -56,10 +56,10 @@ std::unique_ptr<Bench> make_bench(const Scene& scene, const Sensors& sensors, st
   return std::make_unique<Testbench>(scene, pads, rates, trial);
 }
 
-DetectorLoop make_loop(const DetectorScene& detector, const Scene& scene, const Sensors& sensors) {
+DetectorLoop make_loop(const DetectorScene& detector, const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
   const SensorScene& about = scene.sensors[detector.sensor];
   const Sensor& sensor = *sensors[detector.sensor];
-  return {make_detector(detector, {about.name, about.type, sensor.rate(), sensor.channels()}), detector.sensor};
+  return {make_detector(detector, {about.name, about.type, sensor.rate(), sensor.channels(), trial}), detector.sensor};
 }
 
 void close_loop(TrialRecorder&, std::size_t, const Bench&, const OpenLoop&) {}
@@ -90,7 +90,7 @@ void run(Bench& bench, const Sensors& sensors, TrialRecorder& recorder, Loop& lo
 
 double check_trial(const Scene& scene, std::uint64_t trial) {
   const Sensors sensors = make_sensors(scene, trial);
-  if (scene.detector) static_cast<void>(make_loop(*scene.detector, scene, sensors));
+  if (scene.detector) static_cast<void>(make_loop(*scene.detector, scene, sensors, trial));
   return record_bytes(scene, sensors, *make_bench(scene, sensors, trial));
 }
 
@@ -99,7 +99,7 @@ TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recordi
   const std::unique_ptr<Bench> bench = make_bench(scene, sensors, trial);
   TrialRecorder recorder(scene, sensors, *bench, trial, recording, max_bytes);
   if (scene.detector) {
-    DetectorLoop loop = make_loop(*scene.detector, scene, sensors);
+    DetectorLoop loop = make_loop(*scene.detector, scene, sensors, trial);
     run(*bench, sensors, recorder, loop);
   } else {
     OpenLoop loop;

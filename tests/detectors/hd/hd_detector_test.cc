@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,20 +28,6 @@ Parameters published_parameters() {
   return parameters;
 }
 
-// Says what it was given: as many frames as contexts are counted, and the last context as the state.
-class Listener : public Engine {
- public:
-  explicit Listener(std::vector<Frame>& seen) : seen_(seen) {}
-  Decision update(const Frame& frame) override {
-    seen_.push_back(frame);
-    return {static_cast<PadState>(frame.context), {}};
-  }
-  void reset() override { seen_.clear(); }
-
- private:
-  std::vector<Frame>& seen_;
-};
-
 using Values = std::array<float, 6 * pillar_count>;
 
 // A frame whose centre pillar is compressed by `compression` [m], and whose forces would be something else.
@@ -52,22 +39,23 @@ Values pressed(double compression) {
   return values;
 }
 
-// At 1000 Hz every tenth frame is classified. Contexts begin at 0.75, 1 and 1.125 mm: frames 0, 10, 20 are 0.5, 0.9375, 1.0625 mm; those
-// between are far from that.
+// At 1000 Hz every tenth frame is classified: 0, 10, 20. What a frame is told by is the compression of its centre pillar.
 TEST(HdDetector, TakesEveryKthFrame) {
-  std::vector<Frame> seen;
-  const auto detector = make_detector(std::make_unique<Listener>(seen), Quantiser::exact, 100.0, 3e-3, papillarray);
-  const std::array<double, 3> compression{0.5e-3, 0.9375e-3, 1.0625e-3};
+  std::vector<float> seen;
+  const auto classify = [&seen](std::span<const float> displacement) -> Classified {
+    EXPECT_EQ(displacement.size(), 27U);
+    seen.push_back(displacement[3 * centre_pillar + 2]);
+    return {static_cast<PadState>(seen.size()), 1e-3 * static_cast<double>(seen.size())};
+  };
+  const auto detector = make_detector(classify, 100.0, papillarray);
   for (std::size_t i = 0; i < 29; ++i) {
-    const Values values = pressed(i % 10 == 0 ? compression[i / 10] : 3e-3);
-    const double time = 1e-3 * static_cast<double>(i);
-    const SlipEstimate& estimate = detector->update({time, values});
+    const Values values = pressed(static_cast<double>(i));
+    const SlipEstimate& estimate = detector->update({1e-3 * static_cast<double>(i), values});
     EXPECT_EQ(estimate.time, 1e-3 * static_cast<double>(i - i % 10)) << i;
-    EXPECT_EQ(estimate.latency, 3e-3);
-    EXPECT_EQ(static_cast<std::size_t>(estimate.state), i / 10) << i;
+    EXPECT_EQ(static_cast<std::size_t>(estimate.state), 1 + i / 10) << i;
+    EXPECT_EQ(estimate.latency, 1e-3 * static_cast<double>(1 + i / 10)) << i;
   }
-  ASSERT_EQ(seen.size(), 3U);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(seen[k].context, k);
+  EXPECT_EQ(seen, (std::vector{0.0F, 10.0F, 20.0F}));
 }
 
 // The window of 15 frames at 100 Hz is full with the frame at 140 ms.
@@ -106,8 +94,7 @@ std::string refusal(const Action& action) {
 }
 
 std::string refusal_of(double rate, const FrameSource& source) {
-  std::vector<Frame> seen;
-  return refusal([&] { make_detector(std::make_unique<Listener>(seen), Quantiser::exact, rate, 0.0, source); });
+  return refusal([&] { make_detector([](std::span<const float>) { return Classified{}; }, rate, source); });
 }
 
 TEST(HdDetector, RefusesARateThatDoesNotDivideTheSensors) {

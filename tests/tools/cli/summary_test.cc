@@ -67,7 +67,7 @@ TEST(Summary, TrialSaysWhenTheDetectorSawSlip) {
   TrialSummary trial = small_trial();
   trial.detector = small_detector();
   EXPECT_THAT(trial_text(trial, sensors, Style(false)),
-              HasSubstr("\n  ratio on pad: no slip seen after it began; right in 85.0 % of the time in contact\n"));
+              HasSubstr("\n  ratio on pad: slip not seen; right in 85.0 % of the time in contact\n"));
   trial.outcome.false_alarm_time = 0.5;
   trial.outcome.detection_time = 1.26;
   trial.outcome.detection_delay = 0.01;
@@ -77,6 +77,8 @@ TEST(Summary, TrialSaysWhenTheDetectorSawSlip) {
                 "the time in contact\n"));
   trial.detector->confusion = {};
   EXPECT_THAT(trial_text(trial, sensors, Style(false)), HasSubstr("; nothing ever touches\n"));
+  trial.outcome = {};
+  EXPECT_THAT(trial_text(trial, sensors, Style(false)), HasSubstr("\n  ratio on pad: no slip to see; nothing ever touches\n"));
 }
 
 // Four trials with `ratio`: two see their slip, after 10 and 30 ms, one misses it, one does not slip; one false alarm. One trial with

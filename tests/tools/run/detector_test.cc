@@ -115,7 +115,7 @@ TEST(DetectorInTrial, SeesFramesAndNothingElse) {
     const TrialRecord record = run_trial(scene, 0, Recording::full).record;
     const SensorRecord& sensor = record.sensors[0];
     const std::unique_ptr<Sensor> device = make_sensor(scene.sensors[0], scene.seed, 0);
-    const auto detector = make_detector(*scene.detector, {"pad", "papillarray", device->rate(), device->channels()});
+    const auto detector = make_detector(*scene.detector, {"pad", "papillarray", device->rate(), device->channels(), 0});
     std::vector<float> values;
     for (std::size_t row = 0; row < sensor.time.size(); ++row) {
       values.clear();

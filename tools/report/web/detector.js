@@ -22,17 +22,21 @@ function confusionTable(counts) {
          }))));
 }
 
+// A slip too short for the samples shows by its detection alone.
+const slipped = ({detector}) => detector.delay_s !== null || d3.sum(detector.confusion[2]) + d3.sum(detector.confusion[3]) > 0;
+
 function timesText(trials) {
   const known = key => trials.map(trial => trial.detector[key]).filter(value => value !== null);
   const delays = known('delay_s'), alarms = known('false_alarm_s');
   if (trials.length > 1) {
-    return (delays.length ? 'Slip is seen in ' + delays.length + ' of ' + trials.length + ' trials, ' +
+    return (delays.length ? 'Slip is seen in ' + delays.length + ' of ' + trials.filter(slipped).length + ' trials that slip, ' +
                     sb.fixed(1e3 * d3.median(delays), 1) + ' ms after it began (median). ' :
                             'Slip is seen in no trial. ') +
         'A false alarm before it in ' + alarms.length + '.';
   }
   return (delays.length ? 'Slip is seen ' + sb.fixed(1e3 * delays[0], 1) + ' ms after it began.' :
-                          'No slip is seen after it began.') +
+              slipped(trials[0]) ? 'Its slip is not seen.' :
+                                   'There is no slip to see.') +
       (alarms.length ? ' False alarm before it at ' + sb.seconds(alarms[0]) + '.' : '');
 }
 
