@@ -10,6 +10,7 @@ find_package(Random123 REQUIRED)                   # Random123::Random123
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)   # OpenSSL::Crypto
 find_package(ZLIB REQUIRED)                        # ZLIB::ZLIB
 find_package(Threads REQUIRED)                     # Threads::Threads
+find_package(verilator 5.006 REQUIRED HINTS /usr/share/verilator $ENV{VERILATOR_ROOT})  # verilate()
 if(SLIPBENCH_TESTS)
   find_package(GTest REQUIRED)                     # GTest::gtest_main, GTest::gmock
   if(EXISTS ${PROJECT_SOURCE_DIR}/build/venv/bin/python3)

@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 PROGRAM = "clang-tidy-14"
-FOLDERS = ("sim", "sensors", "detectors", "controllers", "tools")
+FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools")
 # MuJoCo indexes with int throughout and hands out a plugin's data as an integer.
 EXCEPTIONS = {"sim/mujoco": "-bugprone-implicit-widening-of-multiplication-result,-performance-no-int-to-ptr"}
 

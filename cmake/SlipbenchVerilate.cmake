@@ -1,0 +1,23 @@
+# slipbench_verilate(NAME models PREFIX VFastest TOP hd_sim SOURCES hd_sim.sv ARGS -GSliceWidth=1000)
+# Translates rtl/hd, and SOURCES on top of it, with Verilator into the object library slipbench_<NAME>; several calls may share one.
+# Generated code is not ours to warn about or to sanitize.
+function(slipbench_verilate)
+  cmake_parse_arguments(ARG "" "NAME;PREFIX;TOP" "SOURCES;ARGS" ${ARGN})
+  set(target slipbench_${ARG_NAME})
+  if(NOT TARGET ${target})
+    add_library(${target} OBJECT)
+    target_compile_options(${target} PRIVATE -w $<$<BOOL:${SLIPBENCH_SANITIZE}>:-fno-sanitize=all>)
+  endif()
+  file(STRINGS ${PROJECT_SOURCE_DIR}/rtl/hd/hd.f sources)
+  list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/rtl/hd/)
+  verilate(${target} SOURCES ${sources} ${ARG_SOURCES} TOP_MODULE ${ARG_TOP} PREFIX ${ARG_PREFIX} TRACE_FST
+    VERILATOR_ARGS -O3 --x-assign fast ${ARG_ARGS})
+endfunction()
+
+# slipbench_use_models(slipbench_rtl models): the target holds the objects of slipbench_models and sees their headers.
+function(slipbench_use_models TARGET NAME)
+  set(models slipbench_${NAME})
+  target_sources(${TARGET} PRIVATE $<TARGET_OBJECTS:${models}>)
+  target_include_directories(${TARGET} SYSTEM PRIVATE $<TARGET_PROPERTY:${models},INCLUDE_DIRECTORIES>)
+  target_compile_definitions(${TARGET} PRIVATE $<TARGET_PROPERTY:${models},COMPILE_DEFINITIONS>)
+endfunction()

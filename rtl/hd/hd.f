@@ -1,0 +1,13 @@
+hd_pkg.sv
+hd_level.sv
+hd_feature.sv
+hd_item_memory.sv
+hd_bundle.sv
+hd_history.sv
+hd_distance.sv
+hd_encoder.sv
+hd_core.sv
+hd_uart_rx.sv
+hd_uart_tx.sv
+hd_host.sv
+hd_top.sv

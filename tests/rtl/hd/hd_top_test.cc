@@ -1,0 +1,259 @@
+// The board's view: frames on a UART, bit by bit, at eight clocks a bit, with the published memories read from their files.
+#include <VTop.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "detectors/hd/memory_files.h"
+#include "sim/core/random.h"
+#include "tests/detectors/hd/published.h"
+
+namespace slipbench::hd {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr unsigned clk_per_bit = 8;
+constexpr unsigned request_bytes = 58;
+constexpr unsigned reply_bytes = 10;
+
+// CRC-16 with polynomial 0x1021 and start 0xFFFF, the highest bit first.
+std::uint16_t crc_of(const Bytes& bytes) {
+  unsigned crc = 0xFFFF;
+  for (const std::uint8_t byte : bytes) {
+    crc ^= unsigned{byte} << 8;
+    for (int bit = 0; bit < 8; ++bit) crc = (crc << 1) ^ ((crc & 0x8000U) != 0 ? 0x11021U : 0U);
+  }
+  return static_cast<std::uint16_t>(crc);
+}
+
+// The catalogue of CRCs gives 0x29B1 for the digits 1 to 9 (CRC-16/IBM-3740).
+TEST(HdTopTest, HasTheRightCrc) { EXPECT_EQ(crc_of({'1', '2', '3', '4', '5', '6', '7', '8', '9'}), 0x29B1); }
+
+Bytes with_crc(std::uint8_t mark, Bytes body) {
+  const std::uint16_t crc = crc_of(body);
+  body.insert(body.begin(), mark);
+  body.push_back(static_cast<std::uint8_t>(crc >> 8));
+  body.push_back(static_cast<std::uint8_t>(crc));
+  return body;
+}
+
+Bytes request_of(const FixedFrame& sample, std::uint8_t flags = 0) {
+  Bytes body{flags};
+  for (const FixedVector& displacement : sample) {
+    for (const std::int16_t value : displacement) {
+      body.push_back(static_cast<std::uint8_t>(value));
+      body.push_back(static_cast<std::uint8_t>(static_cast<std::uint16_t>(value) >> 8));
+    }
+  }
+  return with_crc(0xA5, body);
+}
+
+Bytes reply_of(std::uint8_t status, const Decision& decision = {}) {
+  Bytes body{status};
+  for (const std::uint16_t distance : decision.distance) {
+    body.push_back(static_cast<std::uint8_t>(distance));
+    body.push_back(static_cast<std::uint8_t>(distance >> 8));
+  }
+  return with_crc(0x5A, body);
+}
+
+// The board with both ends of its line.
+class HdTop : public testing::Test {
+ protected:
+  HdTop() {
+    top_->uart_rx_i = 1;
+    top_->rst_ni = 1;
+    top_->eval();  // from here on, changes are edges
+    reset();
+  }
+
+  void reset() {
+    top_->rst_ni = 0;
+    clock();
+    top_->rst_ni = 1;
+    received_.clear();
+    bit_ = 0;
+  }
+
+  // Sends bytes, the last one without its stop bit if so wished.
+  void send(const Bytes& bytes, bool break_last = false) {
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      line(false);
+      for (int bit = 0; bit < 8; ++bit) line((bytes[i] >> bit & 1) != 0);
+      line(!break_last || i + 1 < bytes.size());
+    }
+    top_->uart_rx_i = 1;
+  }
+
+  void wait(unsigned bytes) {
+    for (unsigned i = 0; i < 10 * bytes; ++i) line(true);
+  }
+
+  // What has come since, after time enough for a pause to be noticed (three bytes) and for two replies.
+  Bytes received() {
+    wait(3 + 2 * reply_bytes + 1);
+    return std::exchange(received_, {});
+  }
+
+  FixedFrame sample() {
+    FixedFrame frame;
+    for (FixedVector& displacement : frame) {
+      for (std::int16_t& value : displacement) value = static_cast<std::int16_t>(static_cast<int>(random_.integer(40)) - 20);
+    }
+    return frame;
+  }
+
+  Bytes answer_of(const FixedFrame& sample) {
+    const Decision decision = golden_->update(quantise(sample));
+    return reply_of(static_cast<std::uint8_t>(decision.state), decision);
+  }
+
+  // Enough good samples to fill the window, each answered as it should be.
+  void fill() {
+    for (std::size_t i = 0; i < saved_.model.window; ++i) {
+      const FixedFrame displacement = sample();
+      send(request_of(displacement));
+      ASSERT_EQ(received(), answer_of(displacement)) << "sample " << i;
+    }
+  }
+
+  void expect_error(std::uint8_t status) {
+    EXPECT_EQ(received(), reply_of(status));
+    // The window has not noticed.
+    const FixedFrame displacement = sample();
+    send(request_of(displacement));
+    EXPECT_EQ(received(), answer_of(displacement));
+  }
+
+  SavedModel saved_ = load(published_folder, published_model("P1"));
+  std::unique_ptr<Engine> golden_ = make_reference(saved_.model, saved_.memories);
+
+ private:
+  void line(bool level) {
+    top_->uart_rx_i = level;
+    for (unsigned i = 0; i < clk_per_bit; ++i) clock();
+  }
+
+  void clock() {
+    top_->clk_i = 1;
+    top_->eval();
+    top_->clk_i = 0;
+    top_->eval();
+    listen(top_->uart_tx_o != 0);
+  }
+
+  // Samples what the board sends in the middle of each bit.
+  void listen(bool level) {
+    if (bit_ == 0) {
+      if (level) return;
+      bit_ = 1;
+      timer_ = clk_per_bit + clk_per_bit / 2;
+      byte_ = 0;
+    }
+    if (--timer_ != 0) return;
+    timer_ = clk_per_bit;
+    if (bit_ == 9) {
+      EXPECT_TRUE(level) << "a byte without a stop bit";
+      received_.push_back(byte_);
+      bit_ = 0;
+    } else {
+      byte_ = static_cast<std::uint8_t>(byte_ | unsigned{level} << (bit_ - 1));
+      ++bit_;
+    }
+  }
+
+  VerilatedContext context_;
+  std::unique_ptr<VTop> top_ = std::make_unique<VTop>(&context_);
+  RandomStream random_{1, 0, "hd_top test"};
+  Bytes received_;
+  unsigned bit_ = 0;
+  unsigned timer_ = 0;
+  std::uint8_t byte_ = 0;
+};
+
+TEST_F(HdTop, AnswersEverySampleWithItsDecision) {
+  fill();
+  for (int i = 0; i < 10; ++i) {
+    const FixedFrame displacement = sample();
+    send(request_of(displacement));
+    EXPECT_EQ(received(), answer_of(displacement));
+  }
+}
+
+TEST_F(HdTop, AnswersSamplesThatFollowAtOnce) {
+  Bytes expected;
+  for (int i = 0; i < 20; ++i) {
+    const FixedFrame displacement = sample();
+    send(request_of(displacement));
+    const Bytes answer = answer_of(displacement);
+    expected.insert(expected.end(), answer.begin(), answer.end());
+  }
+  EXPECT_EQ(received(), expected);
+}
+
+TEST_F(HdTop, StartsAWindowWhenTheFlagIsSet) {
+  fill();
+  golden_->reset();
+  const FixedFrame displacement = sample();
+  send(request_of(displacement, 1));
+  const Bytes answer = answer_of(displacement);
+  ASSERT_EQ(answer, reply_of(0));
+  EXPECT_EQ(received(), answer);
+  fill();
+}
+
+TEST_F(HdTop, IgnoresBytesOutsideAFrame) {
+  fill();
+  send({0x00, 0x5A, 0xFF});
+  const FixedFrame displacement = sample();
+  send(request_of(displacement));
+  EXPECT_EQ(received(), answer_of(displacement));
+}
+
+TEST_F(HdTop, SaysWhenTheChecksumIsWrong) {
+  fill();
+  Bytes request = request_of(sample());
+  request[20] ^= 0x10;
+  send(request);
+  expect_error(0x80);
+}
+
+TEST_F(HdTop, SaysWhenAFrameStops) {
+  fill();
+  Bytes request = request_of(sample());
+  request.resize(30);
+  send(request);
+  expect_error(0x81);
+}
+
+TEST_F(HdTop, SaysWhenAByteHasNoStopBit) {
+  fill();
+  Bytes request = request_of(sample());
+  request.resize(30);
+  send(request, true);
+  expect_error(0x81);
+}
+
+TEST_F(HdTop, SaysWhenAFlagIsUnknown) {
+  fill();
+  send(request_of(sample(), 0x02));
+  expect_error(0x82);
+}
+
+TEST_F(HdTop, StartsAfreshAfterAResetWithinAFrame) {
+  fill();
+  Bytes request = request_of(sample());
+  request.resize(request_bytes / 2);
+  send(request);
+  reset();
+  golden_->reset();
+  EXPECT_EQ(received(), Bytes{});
+  fill();
+}
+
+}  // namespace
+}  // namespace slipbench::hd
