@@ -2,6 +2,7 @@
 
 #include "detectors/force_ratio.h"
 #include "detectors/hd/hd_detector.h"
+#include "rtl/verilated/rtl_detector.h"
 #include "sim/core/error.h"
 
 namespace slipbench {
@@ -18,6 +19,7 @@ const std::vector<DetectorKind>& detector_catalogue() {
   static const std::vector<DetectorKind> kinds{
       {force_ratio_entry(), make_force_ratio},
       {gst_hd_entry(), make_gst_hd},
+      {gst_hd_rtl_entry(), make_gst_hd_rtl},
   };
   return kinds;
 }

@@ -153,6 +153,27 @@ TEST(DetectorInTrial, WhatItRefusesHasThePathOfTheScene) {
   EXPECT_EQ(path("{type: gst_hd, rate: 125 Hz, memories: nowhere}"), "detector.memories");
 }
 
+std::vector<std::uint8_t> classes_of(const std::string& detector) {
+  const Scene scene =
+      stage_scene({{"detector", "{" + detector + ", memories: " + published + "}"}, {"sensors.pad.electronics", "typical"}});
+  return run_trial(scene, 0, Recording::full).record.control->detector_class;
+}
+
+TEST(DetectorInTrial, HardwareWithoutLatencyIsTheSoftwareTickForTick) {
+  EXPECT_EQ(classes_of("type: gst_hd_rtl, latency: zero"), classes_of("type: gst_hd"));
+}
+
+// The core takes a whole number of cycles, the same for every frame: 10 in the fastest form. At 100 MHz that is 0.1 us, so that the loop
+// sees a class one tick of 1 ms late; at 4 kHz 2.5 ms, three ticks.
+TEST(DetectorInTrial, HardwareIsSeenAfterItsCycles) {
+  const std::vector<std::uint8_t> at_once = classes_of("type: gst_hd");
+  for (const auto& [clock, late] : {std::pair("100 MHz", std::ptrdiff_t{1}), std::pair("4 kHz", std::ptrdiff_t{3})}) {
+    std::vector<std::uint8_t> expected(static_cast<std::size_t>(late), 0);
+    expected.insert(expected.end(), at_once.begin(), at_once.end() - late);
+    EXPECT_EQ(classes_of(std::string("type: gst_hd_rtl, clock: ") + clock), expected) << clock;
+  }
+}
+
 class DetectorSweep : public FolderTest {
  protected:
   SweepSummary run(const std::string& output, std::size_t jobs) {

@@ -1,0 +1,127 @@
+#include "rtl/verilated/rtl_detector.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "detectors/hd/hd_detector.h"
+#include "detectors/hd/words.h"
+#include "rtl/verilated/rtl_engine.h"
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace hd {
+namespace {
+
+constexpr const char* no_waveform = "none";
+constexpr std::array unrolling_words{Word<Unrolling>{"fastest", Unrolling::fastest}, Word<Unrolling>{"middle", Unrolling::middle},
+                                     Word<Unrolling>{"smallest", Unrolling::smallest}};
+
+// Whether a file is there that is not FST, whose header is a block of type 0 and 329 bytes.
+bool is_something_else(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return false;
+  constexpr std::array<char, 9> header{0, 0, 0, 0, 0, 0, 0, 1, 73};
+  std::array<char, 9> found{};
+  std::ifstream(path, std::ios::binary).read(found.data(), found.size());
+  return found != header;
+}
+
+void set_waveform(const Parameters& parameters, const FrameSource& source, RtlOptions& options) {
+  const std::string& file = parameters.path("waveform");
+  if (file == no_waveform || source.trial != static_cast<std::uint64_t>(parameters.integer("waveform_trial"))) return;
+  if (is_something_else(file)) {
+    throw SceneValueError("detector.waveform",
+                          file + " is there and no waveform; allowed: a new name, or an FST file to replace");
+  }
+  constexpr double rounding = 1e-9;  // frames
+  const double rate = parameters.number("rate");
+  const double first = std::ceil(parameters.number("waveform_from") * rate - rounding);
+  const double last = std::floor(parameters.number("waveform_to") * rate + rounding);
+  if (last < first) {
+    throw SceneValueError("detector.waveform_to", format_quantity(parameters.number("waveform_to"), Quantity::time) +
+                                                      ": no classified frame lies between waveform_from and that");
+  }
+  options.trace = file;
+  options.trace_first = static_cast<std::uint64_t>(first);
+  options.trace_count = std::isinf(last) ? 0 : static_cast<std::uint64_t>(last - first) + 1;
+}
+
+std::shared_ptr<RtlEngine> make_engine(const Parameters& parameters, const FrameSource& source) {
+  const SavedModel saved = detector_model(parameters);
+  if (saved.quantiser != Quantiser::fixed_point) {
+    throw SceneValueError("detector.quantiser",
+                          name_of(quantiser_words, saved.quantiser) + " is not what the core computes; allowed: fixed_point");
+  }
+  RtlOptions options;
+  options.unrolling = value_of(unrolling_words, parameters.choice("unrolling")).value();
+  if (parameters.flag("lockstep")) options.golden = make_kernel(saved.model, saved.memories);
+  set_waveform(parameters, source, options);
+  try {
+    return make_rtl_engine(saved.model, saved.memories, options);
+  } catch (const InputError& error) {
+    throw SceneValueError("detector", error.what());
+  }
+}
+
+ParameterSpec parameter(std::string name, ParameterType type, Quantity quantity, std::string default_text, Range range,
+                        std::vector<std::string> choices, std::string doc, std::string source) {
+  return {.name = std::move(name),
+          .type = type,
+          .quantity = quantity,
+          .default_text = std::move(default_text),
+          .range = range,
+          .choices = std::move(choices),
+          .size = 1,
+          .doc = std::move(doc),
+          .source = std::move(source)};
+}
+
+std::vector<ParameterSpec> rtl_parameters() {
+  using enum ParameterType;
+  std::vector<ParameterSpec> specs = detector_parameters();
+  specs.insert(
+      specs.end(),
+      {parameter("unrolling", choice, Quantity::none, "fastest", any_value, names_of(unrolling_words),
+                 "How much of a frame the core works on at once: latency against area.", "rtl/hd/README.md has the table"),
+       parameter("clock", number, Quantity::frequency, "100 MHz", positive, {}, "Clock of the core.", "paper, section IV"),
+       parameter("latency", choice, Quantity::none, "true", any_value, {"true", "zero"},
+                 "Whether the loop sees a decision after the core's cycles at that clock, or at once as from gst_hd.",
+                 "the core's own cycles"),
+       parameter("lockstep", flag, Quantity::none, "false", any_value, {},
+                 "Whether the software kernel runs beside the core, and a difference ends the trial.", "free"),
+       parameter("waveform", path, Quantity::none, no_waveform, any_value, {}, "FST file of the core's signals.", "free"),
+       parameter("waveform_from", number, Quantity::time, "0 s", non_negative, {}, "Where the waveform begins.", "free"),
+       parameter("waveform_to", number, Quantity::time, "inf", non_negative, {}, "Where it ends.", "free"),
+       parameter("waveform_trial", integer, Quantity::none, "0", non_negative, {}, "Trial whose waveform it is.", "free")});
+  return specs;
+}
+
+}  // namespace
+}  // namespace hd
+
+Entry gst_hd_rtl_entry() {
+  return {
+      .name = "gst_hd_rtl",
+      .summary = "the same classifier as a register-level core, cycle by cycle, with its latency",
+      .law = "classes: those of gst_hd with fixed_point\nlatency: cycles from the accepted sample to the class, over the clock",
+      .source = "rtl/hd: the synthesisable core, as Verilator translates it; the paper's own has 42 cycles at 100 MHz",
+      .parameters = hd::rtl_parameters()};
+}
+
+std::unique_ptr<Detector> make_gst_hd_rtl(const Parameters& parameters, const FrameSource& source) {
+  const std::shared_ptr<hd::RtlEngine> engine = hd::make_engine(parameters, source);
+  const double period = parameters.choice("latency") == "true" ? 1.0 / parameters.number("clock") : 0.0;
+  const auto classify = [engine, period](std::span<const float> displacement) {
+    const PadState state = engine->update(hd::to_fixed(displacement)).state;
+    return hd::Classified{state, engine->cycles() * period};
+  };
+  return hd::make_detector(classify, parameters.number("rate"), source);
+}
+
+}  // namespace slipbench

@@ -1,0 +1,140 @@
+#include "rtl/verilated/rtl_detector.h"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "detectors/hd/hd_detector.h"
+#include "rtl/verilated/core.h"
+#include "sim/core/error.h"
+#include "tests/detectors/frames.h"
+#include "tests/detectors/hd/published.h"
+
+namespace slipbench::hd {
+namespace {
+
+using ::testing::HasSubstr;
+
+const FrameSource papillarray = vector_source({"force", "displacement"}, pillar_count, 1000.0);
+
+Parameters published_parameters() {
+  Parameters parameters = defaults_of(gst_hd_rtl_entry().parameters);
+  parameters.set("memories", published_folder);
+  return parameters;
+}
+
+// A pad pressed deeper and deeper that is dragged to and fro: every class and every context comes.
+std::array<float, 6 * pillar_count> frame_at(std::size_t i) {
+  std::array<float, 6 * pillar_count> values{};
+  const double t = 1e-3 * static_cast<double>(i);
+  for (std::size_t pillar = 0; pillar < pillar_count; ++pillar) {
+    float* const displacement = values.data() + 3 * (pillar_count + pillar);
+    displacement[0] = static_cast<float>(1e-3 * std::sin(9.0 * t + 0.1 * static_cast<double>(pillar)));
+    displacement[2] = static_cast<float>(0.5e-3 * t);
+  }
+  return values;
+}
+
+template <class Action>
+std::string refusal(const Action& action) {
+  try {
+    action();
+  } catch (const SceneValueError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+class RtlDetector : public testing::TestWithParam<const char*> {};
+
+TEST_P(RtlDetector, SaysWhatTheSoftwareSaysAfterTheCoresCycles) {
+  const Parameters software = [] {
+    Parameters parameters = defaults_of(gst_hd_entry().parameters);
+    parameters.set("memories", published_folder);
+    return parameters;
+  }();
+  Parameters hardware = published_parameters();
+  hardware.set("unrolling", std::string(GetParam()));
+  hardware.set("clock", 1e6);
+  hardware.set("lockstep", true);
+  const std::string name = GetParam();
+  const unsigned cycles = core_latency(name == "fastest"  ? Unrolling::fastest
+                                       : name == "middle" ? Unrolling::middle
+                                                          : Unrolling::smallest);
+  const auto expected = make_gst_hd(software, papillarray);
+  const auto actual = make_gst_hd_rtl(hardware, papillarray);
+  std::array<std::size_t, 4> seen{};
+  for (std::size_t i = 0; i < 4000; ++i) {
+    const auto values = frame_at(i);
+    const SensorFrame frame{1e-3 * static_cast<double>(i), values};
+    const SlipEstimate& estimate = actual->update(frame);
+    ASSERT_EQ(estimate.state, expected->update(frame).state) << "frame " << i;
+    ASSERT_DOUBLE_EQ(estimate.latency, 1e-6 * cycles);
+    ++seen[static_cast<std::size_t>(estimate.state)];
+  }
+  for (const std::size_t count : seen) EXPECT_GT(count, 0U) << "the frames do not reach every class";
+}
+
+INSTANTIATE_TEST_SUITE_P(Unrollings, RtlDetector, testing::Values("fastest", "middle", "smallest"),
+                         [](const auto& info) { return info.param; });
+
+TEST(RtlDetector, LatencyCanBeLeftOut) {
+  Parameters parameters = published_parameters();
+  parameters.set("latency", std::string("zero"));
+  const auto values = frame_at(0);
+  EXPECT_EQ(make_gst_hd_rtl(parameters, papillarray)->update({0.0, values}).latency, 0.0);
+}
+
+TEST(RtlDetector, RefusesWhatTheCoreIsNotBuiltFor) {
+  Parameters parameters = published_parameters();
+  parameters.set("quantiser", std::string("exact"));
+  EXPECT_THAT(refusal([&] { make_gst_hd_rtl(parameters, papillarray); }),
+              HasSubstr("detector.quantiser: exact is not what the core computes; allowed: fixed_point"));
+  parameters = published_parameters();
+  parameters.set("compat", std::string("published_core"));
+  EXPECT_THAT(refusal([&] { make_gst_hd_rtl(parameters, papillarray); }), HasSubstr("detector: "));
+}
+
+// At 100 Hz the frames at 0.20, 0.21, ... 0.30 s: eleven.
+TEST(RtlDetector, WritesTheWaveformOfItsTrialAlone) {
+  const std::string file = (std::filesystem::path(testing::TempDir()) / "rtl_detector.fst").string();
+  std::filesystem::remove(file);
+  Parameters parameters = published_parameters();
+  parameters.set("waveform", file);
+  parameters.set("waveform_from", 0.2);
+  parameters.set("waveform_to", 0.3);
+  const auto run = [&](std::uint64_t trial, std::size_t frames) {
+    FrameSource source = papillarray;
+    source.trial = trial;
+    const auto detector = make_gst_hd_rtl(parameters, source);
+    for (std::size_t i = 0; i < frames; ++i) {
+      const auto values = frame_at(i);
+      detector->update({1e-3 * static_cast<double>(i), values});
+    }
+  };
+  run(1, 400);
+  EXPECT_FALSE(std::filesystem::exists(file)) << "another trial";
+  run(0, 200);
+  EXPECT_FALSE(std::filesystem::exists(file)) << "begun before the frame at 0.2 s";
+  run(0, 201);
+  EXPECT_TRUE(std::filesystem::exists(file));
+  run(0, 310);
+  const auto size = std::filesystem::file_size(file);
+  EXPECT_GT(size, 0U);
+  run(0, 4000);  // replaces its own
+  EXPECT_EQ(std::filesystem::file_size(file), size) << "goes on after 0.3 s";
+
+  parameters.set("waveform_to", 0.199);
+  EXPECT_THAT(refusal([&] { run(0, 1); }), HasSubstr("detector.waveform_to: 199 ms: no classified frame lies between"));
+  std::ofstream(file) << "notes";
+  parameters.set("waveform_to", 0.3);
+  EXPECT_THAT(refusal([&] { run(0, 1); }), HasSubstr("rtl_detector.fst is there and no waveform"));
+}
+
+}  // namespace
+}  // namespace slipbench::hd
