@@ -50,7 +50,7 @@ double value_of(const std::string& name, const Json& swept, const YamlNode& root
   const auto spec = std::find_if(motion.parameters.begin(), motion.parameters.end(),
                                  [&](const ParameterSpec& candidate) { return candidate.name == name; });
   if (spec == motion.parameters.end() || spec->type != ParameterType::number) {
-    throw InputError(fmt::format("{}: its motion '{}' has no {}, which the file's name tells", file, motion.name, name));
+    throw InputError(fmt::format("{}: its motion '{}' has no {}", file, motion.name, name));
   }
   if (const auto found = swept.find("motion." + name); found != swept.end() && found->is_number()) return found->get<double>();
   const YamlNode* written = node_at(root, std::vector<std::string>{"motion", name});
@@ -70,7 +70,8 @@ CommandedMotion commanded_motion(const DatasetReader& reader, std::size_t trial)
   const SceneFile scene = scene_of(reader);
   const YamlNode& root = scene.root();
   const Entry& motion = motion_of(root, file);
-  return {value_of("speed", swept, root, motion, file), value_of("rotation", swept, root, motion, file)};
+  const auto value = [&](const std::string& name) { return value_of(name, swept, root, motion, file); };
+  return {value("speed"), value("rotation"), value("compression")};
 }
 
 }  // namespace slipbench

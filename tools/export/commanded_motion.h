@@ -7,9 +7,13 @@
 
 namespace slipbench {
 
+// A corner pillar's distance from the centre [m]: where a PapillArray's rotation is given as a speed.
+inline constexpr double corner_radius = 9.9e-3;
+
 struct CommandedMotion {
-  double speed = 0.0;     // m/s, motion.speed
-  double rotation = 0.0;  // rad/s, motion.rotation
+  double speed = 0.0;        // m/s, motion.speed
+  double rotation = 0.0;     // rad/s, motion.rotation
+  double compression = 0.0;  // m, motion.compression
 };
 
 // Takes the values from what was swept, else from the overrides and the scene that the dataset carries, else the motion's defaults.

@@ -127,6 +127,9 @@ ExportFormat parse_export_format(const std::string& name) { return parse_name(fo
 SlipRule parse_slip_rule(const std::string& name) { return parse_name(rules, name, "slip rule"); }
 std::vector<std::string> export_format_names() { return names_of(formats); }
 std::vector<std::string> slip_rule_names() { return names_of(rules); }
+std::string slip_rule_name(SlipRule rule) {
+  return std::find_if(rules.begin(), rules.end(), [&](const auto& known) { return known.second == rule; })->first;
+}
 
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
                                         const ExportOptions& options) {

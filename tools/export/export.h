@@ -34,6 +34,7 @@ ExportFormat parse_export_format(const std::string& name);
 SlipRule parse_slip_rule(const std::string& name);
 std::vector<std::string> export_format_names();
 std::vector<std::string> slip_rule_names();
+std::string slip_rule_name(SlipRule rule);
 
 // Writes the trials of a dataset to `out_dir`, which is made if it is missing (its parent is not), and returns the files written.
 // Each file appears under its name only when it is whole. Throws InputError when the options contradict each other, the dataset

@@ -12,9 +12,6 @@ namespace {
 
 constexpr double training_rate = 1000.0;  // Hz, which the training code takes for granted
 
-// Distance of a corner pillar from the centre, at which a rotation's speed is given [m].
-constexpr double corner_radius = 9.9e-3;
-
 // What is slower is the rounding of float32 [m/s].
 constexpr double at_rest = 1e-6;
 

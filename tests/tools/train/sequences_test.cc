@@ -1,0 +1,87 @@
+#include "tools/train/sequences.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/train/small_dataset.h"
+#include "tools/dataset/reader.h"
+
+namespace slipbench::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class SequencesTest : public SmallDatasetTest {
+ protected:
+  std::string refusal(const std::string& file, const SequenceOptions& options = {}) {
+    return message_of<InputError>([&] { read_sequences(file, options); });
+  }
+};
+
+TEST_F(SequencesTest, TakesEveryTenthSample) {
+  const std::string file = dataset();
+  const TrainingData data = read_sequences(file, {});
+  const DatasetReader reader(file);
+  EXPECT_EQ(data.command, reader.header().command);
+  ASSERT_EQ(data.sequences.size(), 24U);
+  const Sequence& sequence = data.sequences[3];
+  const SensorRecord pad = reader.read_sensor(3, "pad");
+  EXPECT_EQ(sequence.trial, 3U);
+  ASSERT_EQ(sequence.time.size(), 40U);
+  const auto displacement = std::find_if(pad.channels.begin(), pad.channels.end(),
+                                         [](const SensorColumn& channel) { return channel.name == "displacement"; });
+  for (std::size_t k = 0; k < 40; ++k) {
+    EXPECT_DOUBLE_EQ(sequence.time[k], 0.01 * static_cast<double>(k));
+    EXPECT_EQ(static_cast<std::uint8_t>(sequence.label[k]), pad.labels.state_paper[10 * k]);
+    for (std::size_t i = 0; i < 27; ++i) EXPECT_EQ(sequence.displacements[k][i], displacement->values[270 * k + i]);
+  }
+}
+
+TEST_F(SequencesTest, LabelsAndOnsetFollowTheRule) {
+  const std::string file = dataset();
+  const DatasetReader reader(file);
+  const LabelRecord labels = reader.read_sensor(0, "pad").labels;
+  const Sequence strict = read_sequences(file, {SlipRule::strict, {}}).sequences[0];
+  const Sequence micro = read_sequences(file, {SlipRule::micro, {}}).sequences[0];
+  const Sequence paper = read_sequences(file, {SlipRule::paper, {}}).sequences[0];
+  for (std::size_t k = 0; k < strict.label.size(); ++k) {
+    EXPECT_EQ(static_cast<std::uint8_t>(strict.label[k]), labels.state[10 * k]);
+    EXPECT_EQ(static_cast<std::uint8_t>(micro.label[k]), labels.state_micro[10 * k]);
+  }
+  EXPECT_EQ(strict.onset, *std::min_element(labels.onset_time.begin(), labels.onset_time.end()));
+  EXPECT_EQ(micro.onset, *std::min_element(labels.micro_onset_time.begin(), labels.micro_onset_time.end()));
+  EXPECT_EQ(paper.onset, micro.onset);
+  EXPECT_LT(micro.onset, strict.onset);
+}
+
+TEST_F(SequencesTest, KnowTheMotion) {
+  const TrainingData data = read_sequences(dataset(), {});
+  for (const Sequence& sequence : data.sequences) {
+    EXPECT_EQ(sequence.motion.speed, sequence.trial < 12 ? 0.004 : 0.016);
+    EXPECT_EQ(sequence.motion.compression, 0.6e-3);
+    // At rest until 0.2 s, the start of the motion; its first frame after that moves.
+    for (std::size_t k = 0; k < sequence.time.size(); ++k) EXPECT_EQ(sequence.moving[k], k > 20 ? 1 : 0) << k;
+  }
+}
+
+TEST_F(SequencesTest, OtherRatesOfTheDevice) {
+  EXPECT_EQ(read_sequences(dataset({{"sensors.pad.rate", "500 Hz"}}), {}).sequences[0].time.size(), 40U);
+  EXPECT_THAT(refusal(dataset({{"sensors.pad.rate", "250 Hz"}}, "b.h5")),
+              AllOf(HasSubstr("b.h5: trial 0: sensor pad samples at 250 Hz"), HasSubstr("a multiple of the detector's 100 Hz")));
+}
+
+TEST_F(SequencesTest, RefusalsNameFileAndChoice) {
+  const std::string file = dataset();
+  EXPECT_THAT(refusal(file, {SlipRule::paper, "finger"}),
+              AllOf(StartsWith(file), HasSubstr("no PapillArray 'finger'; allowed: pad")));
+  EXPECT_THAT(refusal(path("nowhere.h5")), HasSubstr("nowhere.h5"));
+  EXPECT_THAT(refusal(path("scene.yaml")), HasSubstr("scene.yaml"));
+}
+
+}  // namespace
+}  // namespace slipbench::testing

@@ -1,0 +1,205 @@
+#include "tools/train/train.h"
+
+#include <algorithm>
+#include <memory>
+#include <numeric>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "detectors/hd/engine.h"
+#include "detectors/hd/training.h"
+#include "sim/core/error.h"
+#include "tools/run/ordered_workers.h"
+
+namespace slipbench {
+namespace {
+
+std::size_t threads_for(std::size_t jobs, std::size_t work) {
+  const std::size_t wanted = jobs > 0 ? jobs : std::max(1U, std::thread::hardware_concurrency());
+  return std::min(wanted, work);
+}
+
+std::vector<Sample> encode_sequence(hd::Encoder& encoder, const hd::Model& model, hd::Quantiser quantiser,
+                                    const Sequence& sequence, std::size_t index) {
+  std::vector<Sample> samples;
+  encoder.reset();
+  for (std::size_t row = 0; row < sequence.time.size(); ++row) {
+    hd::Frame frame;
+    try {
+      frame = hd::quantise(sequence.displacements[row], quantiser);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("trial {}: at {} s: {}", sequence.trial, sequence.time[row], error.what()));
+    }
+    const hd::Hypervector* query = encoder.encode(frame);
+    if (row + 1 < model.window || sequence.label[row] == PadState::no_contact) continue;
+    samples.push_back({index, row, sequence.label[row], sequence.moving[row], frame.context, *query});
+  }
+  return samples;
+}
+
+// Times of the samples of whole sequences.
+std::vector<std::uint32_t> times_of(const BootstrapDraw& draw, std::span<const Sample> samples) {
+  std::vector<std::uint32_t> times;
+  times.reserve(samples.size());
+  for (const Sample& sample : samples) times.push_back(draw.times[sample.sequence]);
+  return times;
+}
+
+// Judges those samples of which `judged` is true, by index.
+template <class Judged>
+Evaluation judge(const Classifier& classifier, std::span<const Sequence> sequences, std::span<const Sample> samples,
+                 Judged&& judged, bool with_delays) {
+  Evaluation evaluation;
+  std::vector<double> time;
+  std::vector<PadState> called;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Sample& sample = samples[i];
+    if (judged(i)) {
+      const PadState state = classifier.classify(sample);
+      evaluation.all.add(sample.label, state);
+      if (sample.moving != 0) evaluation.moving.add(sample.label, state);
+      time.push_back(sequences[sample.sequence].time[sample.row]);
+      called.push_back(state);
+    }
+    const bool last = i + 1 == samples.size() || samples[i + 1].sequence != sample.sequence;
+    if (!last) continue;
+    if (with_delays && !time.empty()) evaluation.delays.add(time, called, sequences[sample.sequence].onset);
+    time.clear();
+    called.clear();
+  }
+  return evaluation;
+}
+
+Evaluation run_draw(const hd::Model& model, const hd::Memories& untrained, std::span<const Sequence> sequences,
+                    std::span<const Sample> samples, Split split, const BootstrapDraw& draw) {
+  const std::vector<std::uint32_t> times = split == Split::by_sequence ? times_of(draw, samples) : draw.times;
+  hd::Memories memories = untrained;
+  memories.associative = fit(model, memories, samples, times);
+  Evaluation evaluation = judge(
+      Classifier(model, memories), sequences, samples, [&](std::size_t i) { return times[i] == 0; }, split == Split::by_sequence);
+  evaluation.training = draw.training_size();
+  evaluation.distinct = draw.distinct();
+  evaluation.tested = draw.times.size() - draw.distinct();
+  return evaluation;
+}
+
+std::size_t contact_count(std::span<const Sequence> sequences) {
+  return static_cast<std::size_t>(std::count_if(sequences.begin(), sequences.end(), [](const Sequence& sequence) {
+    return std::any_of(sequence.label.begin(), sequence.label.end(),
+                       [](PadState state) { return state != PadState::no_contact; });
+  }));
+}
+
+}  // namespace
+
+std::vector<Sample> encode(const hd::Model& model, const hd::Memories& memories, hd::Quantiser quantiser,
+                           std::span<const Sequence> sequences, std::size_t jobs) {
+  using Workers = OrderedWorkers<std::vector<Sample>>;
+  const auto make_work = [&]() -> Workers::Work {
+    const std::shared_ptr<hd::Encoder> encoder = hd::make_kernel_encoder(model, memories);
+    return [&, encoder](std::size_t index) { return encode_sequence(*encoder, model, quantiser, sequences[index], index); };
+  };
+  Workers workers(sequences.size(), threads_for(jobs, sequences.size()), make_work, nullptr);
+  std::vector<Sample> samples;
+  while (std::optional<std::vector<Sample>> part = workers.next()) {
+    std::move(part->begin(), part->end(), std::back_inserter(samples));
+  }
+  return samples;
+}
+
+std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& memories, std::span<const Sample> samples,
+                                 std::span<const std::uint32_t> times) {
+  hd::Prototypes prototypes(model, memories);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (std::uint32_t n = 0; n < times[i]; ++n) prototypes.add(samples[i].query, samples[i].context, samples[i].label);
+  }
+  return prototypes.bundle();
+}
+
+Classifier::Classifier(const hd::Model& model, const hd::Memories& memories) {
+  hd::check(model, memories, true);
+  for (std::size_t context = 0; context < hd::context_count; ++context) {
+    for (const hd::Hypervector& prototype : memories.associative) {
+      prototypes_[context].push_back(model.context_driven ? hd::bind(prototype, memories.context[context]) : prototype);
+    }
+  }
+}
+
+PadState Classifier::classify(const Sample& sample) const {
+  const std::vector<hd::Hypervector>& prototypes = prototypes_[sample.context];
+  std::size_t nearest = 0;
+  std::size_t least = hd::hamming(sample.query, prototypes[0]);
+  for (std::size_t k = 1; k < prototypes.size(); ++k) {
+    const std::size_t distance = hd::hamming(sample.query, prototypes[k]);
+    if (distance > least) continue;
+    least = distance;
+    nearest = k;
+  }
+  return static_cast<PadState>(nearest + 1);
+}
+
+std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
+                                       std::span<const Sample> samples, Split split, std::uint64_t seed, std::size_t jobs) {
+  std::vector<std::size_t> conditions;
+  if (split == Split::by_sequence) {
+    for (const Sequence& sequence : sequences) conditions.push_back(condition_of(sequence.motion));
+  } else {
+    for (const Sample& sample : samples) conditions.push_back(condition_of(sequences[sample.sequence].motion));
+  }
+  using Workers = OrderedWorkers<Evaluation>;
+  const Workers::Work work = [&](std::size_t draw) {
+    return run_draw(model, memories, sequences, samples, split, bootstrap(conditions, seed, draw));
+  };
+  Workers workers(
+      draw_count, threads_for(jobs, draw_count), [&] { return work; }, nullptr);
+  std::vector<Evaluation> evaluations;
+  while (std::optional<Evaluation> evaluation = workers.next()) {
+    if (evaluation->all.total() == 0) {
+      throw InputError(fmt::format("draw {} leaves no frame to test: {} sequences with contact are too few for their conditions",
+                                   evaluations.size(), contact_count(sequences)));
+    }
+    evaluations.push_back(std::move(*evaluation));
+  }
+  return evaluations;
+}
+
+Evaluation evaluate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
+                    std::span<const Sample> samples) {
+  Evaluation evaluation = judge(
+      Classifier(model, memories), sequences, samples, [](std::size_t) { return true; }, true);
+  evaluation.tested = sequences.size();
+  return evaluation;
+}
+
+TrainSummary train_dataset(const TrainOptions& options) {
+  hd::SavedModel saved{options.model, options.quantiser, {}, hd::generate(options.model, options.seed)};
+  const TrainingData data = read_sequences(options.dataset, options.sequences);
+  const std::vector<Sample> samples = encode(saved.model, saved.memories, saved.quantiser, data.sequences, options.jobs);
+  TrainSummary summary;
+  summary.sequences = data.sequences.size();
+  summary.samples = samples.size();
+  for (const Split split : {Split::by_sequence, Split::by_frame}) {
+    (split == Split::by_sequence ? summary.by_sequence : summary.by_frame) =
+        cross_validate(saved.model, saved.memories, data.sequences, samples, split, options.seed, options.jobs);
+  }
+  const std::vector<std::uint32_t> once(samples.size(), 1);
+  saved.memories.associative = fit(saved.model, saved.memories, samples, once);
+  summary.trained = saved.trained = fmt::format("{}; labels {}, seed {}, all {} sequences", data.command,
+                                                slip_rule_name(options.sequences.labels), options.seed, data.sequences.size());
+  hd::save(options.output, saved);
+  return summary;
+}
+
+EvalSummary eval_dataset(const EvalOptions& options) {
+  EvalSummary summary{hd::load(options.memories), 0, {}};
+  const TrainingData data = read_sequences(options.dataset, options.sequences);
+  const std::vector<Sample> samples =
+      encode(summary.model.model, summary.model.memories, summary.model.quantiser, data.sequences, options.jobs);
+  if (samples.empty()) throw InputError(fmt::format("{}: no frame touches after a whole window of frames", options.dataset));
+  summary.sequences = data.sequences.size();
+  summary.evaluation = evaluate(summary.model.model, summary.model.memories, data.sequences, samples);
+  return summary;
+}
+
+}  // namespace slipbench
