@@ -18,6 +18,8 @@ function(slipbench_install)
   endforeach()
 
   install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/slipbench)
+  # What `slipbench reproduce` reads of the project beside the scenes.
+  install(FILES rtl/hd/syn/results.json DESTINATION ${CMAKE_INSTALL_DATADIR}/slipbench/rtl/hd/syn OPTIONAL)
   # The program finds the MuJoCo that is installed beside it, so that the prefix outlives the build folder.
   set_target_properties(slipbench PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/slipbench/mujoco")
   install(TARGETS slipbench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

@@ -14,6 +14,9 @@ int sweep_command(const Options& options);        // sweep
 int report_command(const Options& options);       // report
 int export_command(const Options& options);       // export
 int hd_replay_command(const Options& options);    // hd replay
+int train_command(const Options& options);        // train
+int eval_command(const Options& options);         // eval
+int reproduce_command(const Options& options);    // reproduce
 int list_command(const Options& options);         // list
 int describe_command(const Options& options);     // describe
 int plugin_path_command(const Options& options);  // plugin-path

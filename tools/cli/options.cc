@@ -16,6 +16,7 @@
 #include "sim/core/error.h"
 #include "tools/catalogue/engines.h"
 #include "tools/cli/suggestion.h"
+#include "tools/train/names.h"
 
 namespace slipbench {
 namespace {
@@ -75,6 +76,32 @@ ties go to one; with it, --encoder and --ties replace what it says.
 Examples:
   slipbench hd replay vectors.csv --memories published --encoder published_core --ties one
   slipbench hd replay vectors.csv --memories published --encoder paper --ties zero --engine reference)";
+
+constexpr std::string_view train_footer = R"(
+Trains the hyperdimensional slip detector in a single pass. Six draws are made first, by sequence and, to compare, by frame: within each
+compression and speed as many sequences are drawn with replacement as there are; those never drawn are the test. Draw 0 is for
+choosing options, the other five make the figures. Then all sequences train the classifier that is saved.
+
+Encoders: shdc (pillars of one frame), sthdc (over a window), gsthdc (with graphs, over a window). --context is gsthdc's default only.
+Labels: strict and micro are the truth (a pillar slips as a whole, or in part), paper is the published rule of tip speed.
+
+Examples:
+  slipbench train hexapod.h5 -o memories
+  slipbench train hexapod.h5 --encoder shdc --labels strict -o plain)";
+
+constexpr std::string_view eval_footer = R"(
+Judges a trained classifier on every sequence of a dataset, also those that it was trained on, if they are there.
+
+Examples:
+  slipbench eval hexapod.h5 --memories memories
+  slipbench eval hexapod.h5 --memories memories --labels strict --json)";
+
+constexpr std::string_view reproduce_footer = R"(
+Without a name: what can be reproduced. With -o the table goes to FILE.html and all figures to FILE.json beside it.
+
+Examples:
+  slipbench reproduce
+  slipbench reproduce hd-papillarray/table1 --data hexapod.h5 -o table1.html)";
 
 constexpr std::string_view list_footer = R"(
 Examples:
@@ -175,6 +202,9 @@ struct Parser {
   Options options;
   std::vector<std::string> sets;
   std::optional<std::string> seed, trials, jobs, trial, output, format, slip_rule, label_speed, compat, ties;
+  std::optional<std::string> encoder, dimension, window, quantiser;
+  bool context = false;
+  bool no_context = false;
   bool version = false;
   CLI::App app{"A physics testbench for tactile slip detection.", "slipbench"};
 
@@ -184,6 +214,8 @@ struct Parser {
   }
   CLI::App* command(CLI::App& parent, const char* name, const char* summary, std::string_view footer);
   void simulation(const char* name, const char* summary, std::string_view footer, const char* trials_help);
+  void learning();
+  void labels(CLI::App* sub);
 };
 
 CLI::App* Parser::command(CLI::App& parent, const char* name, const char* summary, std::string_view footer) {
@@ -205,6 +237,51 @@ void Parser::simulation(const char* name, const char* summary, std::string_view 
   sub->add_option("--jobs", jobs, "Worker threads, 1 to 1024 (default: one a hardware thread)")->option_text("N");
   sub->add_option("-o,--output", output, "Write the dataset (HDF5)")->option_text("FILE.h5");
   sub->add_flag("--quiet", options.quiet, "No progress and no summary");
+}
+
+// What train and eval read a dataset by.
+void Parser::labels(CLI::App* sub) {
+  sub->add_option("--labels", slip_rule, fmt::format("Truth to learn: {} (default: paper)", fmt::join(slip_rule_names(), ", ")))
+      ->option_text("RULE");
+  sub->add_option("--sensor", options.sensor, "The scene's name of the sensor (default: the only one)")->option_text("NAME");
+  sub->add_option("--jobs", jobs, "Worker threads, 1 to 1024 (default: one a hardware thread)")->option_text("N");
+}
+
+void Parser::learning() {
+  CLI::App* train = command("train", "Train a slip detector on a dataset", train_footer);
+  train->add_option("FILE", options.dataset, "Dataset (HDF5) with a PapillArray on a stage")->required()->option_text(" ");
+  train->add_option("-o,--output", output, "Folder for the memories; always needed")->option_text("DIR");
+  train->add_option("--encoder", encoder, fmt::format("{} (default: gsthdc)", fmt::join(hd::names_of(encoder_words), ", ")))
+      ->option_text("NAME");
+  train->add_flag("--context", context, "Bind with the context of the centre pillar's compression (default with gsthdc)");
+  train->add_flag("--no-context", no_context, "Do not (default with shdc and sthdc)");
+  train->add_option("--dimension", dimension, "Bits of a hypervector, 8 to 65535 (default: 1000)")->option_text("D");
+  train->add_option("--window", window, "Frames at 100 Hz, 1 to 1000 (default: 15)")->option_text("N");
+  train
+      ->add_option("--ties", ties,
+                   fmt::format("What an even bundle gives: {} (default: one)", fmt::join(hd::names_of(hd::ties_words), ", ")))
+      ->option_text("RULE");
+  train
+      ->add_option("--quantiser", quantiser,
+                   fmt::format("How displacements become levels: {} (default: fixed_point)",
+                               fmt::join(hd::names_of(hd::quantiser_words), ", ")))
+      ->option_text("NAME");
+  train->add_option("--seed", seed, "Seed of item memories and draws (default: 1)")->option_text("N");
+  labels(train);
+
+  CLI::App* eval = command("eval", "Judge a trained slip detector on a dataset", eval_footer);
+  eval->add_option("FILE", options.dataset, "Dataset (HDF5) with a PapillArray on a stage")->required()->option_text(" ");
+  eval->add_option("--memories", options.memories, "Folder that `slipbench train` wrote")->required()->option_text("DIR");
+  labels(eval);
+
+  CLI::App* reproduce = command("reproduce", "Reproduce a table of a paper", reproduce_footer);
+  reproduce->add_option("PAPER/TABLE", options.name, "What to reproduce (default: list what there is)")->option_text(" ");
+  reproduce->add_option("-o,--output", output, "Write the page, and FILE.json beside it")->option_text("FILE.html");
+  reproduce->add_option("--data", options.data, "Use this dataset instead of a fresh one")->option_text("FILE.h5");
+  reproduce->add_option("--seed", seed, "Seed of dataset, item memories and draws (default: 1)")->option_text("N");
+  reproduce->add_option("--jobs", jobs, "Worker threads, 1 to 1024 (default: one a hardware thread)")->option_text("N");
+  reproduce->add_flag("--synthesise", options.synthesise, "Run the synthesis instead of reading its stored figures");
+  reproduce->add_flag("--quiet", options.quiet, "No progress");
 }
 
 Parser::Parser() {
@@ -247,6 +324,8 @@ Parser::Parser() {
       ->option_text("NAME");
   replay->add_option("--engine", options.engine, fmt::format("{} (default: kernel)", fmt::join(hd_engine_names(), " or ")))
       ->option_text("NAME");
+
+  learning();
 
   CLI::App* list = command("list", "List what a scene may name", list_footer);
   list->add_option("CATALOGUE", options.name,
@@ -298,7 +377,7 @@ std::pair<const CLI::App*, std::string> chosen_command(const CLI::App& app) {
 }
 
 // Of the command line's fixed part: later versions have them.
-constexpr std::array<std::string_view, 7> later_commands{"check", "cost", "eval", "import", "reproduce", "train", "view"};
+constexpr std::array<std::string_view, 4> later_commands{"check", "cost", "import", "view"};
 
 void check_command(const std::vector<std::string>& arguments) {
   const auto word = std::find_if(arguments.begin(), arguments.end(), [](const std::string& a) { return a.rfind('-', 0) != 0; });
@@ -362,15 +441,24 @@ Options parse_options(const std::vector<std::string>& arguments) {
   if (parser.trial) options.trial = parse_integer<std::size_t>(command, "--trial", *parser.trial, 0);
   if (parser.format) options.format = parse_export_format(*parser.format);
   if (parser.output && parser.output->empty()) {
-    throw InputError(fmt::format("{}: -o needs a {} name", command, command == "export" ? "folder" : "file"));
+    const bool folder = command == "export" || command == "train";
+    throw InputError(fmt::format("{}: -o needs a {} name", command, folder ? "folder" : "file"));
   }
   if (parser.output) options.output = *parser.output;
   // Asked for here and not by CLI11, so that a wrong format is named first.
-  if (command == "export" && options.output.empty()) throw InputError("export: --output is required");
+  if ((command == "export" || command == "train") && options.output.empty()) throw InputError(command + ": --output is required");
+  if (command == "train" || command == "eval") options.slip_rule = SlipRule::paper;
   if (parser.slip_rule) options.slip_rule = parse_slip_rule(*parser.slip_rule);
   if (parser.label_speed) options.label_speed = parse_speed(command, "--label-speed", *parser.label_speed);
   if (parser.compat) options.hd_compat = parse_word(command, "--encoder", *parser.compat, hd::compat_words);
   if (parser.ties) options.hd_ties = parse_word(command, "--ties", *parser.ties, hd::ties_words);
+  if (parser.encoder) options.model.encoding = parse_word(command, "--encoder", *parser.encoder, encoder_words);
+  if (parser.context && parser.no_context) throw InputError(command + ": --context and --no-context exclude each other");
+  const bool graphs = options.model.encoding == hd::Encoding::graph_spatial_temporal;
+  options.model.context_driven = parser.context || (graphs && !parser.no_context);
+  if (parser.dimension) options.model.dimension = parse_integer<std::size_t>(command, "--dimension", *parser.dimension, 8, 65535);
+  if (parser.window) options.model.window = parse_integer<std::size_t>(command, "--window", *parser.window, 1, 1000);
+  if (parser.quantiser) options.quantiser = parse_word(command, "--quantiser", *parser.quantiser, hd::quantiser_words);
   return options;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "detectors/hd/features.h"
 #include "detectors/hd/model.h"
 #include "sim/scene/parser.h"
 #include "tools/export/export.h"
@@ -27,24 +28,32 @@ struct Options {
   std::optional<std::size_t> trials;
   std::optional<std::size_t> jobs;
 
-  std::string output;  // run, sweep: dataset; report: HTML file; export: folder. Empty: not given
+  std::string output;  // run, sweep: dataset; report, reproduce: HTML file; export, train: folder. Empty: not given
 
-  // report and export
+  // report, export, train and eval
   std::string dataset;
   std::optional<std::size_t> trial;
   ExportFormat format{};                  // export
-  SlipRule slip_rule = SlipRule::strict;  // export
+  SlipRule slip_rule = SlipRule::strict;  // export, train, eval; the last two have paper as their default
   std::optional<double> label_speed;      // export [m/s]
-  std::string sensor;                     // export; empty: the only one
+  std::string sensor;                     // export, train, eval; empty: the only one
 
   // hd replay
   std::string vectors;   // CSV file
-  std::string memories;  // folder
+  std::string memories;  // folder, of eval too
   std::optional<hd::Compat> hd_compat;
-  std::optional<hd::Ties> hd_ties;
+  std::optional<hd::Ties> hd_ties;  // of train too
   std::string engine = "kernel";
 
-  std::string name;  // list: a catalogue or empty; describe: the entry
+  // train
+  hd::Model model;  // but for its ties
+  hd::Quantiser quantiser = hd::Quantiser::fixed_point;
+
+  // reproduce
+  std::string data;         // a dataset; empty: a fresh one
+  bool synthesise = false;  // run the synthesis again
+
+  std::string name;  // list: a catalogue or empty; describe: the entry; reproduce: PAPER/TABLE or empty
 };
 
 // The commands, in the order the help shows them.

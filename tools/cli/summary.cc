@@ -13,36 +13,12 @@
 #include "sim/core/sensor.h"
 #include "tools/catalogue/sensors.h"
 #include "tools/cli/progress.h"
+#include "tools/cli/table.h"
 
 namespace slipbench {
 namespace {
 
 constexpr std::array<const char*, 4> state_names{"none", "non-slip", "incipient", "gross"};
-
-// A table with right-aligned columns, the first one left-aligned.
-class Table {
- public:
-  explicit Table(std::vector<std::string> head) : rows_{std::move(head)} {}
-
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-
-  [[nodiscard]] std::string text(const Style& style) const {
-    std::vector<std::size_t> widths(rows_.front().size(), 0);
-    for (const auto& row : rows_) {
-      for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-    }
-    std::string result;
-    for (std::size_t r = 0; r < rows_.size(); ++r) {
-      std::string line = fmt::format("  {:<{}}", rows_[r][0], widths[0]);
-      for (std::size_t i = 1; i < rows_[r].size(); ++i) line += fmt::format("  {:>{}}", rows_[r][i], widths[i]);
-      result += (r == 0 ? style.dim(line) : line) + '\n';
-    }
-    return result;
-  }
-
- private:
-  std::vector<std::vector<std::string>> rows_;
-};
 
 // "P0" where the sensor names its units so ("P0_FX"), else the unit's number.
 std::string unit_name(const Sensor& sensor, std::size_t unit) {

@@ -1,22 +1,20 @@
-// The words of the command line for what makes a classifier.
+// The names of the paper for what makes a classifier.
 #pragma once
 
+#include <array>
 #include <string>
-#include <vector>
 
-#include "detectors/hd/features.h"
 #include "detectors/hd/model.h"
+#include "detectors/hd/words.h"
 
 namespace slipbench {
 
-// Encoders as the paper abbreviates them: "shdc", "sthdc", "gsthdc"; the other words are those of detectors/hd/words.h. The parsers throw
-// InputError with the nearest name.
-hd::Encoding parse_encoder(const std::string& name);
-hd::Ties parse_ties(const std::string& name);
-hd::Quantiser parse_quantiser(const std::string& name);
-std::vector<std::string> encoder_names();
+// Encoders on the command line, as the paper abbreviates them.
+inline constexpr std::array encoder_words{hd::Word<hd::Encoding>{"shdc", hd::Encoding::spatial},
+                                          hd::Word<hd::Encoding>{"sthdc", hd::Encoding::spatial_temporal},
+                                          hd::Word<hd::Encoding>{"gsthdc", hd::Encoding::graph_spatial_temporal}};
 
-// "CL-gstHDC", as the paper writes it.
+// "CL-gstHDC".
 std::string model_name(const hd::Model& model);
 
 }  // namespace slipbench

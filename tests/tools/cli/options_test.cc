@@ -110,6 +110,45 @@ TEST(Options, ExportReadsTheRuleAndItsSpeed) {
               HasSubstr("export: --label-speed"));
 }
 
+TEST(Options, TrainTakesEverything) {
+  const Options options =
+      parse_options({"train", "a.h5",     "-o",  "m",      "--encoder", "sthdc",       "--context", "--dimension",
+                     "512",   "--window", "7",   "--ties", "zero",      "--quantiser", "exact",     "--labels",
+                     "micro", "--sensor", "pad", "--seed", "3",         "--jobs",      "2"});
+  EXPECT_EQ(options.dataset, "a.h5");
+  EXPECT_EQ(options.output, "m");
+  EXPECT_EQ(options.model.encoding, hd::Encoding::spatial_temporal);
+  EXPECT_TRUE(options.model.context_driven);
+  EXPECT_EQ(options.model.dimension, 512U);
+  EXPECT_EQ(options.model.window, 7U);
+  EXPECT_EQ(options.hd_ties, hd::Ties::zero);
+  EXPECT_EQ(options.quantiser, hd::Quantiser::exact);
+  EXPECT_EQ(options.slip_rule, SlipRule::micro);
+  EXPECT_EQ(options.sensor, "pad");
+  EXPECT_EQ(options.seed, 3U);
+  EXPECT_EQ(options.jobs, 2U);
+}
+
+TEST(Options, TrainsThePapersModelUnlessToldOtherwise) {
+  EXPECT_EQ(parse_options({"train", "a.h5", "-o", "m"}).model, hd::Model());
+  EXPECT_EQ(parse_options({"train", "a.h5", "-o", "m"}).slip_rule, SlipRule::paper);
+  EXPECT_EQ(parse_options({"eval", "a.h5", "--memories", "m"}).slip_rule, SlipRule::paper);
+  // The context is part of the graphs' ablation alone.
+  EXPECT_FALSE(parse_options({"train", "a.h5", "-o", "m", "--encoder", "shdc"}).model.context_driven);
+  EXPECT_FALSE(parse_options({"train", "a.h5", "-o", "m", "--no-context"}).model.context_driven);
+}
+
+TEST(Options, ReproduceTakesItsName) {
+  EXPECT_EQ(parse_options({"reproduce"}).name, "");
+  const Options options =
+      parse_options({"reproduce", "paper/table", "--data", "a.h5", "--synthesise", "-o", "p.html", "--quiet"});
+  EXPECT_EQ(options.name, "paper/table");
+  EXPECT_EQ(options.data, "a.h5");
+  EXPECT_TRUE(options.synthesise);
+  EXPECT_TRUE(options.quiet);
+  EXPECT_EQ(options.output, "p.html");
+}
+
 TEST(Options, HelpIsTextToPrint) {
   EXPECT_THAT(parse_options({}).help, HasSubstr("Usage: slipbench"));
   EXPECT_THAT(parse_options({"--help"}).help, HasSubstr("describe"));
@@ -138,15 +177,20 @@ INSTANTIATE_TEST_SUITE_P(
     All, OptionsRefusal,
     ::testing::Values(
         Refusal{{"swep", "s.yaml"},
-                "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, report, export, hd, list, describe, doctor, "
-                "plugin-path"},
+                "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, report, export, hd, train, eval, reproduce, "
+                "list, "
+                "describe, doctor, plugin-path"},
         Refusal{{"xyzzy"},
-                "unknown command 'xyzzy'; commands: run, sweep, report, export, hd, list, describe, doctor, plugin-path"},
-        Refusal{{"--json", "lst"},
-                "unknown command 'lst'; did you mean 'list'? commands: run, sweep, report, export, hd, list, describe, doctor, "
-                "plugin-path"},
+                "unknown command 'xyzzy'; commands: run, sweep, report, export, hd, train, eval, reproduce, list, describe, "
+                "doctor, plugin-path"},
+        Refusal{
+            {"--json", "lst"},
+            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, report, export, hd, train, eval, reproduce, list, "
+            "describe, doctor, plugin-path"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
-        Refusal{{"--json"}, "no command given; commands: run, sweep, report, export, hd, list, describe, doctor, plugin-path"},
+        Refusal{{"--json"},
+                "no command given; commands: run, sweep, report, export, hd, train, eval, reproduce, list, describe, "
+                "doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{{"run", "s.yaml", "--job", "2"},
                 "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --trials, --jobs, "
@@ -154,8 +198,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
         Refusal{
             {"cost", "s.yaml"},
-            "command 'cost' is not available in this version; available: run, sweep, report, export, hd, list, describe, doctor, "
-            "plugin-path"},
+            "command 'cost' is not available in this version; available: run, sweep, report, export, hd, train, eval, reproduce, "
+            "list, "
+            "describe, doctor, plugin-path"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
         Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
         Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},
@@ -174,6 +219,19 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"report", "a.h5", "--trial", "first"},
                 "report: --trial is 'first'; allowed: a whole number from 0 to 18446744073709551615"},
         Refusal{{"export", "a.h5", "-o", "dir"}, "export: --format is required"},
+        Refusal{{"train", "a.h5"}, "train: --output is required"},
+        Refusal{{"train", "a.h5", "-o", ""}, "train: -o needs a folder name"},
+        Refusal{{"train", "a.h5", "-o", "m", "--encoder", "gshdc"},
+                "train: --encoder is 'gshdc'; did you mean 'shdc'? allowed: shdc, sthdc, gsthdc"},
+        Refusal{{"train", "a.h5", "-o", "m", "--ties", "up"}, "train: --ties is 'up'; allowed: one, zero"},
+        Refusal{{"train", "a.h5", "-o", "m", "--quantiser", "fixed"},
+                "train: --quantiser is 'fixed'; allowed: fixed_point, exact, unrounded"},
+        Refusal{{"train", "a.h5", "-o", "m", "--dimension", "7"},
+                "train: --dimension is '7'; allowed: a whole number from 8 to 65535"},
+        Refusal{{"train", "a.h5", "-o", "m", "--window", "0"}, "train: --window is '0'; allowed: a whole number from 1 to 1000"},
+        Refusal{{"train", "a.h5", "-o", "m", "--context", "--no-context"},
+                "train: --context and --no-context exclude each other"},
+        Refusal{{"eval", "a.h5"}, "eval: --memories is required"},
         Refusal{{"export", "a.h5", "--format", "vendor-csv"}, "export: --output is required"}));
 
 TEST(Options, AWrongFormatIsNamedBeforeAMissingFolder) {

@@ -104,7 +104,7 @@ TEST(Program, APipeIsNoScene) {
 }
 
 TEST(Program, CommandsOfLaterVersions) {
-  for (const char* command : {"check", "train", "eval", "cost", "reproduce", "view", "import"}) {
+  for (const char* command : {"check", "cost", "view", "import"}) {
     expect_refusal({command}, HasSubstr(fmt::format("command '{}' is not available in this version; available: run", command)));
   }
 }
@@ -115,7 +115,20 @@ TEST(Program, UnknownNames) {
   expect_refusal({"export", "a.h5", "--format", "vendor-cvs", "-o", "dir"}, HasSubstr("vendor-csv"));
 }
 
+TEST(Program, Reproductions) {
+  const ChildResult list = run_program_file({"reproduce", "--json"});
+  EXPECT_EQ(list.status, 0);
+  EXPECT_EQ(nlohmann::json::parse(list.out)["reproductions"][0]["name"], "hd-papillarray/table1");
+  EXPECT_THAT(run_program_file({"reproduce", "list"}).out, HasSubstr("hd-papillarray/latency"));
+  expect_refusal({"reproduce", "hd-papillarray/table2"}, HasSubstr("did you mean 'hd-papillarray/table1'?"));
+  expect_refusal({"reproduce", "hd-papillarray/latency", "--data", "a.h5"},
+                 HasSubstr("hd-papillarray/latency does not take --data"));
+  expect_refusal({"reproduce", "hd-papillarray/latency", "-o", "page.txt"}, HasSubstr("a name that ends in .html"));
+}
+
 TEST(Program, UnreadableDatasets) {
+  expect_refusal({"train", "nowhere.h5", "-o", "memories"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"eval", "nowhere.h5", "--memories", "nowhere"}, HasSubstr("nowhere"));
   expect_refusal({"report", "nowhere.h5"}, HasSubstr("nowhere.h5"));
   expect_refusal({"export", "nowhere.h5", "--format", "vendor-csv", "-o", "dir"}, HasSubstr("nowhere.h5"));
   expect_refusal({"report", stage}, HasSubstr("stage.yaml"));

@@ -1,0 +1,35 @@
+#include "tools/reproduce/catalogue.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+
+namespace slipbench::reproduce {
+
+const std::vector<Reproduction>& reproductions() {
+  static const std::vector<Reproduction> all{
+      {"hd-papillarray/table1",
+       "ablation of the encoders, by sequence and by frame, and what decides it",
+       {"--data", "--seed", "--jobs"},
+       &hd_table1},
+      {"hd-papillarray/latency", "time from a frame to its class, in software and in the register-level core", {}, &hd_latency},
+      {"hd-papillarray/resources",
+       "what the core takes of the published FPGA, for each degree of unrolling",
+       {"--synthesise"},
+       &hd_resources},
+  };
+  return all;
+}
+
+const Reproduction& find_reproduction(const std::string& name) {
+  const std::vector<Reproduction>& all = reproductions();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Reproduction& candidate) { return candidate.name == name; });
+  if (found != all.end()) return *found;
+  std::vector<std::string> names;
+  for (const Reproduction& candidate : all) names.push_back(candidate.name);
+  throw InputError(fmt::format("unknown reproduction '{}'{}", name, allowed_names(name, names)));
+}
+
+}  // namespace slipbench::reproduce

@@ -1,0 +1,40 @@
+// What can be reproduced: one file and one line each.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/reproduce/result.h"
+
+namespace slipbench::reproduce {
+
+struct ReproduceOptions {
+  std::string data;                             // a dataset to use instead of a fresh one; empty: none
+  std::optional<std::uint64_t> seed;            // of datasets, item memories and draws
+  std::size_t jobs = 0;                         // threads; 0: as many as the machine has
+  bool synthesise = false;                      // run the synthesis again instead of reading its stored figures
+  std::function<void(const std::string&)> say;  // told what is being done; may be empty
+};
+
+struct Reproduction {
+  std::string name;                  // PAPER/TABLE: "hd-papillarray/table1"
+  std::string summary;               // a line
+  std::vector<std::string> options;  // of "--data", "--seed", "--jobs", "--synthesise": those that it takes
+  Result (*run)(const ReproduceOptions& options);
+};
+
+// All, in the order of the list.
+const std::vector<Reproduction>& reproductions();
+
+// Throws InputError with the nearest name.
+const Reproduction& find_reproduction(const std::string& name);
+
+Result hd_table1(const ReproduceOptions& options);
+Result hd_latency(const ReproduceOptions& options);
+Result hd_resources(const ReproduceOptions& options);
+
+}  // namespace slipbench::reproduce

@@ -1,0 +1,46 @@
+// What a reproduction found: tables of text for people, numbers for programs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace slipbench::reproduce {
+
+using Json = nlohmann::ordered_json;
+
+struct ResultTable {
+  std::string title;
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;  // as many cells as the head has
+  std::string note;                            // a sentence below it; may be empty
+};
+
+struct Result {
+  std::string title;               // "Ablation of the hyperdimensional slip detector"
+  std::string source;              // what is reproduced: paper and place in it
+  std::vector<std::string> setup;  // how it was measured, a line each
+  std::vector<ResultTable> tables;
+  std::vector<std::string> remarks;  // what differs from the paper, and why
+  Json figures;                      // every number of the tables, unrounded
+};
+
+// The one JSON object of `--json` and of the written file: name, title, source, setup, figures, remarks.
+Json result_json(const std::string& name, const Result& result);
+
+// One HTML page that needs no other file.
+std::string result_page(const std::string& name, const Result& result);
+
+// Whether a file that begins so is such a page, or such an object written by write_result().
+bool begins_as_result_page(std::string_view text);
+bool begins_as_result_json(std::string_view text);
+
+// Writes FILE.html, and the object beside it as FILE.json; returns both names. Files of these kinds are replaced, others are not.
+// Throws InputError when `html_path` does not end in .html or a file cannot be written.
+std::vector<std::string> write_result(const std::string& html_path, const std::string& name, const Result& result);
+
+// The same refusals before any work is done.
+void check_result_target(const std::string& html_path);
+
+}  // namespace slipbench::reproduce
