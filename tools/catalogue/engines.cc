@@ -1,5 +1,6 @@
 #include "tools/catalogue/engines.h"
 
+#include "rtl/verilated/rtl_engine.h"
 #include "sim/core/error.h"
 
 namespace slipbench {
@@ -10,10 +11,16 @@ struct EngineKind {
   std::unique_ptr<hd::Engine> (*create)(const hd::Model& model, const hd::Memories& memories);
 };
 
+// The core that is fastest to simulate; all unrollings decide alike.
+std::unique_ptr<hd::Engine> make_rtl(const hd::Model& model, const hd::Memories& memories) {
+  return hd::make_rtl_engine(model, memories, {.unrolling = hd::Unrolling::smallest});
+}
+
 // All engines, one line each.
 constexpr EngineKind engine_catalogue[] = {
     {"kernel", hd::make_kernel},
     {"reference", hd::make_reference},
+    {"rtl", make_rtl},
 };
 
 }  // namespace

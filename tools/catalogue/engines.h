@@ -10,7 +10,7 @@
 
 namespace slipbench {
 
-// "kernel", "reference", ...
+// "kernel", "reference", "rtl".
 std::vector<std::string> hd_engine_names();
 
 // The engine of that name. Throws InputError for a name that the catalogue does not have, and what the engine itself refuses.

@@ -72,6 +72,15 @@ TEST(HdReplay, PrintsThePublishedClassesAndDistances) {
       EXPECT_EQ(lines_of(out), expected) << model[0] << " " << engine;
     }
   }
+  for (const std::size_t paper : {1U, 2U}) {
+    const ChildResult result = replay({"--encoder", "paper", "--ties", models[paper][2], "--engine", "rtl"});
+    std::istringstream out(result.out);
+    EXPECT_EQ(lines_of(out), expected_lines(models[paper][0])) << result.err;
+  }
+  const ChildResult refused = replay({"--encoder", "published_core", "--engine", "rtl"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("rtl core: it is built for encoding graph_spatial_temporal and compat paper only"),
+            std::string::npos);
   EXPECT_EQ(replay({"--encoder", "paper"}).out, replay({"--encoder", "paper", "--ties", "one", "--engine", "kernel"}).out);
 }
 
