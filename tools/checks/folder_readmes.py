@@ -1,7 +1,7 @@
 """Every folder with sources has a README.md of at most a page (60 lines).
 
 Folders of tests that mirror a source folder need none: that folder's README speaks for both. A folder inside another folder of
-tests is explained there, as are scenes in their folder's subfolders and each trained classifier beside the others.
+tests is explained there, and a trained classifier (a folder with model.txt, which may hold nothing else) in the folder above.
 """
 
 from pathlib import Path
@@ -21,8 +21,9 @@ def explained(folder, files):
         if any(path.is_relative_to(mirrored) for path in files):
             return True
         return len(folder.parts) > 2 and explained(folder.parent, files)
-    holds_data = (folder.parts[0] == "scenes" and len(folder.parts) > 1) or folder.parent.name == "memories"
-    return holds_data and explained(folder.parent, files)
+    if folder / "model.txt" in files:
+        return explained(folder.parent, files)
+    return folder.parts[0] == "scenes" and len(folder.parts) > 1 and explained(folder.parent, files)
 
 
 def check(root):

@@ -38,7 +38,8 @@ CoreFigures read_core_figures(const std::string& path) {
   if (!json.is_object()) throw InputError(path + ": is no JSON object");
   const auto tools = json.find("tools");
   if (tools == json.end() || !tools->is_object()) throw InputError(path + ": tools is no object; allowed: {\"yosys\": version}");
-  CoreFigures figures{text_at(*tools, "yosys", path + ": tools"), {}};
+  const std::string version = text_at(*tools, "yosys", path + ": tools");
+  CoreFigures figures{version.substr(0, version.find(" (")), {}};  // "Yosys 0.70 (git sha1 ..."
   const auto unrollings = json.find("unrollings");
   if (unrollings == json.end() || !unrollings->is_object() || unrollings->empty()) {
     throw InputError(path + ": unrollings is no object; allowed: one entry for each degree of unrolling");
@@ -47,7 +48,8 @@ CoreFigures read_core_figures(const std::string& path) {
     const std::string subject = fmt::format("{}: unrolling '{}'", path, name);
     if (!entry.is_object()) throw InputError(subject + ": is no JSON object");
     const auto number = [&entry = entry, &subject](const char* key) { return number_at(entry, key, subject); };
-    figures.configurations.push_back({name, static_cast<std::size_t>(number("latency_cycles")), number("lut"), number("ff"),
+    figures.configurations.push_back({name, static_cast<std::size_t>(number("latency_cycles")),
+                                      static_cast<std::size_t>(number("interval_cycles")), number("lut"), number("ff"),
                                       number("bram36"), number("dsp"), number("levels")});
   }
   return figures;

@@ -13,7 +13,8 @@ inline constexpr double core_clock = 100e6;  // Hz, of the published boards
 // One degree of unrolling.
 struct CoreConfiguration {
   std::string name;
-  std::size_t cycles = 0;  // from accepted sample to class
+  std::size_t cycles = 0;    // from accepted sample to class
+  std::size_t interval = 0;  // cycles from one sample to the next
   double lut = 0.0;
   double ff = 0.0;
   double bram = 0.0;  // blocks of 36 kbit
@@ -29,8 +30,8 @@ struct CoreFigures {
 // The figures committed beside the core, relative to the project's root.
 inline constexpr const char* core_figures_file = "rtl/hd/syn/results.json";
 
-// Reads such a file, which rtl/hd/syn/report.py writes: {"tools": {"yosys"}, "unrollings": {NAME: {"latency_cycles", "lut", "ff", "bram36",
-// "dsp", "levels"}}}; other keys are let pass. Throws InputError, naming the file, for what is not that.
+// Reads such a file, which rtl/hd/syn/report.py writes: {"tools": {"yosys"}, "unrollings": {NAME: {"latency_cycles", "interval_cycles",
+// "lut", "ff", "bram36", "dsp", "levels"}}}; other keys are let pass. Throws InputError, naming the file, for what is not that.
 CoreFigures read_core_figures(const std::string& path);
 
 // Of core_figures_file; empty where the project has none.
