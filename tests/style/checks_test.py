@@ -102,6 +102,12 @@ class ChecksTest(unittest.TestCase):
         self.plant("tests/oracle/f.cc", "\n")
         self.assertIn("tests/oracle: no README.md", self.run_check("folder_readmes").stdout)
 
+    def test_trained_classifier_is_explained_above(self):
+        self.plant("detectors/memories/mine/model.txt", "slipbench_hd: 1\n")
+        self.assertIn("detectors/memories/mine: no README.md", self.run_check("folder_readmes").stdout)
+        self.plant("detectors/memories/README.md", "# mine\n")
+        self.assertNotIn("detectors/memories", self.run_check("folder_readmes").stdout)
+
     def test_readme_over_a_page(self):
         self.assert_found("folder_readmes", "sim/core/README.md", "line\n" * 61, "61 lines")
 

@@ -84,17 +84,21 @@ std::string time_text(double seconds) {
   return seconds < 1e-6 ? fmt::format("{:.1f} ns", 1e9 * seconds) : fmt::format("{:.2f} us", 1e6 * seconds);
 }
 
+std::string factor_text(double factor) {
+  return factor < 100.0 ? fmt::format("{:.2g} x", factor) : fmt::format("{:.0f} x", factor);
+}
+
 class LatencyTable {
  public:
   explicit LatencyTable(Result& result) : result_(result) {
     table_.title = "From a frame to its class";
-    table_.head = {"what", "cycles", "a sample", "published CPU is slower by", "published FPGA is slower by"};
+    table_.head = {"what", "cycles", "a sample", "faster than the published CPU", "than the published FPGA"};
     table_.note = "Software from levels to class unless the row says otherwise; medians. Cycles at 100 MHz.";
   }
 
   void add(const std::string& what, const std::string& cycles, double seconds) {
-    table_.rows.push_back({what, cycles, time_text(seconds), fmt::format("{:.3g} x", published_cpu / seconds),
-                           fmt::format("{:.3g} x", published_fpga / seconds)});
+    table_.rows.push_back(
+        {what, cycles, time_text(seconds), factor_text(published_cpu / seconds), factor_text(published_fpga / seconds)});
     result_.figures[what] = seconds;
   }
 

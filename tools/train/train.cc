@@ -38,12 +38,21 @@ std::vector<Sample> encode_sequence(hd::Encoder& encoder, const hd::Model& model
   return samples;
 }
 
-// Times of the samples of whole sequences.
-std::vector<std::uint32_t> times_of(const BootstrapDraw& draw, std::span<const Sample> samples) {
-  std::vector<std::uint32_t> times;
-  times.reserve(samples.size());
-  for (const Sample& sample : samples) times.push_back(draw.times[sample.sequence]);
-  return times;
+// What each sequence teaches, so that a draw of sequences only adds sums.
+std::vector<hd::Prototypes> taught_by_each(const hd::Model& model, const hd::Memories& memories, std::size_t sequences,
+                                           std::span<const Sample> samples) {
+  std::vector<hd::Prototypes> taught(sequences, hd::Prototypes(model, memories));
+  for (const Sample& sample : samples) taught[sample.sequence].add(sample.query, sample.context, sample.label);
+  return taught;
+}
+
+std::vector<hd::Hypervector> fit_sequences(const hd::Model& model, const hd::Memories& memories,
+                                           std::span<const hd::Prototypes> taught, const BootstrapDraw& draw) {
+  hd::Prototypes sum(model, memories);
+  for (std::size_t i = 0; i < taught.size(); ++i) {
+    for (std::uint32_t n = 0; n < draw.times[i]; ++n) sum.add(taught[i]);
+  }
+  return sum.bundle();
 }
 
 // Judges those samples of which `judged` is true, by index.
@@ -71,13 +80,7 @@ Evaluation judge(const Classifier& classifier, std::span<const Sequence> sequenc
   return evaluation;
 }
 
-Evaluation run_draw(const hd::Model& model, const hd::Memories& untrained, std::span<const Sequence> sequences,
-                    std::span<const Sample> samples, Split split, const BootstrapDraw& draw) {
-  const std::vector<std::uint32_t> times = split == Split::by_sequence ? times_of(draw, samples) : draw.times;
-  hd::Memories memories = untrained;
-  memories.associative = fit(model, memories, samples, times);
-  Evaluation evaluation = judge(
-      Classifier(model, memories), sequences, samples, [&](std::size_t i) { return times[i] == 0; }, split == Split::by_sequence);
+Evaluation with_sizes(Evaluation evaluation, const BootstrapDraw& draw) {
   evaluation.training = draw.training_size();
   evaluation.distinct = draw.distinct();
   evaluation.tested = draw.times.size() - draw.distinct();
@@ -141,15 +144,22 @@ PadState Classifier::classify(const Sample& sample) const {
 
 std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
                                        std::span<const Sample> samples, Split split, std::uint64_t seed, std::size_t jobs) {
+  const bool whole = split == Split::by_sequence;
   std::vector<std::size_t> conditions;
-  if (split == Split::by_sequence) {
+  if (whole) {
     for (const Sequence& sequence : sequences) conditions.push_back(condition_of(sequence.motion));
   } else {
     for (const Sample& sample : samples) conditions.push_back(condition_of(sequences[sample.sequence].motion));
   }
+  std::vector<hd::Prototypes> taught;
+  if (whole) taught = taught_by_each(model, memories, sequences.size(), samples);
   using Workers = OrderedWorkers<Evaluation>;
-  const Workers::Work work = [&](std::size_t draw) {
-    return run_draw(model, memories, sequences, samples, split, bootstrap(conditions, seed, draw));
+  const Workers::Work work = [&](std::size_t number) {
+    const BootstrapDraw draw = bootstrap(conditions, seed, number);
+    hd::Memories trained = memories;
+    trained.associative = whole ? fit_sequences(model, memories, taught, draw) : fit(model, memories, samples, draw.times);
+    const auto tested = [&](std::size_t i) { return draw.tests(whole ? samples[i].sequence : i); };
+    return with_sizes(judge(Classifier(model, trained), sequences, samples, tested, whole), draw);
   };
   Workers workers(
       draw_count, threads_for(jobs, draw_count), [&] { return work; }, nullptr);
