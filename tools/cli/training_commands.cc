@@ -39,7 +39,7 @@ std::string draws_text(const TrainSummary& summary, const Style& style) {
   return table.text(style);
 }
 
-std::string confusion_text(const Confusion& confusion, const Style& style) {
+std::string confusion_text(const ConfusionMatrix& confusion, const Style& style) {
   Table table({"true class", "called non-slip", "called incipient", "called gross", "recall in %"});
   for (const auto& [name, truth] : classes) {
     std::vector<std::string> row{name};

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/catalogue/sensors.h"
+#include "tools/catalogue/catalogues.h"
 #include "tools/reproduce/catalogue.h"
 #include "tools/reproduce/project_file.h"
 #include "tools/run/run_sweep.h"
@@ -221,7 +221,7 @@ double moving_accuracy(const Evaluation& e) { return e.moving.accuracy(); }
 double moving_balanced(const Evaluation& e) { return e.moving.balanced_accuracy(); }
 
 // What a detector that always says the commonest class would reach.
-double commonest(const Confusion& confusion) {
+double commonest(const ConfusionMatrix& confusion) {
   double most = 0.0;
   for (const PadState truth : {PadState::non_slip, PadState::incipient, PadState::gross}) {
     double frames = 0.0;

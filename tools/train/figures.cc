@@ -15,31 +15,31 @@ bool is_slip(PadState state) { return state == PadState::incipient || state == P
 
 }  // namespace
 
-void Confusion::add(const Confusion& other) {
+void ConfusionMatrix::add(const ConfusionMatrix& other) {
   for (std::size_t t = 0; t < 3; ++t) {
     for (std::size_t c = 0; c < 3; ++c) counts_[t][c] += other.counts_[t][c];
   }
 }
 
-std::uint64_t Confusion::total() const {
+std::uint64_t ConfusionMatrix::total() const {
   std::uint64_t sum = 0;
   for (const auto& row : counts_) sum = std::accumulate(row.begin(), row.end(), sum);
   return sum;
 }
 
-double Confusion::accuracy() const {
+double ConfusionMatrix::accuracy() const {
   const std::uint64_t all = total();
   if (all == 0) return nan;
   return static_cast<double>(counts_[0][0] + counts_[1][1] + counts_[2][2]) / static_cast<double>(all);
 }
 
-double Confusion::recall(PadState truth) const {
+double ConfusionMatrix::recall(PadState truth) const {
   const auto& row = counts_[index(truth)];
   const std::uint64_t all = std::accumulate(row.begin(), row.end(), std::uint64_t{0});
   return all == 0 ? nan : static_cast<double>(row[index(truth)]) / static_cast<double>(all);
 }
 
-double Confusion::balanced_accuracy() const {
+double ConfusionMatrix::balanced_accuracy() const {
   std::vector<double> recalls;
   for (const PadState state : classes) {
     if (const double share = recall(state); !std::isnan(share)) recalls.push_back(share);

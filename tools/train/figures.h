@@ -12,11 +12,11 @@
 namespace slipbench {
 
 // Counts of frames by what is true and what was called: classes 0 non-slip, 1 incipient, 2 gross.
-class Confusion {
+class ConfusionMatrix {
  public:
   // Both any state but no_contact.
   void add(PadState truth, PadState called) { ++counts_[index(truth)][index(called)]; }
-  void add(const Confusion& other);
+  void add(const ConfusionMatrix& other);
 
   [[nodiscard]] std::uint64_t count(PadState truth, PadState called) const { return counts_[index(truth)][index(called)]; }
   [[nodiscard]] std::uint64_t total() const;

@@ -16,7 +16,7 @@ constexpr std::array<std::pair<const char*, PadState>, 3> classes{
 
 Json number(double value) { return std::isnan(value) ? Json(nullptr) : Json(value); }
 
-Json confusion_json(const Confusion& confusion) {
+Json confusion_json(const ConfusionMatrix& confusion) {
   Json recall;
   Json counts;
   for (const auto& [name, truth] : classes) {

@@ -56,8 +56,8 @@ struct Evaluation {
   std::size_t training = 0;  // items trained on, repeats counted: sequences, or frames where the split is by frame
   std::size_t distinct = 0;  // how many of them differ
   std::size_t tested = 0;    // items tested
-  Confusion all;             // every sample
-  Confusion moving;          // those while the pad moves
+  ConfusionMatrix all;       // every sample
+  ConfusionMatrix moving;    // those while the pad moves
   Delays delays;             // empty where the split is by frame
 };
 

@@ -19,8 +19,8 @@ constexpr PadState incipient = PadState::incipient;
 constexpr PadState gross = PadState::gross;
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
-TEST(Confusion, CountsShares) {
-  Confusion confusion;
+TEST(ConfusionMatrix, CountsShares) {
+  ConfusionMatrix confusion;
   for (int i = 0; i < 6; ++i) confusion.add(non_slip, non_slip);
   for (int i = 0; i < 2; ++i) confusion.add(non_slip, gross);
   confusion.add(incipient, incipient);
@@ -32,14 +32,14 @@ TEST(Confusion, CountsShares) {
   EXPECT_TRUE(std::isnan(confusion.recall(gross)));
   // Of the two classes that occur.
   EXPECT_DOUBLE_EQ(confusion.balanced_accuracy(), (0.75 + 0.5) / 2.0);
-  Confusion twice = confusion;
+  ConfusionMatrix twice = confusion;
   twice.add(confusion);
   EXPECT_EQ(twice.count(non_slip, gross), 4U);
 }
 
-TEST(Confusion, OfNothingIsNaN) {
-  EXPECT_TRUE(std::isnan(Confusion().accuracy()));
-  EXPECT_TRUE(std::isnan(Confusion().balanced_accuracy()));
+TEST(ConfusionMatrix, OfNothingIsNaN) {
+  EXPECT_TRUE(std::isnan(ConfusionMatrix().accuracy()));
+  EXPECT_TRUE(std::isnan(ConfusionMatrix().balanced_accuracy()));
 }
 
 TEST(Statistics, MeanAndStandardDeviation) {

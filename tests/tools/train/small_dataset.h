@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tests/tools/dataset/test_records.h"
-#include "tools/catalogue/sensors.h"
+#include "tools/catalogue/catalogues.h"
 #include "tools/run/run_sweep.h"
 
 namespace slipbench::testing {
