@@ -50,6 +50,11 @@ double normal_slide(double wanted, double inverse_mass, double damping, const Ar
   return (std::sqrt(b * b + 4.0 * r * r * free * k_n) - b) / (2.0 * r);
 }
 
+// That of a free tip on a spring [N s/m].
+double tip_damping(double stiffness, const ArticulatedSettings& settings) {
+  return 2.0 * settings.damping_ratio * std::sqrt(stiffness * settings.tip_mass);
+}
+
 // MuJoCo's own defaults for a part that has been added, whatever the model's default class says.
 template <class Part, class... Links>
 void make_plain(Part* part, void (*set_default)(Part*), Links Part::*... links) {
@@ -120,11 +125,8 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
     mju_copy4(body->quat, quaternion);
     body->gravcomp = 1.0;
 
-    const auto damping = [&](double stiffness, double dashpot) {
-      return dashpot + 2.0 * settings.damping_ratio * std::sqrt(stiffness * settings.tip_mass);
-    };
-    const double sideways = damping(element.k_tangential, element.c_tangential);
-    const double inwards = damping(element.k_normal, element.c_normal);
+    const double sideways = element.c_tangential + tip_damping(element.k_tangential, settings);
+    const double inwards = element.c_normal + tip_damping(element.k_normal, settings);
     const auto slide = [&](const char* name, int axis, double stiffness, double c) {
       mjsJoint* joint = mjs_addJoint(body, nullptr);
       make_plain(joint, mjs_defaultJoint, &mjsJoint::element, &mjsJoint::userdata, &mjsJoint::info);
@@ -185,7 +187,7 @@ void drive_free_joint(const mjModel* model, mjData* data, int joint, const Pose&
 
 ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& prefix, const PadLayout& layout,
                                        const ArticulatedSettings& settings)
-    : layout_(layout), cone_share_(settings.cone_share), creep_speed_(settings.creep_speed) {
+    : layout_(layout), settings_(settings) {
   const auto n = static_cast<Eigen::Index>(layout.units.size());
   const std::size_t elements = layout.elements.size();
   element_of_geom_.assign(static_cast<std::size_t>(model->ngeom), -1);
@@ -197,7 +199,6 @@ ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& 
     bodies_.push_back(body);
     const int joint = model->body_jntadr[body];
     qpos_.push_back(model->jnt_qposadr[joint]);
-    slide_share_.push_back(layout.elements[i].k_normal / model->jnt_stiffness[joint + 2]);
     tip_in_pad_.push_back(tip_rotation(layout.elements[i]));
   }
   unit_of_element_.resize(elements);
@@ -221,7 +222,7 @@ ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& 
   frame_.unit_state.assign(layout.units.size(), UnitState::detached);
 }
 
-void ArticulatedContact::begin_on(mjData* data, const Surface& surface, const Pose& pad_in_surface) const {
+void ArticulatedContact::begin_on(const mjModel* model, mjData* data, const Surface& surface, const Pose& pad_in_surface) const {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Eigen::Vector3d p = pad_in_surface * layout_.elements[i].tip, axis = pad_in_surface.rotation * layout_.elements[i].axis;
     const SurfacePoint point =
@@ -229,7 +230,27 @@ void ArticulatedContact::begin_on(mjData* data, const Surface& surface, const Po
     const double towards = -(point.nx * axis.x() + point.ny * axis.y() + point.nz * axis.z());
     if (!(point.gap < 0.0 && towards > 0.0)) continue;
     mjtNum& slide = data->qpos[qpos_[i] + 2];
-    slide = std::max(slide, -slide_share_[i] * point.gap / towards);
+    const double share = layout_.elements[i].k_normal / model->jnt_stiffness[model->body_jntadr[bodies_[i]] + 2];
+    slide = std::max(slide, -share * point.gap / towards);
+  }
+}
+
+void ArticulatedContact::suit_to_held(mjModel* held) const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Element& element = layout_.elements[i];
+    const int joint = held->body_jntadr[bodies_[i]], dof = held->body_dofadr[bodies_[i]];
+    const double inwards = tip_damping(element.k_normal, settings_);
+    held->dof_damping[dof] = held->dof_damping[dof + 1] = tip_damping(element.k_tangential, settings_);
+    held->dof_damping[dof + 2] = inwards;
+    held->jnt_stiffness[joint + 2] = normal_slide(element.k_normal, 0.0, inwards, settings_, held->opt.timestep);
+  }
+}
+
+void ArticulatedContact::take_presses(const mjModel* model, mjData* data, const mjModel* held, const mjData* settled) const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const int slide = model->body_jntadr[bodies_[i]] + 2;
+    std::copy_n(settled->qpos + qpos_[i], 3, data->qpos + qpos_[i]);
+    data->qpos[qpos_[i] + 2] *= held->jnt_stiffness[slide] / model->jnt_stiffness[slide];
   }
 }
 
@@ -302,8 +323,8 @@ void ArticulatedContact::gather(const mjModel* model, const mjData* data) {
 
 ElementState ArticulatedContact::judge(const Tip& tip) const {
   if (!(tip.press > 0.0)) return ElementState::detached;
-  const bool on_cone = tip.tangential.norm() >= (1.0 - cone_share_) * tip.limit;
-  return on_cone && tip.velocity.norm() > creep_speed_ ? ElementState::slip : ElementState::stick;
+  const bool on_cone = tip.tangential.norm() >= (1.0 - settings_.cone_share) * tip.limit;
+  return on_cone && tip.velocity.norm() > settings_.creep_speed ? ElementState::slip : ElementState::stick;
 }
 
 // Where in the step [0, 1] the element came to its new state.

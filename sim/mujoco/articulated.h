@@ -102,7 +102,14 @@ class ArticulatedContact {
 
   // Presses the tips in that stand inside the surface, each along its axis: slide and contact share the depth as in a press that
   // has come to rest, sideways nothing is strained. For data as mj_makeData() leaves it; of several surfaces the deepest counts.
-  void begin_on(mjData* data, const Surface& surface, const Pose& pad_in_surface) const;
+  void begin_on(const mjModel* model, mjData* data, const Surface& surface, const Pose& pad_in_surface) const;
+
+  // Makes of `held`, a copy of the model in which nothing but tips can give way, one whose slides suit that: there is no inverse mass
+  // to make up for, and dashpots, which at rest do nothing, would only delay the rest.
+  void suit_to_held(mjModel* held) const;
+
+  // Puts the tips where they press as they do in `settled`, data of `held`. Only their positions change.
+  void take_presses(const mjModel* model, mjData* data, const mjModel* held, const mjData* settled) const;
 
   // Reads the contact after mj_step() of `dt` that ended at `time` [s]; to be called once after every step, before anything else
   // changes the data. What the first call finds makes no events.
@@ -133,11 +140,10 @@ class ArticulatedContact {
   void sum_units(const mjData* data);
 
   PadLayout layout_;
-  double cone_share_, creep_speed_;
+  ArticulatedSettings settings_;
   std::vector<int> element_of_geom_;         // -1: not a tip
   std::vector<int> bodies_;                  // of an element's tip
   std::vector<int> qpos_;                    // address of an element's three joints
-  std::vector<double> slide_share_;          // of a press that its normal slide takes up; the contact has the rest
   std::vector<Eigen::Matrix3d> tip_in_pad_;  // rotation of its body in P
   std::vector<std::uint32_t> unit_of_element_;
   Eigen::Array3Xd undeformed_;              // [3,N] m, mean of a unit's undeformed tips in P

@@ -101,7 +101,7 @@ const ContactFrame& ArticulatedBench::frame() const { return world_->frame; }
 
 // Tips inside the surface are pressed in; then the contacts take up the rest of their load while the pad rests.
 void ArticulatedBench::World::place(const Pose& pad) {
-  contact->begin_on(data.get(), surface, pad);
+  contact->begin_on(model.get(), data.get(), surface, pad);
   for (int k = 0; k < ArticulatedSettings{}.settling_steps; ++k) {
     step_part(pad, pad, 0.0);
     contact->read(model.get(), data.get(), 0.0, dt);

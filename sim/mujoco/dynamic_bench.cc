@@ -195,7 +195,6 @@ void DynamicBench::State::start(const Scene& scene) {
     stage_dof = m()->jnt_dofadr[stage_joint];
     prescribe(0.0);
   }
-  if (articulated) press_tips_in();
 }
 
 // MuJoCo's solver measures what is small by the mean inertia. With the stage in it the solver would stop before it has begun, and

@@ -1,5 +1,7 @@
 // `fidelity: articulated` in scenes whose bodies move by forces: what the program makes of them, and what it refuses.
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -66,6 +68,57 @@ TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
     ASSERT_LT((pad.position - told.position).norm() + (pad.rotation - told.rotation).norm(), 1e-15) << tick;
   }
   EXPECT_GT(slipping, 1000U) << "the comparison has seen a slide";
+}
+
+// A free box that the fingers press unequally is where the scene puts it when the run begins, not where the presses balance: a pillar
+// whose tip lies z behind its pad's origin stands 0.27 mm - z in the box's face, 0.1 mm less on the left of a box that is 0.1 mm to the
+// right, and so much more on the right.
+TEST(ArticulatedScene, RunBeginsWithThePressesOfTheScenesPoses) {
+  const ModelFolder folder;
+  folder.write("fingers.xml", two_fingers(""));
+  const double aside = 0.1e-3;
+  for (const std::string mass : {"100 g", "5 g"}) {
+    DynamicRig rig(replaced(replaced(held, "position: [0, 0, 0.1]", "position: [0.1 mm, 0, 0.1]"), "100 g", mass),
+                   folder.file("scene.yaml"));
+    rig.run_to(0.0);
+    const std::unique_ptr<Sensor> sensor = make_sensor(rig.scene().sensors.front(), 0, 0);
+    const PadLayout& layout = sensor->layout();
+    ASSERT_EQ(layout.elements.size(), layout.units.size());
+    for (const std::size_t pad : {0, 1}) {
+      for (std::size_t u = 0; u < layout.units.size(); ++u) {
+        const Element& pillar = layout.elements[u];
+        const double depth = 0.27e-3 - pillar.tip.z() + (pad == 0 ? -aside : aside);
+        EXPECT_NEAR(rig->contact(pad).contact_force(2, static_cast<Eigen::Index>(u)), pillar.k_normal * std::max(0.0, depth),
+                    1e-6)
+            << mass << ' ' << pad << ' ' << u;
+      }
+    }
+    EXPECT_EQ(rig.body("box").pose.position.x(), aside);
+  }
+}
+
+// A pad that stands still under a box of 100 g, 0.2 mm inside it, and no other: its springs throw it up by what they have stored, sum
+// k_n delta^2/2 over m g, less what the dashpots take.
+TEST(ArticulatedScene, ABoxPressedFromOneSideIsThrownByTheSpringsAlone) {
+  const ModelFolder folder;
+  folder.write("fingers.xml", "<mujoco><worldbody><site name='up' euler='180 0 0'/></worldbody></mujoco>");
+  DynamicRig rig(
+      "fidelity: articulated\nduration: 0.2 s\nfriction: {static: 0.5, kinetic: 0.5}\nmodel: fingers.xml\n"
+      "bodies: {box: {shape: box, size: [40 mm, 40 mm, 20 mm], mass: 100 g, position: [0, 0, 9.8 mm]}}\n"
+      "sensors: {pad: {type: papillarray, site: up, touches: [box]}}\n",
+      folder.file("scene.yaml"));
+  const std::unique_ptr<Sensor> sensor = make_sensor(rig.scene().sensors.front(), 0, 0);
+  double stored = 0.0, highest = 0.0;
+  for (const Element& pillar : sensor->layout().elements) {
+    const double depth = std::max(0.0, 0.2e-3 - pillar.tip.z());
+    stored += 0.5 * pillar.k_normal * depth * depth;
+  }
+  for (std::size_t tick = 0; tick < rig->ticks(); ++tick) {
+    rig->step();
+    highest = std::max(highest, rig.body("box").pose.position.z() - 9.8e-3);
+  }
+  EXPECT_LT(highest, stored / weight_of_100_g);
+  EXPECT_GT(highest, 0.2 * stored / weight_of_100_g);
 }
 
 // A tip is what it is, whatever the model says of joints, geoms and pairs that are not its own.
