@@ -77,12 +77,15 @@ void refuse_without_field(const Scene& scene) {
   }
 }
 
-double longest_articulated_step(const PadLayout& layout, std::span<const double> inverse_mass,
+double longest_articulated_step(const PadLayout& layout, std::span<const InverseMass> inverse_mass,
                                 const ArticulatedSettings& settings) {
   double longest = settings.longest_step;
   for (std::size_t i = 0; i < layout.elements.size(); ++i) {
-    const double r = settings.contact_stiffness / (1.0 - settings.impedance);
-    longest = std::min(longest, std::sqrt(settings.compliance_share * r / (layout.elements[i].k_normal * inverse_mass[i])));
+    const auto [most, least] = inverse_mass[i];
+    const double r = settings.contact_stiffness / (1.0 - settings.impedance), k_n = layout.elements[i].k_normal;
+    // Compliance of the contact by an inverse mass w: w dt^2/r (normal_slide()). By nothing, any step will do.
+    longest = std::min({longest, std::sqrt(settings.compliance_share * r / (k_n * most)),
+                        std::sqrt(settings.press_share * r / (k_n * (most - least)))});
   }
   return longest;
 }
@@ -112,7 +115,7 @@ void set_articulated_options(mjSpec* spec, const ArticulatedSettings& settings, 
 
 void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carrier, const PadLayout& layout,
                          std::span<const std::string> touched, Friction friction, const ArticulatedSettings& settings, double dt,
-                         const std::string& prefix, std::span<const double> inverse_mass) {
+                         const std::string& prefix, std::span<const InverseMass> inverse_mass) {
   check(layout, friction);
   for (std::size_t i = 0; i < layout.elements.size(); ++i) {
     const Element& element = layout.elements[i];
@@ -139,7 +142,7 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
     };
     slide("x", 0, element.k_tangential, sideways);
     slide("y", 1, element.k_tangential, sideways);
-    const double w = inverse_mass.empty() ? 0.0 : inverse_mass[i];
+    const double w = inverse_mass.empty() ? 0.0 : inverse_mass[i].most;
     slide("z", 2, normal_slide(element.k_normal, w, inwards, settings, dt), inwards);
 
     mjsGeom* tip = mjs_addGeom(body, nullptr);

@@ -47,6 +47,7 @@ struct ArticulatedSettings {
   // Tips that begin_on() pressed in come within 1e-9 of their loads in these (measured: a factor of 4 to 5 a step on tilted ones).
   int settling_steps = 30;
   double compliance_share = 0.25;  // of an element's compliance, that the bodies' inverse masses may make its contact
+  double press_share = 0.01;       // by which a press may be wrong on the body that moves least easily of those touched
 
   // The state rule, see ArticulatedContact.
   double cone_share = 1e-6;
@@ -61,22 +62,29 @@ void refuse_without_field(const Scene& scene);
 // longest_step.
 void set_articulated_options(mjSpec* spec, const ArticulatedSettings& settings, double dt);
 
+// How easily an element's carrier and what it touches move apart along its axis [1/kg], of the touched bodies that move the most and the
+// least easily. In a step as the discrete integrator sees them: with what joints' dampers and springs add to inertia.
+struct InverseMass {
+  double most = 0.0;
+  double least = 0.0;
+};
+
 // Adds one body with a spherical tip, two tangential slides and a normal slide to `carrier` for each element of the pad, in its
 // order, and a contact pair of each tip with each of the geoms named in `touched`. Tips touch nothing else. The touched geoms
-// should be declared before: the solver is several times slower the other way round. `inverse_mass` [1/kg]: how easily carrier and
-// touched body move apart along each element's axis, by which MuJoCo's contact gets softer and the slide must be stiffer; empty: not
-// at all. Bodies, joints and geoms are named
+// should be declared before: the solver is several times slower the other way round. `inverse_mass`: of each element; the most is
+// what MuJoCo's contact gets softer by and the slide must be stiffer for; empty: none. Bodies, joints and geoms are named
 // `<prefix>/<part>/<element>`. An element's dashpots become joint damping. Tips carry no weight (gravcomp). Defaults of the model
 // do not reach them.
 // Throws std::invalid_argument when a stiffness is not positive and finite, a dashpot is negative, an axis is not a unit vector, or
 // mu_static != mu_kinetic: MuJoCo knows one coefficient of friction.
 void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carrier, const PadLayout& layout,
                          std::span<const std::string> touched, Friction friction, const ArticulatedSettings& settings, double dt,
-                         const std::string& prefix, std::span<const double> inverse_mass = {});
+                         const std::string& prefix, std::span<const InverseMass> inverse_mass = {});
 
 // The longest step [s] for a pad on bodies with the given inverse masses: the recipe's, or that at which the contact itself is so
-// soft, by compliance_share, that a slide could no longer make up for it.
-double longest_articulated_step(const PadLayout& layout, std::span<const double> inverse_mass,
+// soft, by compliance_share, that a slide could no longer make up for it, or that at which the slide, which can do so for one body
+// only, makes a press on another wrong by press_share.
+double longest_articulated_step(const PadLayout& layout, std::span<const InverseMass> inverse_mass,
                                 const ArticulatedSettings& settings);
 
 // Puts a body with the free joint `joint` at `from`, moving so that it reaches `to` in a step of `dt` [s]. It is heavy and what

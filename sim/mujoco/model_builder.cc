@@ -5,8 +5,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -14,8 +16,10 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/mujoco/articulated.h"
+#include "sim/mujoco/geom_surface.h"
 #include "sim/mujoco/implicit.h"
 #include "sim/mujoco/register_plugin.h"
+#include "sim/mujoco/stability.h"
 
 namespace slipbench {
 namespace {
@@ -130,17 +134,18 @@ class Builder {
     const ModelPointer bare = compile(spec.get());
     refuse_articulated(bare.get());
     std::vector<Pose> sites;
-    std::vector<std::vector<double>> inverse_masses;
+    DataPointer data = start_of(bare.get());
     double longest = settings.longest_step;
     for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
       const int site = mj_name2id(bare.get(), mjOBJ_SITE, site_of(scene_.sensors[i]).c_str());
       const mjtNum* turn = bare->site_quat + 4 * site;
       sites.push_back({Eigen::Quaterniond(turn[0], turn[1], turn[2], turn[3]).toRotationMatrix(),
                        Eigen::Map<const Eigen::Vector3d>(bare->site_pos + 3 * site)});
-      inverse_masses.push_back(inverse_mass(bare.get(), i, site));
-      longest = std::min(longest, longest_articulated_step(*pads_[i], inverse_masses[i], settings));
+      longest = std::min(longest, longest_articulated_step(*pads_[i], inverse_masses(bare.get(), data.get(), i), settings));
     }
     const double dt = step_for(longest);
+    weigh_joints_down(bare.get(), dt);
+    data = start_of(bare.get());
     set_articulated_options(spec.get(), settings, dt);
     for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
       const SensorScene& sensor = scene_.sensors[i];
@@ -152,7 +157,7 @@ class Builder {
       mjsBody* carrier = mjs_getParent(mjs_findElement(spec.get(), mjOBJ_SITE, site_of(sensor).c_str()));
       add_articulated_pad(spec.get(), carrier, sites[i], layout, touched_[i],
                           {scene_.friction.static_coefficient, scene_.friction.kinetic_coefficient}, settings, dt,
-                          pillars_of(sensor), inverse_masses[i]);
+                          pillars_of(sensor), inverse_masses(bare.get(), data.get(), i));
     }
     ModelPointer model = compile(spec.get());
     for (const SensorScene& sensor : scene_.sensors) {
@@ -166,6 +171,13 @@ class Builder {
   }
 
  private:
+  using Jacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+
+  static Pose pose_at(const mjtNum* position, const mjtNum* rotation) {
+    return {Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation),
+            Eigen::Map<const Eigen::Vector3d>(position)};
+  }
+
   struct Vfs {
     Vfs() { mj_defaultVFS(&vfs); }
     ~Vfs() { mj_deleteVFS(&vfs); }
@@ -183,28 +195,73 @@ class Builder {
     return model;
   }
 
-  // For add_articulated_pad(): of the pad's body at each tip, and of the first touched body as a whole, since where on it the pad will
-  // come down may not be known yet. Both in the pose that the scene begins with.
-  [[nodiscard]] std::vector<double> inverse_mass(const mjModel* model, std::size_t sensor, int site) const {
-    using Jacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+  // The pose that the scene begins with.
+  static DataPointer start_of(const mjModel* model) {
     DataPointer data;
     call_mujoco([&] {
       data.reset(mj_makeData(model));
       mj_forward(model, data.get());
     });
-    const int object = model->geom_bodyid[mj_name2id(model, mjOBJ_GEOM, touched_[sensor].front().c_str())];
-    const Pose pad{Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data->site_xmat + 9 * site),
-                   Eigen::Map<const Eigen::Vector3d>(data->site_xpos + 3 * site)};
-    Jacobian of_object(3, model->nv), of_tip(3, model->nv);
-    mj_jacBodyCom(model, data.get(), of_object.data(), nullptr, object);
-    std::vector<double> result;
+    return data;
+  }
+
+  // Gives the joints the inertia m + c dt + k dt^2 that they have in a step of the discrete integrator.
+  static void weigh_joints_down(mjModel* model, double dt) {
+    for (int dof = 0; dof < model->nv; ++dof) model->dof_armature[dof] += dt * model->dof_damping[dof];
+    for (int joint = 0; joint < model->njnt; ++joint) {
+      if (model->jnt_type[joint] != mjJNT_SLIDE && model->jnt_type[joint] != mjJNT_HINGE) continue;
+      model->dof_armature[model->jnt_dofadr[joint]] += dt * dt * model->jnt_stiffness[joint];
+    }
+    call_mujoco([model] {
+      const DataPointer scratch(mj_makeData(model));
+      mj_setConst(model, scratch.get());
+    });
+  }
+
+  // For add_articulated_pad(), by element: of the pad's body at the tip and of every touched body where it is nearest to the tip: for
+  // there the tip will touch if it moves along its axis, and no lever is longer than the body.
+  [[nodiscard]] std::vector<InverseMass> inverse_masses(const mjModel* model, mjData* data, std::size_t sensor) const {
+    struct Touched {
+      int body;
+      Pose surface;
+      Surface shape;
+    };
+    std::vector<Touched> geoms;
+    for (const std::string& name : touched_[sensor]) {
+      const int geom = mj_name2id(model, mjOBJ_GEOM, name.c_str());
+      GeomSurface surface = surface_of_geom(model, geom);
+      geoms.push_back({model->geom_bodyid[geom],
+                       pose_at(data->geom_xpos + 3 * geom, data->geom_xmat + 9 * geom) * surface.in_geom,
+                       std::move(surface.shape)});
+    }
+    const int site = mj_name2id(model, mjOBJ_SITE, site_of(scene_.sensors[sensor]).c_str());
+    const Pose pad = pose_at(data->site_xpos + 3 * site, data->site_xmat + 9 * site);
+    std::vector<InverseMass> result;
     for (const Element& element : pads_[sensor]->elements) {
-      const Eigen::Vector3d tip = pad * element.tip;
-      mj_jac(model, data.get(), of_tip.data(), nullptr, tip.data(), model->site_bodyid[site]);
-      const Eigen::VectorXd row = (of_tip - of_object).transpose() * (pad.rotation * element.axis);
-      Eigen::VectorXd solved(model->nv);
-      mj_solveM(model, data.get(), solved.data(), row.data(), 1);
-      result.push_back(row.dot(solved));
+      const Eigen::Vector3d tip = pad * element.tip, axis = pad.rotation * element.axis;
+      struct Nearest {
+        double gap;
+        Eigen::Vector3d point;
+      };
+      std::map<int, Nearest> met;  // by body
+      for (const Touched& geom : geoms) {
+        const Eigen::Vector3d p = geom.surface.inverse() * tip, a = geom.surface.rotation.transpose() * axis;
+        const SurfacePoint at =
+            std::visit([&](const auto& shape) { return shape.at(p.x(), p.y(), p.z(), a.x(), a.y(), a.z()); }, geom.shape);
+        const Eigen::Vector3d point = geom.surface * Eigen::Vector3d(p - at.gap * Eigen::Vector3d(at.nx, at.ny, at.nz));
+        const auto [known, added] = met.try_emplace(geom.body, Nearest{at.gap, point});
+        if (!added && at.gap < known->second.gap) known->second = {at.gap, point};
+      }
+      RowMatrix along(static_cast<Eigen::Index>(met.size()), static_cast<Eigen::Index>(model->nv));
+      Jacobian of_tip(3, model->nv), of_object(3, model->nv);
+      mj_jac(model, data, of_tip.data(), nullptr, tip.data(), model->site_bodyid[site]);
+      Eigen::Index row = 0;
+      for (const auto& [body, nearest] : met) {
+        mj_jac(model, data, of_object.data(), nullptr, nearest.point.data(), body);
+        along.row(row++) = axis.transpose() * (of_tip - of_object);
+      }
+      const Eigen::VectorXd w = delassus(model, data, along).diagonal();
+      result.push_back({w.maxCoeff(), w.minCoeff()});
     }
     return result;
   }

@@ -149,11 +149,11 @@ TEST_F(HeldBox, IsCarriedByTheSamePillarsAndCreepsInNeither) {
       EXPECT_NEAR(frame.force.row(2).sum(), 4.0, 1e-5);
     }
   }
-  // A slide makes up for the softer contact between light bodies, but not for the box's turning and the dampers of the fingers:
-  // w = r^2/I + 1/(m + c dt) - 1/m = 1.1/kg and -1.8/kg, and k_n dt^2 w/15 (articulated.cc) is within 1e-3.
+  // A slide makes up for the softer contact between light bodies (articulated.cc): by k_n dt^2 w/15, 1.5 % here. What turning box and
+  // damped fingers add to w, some 1/kg each, would be 5e-4.
   for (const std::size_t pad : {0, 1}) {
     const auto press = [pad](DynamicRig& of) -> Eigen::ArrayXd { return of->contact(pad).contact_force.row(2); };
-    EXPECT_LT((press(pillars) - press(field)).abs().maxCoeff(), 1e-3 * press(field).maxCoeff());
+    EXPECT_LT((press(pillars) - press(field)).abs().maxCoeff(), 1e-4 * press(field).maxCoeff());
   }
   // At most 0.05 um/s, a tenth of the bar, and the same sag of m g/(10 k_t) = 25 um as exactly as k_t is known.
   EXPECT_LT((field.body("box").pose.position - of_field).norm(), 0.2 * 0.05e-6);
