@@ -270,14 +270,28 @@ const ContactFrame& ArticulatedContact::read(const mjModel* model, const mjData*
   unit_rules::judge_pad(frame_, elements_);
   frame_.slip_angle += unit_rules::fit_slip_motion(frame_, undeformed_, hardest_plane_) * dt;
 
+  report_events(time, dt);
+  return frame_;
+}
+
+void ArticulatedContact::begin_run(double time) {
+  std::ranges::fill(path_, 0.0);
+  std::ranges::fill(before_, Tip{});
+  frame_.time = time;
+  frame_.slip_distance.setZero();
+  frame_.slip_angle = 0.0;
+  report_events(time, 0.0);
+}
+
+// Of what has changed since the tips were as in before_.
+void ArticulatedContact::report_events(double time, double dt) {
   frame_.events.clear();
   changes_.clear();
-  for (std::size_t i = 0; read_before_ && i < tips_.size(); ++i) {
+  for (std::size_t i = 0; i < tips_.size(); ++i) {
     if (tips_[i].state == before_[i].state) continue;
     const auto element = static_cast<std::uint32_t>(i);
     changes_.push_back({{fraction_of_change(i, dt), element, before_[i].state, tips_[i].state}, unit_of_element_[i]});
   }
-  read_before_ = true;
   const auto count_before = [this](std::uint32_t unit) {
     unit_rules::Count count;
     const UnitRange& range = layout_.units[unit];
@@ -285,7 +299,6 @@ const ContactFrame& ArticulatedContact::read(const mjModel* model, const mjData*
     return count;
   };
   unit_rules::report_unit_events(changes_, count_before, time, dt, frame_.events);
-  return frame_;
 }
 
 // The rotations, contacts and Jacobian in mjData after mj_step() are those of the step's start, where the solver found the forces,

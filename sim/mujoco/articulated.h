@@ -120,8 +120,12 @@ class ArticulatedContact {
   void take_presses(const mjModel* model, mjData* data, const mjModel* held, const mjData* settled) const;
 
   // Reads the contact after mj_step() of `dt` that ended at `time` [s]; to be called once after every step, before anything else
-  // changes the data. What the first call finds makes no events.
+  // changes the data.
   const ContactFrame& read(const mjModel* model, const mjData* data, double time, double dt);
+
+  // Takes the steps read so far for the settling of tips: the run begins at `time` [s], nothing has slipped or turned yet, and what
+  // touches begins to at that instant, as on a Field.
+  void begin_run(double time);
 
   [[nodiscard]] const ContactFrame& frame() const { return frame_; }
   // The tips' bodies, by element.
@@ -144,6 +148,7 @@ class ArticulatedContact {
 
   void gather(const mjModel* model, const mjData* data);
   [[nodiscard]] ElementState judge(const Tip& tip) const;
+  void report_events(double time, double dt);
   [[nodiscard]] double fraction_of_change(std::size_t i, double dt) const;
   void sum_units(const mjData* data);
 
@@ -161,7 +166,6 @@ class ArticulatedContact {
   std::vector<double> constraint_velocity_;
   std::vector<unit_rules::UnitEvent> changes_;
   unit_rules::Count elements_;
-  bool read_before_ = false;
   ContactFrame frame_;
 };
 

@@ -50,7 +50,7 @@ struct ArticulatedBench::World {
   Pose pose;
   ContactFrame frame;
 
-  void place(const Pose& pad);
+  void place(const Pose& pad, double time);
   void step_part(const Pose& from, const Pose& to, double time);
 };
 
@@ -100,12 +100,13 @@ ArticulatedBench::~ArticulatedBench() = default;
 const ContactFrame& ArticulatedBench::frame() const { return world_->frame; }
 
 // Tips inside the surface are pressed in; then the contacts take up the rest of their load while the pad rests.
-void ArticulatedBench::World::place(const Pose& pad) {
+void ArticulatedBench::World::place(const Pose& pad, double time) {
   contact->begin_on(model.get(), data.get(), surface, pad);
   for (int k = 0; k < ArticulatedSettings{}.settling_steps; ++k) {
-    step_part(pad, pad, 0.0);
-    contact->read(model.get(), data.get(), 0.0, dt);
+    step_part(pad, pad, time);
+    contact->read(model.get(), data.get(), time, dt);
   }
+  contact->begin_run(time);
 }
 
 void ArticulatedBench::World::step_part(const Pose& from, const Pose& to, double time) {
@@ -117,10 +118,13 @@ void ArticulatedBench::World::step_part(const Pose& from, const Pose& to, double
 
 const ContactFrame& ArticulatedBench::step(const Pose& pad_in_surface, double time) {
   World& w = *world_;
-  const Pose from = w.placed ? w.pose : pad_in_surface;
-  if (!w.placed) w.place(pad_in_surface);
-  w.placed = true;
-  w.pose = pad_in_surface;
+  if (!w.placed) {
+    w.place(pad_in_surface, time);
+    w.placed = true;
+    w.pose = pad_in_surface;
+    return w.frame = w.contact->frame();
+  }
+  const Pose from = std::exchange(w.pose, pad_in_surface);
 
   const Eigen::Quaterniond start(from.rotation), end(pad_in_surface.rotation);
   std::vector<ContactEvent> events;

@@ -84,7 +84,10 @@ void DynamicBench::State::settle_tips() {
       }
     }
   }
-  for (const Pad& pad : pads) pad.pillars->take_presses(m(), d(), held.get(), settled.get());
+  for (const Pad& pad : pads) {
+    pad.pillars->take_presses(m(), d(), held.get(), settled.get());
+    pad.pillars->begin_run(0.0);
+  }
 }
 
 // The recipe's soft friction is right for tips alone: a box that is dragged over a table under it rocks and slides at a fraction of

@@ -47,10 +47,7 @@ Agreement compare(const PadLayout& pad, const Surface& surface, double duration,
     field.step(pose(time), dt);
     const ContactFrame& truth = labels.update({&field, 1}, time, dt);
     const ContactFrame& other = bench.step(pose(time), time);
-    // The first step places both. The field calls what it finds there a touch.
-    for (const ContactEvent& event : truth.events) {
-      if (tick > 0) of_field[{event.unit, event.kind}].push_back(event.time);
-    }
+    for (const ContactEvent& event : truth.events) of_field[{event.unit, event.kind}].push_back(event.time);
     for (const ContactEvent& event : other.events) of_bench[{event.unit, event.kind}].push_back(event.time);
     const double apart = (truth.force - other.force).abs().maxCoeff();
     result.worst_force = std::max(result.worst_force, apart);
@@ -99,6 +96,17 @@ void expect_agreement(const PadLayout& pad, const std::function<Pose(double)>& p
 TEST(ArticulatedAgainstField, PressAndSlide) {
   expect_agreement(
       oracle::nine_pillars(1, k_n, k_t), [](double t) { return at(4e-3 * std::max(0.0, t - 0.1), press(t)); }, 27);
+}
+
+// Pressed in from the start: all touch at 0 s in both, and no pillar has a press to take up.
+TEST(ArticulatedAgainstField, ASlideThatBeginsInContact) {
+  const Agreement agreement = compare(oracle::nine_pillars(1, k_n, k_t), Plane{}, 1.5,
+                                      [](double t) { return at(4e-3 * std::max(0.0, t - 0.1), press(1.0)); });
+  EXPECT_LT(agreement.worst_force, 1e-3);
+  EXPECT_LT(agreement.worst_time, 0.3 * dt);
+  EXPECT_EQ(agreement.events, 27U);
+  EXPECT_EQ(agreement.unmatched, 0U);
+  EXPECT_EQ(agreement.states_apart, 0.0);
 }
 
 // Touches of all; micro, slip and stick of the corners, which let go after 1.037 mm x mu k_n/(k_t v) = 0.778 s; the edges would after

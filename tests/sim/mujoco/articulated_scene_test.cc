@@ -1,8 +1,10 @@
 // `fidelity: articulated` in scenes whose bodies move by forces: what the program makes of them, and what it refuses.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -85,13 +87,24 @@ TEST(ArticulatedScene, RunBeginsWithThePressesOfTheScenesPoses) {
     const PadLayout& layout = sensor->layout();
     ASSERT_EQ(layout.elements.size(), layout.units.size());
     for (const std::size_t pad : {0, 1}) {
+      std::vector<std::uint32_t> touching;
       for (std::size_t u = 0; u < layout.units.size(); ++u) {
         const Element& pillar = layout.elements[u];
         const double depth = 0.27e-3 - pillar.tip.z() + (pad == 0 ? -aside : aside);
         EXPECT_NEAR(rig->contact(pad).contact_force(2, static_cast<Eigen::Index>(u)), pillar.k_normal * std::max(0.0, depth),
                     1e-6)
             << mass << ' ' << pad << ' ' << u;
+        if (depth > 0.0) touching.push_back(static_cast<std::uint32_t>(u));
       }
+      // As with fields, what touches at the start begins to at 0 s.
+      std::vector<std::uint32_t> touched;
+      for (const ContactEvent& event : rig->contact(pad).events) {
+        EXPECT_EQ(event.time, 0.0);
+        EXPECT_EQ(event.kind, EventKind::touch);
+        touched.push_back(event.unit);
+      }
+      EXPECT_EQ(touched, touching);
+      EXPECT_TRUE((rig->contact(pad).slip_distance == 0.0).all());
     }
     EXPECT_EQ(rig.body("box").pose.position.x(), aside);
   }
