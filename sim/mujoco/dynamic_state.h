@@ -95,6 +95,10 @@ struct DynamicBench::State {
 
   [[nodiscard]] const mjModel* m() const { return model.get(); }
   [[nodiscard]] mjData* d() const { return data.get(); }
+  [[nodiscard]] Eigen::Vector3d gravity() const {
+    if ((m()->opt.disableflags & mjDSBL_GRAVITY) != 0) return Eigen::Vector3d::Zero();
+    return MjVector(m()->opt.gravity);
+  }
   [[nodiscard]] Pose pad_pose(const Pad& pad) const {
     return pose_at(d()->site_xpos + 3 * pad.site, d()->site_xmat + 9 * pad.site);
   }

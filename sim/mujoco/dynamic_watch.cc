@@ -25,7 +25,7 @@ void DynamicBench::State::find_watched(const WatchLimits& limits) {
     if (!is_free || m()->body_subtreemass[body] != m()->body_mass[body]) continue;
     WeighedBody weighed_body{body, m()->body_dofadr[body], WeightRule(limits), {}};
     weighed_body.now.mass = m()->body_mass[body];
-    weighed_body.now.weight = weighed_body.now.mass * (1.0 - m()->body_gravcomp[body]) * MjVector(m()->opt.gravity);
+    weighed_body.now.weight = weighed_body.now.mass * (1.0 - m()->body_gravcomp[body]) * gravity();
     weighed.push_back(std::move(weighed_body));
   }
   const Eigen::Index nv = m()->nv;
@@ -36,12 +36,12 @@ void DynamicBench::State::find_watched(const WatchLimits& limits) {
 
 // Work of the weights since the tick before [J].
 double DynamicBench::State::weight_work() {
-  const MjVector gravity(m()->opt.gravity);
+  const Eigen::Vector3d pull = gravity();
   double work = 0.0;
   for (const int body : moving) {
     const MjVector now(d()->xipos + 3 * body);
     work += m()->body_mass[body] * (1.0 - m()->body_gravcomp[body]) *
-            gravity.dot(now - MjVector(&centres[3 * static_cast<std::size_t>(body)]));
+            pull.dot(now - MjVector(&centres[3 * static_cast<std::size_t>(body)]));
   }
   return work;
 }

@@ -320,6 +320,7 @@ class Builder {
     if (scene_.gravity || scene_.model.empty()) {
       spec->option.gravity[0] = spec->option.gravity[1] = 0.0;
       spec->option.gravity[2] = -scene_.gravity.value_or(earth_gravity);
+      spec->option.disableflags &= ~mjDSBL_GRAVITY;
     }
     spec->option.disableflags |= mjDSBL_AUTORESET;
     if (scene_.model.empty()) {

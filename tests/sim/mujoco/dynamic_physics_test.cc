@@ -221,6 +221,21 @@ TEST(DynamicBench, EveryShapeComesToRestOnATable) {
   }
 }
 
+// A model whose flag takes gravity away, and a scene that brings its own.
+TEST(DynamicPhysics, GravityIsThatOfMuJoCo) {
+  for (const std::string fidelity : {"field", "articulated"}) {
+    for (const double g : {0.0, 9.81}) {
+      const ModelFolder folder;
+      folder.write("fingers.xml", two_fingers("> <flag gravity='disable'/></option><option "));
+      DynamicRig rig(held_box("duration: 0.5 s\ncontrols: {left: 4 N, right: 4 N}\nfidelity: " + fidelity +
+                              (g > 0.0 ? "\ngravity: 9.81\n" : "\n")),
+                     folder.file("scene.yaml"));
+      rig.run();
+      EXPECT_NEAR(rig->contact(0).force.row(0).sum(), -0.5 * 0.1 * g, 1e-4) << fidelity;
+    }
+  }
+}
+
 // A free body's own velocity, and gravity 0: it goes straight on.
 TEST(DynamicBench, BodyStartsWithItsVelocityAndWithoutGravityKeepsIt) {
   DynamicRig rig(
