@@ -8,9 +8,13 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/quantity.h"
 
 namespace slipbench {
 namespace {
+
+// The default of `damping` [s]. By it a slip begins early.
+constexpr double longest_dashpot_time = 1e-3;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -74,6 +78,14 @@ void refuse_without_field(const Scene& scene) {
   }
   if (scene.friction.static_coefficient != scene.friction.kinetic_coefficient) {
     throw SceneValueError("friction", "articulated pads have one coefficient of friction; allowed: kinetic equal to static");
+  }
+  for (const SensorScene& sensor : scene.sensors) {
+    if (sensor.damping <= longest_dashpot_time) continue;
+    throw SceneValueError("sensors." + sensor.name + ".damping",
+                          format_quantity(sensor.damping, Quantity::time) +
+                              ": articulated pads' dashpots are joint damping, which the labels contain and the friction cone "
+                              "does not hold; allowed: 0 to " +
+                              format_quantity(longest_dashpot_time, Quantity::time) + ", or fidelity: field");
   }
 }
 

@@ -54,7 +54,9 @@ struct ArticulatedSettings {
   double creep_speed = 1e-6;  // m/s
 };
 
-// Throws SceneValueError for what articulated pads cannot have: effects, and a kinetic friction that is not the static one.
+// Throws SceneValueError for what articulated pads cannot have: effects, a kinetic friction that is not the static one, and `damping`
+// above 1 ms: as joint damping it is in the labels and not held in the friction cone, so that a pillar drawn at a steady speed slips
+// early by the dashpot's time.
 void refuse_without_field(const Scene& scene);
 
 // Sets the recipe's model-wide options for steps of `dt` [s]: integrator discrete, elliptic cone, Newton, impratio, noslip, the

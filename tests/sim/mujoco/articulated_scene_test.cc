@@ -134,6 +134,35 @@ TEST(ArticulatedScene, ABoxPressedFromOneSideIsThrownByTheSpringsAlone) {
   EXPECT_GT(highest, 0.2 * stored / weight_of_100_g);
 }
 
+// Drawn at v, a pillar under f_n with a dashpot tau beside its spring k_t is held by k_t v (t + tau), and slips at mu f_n: tau before the
+// field's pillar, whose labels see springs alone. Early beyond that by a free tip's damping, 0.6 sqrt(m/k_t) = 30 us; late by 0.2 steps
+// of trailing (articulated_bench_test.cc) and by 0.17 of a step, for a slip that begins at the share s of one gets but to (1 - s) v/2 by
+// its end while the dashpot lets go (tau = h), and is then looked for at 2 s/(1 + s). The stage takes 1 ms to get to its speed and so is
+// half of that behind.
+TEST(ArticulatedScene, StageSlideIsEarlyByTheDashpotsTime) {
+  const double speed = 8e-3, start = 0.5 + 0.5e-3, tau = 1e-3, dt = 1e-3, early = 0.6 * std::sqrt(1e-5 / 3900.0);
+  DynamicRig rig(
+      "fidelity: articulated\nduration: 0.8 s\ntime_step: 1 ms\nfriction: {static: 0.5, kinetic: 0.5}\n"
+      "motion: {kind: stage, compression: 0.8 mm, speed: 8 mm/s, acceleration: 8 m/s2, start: 0.5 s}\n"
+      "bodies: {floor: {shape: plane}}\nsensors: {pad: {type: papillarray, touches: [floor]}}\n");
+  ASSERT_EQ(rig.scene().sensors.front().damping, tau) << "the default";
+  const std::unique_ptr<Sensor> sensor = make_sensor(rig.scene().sensors.front(), 0, 0);
+  const PadLayout& layout = sensor->layout();
+  std::vector<double> slips(layout.units.size(), 0.0);
+  for (std::size_t tick = 0; tick < rig->ticks(); ++tick) {
+    rig->step();
+    for (const ContactEvent& event : rig->contact(0).events) {
+      if (event.kind == EventKind::slip) slips[event.unit] = event.time;
+    }
+  }
+  for (std::size_t u = 0; u < slips.size(); ++u) {
+    const Element& pillar = layout.elements[u];
+    const double of_field = start + 0.5 * pillar.k_normal * (0.8e-3 - pillar.tip.z()) / (pillar.k_tangential * speed);
+    EXPECT_GT(slips[u], of_field - tau - early) << u;
+    EXPECT_LT(slips[u], of_field - tau + 0.4 * dt) << u;
+  }
+}
+
 // A tip is what it is, whatever the model says of joints, geoms and pairs that are not its own.
 TEST(ArticulatedScene, DefaultsOfTheModelDoNotReachThePillars) {
   const auto height = [](const std::string& defaults) {
@@ -230,6 +259,10 @@ TEST(ArticulatedScene, LightBoxIsPressedAsAHeavyOne) {
 }
 
 TEST(ArticulatedScene, WhatOnlyAFieldCanDoIsRefused) {
+  EXPECT_EQ(answer(replaced(held, "site: right_pad,", "site: right_pad, damping: 1.1 ms,")),
+            "sensors.right.damping: 1.1 ms: articulated pads' dashpots are joint damping, which the labels contain and the "
+            "friction cone "
+            "does not hold; allowed: 0 to 1 ms, or fidelity: field");
   EXPECT_EQ(answer(held + "effects: [ageing]\n"), "effects: articulated pads have none; allowed: none, or fidelity: field");
   EXPECT_EQ(answer(replaced(held, "kinetic: 0.5", "kinetic: 0.4")),
             "friction: articulated pads have one coefficient of friction; allowed: kinetic equal to static");
