@@ -287,7 +287,7 @@ TEST(ArticulatedScene, ModelsThatWouldHaveOtherPillarsAreRefused) {
               StartsWith("model: its compiler makes a pillar's tip weigh 0.001 kg, not 1e-05 kg"));
 }
 
-// A table under the box: MuJoCo's own friction is wrong by half beside the pillars' recipe.
+// A table under the box: beside the pillars' recipe MuJoCo's own friction is a fraction of mu f_n (sim/mujoco/README.md).
 TEST(ArticulatedScene, FrictionOfOtherContactsIsRefusedWhenItComes) {
   const std::string table = replaced(held, "bodies: {", "bodies: {table: {shape: plane, position: [0, 0, 0.06]}, ");
   EXPECT_EQ(answer(table), "accepted") << "10 mm under the box, which hangs";
