@@ -54,9 +54,9 @@ struct ArticulatedSettings {
   double creep_speed = 1e-6;  // m/s
 };
 
-// Throws SceneValueError for what articulated pads cannot have: effects, a kinetic friction that is not the static one, and `damping`
-// above 1 ms: as joint damping it is in the labels and not held in the friction cone, so that a pillar drawn at a steady speed slips
-// early by the dashpot's time.
+// Throws SceneValueError for what articulated pads cannot have: effects, a kinetic friction that is not the static one, and
+// `damping` above 1 ms: as joint damping it is in the labels and not held in the friction cone, so that a pillar drawn at a steady
+// speed slips early by the dashpot's time.
 void refuse_without_field(const Scene& scene);
 
 // Sets the recipe's model-wide options for steps of `dt` [s]: integrator discrete, elliptic cone, Newton, impratio, noslip, the
@@ -64,8 +64,8 @@ void refuse_without_field(const Scene& scene);
 // longest_step.
 void set_articulated_options(mjSpec* spec, const ArticulatedSettings& settings, double dt);
 
-// How easily an element's carrier and what it touches move apart along its axis [1/kg], of the touched bodies that move the most and the
-// least easily. In a step as the discrete integrator sees them: with what joints' dampers and springs add to inertia.
+// How easily an element's carrier and what it touches move apart along its axis [1/kg], of the touched bodies that move the most
+// and the least easily. In a step as the discrete integrator sees them: with what joints' dampers and springs add to inertia.
 struct InverseMass {
   double most = 0.0;
   double least = 0.0;
@@ -114,8 +114,8 @@ class ArticulatedContact {
   // has come to rest, sideways nothing is strained. For data as mj_makeData() leaves it; of several surfaces the deepest counts.
   void begin_on(const mjModel* model, mjData* data, const Surface& surface, const Pose& pad_in_surface) const;
 
-  // Makes of `held`, a copy of the model in which nothing but tips can give way, one whose slides suit that: there is no inverse mass
-  // to make up for, and dashpots, which at rest do nothing, would only delay the rest.
+  // Makes of `held`, a copy of the model in which nothing but tips can give way, one whose slides suit that: there is no inverse
+  // mass to make up for, and dashpots, which at rest do nothing, would only delay the rest.
   void suit_to_held(mjModel* held) const;
 
   // Puts the tips where they press as they do in `settled`, data of `held`. Only their positions change.

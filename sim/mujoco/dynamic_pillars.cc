@@ -46,8 +46,8 @@ void DynamicBench::State::press_tips_in(const mjModel* held, mjData* settled) co
 }
 
 // Steps in which only the tips move, without weights, so that they take up their loads before the run begins. As the stage is, what
-// is not a tip is deaf to what it touches and overwritten before every step: were it to give way within a step, the pads would push it
-// to where their forces balance.
+// is not a tip is deaf to what it touches and overwritten before every step: were it to give way within a step, the pads would push
+// it to where their forces balance.
 void DynamicBench::State::settle_tips() {
   const ModelPointer held(mj_copyModel(nullptr, m()));
   std::vector<bool> of_tip(static_cast<std::size_t>(m()->nv), false);

@@ -218,8 +218,8 @@ class Builder {
     });
   }
 
-  // For add_articulated_pad(), by element: of the pad's body at the tip and of every touched body where it is nearest to the tip: for
-  // there the tip will touch if it moves along its axis, and no lever is longer than the body.
+  // For add_articulated_pad(), by element: of the pad's body at the tip and of every touched body where it is nearest to the tip:
+  // for there the tip will touch if it moves along its axis, and no lever is longer than the body.
   [[nodiscard]] std::vector<InverseMass> inverse_masses(const mjModel* model, mjData* data, std::size_t sensor) const {
     struct Touched {
       int body;

@@ -157,8 +157,8 @@ TEST_F(HeldBox, IsCarriedByTheSamePillarsAndCreepsInNeither) {
       EXPECT_NEAR(frame.force.row(2).sum(), 4.0, 1e-5);
     }
   }
-  // A slide makes up for the softer contact between light bodies (articulated.cc): by k_n dt^2 w/15, 1.5 % here. What turning box and
-  // damped fingers add to w, some 1/kg each, would be 5e-4.
+  // A slide makes up for the softer contact between light bodies (articulated.cc): by k_n dt^2 w/15, 1.5 % here. What turning box
+  // and damped fingers add to w, some 1/kg each, would be 5e-4.
   for (const std::size_t pad : {0, 1}) {
     const auto press = [pad](DynamicRig& of) -> Eigen::ArrayXd { return of->contact(pad).contact_force.row(2); };
     EXPECT_LT((press(pillars) - press(field)).abs().maxCoeff(), 1e-4 * press(field).maxCoeff());

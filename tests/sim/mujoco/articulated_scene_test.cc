@@ -72,9 +72,9 @@ TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
   EXPECT_GT(slipping, 1000U) << "the comparison has seen a slide";
 }
 
-// A free box that the fingers press unequally is where the scene puts it when the run begins, not where the presses balance: a pillar
-// whose tip lies z behind its pad's origin stands 0.27 mm - z in the box's face, 0.1 mm less on the left of a box that is 0.1 mm to the
-// right, and so much more on the right.
+// A free box that the fingers press unequally is where the scene puts it when the run begins, not where the presses balance: a
+// pillar whose tip lies z behind its pad's origin stands 0.27 mm - z in the box's face, 0.1 mm less on the left of a box that is
+// 0.1 mm to the right, and so much more on the right.
 TEST(ArticulatedScene, RunBeginsWithThePressesOfTheScenesPoses) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
@@ -110,8 +110,8 @@ TEST(ArticulatedScene, RunBeginsWithThePressesOfTheScenesPoses) {
   }
 }
 
-// A pad that stands still under a box of 100 g, 0.2 mm inside it, and no other: its springs throw it up by what they have stored, sum
-// k_n delta^2/2 over m g, less what the dashpots take.
+// A pad that stands still under a box of 100 g, 0.2 mm inside it, and no other: its springs throw it up by what they have stored,
+// sum k_n delta^2/2 over m g, less what the dashpots take.
 TEST(ArticulatedScene, ABoxPressedFromOneSideIsThrownByTheSpringsAlone) {
   const ModelFolder folder;
   folder.write("fingers.xml", "<mujoco><worldbody><site name='up' euler='180 0 0'/></worldbody></mujoco>");
@@ -134,11 +134,11 @@ TEST(ArticulatedScene, ABoxPressedFromOneSideIsThrownByTheSpringsAlone) {
   EXPECT_GT(highest, 0.2 * stored / weight_of_100_g);
 }
 
-// Drawn at v, a pillar under f_n with a dashpot tau beside its spring k_t is held by k_t v (t + tau), and slips at mu f_n: tau before the
-// field's pillar, whose labels see springs alone. Early beyond that by a free tip's damping, 0.6 sqrt(m/k_t) = 30 us; late by 0.2 steps
-// of trailing (articulated_bench_test.cc) and by 0.17 of a step, for a slip that begins at the share s of one gets but to (1 - s) v/2 by
-// its end while the dashpot lets go (tau = h), and is then looked for at 2 s/(1 + s). The stage takes 1 ms to get to its speed and so is
-// half of that behind.
+// Drawn at v, a pillar under f_n with a dashpot tau beside its spring k_t is held by k_t v (t + tau), and slips at mu f_n: tau
+// before the field's pillar, whose labels see springs alone. Early beyond that by 0.6 sqrt(m/k_t) = 30 us, a free tip's damping, and
+// late by 0.2 steps of trailing (articulated_bench_test.cc) and by 0.17 of a step, for a slip that begins at the share s of one
+// gets but to (1 - s) v/2 by its end while the dashpot lets go (tau = h), and is then looked for at 2 s/(1 + s). The stage takes 1
+// ms to get to its speed and so is half of that behind.
 TEST(ArticulatedScene, StageSlideIsEarlyByTheDashpotsTime) {
   const double speed = 8e-3, start = 0.5 + 0.5e-3, tau = 1e-3, dt = 1e-3, early = 0.6 * std::sqrt(1e-5 / 3900.0);
   DynamicRig rig(
@@ -209,8 +209,8 @@ double allowed_step(const std::string& message) {
   return parse_quantity(message.substr(message.find("up to ") + 6), Quantity::time);
 }
 
-// The contact may be a quarter of the compliance: h = sqrt(0.25 15/(k_n w)) with the 7.1 kN/m of a pillar and w of the corners, 7 mm
-// from the middle both ways, on the box and its finger of 50 g.
+// The contact may be a quarter of the compliance: h = sqrt(0.25 15/(k_n w)) with the 7.1 kN/m of a pillar and w of the corners, 7
+// mm from the middle both ways, on the box and its finger of 50 g.
 TEST(ArticulatedScene, StepIsLimitedByTheLightestBody) {
   const std::string light = replaced(held, "mass: 100 g", "mass: 1 g");
   EXPECT_NEAR(allowed_step(answer(light)), std::sqrt(0.25 * 15.0 / (7100.0 * (box_gives_way(1e-3, 7e-3, 7e-3) + 1.0 / 50e-3))),
@@ -225,16 +225,16 @@ const std::string with_wall =
                       "touches: [wall, box]"),
              "touches: [box]", "touches: [wall, box]");
 
-// A slide makes up for one body. Of the wall, which does not move, a press may be wrong by 1 %: h = sqrt(0.01 15/(k_n w)), w that by which
-// the box moves the more easily.
+// A slide makes up for one body. Of the wall, which does not move, a press may be wrong by 1 %: h = sqrt(0.01 15/(k_n w)), w that
+// by which the box moves the more easily.
 TEST(ArticulatedScene, StepIsLimitedByBodiesThatMoveUnalike) {
   EXPECT_NEAR(allowed_step(answer(replaced(with_wall, "mass: 100 g", "mass: 5 g"))),
               std::sqrt(0.01 * 15.0 / (7100.0 * box_gives_way(5e-3, 7e-3, 7e-3))), 2e-6);
 }
 
-// 4 N on five of nine pillars, four of them 0.2 mm shorter: f + 4 (f - k_n 0.2 mm) = 4 N. That MuJoCo's contact gets softer on light
-// bodies (by w h^2/15, 7 % of a pillar's compliance at 2 g and 0.5 ms) is made up for, whichever of the touched bodies is named first,
-// with the box's turning and the dampers of the fingers (5 N s/m, which are 50 g + 5 N s/m h to a step).
+// 4 N on five of nine pillars, four of them 0.2 mm shorter: f + 4 (f - k_n 0.2 mm) = 4 N. That MuJoCo's contact gets softer on
+// light bodies (by w h^2/15, 6 % of a pillar's compliance at 2 g and 0.5 ms) is made up for, whichever of the touched bodies is
+// named first, with the box's turning and the dampers of the fingers (5 N s/m, which are 50 g + 5 N s/m h to a step).
 TEST(ArticulatedScene, LightBoxIsPressedAsAHeavyOne) {
   const double middle = (4.0 + 4.0 * 7100.0 * 0.2e-3) / 5.0, edge = middle - 7100.0 * 0.2e-3;
   const std::string at_500_hz = "type: papillarray, rate: 500 Hz";
