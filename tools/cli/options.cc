@@ -83,7 +83,8 @@ compression and speed as many sequences are drawn with replacement as there are;
 choosing options, the other five make the figures. Then all sequences train the classifier that is saved.
 
 Encoders: shdc (pillars of one frame), sthdc (over a window), gsthdc (with graphs, over a window). --context is gsthdc's default only.
-Labels: strict and micro are the truth (a pillar slips as a whole, or in part), paper is the published rule of tip speed.
+Labels: strict and micro are the truth (a pillar slips as a whole, or in part), paper is the published rule of tip speed;
+with has_slipped a pillar that slipped so counts until it loses contact, whether it still moves or not.
 
 Examples:
   slipbench train hexapod.h5 -o memories
@@ -306,7 +307,7 @@ Parser::Parser() {
       ->add_option("--slip", slip_rule,
                    fmt::format("When a pillar counts as slipping: {} (default: strict)", fmt::join(slip_rule_names(), ", ")))
       ->option_text("RULE");
-  exporting->add_option("--label-speed", label_speed, "Tip speed above which the rule paper says slip (default: 0.1 mm/s)")
+  exporting->add_option("--label-speed", label_speed, "Tip speed above which paper and has_slipped say slip (default: 0.1 mm/s)")
       ->option_text("SPEED");
   exporting->add_option("--sensor", options.sensor, "The scene's name of the sensor (default: the only one)")
       ->option_text("NAME");

@@ -25,8 +25,10 @@ namespace {
 
 constexpr std::array<std::pair<const char*, ExportFormat>, 2> formats{
     {{"vendor-csv", ExportFormat::vendor_csv}, {"training-csv", ExportFormat::training_csv}}};
-constexpr std::array<std::pair<const char*, SlipRule>, 3> rules{
-    {{"strict", SlipRule::strict}, {"micro", SlipRule::micro}, {"paper", SlipRule::paper}}};
+constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
+                                                                 {"micro", SlipRule::micro},
+                                                                 {"paper", SlipRule::paper},
+                                                                 {"has_slipped", SlipRule::has_slipped}}};
 
 template <class Table>
 std::vector<std::string> names_of(const Table& table) {
@@ -133,8 +135,11 @@ std::string slip_rule_name(SlipRule rule) {
 
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
                                         const ExportOptions& options) {
-  if (options.label_speed && options.slip_rule != SlipRule::paper) {
-    throw InputError("a label speed was given, which only the slip rule 'paper' has; allowed: --label-speed with --slip paper");
+  if (options.label_speed && options.slip_rule != SlipRule::paper && options.slip_rule != SlipRule::has_slipped) {
+    throw InputError(
+        fmt::format("a label speed was given, which the slip rule '{}' does not have; allowed: --label-speed with "
+                    "--slip paper or --slip has_slipped",
+                    slip_rule_name(options.slip_rule)));
   }
   // A path holds no zero byte, which therefore ends each in what the child process hands back.
   const std::string names = guarded(dataset_path, [&] {

@@ -14,9 +14,10 @@ enum class ExportFormat {
 
 // When a pillar counts as slipping.
 enum class SlipRule {
-  strict,  // all of it slips
-  micro,   // a part of it slips
-  paper,   // its tip slides faster than `label_speed`, as a camera would see it
+  strict,       // all of it slips
+  micro,        // a part of it slips
+  paper,        // its tip slides faster than `label_speed`, as a camera would see it
+  has_slipped,  // from the first such sample on until it loses contact: "no pillar has slipped", as the paper words its classes
 };
 
 inline constexpr double default_label_speed = 1e-4;  // m/s
@@ -24,7 +25,7 @@ inline constexpr double default_label_speed = 1e-4;  // m/s
 struct ExportOptions {
   ExportFormat format = ExportFormat::vendor_csv;
   SlipRule slip_rule = SlipRule::strict;
-  std::optional<double> label_speed;  // m/s, only with SlipRule::paper; empty: default_label_speed
+  std::optional<double> label_speed;  // m/s, only with paper and has_slipped; empty: default_label_speed
   std::string sensor;                 // training_csv: which; empty: the only PapillArray of the dataset
   std::optional<std::size_t> trial;   // empty: all
 };

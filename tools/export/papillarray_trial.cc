@@ -28,6 +28,20 @@ PapillarraySamples::PapillarraySamples(const SensorRecord& record, SlipRule rule
   }
   force_ = &channel_of(record, "force");
   displacement_ = &channel_of(record, "displacement");
+  if (rule != SlipRule::has_slipped) return;
+  has_slipped_.resize(size() * pillars);
+  for (std::size_t row = 0; row < size(); ++row) {
+    for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
+      const std::size_t place = row * pillars + pillar;
+      const bool before = row > 0 && has_slipped_[place - pillars] != 0;
+      has_slipped_[place] = (before && touching(row, pillar)) || fast(row, pillar) ? 1 : 0;
+    }
+  }
+}
+
+bool PapillarraySamples::fast(std::size_t row, std::size_t pillar) const {
+  const float* velocity = record_->labels.slip_velocity.data() + (row * pillars + pillar) * 2;
+  return touching(row, pillar) && std::hypot(velocity[0], velocity[1]) > label_speed_;
 }
 
 bool PapillarraySamples::slipping(std::size_t row, std::size_t pillar) const {
@@ -35,12 +49,26 @@ bool PapillarraySamples::slipping(std::size_t row, std::size_t pillar) const {
   switch (rule_) {
     case SlipRule::strict: return state == UnitState::slip;
     case SlipRule::micro: return state == UnitState::slip || state == UnitState::partial;
-    case SlipRule::paper: {
-      const float* velocity = record_->labels.slip_velocity.data() + (row * pillars + pillar) * 2;
-      return state != UnitState::detached && std::hypot(velocity[0], velocity[1]) > label_speed_;
-    }
+    case SlipRule::paper: return fast(row, pillar);
+    case SlipRule::has_slipped: return has_slipped_[row * pillars + pillar] != 0;
   }
   return false;
+}
+
+PadState PapillarraySamples::pad_state(std::size_t row, bool turning) const {
+  bool in_contact = false;
+  std::size_t judged = 0;
+  std::size_t slipped = 0;
+  for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
+    if (!touching(row, pillar)) continue;
+    in_contact = true;
+    if (turning && pillar == middle_pillar) continue;
+    ++judged;
+    if (slipping(row, pillar)) ++slipped;
+  }
+  if (!in_contact) return PadState::no_contact;
+  if (slipped == 0) return PadState::non_slip;
+  return slipped == judged ? PadState::gross : PadState::incipient;
 }
 
 double PapillarraySamples::tangential_force(std::size_t row, std::size_t pillar) const {

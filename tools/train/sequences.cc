@@ -30,11 +30,19 @@ std::size_t stride_of(const SensorRecord& sensor, const std::string& subject) {
   return static_cast<std::size_t>(ratio);
 }
 
-const std::vector<std::uint8_t>& states_of(const LabelRecord& labels, SlipRule rule) {
+// PadState of every sample by a rule. The dataset holds those that look at one instant.
+std::vector<std::uint8_t> states_of(const LabelRecord& labels, const PapillarraySamples& samples, SlipRule rule, bool turning) {
   switch (rule) {
     case SlipRule::strict: return labels.state;
     case SlipRule::micro: return labels.state_micro;
     case SlipRule::paper: return labels.state_paper;
+    case SlipRule::has_slipped: {
+      std::vector<std::uint8_t> states;
+      for (std::size_t row = 0; row < samples.size(); ++row) {
+        states.push_back(static_cast<std::uint8_t>(samples.pad_state(row, turning)));
+      }
+      return states;
+    }
   }
   throw std::logic_error("unknown slip rule");
 }
@@ -72,7 +80,7 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
   if (pad == record.bodies.end()) throw InputError(subject + ": has no truth/pad, which tells when it moves");
   const PapillarraySamples samples(sensor, options.labels, default_label_speed);
   const std::size_t stride = stride_of(sensor, subject);
-  const std::vector<std::uint8_t>& states = states_of(sensor.labels, options.labels);
+  const std::vector<std::uint8_t> states = states_of(sensor.labels, samples, options.labels, motion.rotation != 0.0);
 
   Sequence sequence;
   sequence.trial = record.trial;

@@ -43,7 +43,8 @@ struct SequenceOptions {
 
 // Reads every trial, all shards. A frame is every n-th sample of the sensor, the first one included, as the detector in the loop
 // takes them; its label is that sample's own. `onset` is resolved inside the step: the first event `slip` of a pillar for the
-// labels strict, the first of a part of a pillar for micro and for paper, whose camera sees the tip as soon as a part lets go.
+// labels strict, the first of a part of a pillar for the others: the paper's camera sees the tip as soon as a part lets go.
+// has_slipped has the threshold default_label_speed, and sees every sample of the sensor, not the frames alone.
 // Throws InputError, naming the file, for what is no complete dataset of PapillArrays on a stage whose rate is a multiple of
 // 100 Hz. Reads in a child process (tools/dataset/guarded.h).
 TrainingData read_sequences(const std::string& dataset_path, const SequenceOptions& options);

@@ -15,6 +15,7 @@
 #include "sim/core/error.h"
 #include "tests/tools/dataset/test_records.h"
 #include "tools/dataset/writer.h"
+#include "tools/export/papillarray_trial.h"
 
 namespace slipbench::testing {
 namespace {
@@ -238,8 +239,44 @@ TEST_F(ExportTest, SlipRuleChoosesTheFlag) {
   EXPECT_EQ(flags(options), "110");
   options.slip_rule = SlipRule::paper;
   EXPECT_EQ(flags(options), "001");
+  options.slip_rule = SlipRule::has_slipped;
+  EXPECT_EQ(flags(options), "001");
   options.label_speed = 6e-4;
   EXPECT_EQ(flags(options), "000");
+  options.slip_rule = SlipRule::paper;
+  EXPECT_EQ(flags(options), "000");
+}
+
+// Two pillars in contact, P0 and the centre P4, whose tips move at 0.2 mm/s in one sample each:
+//   row   0          1          2        3         4        5          6        7
+//   P0    stick      fast       stick    detached  stick    stick      fast     detached
+//   P4    stick      stick      stick    stick     stick    fast       stick    detached
+// P0 counts in rows 1 and 2, and from 6 on; its contact of row 4 is another one. P4 counts from 5 on.
+TEST(HasSlipped, CountsUntilContactIsLost) {
+  SensorRecord record = make_sensor("pad", 1000.0, 8);
+  LabelRecord& labels = record.labels;
+  const auto state = [&](std::size_t row, std::size_t pillar) -> std::uint8_t& {
+    return labels.unit_state[row * pillars + pillar];
+  };
+  std::fill(labels.unit_state.begin(), labels.unit_state.end(), static_cast<std::uint8_t>(UnitState::detached));
+  for (std::size_t row = 0; row < 7; ++row) state(row, 0) = state(row, 4) = static_cast<std::uint8_t>(UnitState::stick);
+  state(3, 0) = static_cast<std::uint8_t>(UnitState::detached);
+  for (const std::size_t place : {1 * pillars, 5 * pillars + 4, 6 * pillars}) labels.slip_velocity[2 * place + 1] = -2e-4F;
+
+  using enum PadState;
+  const std::vector<PadState> has_slipped{non_slip, incipient, incipient, non_slip, non_slip, incipient, gross, no_contact};
+  // Without the centre pillar; in row 3 it is the only one that touches, and none is judged.
+  const std::vector<PadState> turning{non_slip, gross, gross, non_slip, non_slip, non_slip, gross, no_contact};
+  const std::vector<PadState> now{non_slip, incipient, non_slip, non_slip, non_slip, incipient, incipient, no_contact};
+  const PapillarraySamples samples(record, SlipRule::has_slipped, default_label_speed);
+  const PapillarraySamples paper(record, SlipRule::paper, default_label_speed);
+  const PapillarraySamples slower(record, SlipRule::has_slipped, 3e-4);  // a threshold that nothing reaches
+  for (std::size_t row = 0; row < 8; ++row) {
+    EXPECT_EQ(samples.pad_state(row, false), has_slipped[row]) << row;
+    EXPECT_EQ(samples.pad_state(row, true), turning[row]) << row;
+    EXPECT_EQ(paper.pad_state(row, false), now[row]) << row;
+    EXPECT_EQ(slower.pad_state(row, false), row < 7 ? non_slip : no_contact) << row;
+  }
 }
 
 // `record` with `samples` at 1 kHz, in which the pad goes sideways at `speed` and turns at `rotation` from row `start` on, for
@@ -316,7 +353,8 @@ TEST_F(ExportTest, SpeedComesFromTheSceneWhereItIsNotSwept) {
 TEST_F(ExportTest, LabelSpeedNeedsTheRuleThatHasIt) {
   ExportOptions options = vendor;
   options.label_speed = 2e-4;
-  EXPECT_THAT(message_of<InputError>([&] { run(dataset({make_trial_record(0)}), options); }), HasSubstr("--slip paper"));
+  EXPECT_THAT(message_of<InputError>([&] { run(dataset({make_trial_record(0)}), options); }),
+              HasSubstr("--slip paper or --slip has_slipped"));
   EXPECT_FALSE(std::filesystem::exists(path("out")));
   options.slip_rule = SlipRule::paper;
   EXPECT_THAT(run(path("a.h5"), options), SizeIs(1));
@@ -447,7 +485,7 @@ TEST(ExportNames, AreParsedWithTheNearestName) {
   EXPECT_EQ(parse_slip_rule("paper"), SlipRule::paper);
   EXPECT_EQ(message_of<InputError>([] { parse_export_format("vendor_csv"); }),
             "unknown format 'vendor_csv'; did you mean 'vendor-csv'? allowed: vendor-csv, training-csv");
-  EXPECT_THAT(message_of<InputError>([] { parse_slip_rule("x"); }), HasSubstr("allowed: strict, micro, paper"));
+  EXPECT_THAT(message_of<InputError>([] { parse_slip_rule("x"); }), HasSubstr("allowed: strict, micro, paper, has_slipped"));
 }
 
 }  // namespace

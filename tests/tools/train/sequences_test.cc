@@ -1,6 +1,8 @@
 #include "tools/train/sequences.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -57,6 +59,36 @@ TEST_F(SequencesTest, LabelsAndOnsetFollowTheRule) {
   EXPECT_EQ(micro.onset, *std::min_element(labels.micro_onset_time.begin(), labels.micro_onset_time.end()));
   EXPECT_EQ(paper.onset, micro.onset);
   EXPECT_LT(micro.onset, strict.onset);
+}
+
+// In 0.1 s the pad goes 0.1 or 1.6 mm, less than any and more than every pillar needs: with mu 0.5 and k_n/k_t 1.2/0.65 a tip compressed
+// by 0.6 mm lets go after 0.55 mm. Both stop; only what has slipped stays so.
+TEST_F(SequencesTest, WhatHasSlippedStaysSoAfterAStop) {
+  const std::string file = dataset({{"sweep.motion.speed", "[1 mm/s, 16 mm/s]"},
+                                    {"motion.stop", "0.1 s"},
+                                    {"motion.acceleration", "10 m/s2"},
+                                    {"sensors.pad.bristles", "1"}});
+  const TrainingData paper = read_sequences(file, {SlipRule::paper, {}});
+  const TrainingData has_slipped = read_sequences(file, {SlipRule::has_slipped, {}});
+  for (std::size_t k = 0; k < paper.sequences.size(); ++k) {
+    const Sequence& now = paper.sequences[k];
+    const Sequence& ever = has_slipped.sequences[k];
+    EXPECT_EQ(now.label.back(), PadState::non_slip);
+    EXPECT_EQ(ever.label.back(), k < 12 ? PadState::non_slip : PadState::gross) << k;
+    EXPECT_EQ(std::isnan(ever.onset), k < 12);
+    if (k >= 12) EXPECT_EQ(ever.onset, now.onset);
+    // Nothing loses contact, so that the label never falls, and is never below that of the moment.
+    EXPECT_TRUE(std::is_sorted(ever.label.begin(), ever.label.end()));
+    EXPECT_TRUE(std::ranges::equal(ever.label, now.label, std::greater_equal<>()));
+  }
+}
+
+// Turned about its centre the pad has eight judged pillars; the ninth never moves.
+TEST_F(SequencesTest, TheCentrePillarIsLeftOutInTurns) {
+  const std::string file = dataset({{"sweep.motion.speed", "[0 mm/s]"}, {"motion.rotation", "90 deg/s"}, {"duration", "0.6 s"}});
+  for (const Sequence& sequence : read_sequences(file, {SlipRule::has_slipped, {}}).sequences) {
+    EXPECT_EQ(sequence.label.back(), PadState::gross);
+  }
 }
 
 TEST_F(SequencesTest, KnowTheMotion) {
