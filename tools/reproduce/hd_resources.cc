@@ -20,8 +20,8 @@ constexpr double device_dsp = 740;
 
 std::string share(double used, double there) { return fmt::format("{:.1f} %", 100.0 * used / there); }
 
-// Minutes of yosys in the source tree, which write the stored figures anew.
-void synthesise(const ReproduceOptions& options) {
+// Minutes of yosys in the source tree. Returns the file that it wrote, which need not be the one that is installed.
+std::string synthesise(const ReproduceOptions& options) {
   const std::filesystem::path script = project_file("rtl/hd/syn/report.py");
   const std::filesystem::path python = script.parent_path() / "../../../build/venv/bin/python";
   if (!std::filesystem::exists(python)) {
@@ -31,13 +31,14 @@ void synthesise(const ReproduceOptions& options) {
   if (options.say) options.say("synthesis of every unrolling; this takes minutes");
   const std::string command = fmt::format("'{}' '{}' >&2", python.string(), script.string());
   if (std::system(command.c_str()) != 0) throw InputError(fmt::format("{}: failed; what it says is above", script.string()));
+  return (script.parent_path() / "results.json").string();
 }
 
 }  // namespace
 
 Result hd_resources(const ReproduceOptions& options) {
-  if (options.synthesise) synthesise(options);
-  const std::optional<CoreFigures> core = stored_core_figures();
+  const std::optional<CoreFigures> core =
+      options.synthesise ? std::optional(read_core_figures(synthesise(options))) : stored_core_figures();
   if (!core) throw InputError(fmt::format("there is no {}, where synthesis leaves its figures", core_figures_file));
   Result result;
   result.title = "Resources of the hyperdimensional slip detector on an xc7a200t";
@@ -47,15 +48,15 @@ Result hd_resources(const ReproduceOptions& options) {
       "Sensor\": 28.1 % of the LUTs, 14.9 % of the flip-flops, 19.2 % of the block RAM";
   ResultTable table;
   table.title = "Latency against area";
-  table.head = {"what", "cycles",        "at 100 MHz", "a sample every", "LUT", "of the device",
-                "FF",   "of the device", "BRAM",       "of the device",  "DSP", "levels"};
+  table.head = {"what", "cycles",        "at 100 MHz", "cycles a sample", "LUT", "of the device",
+                "FF",   "of the device", "BRAM",       "of the device",   "DSP", "levels"};
   table.rows.push_back({"paper", "42", "0.42 us", "-", "-", "28.1 %", "-", "14.9 %", "-", "19.2 %", "-", "-"});
   table.rows.push_back({"published HDL, routed", "42 to 463", "0.42 to 4.63 us", "-", "-", "42.5 to 47.8 %", "-", "25 to 31 %",
                         "-", "-", "-", "-"});
   for (const CoreConfiguration& one : core->configurations) {
     table.rows.push_back({"ours: " + one.name, std::to_string(one.cycles),
                           fmt::format("{:.2f} us", 1e6 * static_cast<double>(one.cycles) / core_clock),
-                          fmt::format("{} cycles", one.interval), fmt::format("{}", one.lut), share(one.lut, device_lut),
+                          std::to_string(one.interval), fmt::format("{}", one.lut), share(one.lut, device_lut),
                           fmt::format("{}", one.ff), share(one.ff, device_ff), fmt::format("{}", one.bram),
                           share(one.bram, device_bram), fmt::format("{}", one.dsp), fmt::format("{}", one.levels)});
     result.figures[one.name] = {{"cycles", one.cycles},
