@@ -167,7 +167,13 @@ int reproduce_command(const Options& options) {
   if (!options.quiet && !options.json) {
     reproducing.say = [](const std::string& what) { say(stderr, fmt::format("slipbench: {}\n", what)); };
   }
-  const reproduce::Result result = reproduction.run(reproducing);
+  reproduce::Result result;
+  try {
+    result = reproduction.run(reproducing);
+  } catch (const reproduce::Interrupted&) {
+    say(stderr, "slipbench: interrupted; nothing is kept\n");
+    return exit_interrupted;
+  }
   std::vector<std::string> files;
   if (!options.output.empty()) files = reproduce::write_result(options.output, reproduction.name, result);
   if (options.json) {

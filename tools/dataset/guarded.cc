@@ -35,7 +35,8 @@ std::string outcome_of(const std::function<std::string()>& action) {
 }
 
 [[noreturn]] void be_the_child(int channel, const std::function<std::string()>& action) {
-  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  std::signal(SIGINT, SIG_IGN);  // a terminal sends it to both; what becomes of it is the parent's affair
   constexpr rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
   const std::string text = outcome_of(action);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,12 @@ struct ReproduceOptions {
   std::size_t jobs = 0;                         // threads; 0: as many as the machine has
   bool synthesise = false;                      // run the synthesis again instead of reading its stored figures
   std::function<void(const std::string&)> say;  // told what is being done; may be empty
+};
+
+// Thrown by a reproduction that SIGINT or SIGTERM ended early. Nothing of it is left.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
 };
 
 struct Reproduction {

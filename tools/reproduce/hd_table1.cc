@@ -12,6 +12,7 @@
 #include "tools/catalogue/catalogues.h"
 #include "tools/reproduce/catalogue.h"
 #include "tools/reproduce/project_file.h"
+#include "tools/run/interrupt.h"
 #include "tools/run/run_sweep.h"
 #include "tools/train/names.h"
 #include "tools/train/summary.h"
@@ -152,17 +153,23 @@ class Study {
     const std::array<hd::Model, 4> models = ablation(variant.model);
     std::vector<Sample> samples;
     for (std::size_t i = 0; i < models.size(); ++i) {
+      stop_if_interrupted();
       const hd::Memories memories = hd::generate(models[i], seed_ + variant.other_memories);
       // The last two differ in the prototypes alone.
       if (i < 3) samples = encode(models[i], memories, variant.quantiser, data_.sequences, options_.jobs);
       draws[i] = cross_validate(models[i], memories, data_.sequences, samples, Split::by_sequence, seed_, options_.jobs);
       if (by_frame == nullptr) continue;
+      stop_if_interrupted();
       (*by_frame)[i] = cross_validate(models[i], memories, data_.sequences, samples, Split::by_frame, seed_, options_.jobs);
     }
     return draws;
   }
 
  private:
+  static void stop_if_interrupted() {
+    if (InterruptGuard::flag()) throw Interrupted();
+  }
+
   void read(const Variant& variant) {
     const std::string key = overrides_key(variant.overrides);
     if (path_.empty() || (key != key_ && options_.data.empty())) {
@@ -175,7 +182,9 @@ class Study {
         sweep.seed = seed_;
         sweep.jobs = options_.jobs;
         sweep.output = path_;
+        sweep.interrupt = &InterruptGuard::flag();
         run_sweep(sweep, program_catalogues());
+        stop_if_interrupted();
       }
       key_ = key;
     } else if (variant.labels == labels_ && variant.keep == keep_) {
@@ -204,6 +213,7 @@ class Study {
 
   const ReproduceOptions& options_;
   std::uint64_t seed_;
+  InterruptGuard guard_{"ending after the step at hand"};  // lets the folder be removed
   ScratchFolder folder_;
   std::string path_;  // of the dataset at hand
   std::string key_;   // what made it

@@ -3,7 +3,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <string_view>
+#include <string>
+
+#include <fmt/format.h>
 
 namespace slipbench {
 namespace {
@@ -11,7 +13,7 @@ namespace {
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
 
-constexpr std::string_view notice = "slipbench: finishing the running trials; once more to stop at once\n";
+std::string announcement;                            // whole before the handler is set
 constexpr std::string_view clear_line = "\r\033[K";  // on a terminal a progress bar may stand in it
 volatile std::sig_atomic_t on_terminal = 0;
 
@@ -25,7 +27,7 @@ void note_interrupt(int signal) {
   }
   const int before = errno;
   if (on_terminal != 0) say(clear_line);
-  say(notice);
+  say(announcement);
   errno = before;
 }
 
@@ -36,8 +38,9 @@ void catch_unless_ignored(int signal, const struct sigaction& action, struct sig
 
 }  // namespace
 
-InterruptGuard::InterruptGuard() {
+InterruptGuard::InterruptGuard(std::string_view notice) {
   interrupted.store(false);
+  announcement = fmt::format("slipbench: {}; once more to stop at once\n", notice);
   on_terminal = isatty(STDERR_FILENO);
   struct sigaction action {};
   action.sa_handler = &note_interrupt;

@@ -1,17 +1,18 @@
-// Ctrl-C that lets running trials finish.
+// Ctrl-C that lets what has begun come to an end.
 #pragma once
 
 #include <atomic>
 #include <csignal>
+#include <string_view>
 
 namespace slipbench {
 
-// While alive, the first SIGINT or SIGTERM sets the flag and says on stderr what happens next, and the second ends the process as
-// usual; a signal that was ignored before (a job that a script put in the background) stays ignored. A write beyond the process's
+// While alive, the first SIGINT or SIGTERM sets the flag and says on stderr what happens next, `notice`, and the second ends the
+// process as usual; a signal that was ignored before (a job that a script put in the background) stays ignored. A write beyond the process's
 // limit on file sizes fails instead of ending it. One at a time.
 class InterruptGuard {
  public:
-  InterruptGuard();
+  explicit InterruptGuard(std::string_view notice = "finishing the running trials");
   ~InterruptGuard();
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;

@@ -279,6 +279,12 @@ TEST(Guarded, CrashIsDamage) {
   EXPECT_EQ(message_of<InputError>([&] { guarded("a.h5", raise(SIGSEGV)); }),
             "a.h5: is damaged: HDF5 crashed on it (Segmentation fault)");
   EXPECT_EQ(message_of<std::runtime_error>([&] { guarded("a.h5", raise(SIGTERM)); }), "a.h5: reading it was ended: Terminated");
+  // A terminal sends Ctrl-C to all processes of a program. The parent decides.
+  const auto interrupted = []() -> std::string {
+    ::raise(SIGINT);
+    return "read";
+  };
+  EXPECT_EQ(guarded("a.h5", interrupted), "read");
 }
 
 // A limit on the file's size stands for the full disk: the write fails half-way in the same place.

@@ -1,3 +1,7 @@
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,6 +38,34 @@ TEST_F(Table1Test, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_FALSE(one.figures.contains("scatter"));
   // The model of the first row of the causes is that of the ablation.
   EXPECT_EQ(one.figures["causes"]["as published"], one.figures["by_sequence"]);
+}
+
+// The signal comes while the folder is there, and before the sweep that would fill it.
+TEST_F(Table1Test, AnInterruptLeavesNoFolderBehind) {
+  std::filesystem::create_directory(path("tmp"));
+  const char* const before = std::getenv("TMPDIR");
+  const std::string kept = before == nullptr ? "" : before;
+  ::setenv("TMPDIR", path("tmp").c_str(), 1);
+  ReproduceOptions options;
+  options.say = [&](const std::string&) {
+    EXPECT_FALSE(std::filesystem::is_empty(path("tmp")));
+    std::raise(SIGINT);
+  };
+  EXPECT_THROW(hd_table1(options), Interrupted);
+  before == nullptr ? ::unsetenv("TMPDIR") : ::setenv("TMPDIR", kept.c_str(), 1);
+  EXPECT_TRUE(std::filesystem::is_empty(path("tmp")));
+}
+
+// On a given dataset nothing is simulated, and the models are what is cut short.
+TEST_F(Table1Test, AnInterruptEndsTheModels) {
+  ReproduceOptions options;
+  options.data = dataset();
+  std::size_t variants = 0;
+  options.say = [&](const std::string&) {
+    if (++variants == 2) std::raise(SIGTERM);
+  };
+  EXPECT_THROW(hd_table1(options), Interrupted);
+  EXPECT_EQ(variants, 2U);
 }
 
 }  // namespace
