@@ -7,8 +7,14 @@
 // window is not full, or an error with distances of zero: 80 checksum, 81 incomplete (a pause of more
 // than two bytes, or a byte without a stop bit), 82 unknown flag. The CRC is the CRC-16 with polynomial
 // 1021 and start FFFF over all between mark and CRC, high byte first, so that over frame and CRC it is 0.
+//
 // Every request is answered once and in order; of errors that occur while a reply is under way, the last
-// is answered.
+// is answered. After an error nobody knows where the next frame begins: what comes is dropped, without a
+// reply, until the line has paused for more than two bytes. The rest of a broken frame is therefore no
+// request, and a host's next one has to follow a pause. A host that waits for each reply always leaves
+// one; a host that does not leaves one before it goes on, and sends again what was dropped. In a pause
+// and after a good frame a mark begins a frame, and other bytes are ignored: of a frame whose mark was
+// lost or that stalled, the rest is looked through for a mark.
 
 module hd_host
   import hd_pkg::*;
@@ -70,26 +76,34 @@ module hd_host
   localparam index_t LastByte = index_t'(RequestBytes - 1);
   localparam index_t FirstCrcByte = index_t'(RequestBytes - CrcBytes);
 
-  logic receiving_q, complete_q;
+  typedef enum logic [1:0] {
+    StateHunt,     // for a mark
+    StateReceive,  // a frame
+    StatePause     // an error was there: for the line to fall silent
+  } state_e;
+  state_e state_q;
+  logic complete_q;
   index_t received_q;
   logic [RequestBytes-CrcBytes-1:0][7:0] request_q;
   logic [PauseWidth-1:0] pause_q;
   crc_t rx_crc_q, rx_crc;
   assign rx_crc = crc_of(rx_crc_q, rx_data_i);
 
-  logic last_byte, good_frame, incomplete;
-  assign last_byte = receiving_q && rx_valid_i && (received_q == LastByte);
+  // A byte that ends with the longest pause is in time.
+  logic paused, last_byte, good_frame, incomplete;
+  assign paused = (pause_q == LongestPause) && !rx_valid_i && !rx_error_i;
+  assign last_byte = (state_q == StateReceive) && rx_valid_i && (received_q == LastByte);
   assign good_frame = last_byte && (rx_crc == '0) && (request_q[0][7:1] == '0);
-  assign incomplete = receiving_q && (rx_error_i || (pause_q == LongestPause));
+  assign incomplete = (state_q == StateReceive) && (rx_error_i || paused);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      receiving_q <= 1'b0;
-      complete_q  <= 1'b0;
-      received_q  <= '0;
-      request_q   <= '0;
-      pause_q     <= '0;
-      rx_crc_q    <= CrcStart;
+      state_q    <= StateHunt;
+      complete_q <= 1'b0;
+      received_q <= '0;
+      request_q  <= '0;
+      pause_q    <= '0;
+      rx_crc_q   <= CrcStart;
     end else begin
       if (good_frame) begin
         complete_q <= 1'b1;
@@ -97,23 +111,29 @@ module hd_host
         complete_q <= 1'b0;
       end
 
-      pause_q <= pause_q + 1'b1;
-      if (!receiving_q) begin
-        receiving_q <= rx_valid_i && (rx_data_i == RequestMark);
-        received_q  <= '0;
-        pause_q     <= '0;
-        rx_crc_q    <= CrcStart;
-      end else if (incomplete || last_byte) begin
-        receiving_q <= 1'b0;
-      end else if (rx_valid_i) begin
-        received_q <= received_q + 1'b1;
-        pause_q    <= '0;
-        rx_crc_q   <= rx_crc;
-        // The CRC itself is not kept.
-        if (received_q < FirstCrcByte) begin
-          request_q <= {rx_data_i, request_q[RequestBytes-CrcBytes-1:1]};
+      pause_q <= (rx_valid_i || rx_error_i) ? '0 : pause_q + 1'b1;
+      unique case (state_q)
+        StateHunt: begin
+          if (rx_valid_i && (rx_data_i == RequestMark)) state_q <= StateReceive;
+          received_q <= '0;
+          rx_crc_q   <= CrcStart;
         end
-      end
+        StateReceive: begin
+          if (paused || good_frame) begin
+            state_q <= StateHunt;
+          end else if (rx_error_i || last_byte) begin
+            state_q <= StatePause;
+          end else if (rx_valid_i) begin
+            received_q <= received_q + 1'b1;
+            rx_crc_q   <= rx_crc;
+            // The CRC itself is not kept.
+            if (received_q < FirstCrcByte) begin
+              request_q <= {rx_data_i, request_q[RequestBytes-CrcBytes-1:1]};
+            end
+          end
+        end
+        default: if (paused) state_q <= StateHunt;
+      endcase
     end
   end
 

@@ -89,8 +89,10 @@ class HdTop : public testing::Test {
     top_->uart_rx_i = 1;
   }
 
-  void wait(unsigned bytes) {
+  // The line at rest, for as long as so many bytes take and then so many clocks.
+  void wait(unsigned bytes, unsigned clocks = 0) {
     for (unsigned i = 0; i < 10 * bytes; ++i) line(true);
+    for (unsigned i = 0; i < clocks; ++i) clock();
   }
 
   // What has come since, after time enough for a pause to be noticed (three bytes) and for two replies.
@@ -242,6 +244,72 @@ TEST_F(HdTop, SaysWhenAFlagIsUnknown) {
   fill();
   send(request_of(sample(), 0x02));
   expect_error(0x82);
+}
+
+// Two bytes at rest are no pause, one clock more is one; before the last byte, and before another.
+TEST_F(HdTop, TakesAPauseOfTwoBytesWithinAFrame) {
+  fill();
+  for (const std::ptrdiff_t before : {request_bytes - 1, request_bytes - 20}) {
+    const FixedFrame displacement = sample();
+    const Bytes request = request_of(displacement);
+    send({request.begin(), request.begin() + before});
+    wait(2);
+    send({request.begin() + before, request.end()});
+    EXPECT_EQ(received(), answer_of(displacement)) << "before byte " << before;
+  }
+}
+
+TEST_F(HdTop, GivesUpAfterAPauseOfMore) {
+  fill();
+  const Bytes request = request_of({});  // zeros: no mark in the rest
+  send({request.begin(), request.end() - 20});
+  wait(2, 1);
+  send({request.end() - 20, request.end()});
+  expect_error(0x81);
+}
+
+// Marks among zeros, in which a receiver is soon in step again.
+FixedFrame full_of_marks() {
+  FixedFrame frame;
+  frame.fill({0, 0, 0xA5});
+  return frame;
+}
+
+TEST_F(HdTop, ReadsNothingFromTheRestOfABrokenFrame) {
+  fill();
+  const Bytes request = request_of(full_of_marks());
+  send({request.begin(), request.begin() + 20}, true);
+  send({request.begin() + 20, request.end()});
+  expect_error(0x81);
+}
+
+// The mark of the second request is taken for the byte that the first one lacks.
+TEST_F(HdTop, ReadsNothingFromARequestThatFollowsAnErrorAtOnce) {
+  fill();
+  Bytes request = request_of(sample());
+  request.erase(request.begin() + 30);
+  send(request);
+  send(request_of(full_of_marks()));
+  expect_error(0x80);
+}
+
+TEST_F(HdTop, ReadsARequestThatFollowsAnErrorAfterAPause) {
+  fill();
+  Bytes bad = request_of(sample());
+  bad[20] ^= 0x10;
+  send(bad);
+  wait(2);
+  send(request_of(sample()));
+  EXPECT_EQ(received(), reply_of(0x80)) << "two bytes are no pause";
+
+  send(bad);
+  wait(2, 1);
+  const FixedFrame displacement = sample();
+  send(request_of(displacement));
+  Bytes expected = reply_of(0x80);
+  const Bytes answer = answer_of(displacement);
+  expected.insert(expected.end(), answer.begin(), answer.end());
+  EXPECT_EQ(received(), expected);
 }
 
 TEST_F(HdTop, StartsAfreshAfterAResetWithinAFrame) {
