@@ -17,16 +17,6 @@ namespace {
 
 constexpr const char* as_saved = "model";
 
-std::size_t stride_of(double rate, const FrameSource& source) {
-  const double frames = std::round(source.rate / rate);
-  if (frames < 1.0 || std::abs(frames * rate - source.rate) > 1e-9 * source.rate) {
-    throw SceneValueError("detector.rate", format_quantity(rate, Quantity::frequency) + " does not divide the " +
-                                               format_quantity(source.rate, Quantity::frequency) + " of sensors." +
-                                               source.sensor + "; allowed: that over a whole number");
-  }
-  return static_cast<std::size_t>(frames);
-}
-
 ChannelPlace displacement_of(const FrameSource& source) {
   const ChannelPlace place = vector_channel(source, "displacement", "the hyperdimensional classifier");
   if (source.type != "papillarray" || place.units != pillar_count) {
@@ -85,6 +75,16 @@ ParameterSpec choice(std::string name, std::vector<std::string> choices, std::st
 }
 
 }  // namespace
+
+std::size_t stride_of(double rate, const FrameSource& source) {
+  const double frames = std::round(source.rate / rate);
+  if (frames < 1.0 || std::abs(frames * rate - source.rate) > 1e-9 * source.rate) {
+    throw SceneValueError("detector.rate", format_quantity(rate, Quantity::frequency) + " does not divide the " +
+                                               format_quantity(source.rate, Quantity::frequency) + " of sensors." +
+                                               source.sensor + "; allowed: that over a whole number");
+  }
+  return static_cast<std::size_t>(frames);
+}
 
 std::vector<ParameterSpec> detector_parameters() {
   return {

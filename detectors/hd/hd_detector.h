@@ -35,11 +35,15 @@ std::vector<ParameterSpec> detector_parameters();
 // shipped_memories() refuse it.
 SavedModel detector_model(const Parameters& parameters);
 
-// Takes every k-th frame, the first one included, with k = rate of the source / `rate`; the frames between leave the estimate as it is.
+// Frames of the source from one that is classified to the next: its rate over `rate` [Hz]. Throws SceneValueError where that is no
+// whole number.
+std::size_t stride_of(double rate, const FrameSource& source);
+
+// Takes every k-th frame, the first one included, with k = stride_of(rate, source); the frames between leave the estimate as it is.
 // (The paper downsamples 1000 Hz recordings to 100 Hz and does not say how; its hardware reads the sensor at 100 Hz, which is this.)
 // The state is no_contact until the engine has seen its window. From then on it is the nearest of three classes, also while nothing
 // touches: the classifier has no class for that, and sees nine displacements of zero.
-// Throws SceneValueError where the source is no PapillArray or its rate no multiple of `rate` [Hz].
+// Throws SceneValueError where stride_of() does and where the source is no PapillArray.
 std::unique_ptr<Detector> make_detector(Classify classify, double rate, const FrameSource& source);
 
 }  // namespace hd

@@ -22,6 +22,9 @@ constexpr const char* no_waveform = "none";
 constexpr std::array unrolling_words{Word<Unrolling>{"fastest", Unrolling::fastest}, Word<Unrolling>{"middle", Unrolling::middle},
                                      Word<Unrolling>{"smallest", Unrolling::smallest}};
 
+// In a day at 1 MHz a classified frame's number is still exact as a double.
+constexpr Range within_a_day{.min = 0.0, .max = 86400.0, .open_min = false};
+
 // Whether a file is there that is not FST, whose header is a block of type 0 and 329 bytes.
 bool is_something_else(const std::string& path) {
   std::error_code error;
@@ -34,10 +37,10 @@ bool is_something_else(const std::string& path) {
 
 void set_waveform(const Parameters& parameters, const FrameSource& source, RtlOptions& options) {
   const std::string& file = parameters.path("waveform");
-  if (file == no_waveform || source.trial != static_cast<std::uint64_t>(parameters.integer("waveform_trial"))) return;
-  if (is_something_else(file)) {
-    throw SceneValueError("detector.waveform",
-                          file + " is there and no waveform; allowed: a new name, or an FST file to replace");
+  if (file == no_waveform) return;
+  const std::string folder = std::filesystem::path(file).parent_path().string();
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    throw SceneValueError("detector.waveform", "there is no folder " + folder + "; allowed: a file in a folder that is there");
   }
   constexpr double rounding = 1e-9;  // frames
   const double rate = parameters.number("rate");
@@ -47,9 +50,34 @@ void set_waveform(const Parameters& parameters, const FrameSource& source, RtlOp
     throw SceneValueError("detector.waveform_to", format_quantity(parameters.number("waveform_to"), Quantity::time) +
                                                       ": no classified frame lies between waveform_from and that");
   }
+  // Of this trial alone: others may be shorter, and run while the file is being written.
+  if (source.trial != static_cast<std::uint64_t>(parameters.integer("waveform_trial"))) return;
+  if (first >= source.duration * rate - rounding) {
+    throw SceneValueError("detector.waveform_from", format_quantity(parameters.number("waveform_from"), Quantity::time) +
+                                                        ": no classified frame comes from there on; the trial takes " +
+                                                        format_quantity(source.duration, Quantity::time));
+  }
+  if (is_something_else(file)) {
+    throw SceneValueError("detector.waveform",
+                          file + " is there and no waveform; allowed: a new name, or an FST file to replace");
+  }
   options.trace = file;
   options.trace_first = static_cast<std::uint64_t>(first);
-  options.trace_count = std::isinf(last) ? 0 : static_cast<std::uint64_t>(last - first) + 1;
+  options.trace_count = static_cast<std::uint64_t>(last - first) + 1;
+}
+
+// A core that is still busy takes no sample, and nothing holds one for it.
+void check_clock(const Parameters& parameters, Unrolling unrolling, const FrameSource& source) {
+  const double rate = source.rate / static_cast<double>(stride_of(parameters.number("rate"), source));
+  const double clock = parameters.number("clock");
+  const double least = core_interval(unrolling) * rate;
+  constexpr double rounding = 1e-9;
+  if (clock >= (1.0 - rounding) * least) return;
+  throw SceneValueError("detector.clock", format_quantity(clock, Quantity::frequency) +
+                                              " is too slow: the core takes a sample every " +
+                                              std::to_string(core_interval(unrolling)) + " cycles and gets them at " +
+                                              format_quantity(rate, Quantity::frequency) + "; allowed: at least " +
+                                              format_quantity(least, Quantity::frequency));
 }
 
 std::shared_ptr<RtlEngine> make_engine(const Parameters& parameters, const FrameSource& source) {
@@ -60,6 +88,7 @@ std::shared_ptr<RtlEngine> make_engine(const Parameters& parameters, const Frame
   }
   RtlOptions options;
   options.unrolling = value_of(unrolling_words, parameters.choice("unrolling")).value();
+  check_clock(parameters, options.unrolling, source);
   if (parameters.flag("lockstep")) options.golden = make_kernel(saved.model, saved.memories);
   set_waveform(parameters, source, options);
   try {
@@ -96,8 +125,8 @@ std::vector<ParameterSpec> rtl_parameters() {
        parameter("lockstep", flag, Quantity::none, "false", any_value, {},
                  "Whether the software kernel runs beside the core, and a difference ends the trial.", "free"),
        parameter("waveform", path, Quantity::none, no_waveform, any_value, {}, "FST file of the core's signals.", "free"),
-       parameter("waveform_from", number, Quantity::time, "0 s", non_negative, {}, "Where the waveform begins.", "free"),
-       parameter("waveform_to", number, Quantity::time, "inf", non_negative, {}, "Where it ends.", "free"),
+       parameter("waveform_from", number, Quantity::time, "0 s", within_a_day, {}, "Where the waveform begins.", "free"),
+       parameter("waveform_to", number, Quantity::time, "86400 s", within_a_day, {}, "Where it ends.", "free"),
        parameter("waveform_trial", integer, Quantity::none, "0", non_negative, {}, "Trial whose waveform it is.", "free")});
   return specs;
 }
@@ -112,6 +141,13 @@ Entry gst_hd_rtl_entry() {
       .law = "classes: those of gst_hd with fixed_point\nlatency: cycles from the accepted sample to the class, over the clock",
       .source = "rtl/hd: the synthesisable core, as Verilator translates it; the paper's own has 42 cycles at 100 MHz",
       .parameters = hd::rtl_parameters()};
+}
+
+void check_waveform_trial(const Parameters& parameters, std::uint64_t trials) {
+  const auto trial = static_cast<std::uint64_t>(parameters.integer("waveform_trial"));
+  if (parameters.path("waveform") == hd::no_waveform || trial < trials) return;
+  throw SceneValueError("detector.waveform_trial",
+                        std::to_string(trial) + " is not run; allowed: 0 to " + std::to_string(trials - 1));
 }
 
 std::unique_ptr<Detector> make_gst_hd_rtl(const Parameters& parameters, const FrameSource& source) {

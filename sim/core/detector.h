@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,11 +21,12 @@ struct SlipEstimate {
 
 // Whose frames a detector gets.
 struct FrameSource {
-  std::string sensor;             // the scene's name for it: "pad"
-  std::string type;               // "papillarray"
-  double rate = 0.0;              // Hz, of the frames
-  std::vector<Channel> channels;  // what a frame holds
-  std::uint64_t trial = 0;        // of the dataset
+  std::string sensor;                                         // the scene's name for it: "pad"
+  std::string type;                                           // "papillarray"
+  double rate = 0.0;                                          // Hz, of the frames
+  std::vector<Channel> channels;                              // what a frame holds
+  std::uint64_t trial = 0;                                    // of the dataset
+  double duration = std::numeric_limits<double>::infinity();  // s, of the trial
 };
 
 class Detector {

@@ -62,7 +62,7 @@ TEST(ForceRatio, FindsItsChannelAmongOthers) {
 }
 
 TEST(ForceRatio, RefusesASensorWithoutForces) {
-  FrameSource source{"skin", "piezo_skin", 1000.0, {{"signal", "1", {8}, {}}, {"force", "N", {9}, {}}}, 0};
+  FrameSource source{"skin", "piezo_skin", 1000.0, {{"signal", "1", {8}, {}}, {"force", "N", {9}, {}}}};
   try {
     detector(0.5, source);
     ADD_FAILURE() << "was not refused";

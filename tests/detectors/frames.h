@@ -11,7 +11,7 @@ namespace slipbench {
 
 // Channels {units, 3}, as a PapillArray has them.
 inline FrameSource vector_source(const std::vector<std::string>& channels, std::size_t units, double rate) {
-  FrameSource source{"pad", "papillarray", rate, {}, 0};
+  FrameSource source{"pad", "papillarray", rate, {}};
   for (const std::string& name : channels) source.channels.push_back({name, "", {units, 3}, {}});
   return source;
 }

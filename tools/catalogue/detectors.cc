@@ -12,6 +12,7 @@ namespace {
 struct DetectorKind {
   Entry about;
   std::unique_ptr<Detector> (*create)(const Parameters& parameters, const FrameSource& source);
+  void (*check_run)(const Parameters& parameters, std::uint64_t trials) = nullptr;  // none: it asks nothing of the run
 };
 
 // All detectors, one line each.
@@ -19,7 +20,7 @@ const std::vector<DetectorKind>& detector_catalogue() {
   static const std::vector<DetectorKind> kinds{
       {force_ratio_entry(), make_force_ratio},
       {gst_hd_entry(), make_gst_hd},
-      {gst_hd_rtl_entry(), make_gst_hd_rtl},
+      {gst_hd_rtl_entry(), make_gst_hd_rtl, check_waveform_trial},
   };
   return kinds;
 }
@@ -37,6 +38,12 @@ std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameS
     if (kind.about.name == scene.type) return kind.create(scene.parameters, source);
   }
   throw InputError("detector: unknown type " + quote(scene.type));
+}
+
+void check_run(const DetectorScene& scene, std::uint64_t trials) {
+  for (const DetectorKind& kind : detector_catalogue()) {
+    if (kind.about.name == scene.type && kind.check_run != nullptr) kind.check_run(scene.parameters, trials);
+  }
 }
 
 }  // namespace slipbench

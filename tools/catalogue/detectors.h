@@ -1,6 +1,7 @@
 // Where the program's detectors are composed: the one place that names them all.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -16,5 +17,8 @@ std::vector<Entry> detector_entries();
 // The detector that `scene` describes, for the frames that `source` says. Throws InputError for a type that the catalogue does not
 // have, and what the detector itself refuses.
 std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source);
+
+// Throws SceneValueError where `scene` names a trial that is not among the first `trials`, at least one.
+void check_run(const DetectorScene& scene, std::uint64_t trials);
 
 }  // namespace slipbench

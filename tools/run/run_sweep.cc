@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/catalogue/detectors.h"
 #include "tools/dataset/encoder.h"
 #include "tools/run/ordered_workers.h"
 #include "tools/run/recorder.h"
@@ -158,7 +159,9 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
   double bytes = 0.0;
   try {
     for (; index < checked; index += plan.draws()) {
-      const double size = check_trial(plan.trial(index).scene, index);
+      const Scene scene = plan.trial(index).scene;
+      if (scene.detector) check_run(*scene.detector, trials);
+      const double size = check_trial(scene, index);
       if (options.output.empty() || size <= bytes) continue;
       largest = index;
       bytes = size;

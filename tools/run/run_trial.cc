@@ -59,7 +59,8 @@ std::unique_ptr<Bench> make_bench(const Scene& scene, const Sensors& sensors, st
 DetectorLoop make_loop(const DetectorScene& detector, const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
   const SensorScene& about = scene.sensors[detector.sensor];
   const Sensor& sensor = *sensors[detector.sensor];
-  return {make_detector(detector, {about.name, about.type, sensor.rate(), sensor.channels(), trial}), detector.sensor};
+  return {make_detector(detector, {about.name, about.type, sensor.rate(), sensor.channels(), trial, scene.duration}),
+          detector.sensor};
 }
 
 void close_loop(TrialRecorder&, std::size_t, const Bench&, const OpenLoop&) {}

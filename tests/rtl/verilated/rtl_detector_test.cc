@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -131,9 +132,52 @@ TEST(RtlDetector, WritesTheWaveformOfItsTrialAlone) {
 
   parameters.set("waveform_to", 0.199);
   EXPECT_THAT(refusal([&] { run(0, 1); }), HasSubstr("detector.waveform_to: 199 ms: no classified frame lies between"));
-  std::ofstream(file) << "notes";
   parameters.set("waveform_to", 0.3);
+  parameters.set("waveform", std::string("nowhere/core.fst"));
+  EXPECT_THAT(refusal([&] { run(1, 1); }), HasSubstr("detector.waveform: there is no folder nowhere"));
+  parameters.set("waveform", file);
+  std::ofstream(file) << "notes";
   EXPECT_THAT(refusal([&] { run(0, 1); }), HasSubstr("rtl_detector.fst is there and no waveform"));
+}
+
+// Of the frames at 0.00, 0.01, ... 0.39 s of a trial of 0.4 s the last begins a waveform; behind it there is none.
+TEST(RtlDetector, RefusesAWaveformBehindTheTrialsEnd) {
+  Parameters parameters = published_parameters();
+  parameters.set("waveform", (std::filesystem::path(testing::TempDir()) / "rtl_behind.fst").string());
+  FrameSource source = papillarray;
+  source.duration = 0.4;
+  parameters.set("waveform_from", 0.39);
+  EXPECT_EQ(refusal([&] { make_gst_hd_rtl(parameters, source); }), "accepted");
+  parameters.set("waveform_from", 0.391);
+  EXPECT_THAT(refusal([&] { make_gst_hd_rtl(parameters, source); }),
+              HasSubstr("detector.waveform_from: 391 ms: no classified frame comes from there on; the trial takes 0.4 s"));
+  source.trial = 1;
+  EXPECT_EQ(refusal([&] { make_gst_hd_rtl(parameters, source); }), "accepted") << "another trial";
+}
+
+TEST(RtlDetector, RefusesAWaveformOfATrialThatIsNotRun) {
+  Parameters parameters = published_parameters();
+  parameters.set("waveform_trial", std::int64_t{3});
+  EXPECT_EQ(refusal([&] { check_waveform_trial(parameters, 3); }), "accepted") << "there is no waveform";
+  parameters.set("waveform", std::string("core.fst"));
+  EXPECT_EQ(refusal([&] { check_waveform_trial(parameters, 4); }), "accepted");
+  EXPECT_THAT(refusal([&] { check_waveform_trial(parameters, 3); }),
+              HasSubstr("detector.waveform_trial: 3 is not run; allowed: 0 to 2"));
+}
+
+// At 100 Hz: 20 cycles a sample make 2 kHz, 4 make 400 Hz, 1 makes 100 Hz.
+TEST(RtlDetector, RefusesAClockThatDoesNotKeepUp) {
+  for (const auto& [unrolling, clock, least] :
+       {std::tuple("smallest", 2000.0, "2 kHz"), std::tuple("middle", 400.0, "400 Hz"), std::tuple("fastest", 100.0, "100 Hz")}) {
+    Parameters parameters = published_parameters();
+    parameters.set("unrolling", std::string(unrolling));
+    parameters.set("clock", clock);
+    EXPECT_EQ(refusal([&] { make_gst_hd_rtl(parameters, papillarray); }), "accepted");
+    parameters.set("clock", 0.99 * clock);
+    const std::string message = refusal([&] { make_gst_hd_rtl(parameters, papillarray); });
+    EXPECT_THAT(message, HasSubstr("detector.clock: "));
+    EXPECT_THAT(message, HasSubstr(std::string("allowed: at least ") + least));
+  }
 }
 
 }  // namespace

@@ -153,6 +153,21 @@ TEST(DetectorInTrial, WhatItRefusesHasThePathOfTheScene) {
   EXPECT_EQ(path("{type: gst_hd, rate: 125 Hz, memories: nowhere}"), "detector.memories");
 }
 
+TEST(DetectorInTrial, RefusesAWaveformThatNobodyWouldSee) {
+  const auto refusal = [](const std::string& about) -> std::string {
+    try {
+      check_trial(stage_scene({{"detector", "{type: gst_hd_rtl, waveform: core.fst, " + about + "}"}}), 0);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal("waveform_from: 3.99 s"), "accepted");
+  EXPECT_THAT(refusal("waveform_from: 4 s"), HasSubstr("no classified frame comes from there on; the trial takes 4 s"));
+  EXPECT_THAT(refusal("waveform_from: 1e300 s"), HasSubstr("out of range; allowed: >= 0 s and <= 86400 s"));
+  EXPECT_THAT(refusal("waveform_to: 1e300 s"), HasSubstr("out of range; allowed: >= 0 s and <= 86400 s"));
+}
+
 std::vector<std::uint8_t> classes_of(const std::string& detector) {
   const Scene scene =
       stage_scene({{"detector", "{" + detector + ", memories: " + published + "}"}, {"sensors.pad.electronics", "typical"}});
@@ -176,7 +191,7 @@ TEST(DetectorInTrial, HardwareIsSeenAfterItsCycles) {
 
 class DetectorSweep : public FolderTest {
  protected:
-  SweepSummary run(const std::string& output, std::size_t jobs) {
+  SweepSummary run(const std::string& output, std::size_t jobs, const std::vector<Override>& overrides = {}) {
     std::ofstream(path("scene.yaml")) << R"(slipbench: 1
 duration: 0.4 s
 seed: 7
@@ -193,6 +208,7 @@ sweep:
     options.scene_path = path("scene.yaml");
     options.output = path(output);
     options.jobs = jobs;
+    options.overrides = overrides;
     return run_sweep(options, program_catalogues());
   }
 };
@@ -204,6 +220,16 @@ TEST_F(DetectorSweep, BytesDoNotDependOnTheJobs) {
   ASSERT_EQ(one.trials.size(), three.trials.size());
   for (std::size_t k = 0; k < one.trials.size(); ++k)
     EXPECT_EQ(one.trials[k].detector->confusion, three.trials[k].detector->confusion);
+}
+
+TEST_F(DetectorSweep, RefusesAWaveformOfATrialThatIsNotRun) {
+  const std::string detector = "{type: gst_hd_rtl, waveform: core.fst, waveform_trial: 6}";
+  try {
+    run("out.h5", 1, {{"detector", detector}});
+    FAIL() << "six trials, 0 to 5";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("detector.waveform_trial: 6 is not run; allowed: 0 to 5"));
+  }
 }
 
 TEST_F(DetectorSweep, DatasetAndSummaryAgree) {
