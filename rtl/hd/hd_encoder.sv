@@ -14,7 +14,7 @@ module hd_encoder
 #(
   parameter int unsigned Dim = 1000,
   parameter int unsigned Window = 15,       // at least 4: GS is stored 3 cycles after it came
-  parameter int unsigned SliceWidth = Dim,  // divides Dim
+  parameter int unsigned SliceWidth = Dim,  // divides Dim; at least 2
   parameter bit BlockRam = 1'b0,            // CIM and history in block RAM
   parameter string ItemFile = "",           // IM: 12 rows
   parameter string LevelFile = "",          // CIM: 21 rows
@@ -54,6 +54,10 @@ module hd_encoder
 
   if (Dim % SliceWidth != 0) begin : gen_check_slices
     $fatal(1, "SliceWidth must divide Dim");
+  end
+  // rho takes all bits of a slice but one from the slice itself.
+  if (SliceWidth < 2) begin : gen_check_slice_width
+    $fatal(1, "SliceWidth must be at least 2");
   end
   if (Window < 4) begin : gen_check_window
     $fatal(1, "Window must be at least 4");
