@@ -1,8 +1,5 @@
 #include "detectors/hd/memory_files.h"
 
-#include <unistd.h>
-
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
@@ -16,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "detectors/hd/folder_output.h"
 #include "detectors/hd/words.h"
 #include "sim/core/error.h"
 
@@ -164,30 +162,10 @@ std::string description_of(const SavedModel& saved) {
   return text;
 }
 
-void write_file(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) throw InputError(file.string() + ": cannot write: " + std::generic_category().message(errno));
-}
-
 std::string hex_lines(const std::vector<Hypervector>& memory) {
   std::string text;
   for (const Hypervector& vector : memory) text += to_hex(vector) + "\n";
   return text;
-}
-
-// Refuses a folder that holds what save() would destroy.
-void check_replaceable(const fs::path& folder) {
-  if (!fs::exists(folder)) return;
-  if (!fs::is_directory(folder))
-    throw InputError(folder.string() + ": is no folder; allowed: a new name, or a folder of a model");
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (name != description_file && std::ranges::find(memory_files, name) == memory_files.end()) {
-      throw InputError(folder.string() + ": holds " + quote(name) + ", which is no part of a model; give another name");
-    }
-  }
 }
 
 }  // namespace
@@ -224,31 +202,21 @@ SavedModel load(const std::string& folder, const std::optional<Model>& unnamed) 
   return saved;
 }
 
+void check_save_target(const std::string& folder) {
+  std::vector<std::string> names(memory_files.begin(), memory_files.end());
+  names.emplace_back(description_file);
+  check_folder_target(folder, names);
+}
+
 void save(const std::string& folder, const SavedModel& saved) {
   check(saved.model, saved.memories, true);
   if (saved.trained.find('\n') != std::string::npos) throw InputError("trained: a line break; allowed: one line");
-  fs::path target = fs::absolute(folder).lexically_normal();
-  if (!target.has_filename()) target = target.parent_path();  // "folder/"
-  const fs::path fresh = target.string() + ".partial." + std::to_string(getpid());
-  const fs::path stale = target.string() + ".old." + std::to_string(getpid());
-  try {
-    check_replaceable(target);
-    fs::create_directories(fresh);
-    write_file(fresh / memory_files[0], hex_lines(saved.memories.associative));
-    write_file(fresh / memory_files[1], hex_lines(saved.memories.level));
-    write_file(fresh / memory_files[2], hex_lines(saved.memories.context));
-    write_file(fresh / memory_files[3], hex_lines(saved.memories.item));
-    write_file(fresh / description_file, description_of(saved));
-    if (fs::exists(target)) fs::rename(target, stale);
-    fs::rename(fresh, target);
-    fs::remove_all(stale);
-  } catch (const std::exception& error) {
-    std::error_code ignored;
-    fs::remove_all(fresh, ignored);
-    const auto* const system = dynamic_cast<const fs::filesystem_error*>(&error);
-    if (system == nullptr) throw;
-    throw InputError(target.string() + ": cannot write: " + system->code().message());
-  }
+  check_save_target(folder);
+  write_folder(folder, {{memory_files[0], hex_lines(saved.memories.associative)},
+                        {memory_files[1], hex_lines(saved.memories.level)},
+                        {memory_files[2], hex_lines(saved.memories.context)},
+                        {memory_files[3], hex_lines(saved.memories.item)},
+                        {description_file, description_of(saved)}});
 }
 
 }  // namespace slipbench::hd

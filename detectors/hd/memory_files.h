@@ -37,8 +37,13 @@ struct SavedModel {
 // key that is unknown, missing or said twice.
 SavedModel load(const std::string& folder, const std::optional<Model>& unnamed = std::nullopt);
 
-// Writes a folder under a temporary name and moves it into place when it is whole. A folder of that name is replaced when it holds
-// nothing but a model. Throws InputError when it holds anything else or cannot be written, or when `saved` does not fit together.
+// Throws InputError when save() could not put a model there: what stands there holds anything but a model, or cannot be replaced.
+// For a caller with long work to do before it saves.
+void check_save_target(const std::string& folder);
+
+// Writes a folder under a temporary name, syncs it and moves it into place when it is whole. A folder of that name is replaced when
+// it holds nothing but a model. Throws InputError when it holds anything else or cannot be written, or when `saved` does not fit
+// together; what stood there then stands there still.
 void save(const std::string& folder, const SavedModel& saved);
 
 }  // namespace slipbench::hd

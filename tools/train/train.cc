@@ -183,6 +183,7 @@ Evaluation evaluate(const hd::Model& model, const hd::Memories& memories, std::s
 }
 
 TrainSummary train_dataset(const TrainOptions& options) {
+  hd::check_save_target(options.output);
   hd::SavedModel saved{options.model, options.quantiser, {}, hd::generate(options.model, options.seed)};
   const TrainingData data = read_sequences(options.dataset, options.sequences);
   const std::vector<Sample> samples = encode(saved.model, saved.memories, saved.quantiser, data.sequences, options.jobs);

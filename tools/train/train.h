@@ -90,7 +90,8 @@ struct TrainSummary {
   std::string trained;  // what model.txt says of the training
 };
 
-// `slipbench train`: the draws, then a classifier trained on every sequence, which is saved. Throws InputError.
+// `slipbench train`: the draws, then a classifier trained on every sequence, which is saved. Throws InputError; for an output that
+// cannot be written before anything is read.
 TrainSummary train_dataset(const TrainOptions& options);
 
 struct EvalOptions {

@@ -5,11 +5,13 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "detectors/hd/folder_output.h"
 #include "sim/core/error.h"
 #include "tests/detectors/hd/published.h"
 #include "tests/detectors/hd/random_frames.h"
@@ -99,6 +101,20 @@ TEST_F(MemoryFiles, AFolderWithAnythingElseIsNotReplaced) {
 TEST_F(MemoryFiles, AFolderThatCannotBeWrittenIsRefused) {
   std::ofstream(root_ + "/file") << "in the way";
   EXPECT_EQ(message_of([&] { save(root_ + "/file/model", saved_); }), root_ + "/file/model: cannot write: Not a directory");
+}
+
+TEST_F(MemoryFiles, ALinkToAFolderIsNotReplaced) {
+  save(folder_, saved_);
+  std::filesystem::create_directory_symlink(folder_, root_ + "/link");
+  EXPECT_THAT(message_of([&] { save(root_ + "/link", saved_); }), HasSubstr("link: is no folder"));
+}
+
+// The second of two renames fails, as nothing is there to move: the first is undone.
+TEST_F(MemoryFiles, AReplacementThatFailsLeavesWhatStoodThere) {
+  save(folder_, saved_);
+  EXPECT_THROW(replace_folder(root_ + "/nowhere", folder_, root_ + "/stale"), std::system_error);
+  EXPECT_EQ(load(folder_).memories, saved_.memories);
+  EXPECT_FALSE(std::filesystem::exists(root_ + "/stale"));
 }
 
 TEST_F(MemoryFiles, WhatDoesNotFitTogetherIsNotSaved) {

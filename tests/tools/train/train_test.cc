@@ -231,5 +231,16 @@ TEST_F(TrainTest, EvalReadsWhatTrainWrote) {
   EXPECT_THAT(message_of<InputError>([&] { eval_dataset(judging); }), HasSubstr("nowhere"));
 }
 
+// The dataset is not there: what is refused first is what was looked at first.
+TEST_F(TrainTest, RefusesItsTargetBeforeItReads) {
+  std::ofstream(path("own.html")) << "years of work";
+  EXPECT_THAT(message_of<InputError>([&] { train_dataset(options(path("nowhere.h5"), "own.html", 1)); }),
+              HasSubstr("own.html: is no folder"));
+  EXPECT_THAT(message_of<InputError>([&] { train_dataset(options(path("nowhere.h5"), "own.html/model", 1)); }),
+              HasSubstr("own.html/model: cannot write: Not a directory"));
+  EXPECT_THAT(message_of<InputError>([&] { train_dataset(options(path("nowhere.h5"), "new", 1)); }), HasSubstr("nowhere.h5"));
+  EXPECT_EQ(bytes_of(path("own.html")), "years of work");
+}
+
 }  // namespace
 }  // namespace slipbench::testing
