@@ -41,6 +41,16 @@ std::vector<std::string> lines_of(const fs::path& file) {
   return lines;
 }
 
+// Digits of most lines of all memories, so that a line that is short or long is told by the others; 0 when there are no lines.
+std::size_t usual_length(const fs::path& folder) {
+  std::map<std::size_t, std::size_t> lines_by_length;
+  for (const char* file : memory_files) {
+    for (const std::string& line : lines_of(folder / file)) ++lines_by_length[line.size()];
+  }
+  const auto usual = std::ranges::max_element(lines_by_length, {}, [](const auto& entry) { return entry.second; });
+  return usual == lines_by_length.end() ? 0 : usual->first;
+}
+
 // A memory of `rows` vectors, or of `rows_too`, of which the first `rows` are kept.
 std::vector<Hypervector> read_memory(const fs::path& file, std::size_t dimension, std::size_t rows, std::size_t rows_too) {
   const std::vector<std::string> lines = lines_of(file);
@@ -177,19 +187,19 @@ SavedModel load(const std::string& folder, const std::optional<Model>& unnamed) 
   if (std::error_code ignored; fs::exists(path / description_file, ignored)) {  // what cannot be read says so below
     saved = read_description(path / description_file);
   } else {
-    const std::vector<std::string> lines = lines_of(path / memory_files[0]);
+    const std::size_t digits = usual_length(path);
     if (!unnamed) {
-      throw InputError((path / description_file).string() +
-                       ": no such file, and the memories do not say which model they belong to; name it (hd replay: --encoder)");
+      throw UnnamedModelError((path / description_file).string() +
+                              ": no such file, and the memories do not say which model they belong to; needed: a folder that "
+                              "`slipbench train` wrote");
     }
     saved.model = *unnamed;
-    if (lines.empty()) throw InputError(at(path / memory_files[0], 1) + "the file is empty");
-    saved.model.dimension = 4 * lines.front().size();
+    saved.model.dimension = 4 * digits;
     item_rows_too = published_item_rows;
     try {
       check(saved.model);
     } catch (const InputError& error) {
-      throw InputError(at(path / memory_files[0], 1) + error.what());
+      throw InputError(path.string() + ": most lines have " + std::to_string(digits) + " digits: " + error.what());
     }
   }
   const auto read = [&](std::size_t file, std::size_t rows, std::size_t rows_too) {

@@ -20,6 +20,7 @@
 #include "detectors/hd/features.h"
 #include "detectors/hd/memories.h"
 #include "detectors/hd/model.h"
+#include "sim/core/error.h"
 
 namespace slipbench::hd {
 
@@ -31,8 +32,14 @@ struct SavedModel {
   Memories memories;
 };
 
-// Reads a folder. Without model.txt, as the published memories are, the model is `unnamed` (its dimension is taken from the files):
-// when that is not given either, it is refused. The published IM.hex has two rows that nothing reads; they are let pass there.
+// A folder without model.txt, where nothing else says which model its memories belong to.
+class UnnamedModelError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+// Reads a folder. Without model.txt, as the published memories are, the model is `unnamed` (its dimension is that of
+// most lines of the files): when that is not given either, it is refused with UnnamedModelError. The published IM.hex has two rows that nothing reads; they are let pass there.
 // Throws InputError with file and line: a missing file, too few or too many lines, a line that is short, long or not hexadecimal, a
 // key that is unknown, missing or said twice.
 SavedModel load(const std::string& folder, const std::optional<Model>& unnamed = std::nullopt);

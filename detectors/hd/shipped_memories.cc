@@ -19,4 +19,9 @@ std::string shipped_memories(const std::string& name) {
   return folder.string();
 }
 
+std::string memories_folder(const std::string& name) {
+  std::error_code error;
+  return name == default_memories && !std::filesystem::exists(name, error) ? shipped_memories(name) : name;
+}
+
 }  // namespace slipbench::hd

@@ -12,4 +12,8 @@ inline constexpr const char* default_memories = "cl_gst_hd";
 // Throws InputError when there is no such folder: where it was looked for.
 std::string shipped_memories(const std::string& name);
 
+// Folder of the classifier `name` on a command line: that folder where there is one, else the shipped one where it is
+// default_memories, else `name` as it is.
+std::string memories_folder(const std::string& name);
+
 }  // namespace slipbench::hd

@@ -6,18 +6,35 @@
 #include <nlohmann/json.hpp>
 
 #include "detectors/hd/memory_files.h"
+#include "detectors/hd/shipped_memories.h"
+#include "detectors/hd/words.h"
+#include "sim/core/error.h"
 #include "tools/catalogue/engines.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/hd_vectors.h"
 
 namespace slipbench {
 
-int hd_replay_command(const Options& options) {
+namespace {
+
+// The classifier as its folder has it, but for what the options replace.
+hd::SavedModel load_model(const Options& options) {
   std::optional<hd::Model> unnamed;
   if (options.hd_compat) unnamed.emplace();
-  hd::SavedModel saved = hd::load(options.memories, unnamed);
-  if (options.hd_compat) saved.model.compat = *options.hd_compat;
-  if (options.hd_ties) saved.model.ties = *options.hd_ties;
+  try {
+    hd::SavedModel saved = hd::load(hd::memories_folder(options.memories), unnamed);
+    if (options.hd_compat) saved.model.compat = *options.hd_compat;
+    if (options.hd_ties) saved.model.ties = *options.hd_ties;
+    return saved;
+  } catch (const hd::UnnamedModelError& error) {
+    throw InputError(fmt::format("{}, or --encoder {}", error.what(), fmt::join(hd::names_of(hd::compat_words), " or ")));
+  }
+}
+
+}  // namespace
+
+int hd_replay_command(const Options& options) {
+  const hd::SavedModel saved = load_model(options);
   const std::vector<HdVector> vectors = read_hd_vectors(options.vectors);
   const std::unique_ptr<hd::Engine> engine = make_hd_engine(options.engine, saved.model, saved.memories);
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "detectors/hd/engine.h"
+#include "detectors/hd/shipped_memories.h"
 #include "detectors/hd/training.h"
 #include "sim/core/error.h"
 #include "tools/run/ordered_workers.h"
@@ -87,11 +88,33 @@ Evaluation with_sizes(Evaluation evaluation, const BootstrapDraw& draw) {
   return evaluation;
 }
 
-std::size_t contact_count(std::span<const Sequence> sequences) {
-  return static_cast<std::size_t>(std::count_if(sequences.begin(), sequences.end(), [](const Sequence& sequence) {
-    return std::any_of(sequence.label.begin(), sequence.label.end(),
-                       [](PadState state) { return state != PadState::no_contact; });
-  }));
+std::size_t judged_sequences(std::span<const Sample> samples) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) count += i == 0 || samples[i].sequence != samples[i - 1].sequence;
+  return count;
+}
+
+// Frames of a sequence up to the last one that touches, of the sequence where they are most.
+std::size_t longest_contact(std::span<const Sequence> sequences) {
+  std::size_t longest = 0;
+  for (const Sequence& sequence : sequences) {
+    for (std::size_t row = 0; row < sequence.label.size(); ++row) {
+      if (sequence.label[row] != PadState::no_contact) longest = std::max(longest, row + 1);
+    }
+  }
+  return longest;
+}
+
+// The samples of a dataset that has some.
+std::vector<Sample> encode_dataset(const std::string& dataset, const hd::SavedModel& saved, std::span<const Sequence> sequences,
+                                   std::size_t jobs) {
+  std::vector<Sample> samples = encode(saved.model, saved.memories, saved.quantiser, sequences, jobs);
+  if (!samples.empty()) return samples;
+  const std::size_t longest = longest_contact(sequences);
+  if (longest == 0) throw InputError(fmt::format("{}: no frame touches anything", dataset));
+  throw InputError(
+      fmt::format("{}: a window of {} frames is longer than the sequences; allowed: up to {}, the last frame that touches",
+                  dataset, saved.model.window, longest));
 }
 
 }  // namespace
@@ -166,8 +189,10 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
   std::vector<Evaluation> evaluations;
   while (std::optional<Evaluation> evaluation = workers.next()) {
     if (evaluation->all.total() == 0) {
-      throw InputError(fmt::format("draw {} leaves no frame to test: {} sequences with contact are too few for their conditions",
-                                   evaluations.size(), contact_count(sequences)));
+      throw InputError(
+          fmt::format("draw {} leaves no frame to test: {} sequences with contact after a window of {} frames are too few "
+                      "for their conditions",
+                      evaluations.size(), judged_sequences(samples), model.window));
     }
     evaluations.push_back(std::move(*evaluation));
   }
@@ -186,7 +211,7 @@ TrainSummary train_dataset(const TrainOptions& options) {
   hd::check_save_target(options.output);
   hd::SavedModel saved{options.model, options.quantiser, {}, hd::generate(options.model, options.seed)};
   const TrainingData data = read_sequences(options.dataset, options.sequences);
-  const std::vector<Sample> samples = encode(saved.model, saved.memories, saved.quantiser, data.sequences, options.jobs);
+  const std::vector<Sample> samples = encode_dataset(options.dataset, saved, data.sequences, options.jobs);
   TrainSummary summary;
   summary.sequences = data.sequences.size();
   summary.samples = samples.size();
@@ -203,11 +228,9 @@ TrainSummary train_dataset(const TrainOptions& options) {
 }
 
 EvalSummary eval_dataset(const EvalOptions& options) {
-  EvalSummary summary{hd::load(options.memories), 0, {}};
+  EvalSummary summary{hd::load(hd::memories_folder(options.memories)), 0, {}};
   const TrainingData data = read_sequences(options.dataset, options.sequences);
-  const std::vector<Sample> samples =
-      encode(summary.model.model, summary.model.memories, summary.model.quantiser, data.sequences, options.jobs);
-  if (samples.empty()) throw InputError(fmt::format("{}: no frame touches after a whole window of frames", options.dataset));
+  const std::vector<Sample> samples = encode_dataset(options.dataset, summary.model, data.sequences, options.jobs);
   summary.sequences = data.sequences.size();
   summary.evaluation = evaluate(summary.model.model, summary.model.memories, data.sequences, samples);
   return summary;

@@ -97,7 +97,7 @@ TrainSummary train_dataset(const TrainOptions& options);
 struct EvalOptions {
   std::string dataset;
   SequenceOptions sequences;
-  std::string memories;  // folder
+  std::string memories;  // folder, or the shipped classifier's name (hd::memories_folder)
   std::size_t jobs = 0;
 };
 

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "detectors/hd/folder_output.h"
+#include "detectors/hd/shipped_memories.h"
 #include "sim/core/error.h"
 #include "tests/detectors/hd/published.h"
 #include "tests/detectors/hd/random_frames.h"
@@ -158,8 +159,28 @@ TEST_F(MemoryFiles, GarbledDescriptionsAreRefusedWithTheirLine) {
               HasSubstr("model.txt:10: unknown key 'tie'; did you mean 'ties'?"));
 }
 
+// The dimension is that of the other lines, wherever the short one stands: 68 bits are 17 digits.
+TEST_F(MemoryFiles, WithoutADescriptionTheLineThatDiffersIsBlamed) {
+  saved_.model.dimension = 68;
+  saved_.memories = random_memories(saved_.model, 1);
+  for (const char* file : {"AM.hex", "IM.hex"}) {
+    save(folder_, saved_);
+    std::filesystem::remove(folder_ + "/model.txt");
+    EXPECT_EQ(load(folder_, Model{}).model.dimension, 68U);
+    std::vector<std::string> all = lines(file);
+    all[0].pop_back();
+    write(file, all);
+    EXPECT_EQ(message_of([&] { load(folder_, Model{}); }), folder_ + "/" + file + ":1: 16 digits; 68 bits are 17");
+  }
+  for (const char* file : {"AM.hex", "CIM.hex", "CM.hex", "IM.hex"}) write(file, {});
+  EXPECT_EQ(message_of([&] { load(folder_, Model{}); }),
+            folder_ + ": most lines have 0 digits: dimension: 0; allowed: 8 to 65535");
+}
+
 TEST_F(MemoryFiles, PublishedMemoriesNeedAModelFromElsewhere) {
-  EXPECT_THAT(message_of([] { load(published_folder); }), HasSubstr("model.txt: no such file"));
+  EXPECT_THROW(load(published_folder), UnnamedModelError);
+  EXPECT_THAT(message_of([] { load(published_folder); }),
+              testing::AllOf(HasSubstr("model.txt: no such file"), HasSubstr("needed: a folder that `slipbench train` wrote")));
   const SavedModel published = load(published_folder, published_model("A"));
   EXPECT_EQ(published.model, published_model("A"));
   EXPECT_EQ(published.memories.item.size(), 12U);
@@ -167,6 +188,17 @@ TEST_F(MemoryFiles, PublishedMemoriesNeedAModelFromElsewhere) {
   for (std::size_t level = 0; level < level_count; ++level) {
     EXPECT_EQ(hamming(published.memories.level[0], published.memories.level[level]), 25 * level);
   }
+}
+
+TEST_F(MemoryFiles, ACommandLineKnowsTheShippedClassifierByName) {
+  EXPECT_EQ(memories_folder(default_memories), shipped_memories(default_memories));
+  EXPECT_EQ(memories_folder("any/other"), "any/other");
+  // A folder of that name is meant where there is one.
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::create_directory(root_ + "/" + default_memories);
+  std::filesystem::current_path(root_);
+  EXPECT_EQ(memories_folder(default_memories), default_memories);
+  std::filesystem::current_path(before);
 }
 
 }  // namespace

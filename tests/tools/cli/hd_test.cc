@@ -123,10 +123,18 @@ TEST(HdReplay, WordsThatAreNotUnderstood) {
   EXPECT_THAT(replay({"--encoder", "paper", "--engine", "kernl"}).err,
               HasSubstr("unknown engine 'kernl'; did you mean 'kernel'?"));
   EXPECT_THAT(replay({}).err, HasSubstr("model.txt: no such file, and the memories do not say which model they belong to"));
+  EXPECT_THAT(replay({}).err, HasSubstr(", or --encoder paper or published_core\n"));
   for (const ChildResult& result : {run_program_file({"hd"}), replay({}), replay({"--ties", "two"})}) {
     EXPECT_EQ(result.status, 2);
     EXPECT_EQ(result.out, "");
   }
+}
+
+TEST(HdReplay, KnowsTheShippedClassifierByName) {
+  const std::string shipped = SLIPBENCH_SOURCE_DIR "/detectors/hd/memories/cl_gst_hd";
+  const ChildResult by_name = run_program_file({"hd", "replay", vectors, "--memories", "cl_gst_hd"});
+  EXPECT_EQ(by_name.status, 0) << by_name.err;
+  EXPECT_EQ(by_name.out, run_program_file({"hd", "replay", vectors, "--memories", shipped}).out);
 }
 
 // The message about a file of vectors with `change` made to its lines, without the folder's name.
@@ -165,6 +173,7 @@ TEST(HdReplay, BadRowsAreRefusedWithFileAndLine) {
   EXPECT_EQ(refusal([](Lines& l) { l[3] = "9,0,1,2,3,4,5,6,7,20"; }), "v.csv:4: 10 cells; the header has 11\n");
   EXPECT_EQ(refusal([](Lines& l) { l[3] += ",0"; }), "v.csv:4: 12 cells; the header has 11\n");
   EXPECT_EQ(refusal([](Lines& l) { l.erase(l.begin() + 2); }), "v.csv:3: step 9 after step 7; a window has no gaps\n");
+  EXPECT_EQ(replay({"--encoder", "paper"}, published).err, "slipbench: " + published + ": is a folder; needed: a CSV file\n");
   EXPECT_THAT(replay({"--encoder", "paper"}, "nowhere.csv").err, HasSubstr("nowhere.csv: No such file or directory"));
 }
 

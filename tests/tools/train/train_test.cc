@@ -1,5 +1,6 @@
 #include "tools/train/train.h"
 
+#include <filesystem>
 #include <numeric>
 
 #include <gmock/gmock.h>
@@ -15,6 +16,7 @@ namespace slipbench::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr PadState non_slip = PadState::non_slip;
 constexpr PadState incipient = PadState::incipient;
@@ -182,7 +184,7 @@ TEST(CrossValidation, RefusesWhenNothingIsLeftToTest) {
   const hd::Memories memories = hd::generate(model, 1);
   const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, one, 1);
   EXPECT_THAT(message_of<InputError>([&] { cross_validate(model, memories, one, samples, Split::by_sequence, 1, 2); }),
-              HasSubstr("draw 0 leaves no frame to test: 1 sequences"));
+              HasSubstr("draw 0 leaves no frame to test: 1 sequences with contact after a window of 4 frames are too few"));
 }
 
 class TrainTest : public SmallDatasetTest {
@@ -229,6 +231,51 @@ TEST_F(TrainTest, EvalReadsWhatTrainWrote) {
   EXPECT_EQ(judged.evaluation.tested, 24U);
   judging.memories = path("nowhere");
   EXPECT_THAT(message_of<InputError>([&] { eval_dataset(judging); }), HasSubstr("nowhere"));
+}
+
+// 0.4 s at 1 kHz are 400 samples, every tenth a frame: 40, and the pad touches to the end.
+TEST_F(TrainTest, SaysThatTheWindowIsLongerThanTheSequences) {
+  TrainOptions training = options(dataset(), "memories", 1);
+  training.model.window = 1000;
+  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }),
+              HasSubstr("data.h5: a window of 1000 frames is longer than the sequences; allowed: up to 40, the last frame"));
+  training.model.window = 41;
+  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }), HasSubstr("a window of 41 frames is longer"));
+  training.model.window = 40;
+  EXPECT_THAT(message_of<InputError>([&] {
+                train_dataset(training);
+                throw InputError("taken");
+              }),
+              "taken");
+}
+
+TEST_F(TrainTest, TeachesThePublishedCoresBundle) {
+  const std::string data = dataset();
+  train_dataset(options(data, "paper", 1));
+  TrainOptions training = options(data, "core", 1);
+  training.model.compat = hd::Compat::published_core;
+  train_dataset(training);
+  EXPECT_EQ(hd::load(path("core")).model, training.model);
+  EXPECT_NE(files_of("core")[0], files_of("paper")[0]);
+}
+
+TEST_F(TrainTest, EvalTakesTheShippedClassifierByName) {
+  EvalOptions judging;
+  judging.dataset = dataset();
+  judging.memories = "cl_gst_hd";
+  EXPECT_EQ(eval_dataset(judging).model.model, hd::Model());
+}
+
+TEST_F(TrainTest, EvalDoesNotAdviseWhatOnlyReplayTakes) {
+  const std::string data = dataset();
+  train_dataset(options(data, "memories", 1));
+  std::filesystem::remove(path("memories") + "/model.txt");
+  EvalOptions judging;
+  judging.dataset = data;
+  judging.memories = path("memories");
+  const std::string message = message_of<InputError>([&] { eval_dataset(judging); });
+  EXPECT_THAT(message, HasSubstr("needed: a folder that `slipbench train` wrote"));
+  EXPECT_THAT(message, Not(HasSubstr("--encoder")));
 }
 
 // The dataset is not there: what is refused first is what was looked at first.
