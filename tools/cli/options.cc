@@ -71,7 +71,8 @@ Prints step,class,d1,d2,d3 as CSV: class 1 non-slip, 2 incipient, 3 gross, and t
 on whose window is full. VECTORS.csv has the columns n (step), L0 to L8 (levels, 0 to 20) and ctx (context, 0 to 3); others are left alone.
 
 DIR holds AM.hex, CIM.hex, CM.hex, IM.hex and model.txt. Without model.txt, as the published memories are, --encoder must be given and
-ties go to one; with it, --encoder and --ties replace what it says.
+ties go to one; with it, --encoder and --ties replace what it says. cl_gst_hd, where no folder has that name, is the classifier
+that ships with the program.
 
 Examples:
   slipbench hd replay vectors.csv --memories published --encoder published_core --ties one
@@ -83,6 +84,7 @@ compression and speed as many sequences are drawn with replacement as there are;
 choosing options, the other five make the figures. Then all sequences train the classifier that is saved.
 
 Encoders: shdc (pillars of one frame), sthdc (over a window), gsthdc (with graphs, over a window). --context is gsthdc's default only.
+Bundles: paper starts afresh with every frame, published_core keeps the counts of the pillars over a window, as the gripper's core does.
 Labels: strict and micro are the truth (a pillar slips as a whole, or in part), paper is the published rule of tip speed;
 with has_slipped a pillar that slipped so counts until it loses contact, whether it still moves or not.
 
@@ -92,9 +94,11 @@ Examples:
 
 constexpr std::string_view eval_footer = R"(
 Judges a trained classifier on every sequence of a dataset, also those that it was trained on, if they are there.
+DIR is what `slipbench train` wrote; cl_gst_hd, where no folder has that name, is the classifier that ships with the program.
 
 Examples:
   slipbench eval hexapod.h5 --memories memories
+  slipbench eval hexapod.h5 --memories cl_gst_hd
   slipbench eval hexapod.h5 --memories memories --labels strict --json)";
 
 constexpr std::string_view reproduce_footer = R"(
@@ -259,6 +263,10 @@ void Parser::learning() {
   train->add_option("--dimension", dimension, "Bits of a hypervector, 8 to 65535 (default: 1000)")->option_text("D");
   train->add_option("--window", window, "Frames at 100 Hz, 1 to 1000 (default: 15)")->option_text("N");
   train
+      ->add_option("--compat", compat,
+                   fmt::format("Whose bundle: {} (default: paper)", fmt::join(hd::names_of(hd::compat_words), ", ")))
+      ->option_text("NAME");
+  train
       ->add_option("--ties", ties,
                    fmt::format("What an even bundle gives: {} (default: one)", fmt::join(hd::names_of(hd::ties_words), ", ")))
       ->option_text("RULE");
@@ -272,7 +280,7 @@ void Parser::learning() {
 
   CLI::App* eval = command("eval", "Judge a trained slip detector on a dataset", eval_footer);
   eval->add_option("FILE", options.dataset, "Dataset (HDF5) with a PapillArray on a stage")->required()->option_text(" ");
-  eval->add_option("--memories", options.memories, "Folder that `slipbench train` wrote")->required()->option_text("DIR");
+  eval->add_option("--memories", options.memories, "Folder of the classifier, or cl_gst_hd")->required()->option_text("DIR");
   labels(eval);
 
   CLI::App* reproduce = command("reproduce", "Reproduce a table of a paper", reproduce_footer);
@@ -316,7 +324,7 @@ Parser::Parser() {
   CLI::App* hd = command("hd", "Work with the hyperdimensional classifier", hd_footer);
   CLI::App* replay = command(*hd, "replay", "Classify quantised input step by step", hd_replay_footer);
   replay->add_option("VECTORS", options.vectors, "Quantised input (CSV)")->required()->option_text(" ");
-  replay->add_option("--memories", options.memories, "Folder of the classifier")->required()->option_text("DIR");
+  replay->add_option("--memories", options.memories, "Folder of the classifier, or cl_gst_hd")->required()->option_text("DIR");
   replay->add_option("--encoder", compat, fmt::format("Whose bundle: {}", fmt::join(hd::names_of(hd::compat_words), " or ")))
       ->option_text("NAME");
   replay
@@ -451,7 +459,9 @@ Options parse_options(const std::vector<std::string>& arguments) {
   if (command == "train" || command == "eval") options.slip_rule = SlipRule::paper;
   if (parser.slip_rule) options.slip_rule = parse_slip_rule(*parser.slip_rule);
   if (parser.label_speed) options.label_speed = parse_speed(command, "--label-speed", *parser.label_speed);
-  if (parser.compat) options.hd_compat = parse_word(command, "--encoder", *parser.compat, hd::compat_words);
+  if (parser.compat) {
+    options.hd_compat = parse_word(command, command == "train" ? "--compat" : "--encoder", *parser.compat, hd::compat_words);
+  }
   if (parser.ties) options.hd_ties = parse_word(command, "--ties", *parser.ties, hd::ties_words);
   if (parser.encoder) options.model.encoding = parse_word(command, "--encoder", *parser.encoder, encoder_words);
   if (parser.context && parser.no_context) throw InputError(command + ": --context and --no-context exclude each other");

@@ -39,14 +39,14 @@ struct Options {
   std::string sensor;                     // export, train, eval; empty: the only one
 
   // hd replay
-  std::string vectors;   // CSV file
-  std::string memories;  // folder, of eval too
-  std::optional<hd::Compat> hd_compat;
-  std::optional<hd::Ties> hd_ties;  // of train too
+  std::string vectors;                  // CSV file
+  std::string memories;                 // folder or the shipped classifier's name, of eval too
+  std::optional<hd::Compat> hd_compat;  // of train too
+  std::optional<hd::Ties> hd_ties;      // of train too
   std::string engine = "kernel";
 
   // train
-  hd::Model model;  // but for its ties
+  hd::Model model;  // but for its compat and ties
   hd::Quantiser quantiser = hd::Quantiser::fixed_point;
 
   // reproduce

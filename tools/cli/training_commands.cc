@@ -110,6 +110,7 @@ int train_command(const Options& options) {
   training.dataset = options.dataset;
   training.sequences = {options.slip_rule, options.sensor};
   training.model = options.model;
+  training.model.compat = options.hd_compat.value_or(training.model.compat);
   training.model.ties = options.hd_ties.value_or(training.model.ties);
   training.quantiser = options.quantiser;
   training.seed = options.seed.value_or(training.seed);

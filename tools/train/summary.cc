@@ -50,6 +50,7 @@ Json model_json(const hd::Model& model, hd::Quantiser quantiser) {
           {"dimension", model.dimension},
           {"window", model.window},
           {"context_driven", model.context_driven},
+          {"compat", hd::name_of(hd::compat_words, model.compat)},
           {"ties", hd::name_of(hd::ties_words, model.ties)},
           {"quantiser", hd::name_of(hd::quantiser_words, quantiser)}};
 }

@@ -111,16 +111,17 @@ TEST(Options, ExportReadsTheRuleAndItsSpeed) {
 }
 
 TEST(Options, TrainTakesEverything) {
-  const Options options =
-      parse_options({"train", "a.h5",     "-o",  "m",      "--encoder", "sthdc",       "--context", "--dimension",
-                     "512",   "--window", "7",   "--ties", "zero",      "--quantiser", "exact",     "--labels",
-                     "micro", "--sensor", "pad", "--seed", "3",         "--jobs",      "2"});
+  const Options options = parse_options(
+      {"train",    "a.h5",   "-o",     "m",      "--encoder",   "sthdc",    "--context",     "--dimension", "512",
+       "--window", "7",      "--ties", "zero",   "--quantiser", "exact",    "--labels",      "micro",       "--sensor",
+       "pad",      "--seed", "3",      "--jobs", "2",           "--compat", "published_core"});
   EXPECT_EQ(options.dataset, "a.h5");
   EXPECT_EQ(options.output, "m");
   EXPECT_EQ(options.model.encoding, hd::Encoding::spatial_temporal);
   EXPECT_TRUE(options.model.context_driven);
   EXPECT_EQ(options.model.dimension, 512U);
   EXPECT_EQ(options.model.window, 7U);
+  EXPECT_EQ(options.hd_compat, hd::Compat::published_core);
   EXPECT_EQ(options.hd_ties, hd::Ties::zero);
   EXPECT_EQ(options.quantiser, hd::Quantiser::exact);
   EXPECT_EQ(options.slip_rule, SlipRule::micro);
@@ -224,6 +225,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"train", "a.h5", "-o", "m", "--encoder", "gshdc"},
                 "train: --encoder is 'gshdc'; did you mean 'shdc'? allowed: shdc, sthdc, gsthdc"},
         Refusal{{"train", "a.h5", "-o", "m", "--ties", "up"}, "train: --ties is 'up'; allowed: one, zero"},
+        Refusal{{"train", "a.h5", "-o", "m", "--compat", "papr"},
+                "train: --compat is 'papr'; did you mean 'paper'? allowed: paper, published_core"},
         Refusal{{"train", "a.h5", "-o", "m", "--quantiser", "fixed"},
                 "train: --quantiser is 'fixed'; allowed: fixed_point, exact, unrounded"},
         Refusal{{"train", "a.h5", "-o", "m", "--dimension", "7"},

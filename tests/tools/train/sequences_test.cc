@@ -76,7 +76,9 @@ TEST_F(SequencesTest, WhatHasSlippedStaysSoAfterAStop) {
     EXPECT_EQ(now.label.back(), PadState::non_slip);
     EXPECT_EQ(ever.label.back(), k < 12 ? PadState::non_slip : PadState::gross) << k;
     EXPECT_EQ(std::isnan(ever.onset), k < 12);
-    if (k >= 12) EXPECT_EQ(ever.onset, now.onset);
+    if (k >= 12) {
+      EXPECT_EQ(ever.onset, now.onset);
+    }
     // Nothing loses contact, so that the label never falls, and is never below that of the moment.
     EXPECT_TRUE(std::is_sorted(ever.label.begin(), ever.label.end()));
     EXPECT_TRUE(std::ranges::equal(ever.label, now.label, std::greater_equal<>()));
