@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::uint64_t seed = 1;
 #ifdef SLIPBENCH_SANITIZED
-constexpr int ticks = 125'000;  // sanitizers slow the harness and the golden model down
+constexpr std::uint64_t ticks = 125'000;  // sanitizers slow the harness and the golden model down
 #else
-constexpr int ticks = 1'000'000;
+constexpr std::uint64_t ticks = 1'000'000;
 #endif
 constexpr std::array unrollings{Unrolling::fastest, Unrolling::middle, Unrolling::smallest};
 
