@@ -69,7 +69,7 @@ const Override wide_tilt_y{"sweep.motion.tilt.1", "{draw: normal, mean: 0 deg, s
 const std::vector<Override> wide_preload{{"sweep.motion.compression", "{draw: uniform, min: 0.5 mm, max: 1.5 mm}"},
                                          {"sweep.trials", "4"}};
 
-std::vector<Override> joined(std::vector<std::vector<Override>> parts) {
+std::vector<Override> joined(const std::vector<std::vector<Override>>& parts) {
   std::vector<Override> all;
   for (const std::vector<Override>& part : parts) all.insert(all.end(), part.begin(), part.end());
   return all;
