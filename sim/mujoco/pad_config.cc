@@ -10,6 +10,7 @@
 #include "sim/core/quantity.h"
 #include "sim/mujoco/element_table.h"
 #include "sim/scene/scene_reader.h"
+#include "sim/scene/scene_values.h"
 #include "sim/scene/yaml_tree.h"
 
 namespace slipbench {
@@ -18,13 +19,6 @@ namespace {
 // The type by which the scene reader knows the pad of an element table.
 constexpr const char* table_type = "elements";
 
-const ParameterSpec damping_spec{.name = "damping",
-                                 .quantity = Quantity::time,
-                                 .default_text = "1 ms",
-                                 .range = non_negative,
-                                 .choices = {},
-                                 .doc = "time of a dashpot beside each spring",
-                                 .source = "assumed"};
 const ParameterSpec trial_spec{.name = "trial",
                                .type = ParameterType::integer,
                                .default_text = "0",

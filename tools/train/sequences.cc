@@ -141,6 +141,18 @@ class Packed {
   std::size_t place_ = 0;
 };
 
+// The one list of what goes through the pipe. Calls value(member) for each number and column(member) for each vector.
+template <class SequenceOrConst, class Value, class Column>
+void for_each_member(SequenceOrConst& sequence, Value&& value, Column&& column) {
+  value(sequence.trial);
+  value(sequence.motion);
+  value(sequence.onset);
+  column(sequence.time);
+  column(sequence.displacements);
+  column(sequence.label);
+  column(sequence.moving);
+}
+
 std::string packed_sequences(const std::string& dataset_path, const SequenceOptions& options) {
   const DatasetReader reader(dataset_path);
   if (!reader.complete()) throw InputError(dataset_path + ": its run did not come to its end; allowed: a whole dataset");
@@ -154,13 +166,8 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
     const TrialRecord record = reader.read_trial(trial);
     check.add(record);
     const Sequence sequence = sequence_of(record, sensor, commanded_motion(reader, trial), options, subject);
-    packed.put(sequence.trial);
-    packed.put(sequence.motion);
-    packed.put(sequence.onset);
-    packed.put_all(sequence.time);
-    packed.put_all(sequence.displacements);
-    packed.put_all(sequence.label);
-    packed.put_all(sequence.moving);
+    for_each_member(
+        sequence, [&](const auto& value) { packed.put(value); }, [&](const auto& column) { packed.put_all(column); });
   }
   check.finish();
   return packed.release();
@@ -175,13 +182,8 @@ TrainingData read_sequences(const std::string& dataset_path, const SequenceOptio
   TrainingData data{{command.begin(), command.end()}, {}};
   while (!packed.at_end()) {
     Sequence& sequence = data.sequences.emplace_back();
-    packed.take(sequence.trial);
-    packed.take(sequence.motion);
-    packed.take(sequence.onset);
-    packed.take_all(sequence.time);
-    packed.take_all(sequence.displacements);
-    packed.take_all(sequence.label);
-    packed.take_all(sequence.moving);
+    for_each_member(
+        sequence, [&](auto& value) { packed.take(value); }, [&](auto& column) { packed.take_all(column); });
   }
   return data;
 }
