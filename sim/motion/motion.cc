@@ -1,5 +1,6 @@
 #include "sim/motion/motion.h"
 
+#include "sim/motion/lift.h"
 #include "sim/motion/stage.h"
 
 namespace slipbench {
@@ -7,6 +8,7 @@ namespace slipbench {
 const std::vector<MotionKind>& motion_catalogue() {
   static const std::vector<MotionKind> kinds{
       stage_motion(),
+      lift_motion(),
   };
   return kinds;
 }

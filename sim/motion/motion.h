@@ -9,7 +9,7 @@
 
 namespace slipbench {
 
-// Where the pad is, at any time. The touched surface stands still in the world; its top is at z = 0.
+// Where the pad is, or the arm of a grasp, at any time. A surface that a pad is pressed on stands still; its top is at z = 0.
 class Motion {
  public:
   virtual ~Motion() = default;

@@ -38,6 +38,26 @@ void Profile::move(double t, double distance, double speed, double acceleration)
   pieces_.back().velocity = 0.0;
 }
 
+void Profile::move_to(double t, double target, double speed, double acceleration) {
+  const ProfilePoint from = at(t);
+  const double braking = 0.5 * from.velocity * std::abs(from.velocity) / acceleration;  // way until it would rest
+  const double left = target - from.position;
+  if (from.velocity == 0.0 || (left - braking) * from.velocity < 0.0) {
+    change_velocity(t, 0.0, acceleration);
+    const double rest = std::max(t, end());
+    move(rest, target - at(rest).position, speed, acceleration);
+    return;
+  }
+  const double now = std::abs(from.velocity), length = std::abs(left);
+  // Up to `top` and down to rest takes (top^2 - now^2/2)/acceleration.
+  const double top = std::min(speed, std::sqrt(acceleration * length + 0.5 * now * now));
+  const double ramp = std::isinf(acceleration) ? 0.0 : std::abs(top - now) / acceleration;
+  const double way_at_top = length - 0.5 * (now + top) * ramp - 0.5 * top * top / acceleration;
+  change_velocity(t, std::copysign(top, left), acceleration);
+  change_velocity(t + ramp + std::max(0.0, way_at_top) / top, 0.0, acceleration);
+  pieces_.back().velocity = 0.0;
+}
+
 double Profile::top_speed() const {
   double top = 0.0;
   for (const Piece& piece : pieces_) top = std::max(top, std::abs(piece.velocity));

@@ -24,6 +24,10 @@ class Profile {
   // From time t on: moves from rest by `distance` and rests again, at no more than `speed` (> 0) and `acceleration` (> 0).
   void move(double t, double distance, double speed, double acceleration);
 
+  // The same to the place `target`, also from a move that is under way: the velocity at t is gone on from, and is braked first where it
+  // leads away from the target or past it.
+  void move_to(double t, double target, double speed, double acceleration);
+
   // When the last change ends [s].
   [[nodiscard]] double end() const { return pieces_.back().start; }
   // Largest speed ever reached.

@@ -129,5 +129,42 @@ TEST(Profile, AnySequenceOfChangesIsContinuousAndWithinItsLimit) {
   }
 }
 
+TEST(Profile, MovesOnFromAMoveUnderWay) {
+  // From 1 m/s at 2 m/s^2 to 3 m beyond: the top v with v^2 - 1/2 = a d = 6 would be 2.55 m/s. Up to 2 m/s: 0.5 s and 0.75 m, down again 1 s
+  // and 1 m, between them 1.25 m in 0.625 s.
+  Profile profile(0.0);
+  profile.change_velocity(0.0, 1.0, inf);
+  profile.move_to(1.0, 4.0, 2.0, 2.0);
+  EXPECT_NEAR(profile.end(), 1.0 + 0.5 + 0.625 + 1.0, 1e-14);
+  expect_at(profile, 1.5, 1.75, 2.0);
+  expect_at(profile, 2.125, 3.0, 2.0);
+  expect_at(profile, 10.0, 4.0, 0.0);
+  // Slower than it goes: from 1 m/s to 0.5 m/s in 0.25 s and 0.1875 m, and so on.
+  Profile slower(0.0);
+  slower.change_velocity(0.0, 1.0, inf);
+  slower.move_to(1.0, 4.0, 0.5, 2.0);
+  expect_at(slower, 1.25, 1.1875, 0.5);
+  expect_at(slower, 100.0, 4.0, 0.0);
+}
+
+TEST(Profile, BrakesFirstWhereTheMoveLeadsPastTheTargetOrAway) {
+  // From 1 m/s at 2 m/s^2 it rests after 0.5 s and 0.25 m. A target 0.1 m on, or 1 m back, is reached from there.
+  for (const double target : {1.1, 0.0}) {
+    Profile profile(0.0);
+    profile.change_velocity(0.0, 1.0, inf);
+    profile.move_to(1.0, target, 10.0, 2.0);
+    expect_at(profile, 1.5, 1.25, 0.0);
+    EXPECT_NEAR(profile.end(), 1.5 + 2.0 * std::sqrt((1.25 - target) / 2.0), 1e-14);
+    expect_at(profile, 100.0, target, 0.0);
+  }
+}
+
+TEST(Profile, MovesToFromRestAsMove) {
+  Profile to(0.25), by(0.25);
+  to.move_to(1.0, 0.75, 0.4, 2.0);
+  by.move(1.0, 0.5, 0.4, 2.0);
+  for (double t = 0.9; t < 3.0; t += 0.1) expect_at(to, t, by.at(t).position, by.at(t).velocity);
+}
+
 }  // namespace
 }  // namespace slipbench

@@ -1,0 +1,120 @@
+#include "sim/motion/lift.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "sim/motion/profile.h"
+
+namespace slipbench {
+namespace {
+
+ParameterSpec number(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
+                     std::string source) {
+  return {std::move(name), ParameterType::number, quantity, std::move(default_text), range, {}, 1,
+          std::move(doc),  std::move(source)};
+}
+
+ParameterSpec vector_of(std::size_t size, std::string name, Quantity quantity, std::string default_text, Range range,
+                        std::string doc) {
+  return {std::move(name), ParameterType::vector, quantity, std::move(default_text), range, {}, size, std::move(doc), "free"};
+}
+
+constexpr Range arm_length{-2.0, 2.0};
+constexpr Range arm_speed{0.0, 10.0, true};
+
+Entry about_lift() {
+  constexpr const char* recorded =
+      "motion capture of the published trials (repository JT2106): 43 mm/s on the plateau, reached in 0.1 s";
+  return {
+      "lift",
+      "The arm of a grasp waits, lifts, and may then move sideways, tilt and shake, one after the other.",
+      "height, way and tilt: trapezoids from rest to rest\n"
+      "shake: s(t) = shake/2 (1 - cos(2 pi shake_frequency t)) for shake_cycles whole cycles, so that it begins and ends at rest",
+      "shared GRASP.md; integrated exactly",
+      {number("settle", Quantity::time, "1.5 s", non_negative, "how long the arm waits while the gripper takes the box",
+              "assumed"),
+       number("distance", Quantity::length, "100 mm", {0.0, 2.0}, "how far it lifts", recorded),
+       number("speed", Quantity::speed, "43 mm/s", arm_speed, "of the lift and of the way sideways; protocol as_printed: 5 mm/s",
+              recorded),
+       number("acceleration", Quantity::acceleration, "400 mm/s2", positive, "of both; protocol as_printed: 50 mm/s2", recorded),
+       vector_of(2, "sideways", Quantity::length, "[0 mm, 0 mm]", arm_length,
+                 "way after the lift: along the fingers' closing direction, across it"),
+       vector_of(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", any_value,
+                 "turn after that, about the closing direction and across it, as one rotation vector"),
+       number("tilt_speed", Quantity::angular_speed, "30 deg/s", positive, "of the tilt", "assumed"),
+       number("tilt_acceleration", Quantity::angular_acceleration, "100 deg/s2", positive, "of the tilt", "assumed"),
+       vector_of(3, "shake", Quantity::length, "[0 mm, 0 mm, 0 mm]", arm_length,
+                 "shaking after that, from end to end: along the closing direction, across it, up"),
+       number("shake_frequency", Quantity::frequency, "5 Hz", positive, "cycles a second", "assumed"),
+       {"shake_cycles", ParameterType::integer, Quantity::none, "10", non_negative, {}, 1, "how many cycles", "assumed"}}};
+}
+
+Eigen::Vector3d flat(const std::vector<double>& v) { return {v[0], v[1], 0.0}; }
+
+class Lift final : public Motion {
+ public:
+  explicit Lift(const Parameters& p)
+      : sideways_(flat(p.vector("sideways"))),
+        tilt_(flat(p.vector("tilt"))),
+        shake_(Eigen::Vector3d::Map(p.vector("shake").data())),
+        height_(0.0),
+        way_(0.0),
+        turn_(0.0),
+        shake_rate_(2.0 * std::numbers::pi * p.number("shake_frequency")) {
+    const LiftTimes lift = lift_times(p);
+    height_.move(lift.start, p.number("distance"), p.number("speed"), p.number("acceleration"));
+    way_.move(lift.end, sideways_.norm(), p.number("speed"), p.number("acceleration"));
+    const double stopped = std::max(lift.end, way_.end());
+    turn_.move(stopped, tilt_.norm(), p.number("tilt_speed"), p.number("tilt_acceleration"));
+    shake_from_ = std::max(stopped, turn_.end());
+    shake_until_ = shake_from_ + static_cast<double>(p.integer("shake_cycles")) / p.number("shake_frequency");
+    sideways_.normalize();
+    tilt_.normalize();
+  }
+
+  [[nodiscard]] BodyState pad_at(double t) const override {
+    const ProfilePoint height = height_.at(t), way = way_.at(t), turn = turn_.at(t);
+    BodyState arm;
+    arm.pose.position = way.position * sideways_ + Eigen::Vector3d(0.0, 0.0, height.position);
+    arm.velocity = way.velocity * sideways_ + Eigen::Vector3d(0.0, 0.0, height.velocity);
+    if (turns()) {
+      arm.pose.rotation = Eigen::AngleAxisd(turn.position, tilt_).toRotationMatrix();
+      arm.angular_velocity = turn.velocity * tilt_;
+    }
+    if (t > shake_from_ && t < shake_until_) {
+      const double phase = shake_rate_ * (t - shake_from_);
+      arm.pose.position += 0.5 * (1.0 - std::cos(phase)) * shake_;
+      arm.velocity += 0.5 * shake_rate_ * std::sin(phase) * shake_;
+    }
+    return arm;
+  }
+
+  [[nodiscard]] double top_speed(double reach) const override {
+    return height_.top_speed() + way_.top_speed() + turn_.top_speed() * reach + 0.5 * shake_rate_ * shake_.norm();
+  }
+
+  [[nodiscard]] bool turns() const override { return !turn_.at_rest_always(); }
+
+ private:
+  Eigen::Vector3d sideways_, tilt_;  // unit vectors, or zero
+  Eigen::Vector3d shake_;            // m
+  Profile height_, way_, turn_;      // m, m, rad
+  double shake_rate_;                // rad/s
+  double shake_from_ = 0.0, shake_until_ = 0.0;
+};
+
+}  // namespace
+
+LiftTimes lift_times(const Parameters& parameters) {
+  const double start = parameters.number("settle");
+  Profile height(0.0);
+  height.move(start, parameters.number("distance"), parameters.number("speed"), parameters.number("acceleration"));
+  return {start, std::max(start, height.end())};
+}
+
+MotionKind lift_motion() {
+  return {about_lift(), [](const Parameters& p) -> std::unique_ptr<Motion> { return std::make_unique<Lift>(p); }};
+}
+
+}  // namespace slipbench
