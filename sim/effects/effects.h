@@ -20,5 +20,6 @@ EffectKind patchy_friction();
 EffectKind stribeck();
 EffectKind texture();
 EffectKind viscoelastic();
+EffectKind viscous_friction();
 
 }  // namespace slipbench

@@ -38,6 +38,9 @@ class RandomMap {
     }
   }
 
+  // m, after which it repeats along either axis.
+  [[nodiscard]] double period() const { return cell_ * static_cast<double>(cells); }
+
   // Bilinear between the grid's points.
   [[nodiscard]] double at(double x, double y) const {
     const double u = x / cell_, v = y / cell_;
@@ -71,7 +74,7 @@ class PatchyFriction final : public FrictionEffect {
 
   void scale(const ElementColumns& elements, double* mu_s, double* mu_k) override {
     for (std::size_t i = 0; i < elements.count; ++i) {
-      const double factor = std::exp(sd_ * map_.at(elements.x[i], elements.y[i]) - 0.5 * sd_ * sd_);
+      const double factor = std::exp(sd_ * map_at(elements, i) - 0.5 * sd_ * sd_);
       mu_s[i] *= factor;
       mu_k[i] *= factor;
     }
@@ -80,6 +83,19 @@ class PatchyFriction final : public FrictionEffect {
   [[nodiscard]] double longest_step(double speed) const override { return step_per_wave(shortest_, speed); }
 
  private:
+  // Each face of a box has its own two coordinates and its own place in the map, which repeats: the top that of a plane. The steps between
+  // the places are no simple parts of its period, so that no two faces look at the same piece.
+  [[nodiscard]] double map_at(const ElementColumns& elements, std::size_t i) const {
+    const double x = elements.x[i], y = elements.y[i], z = elements.z[i];
+    const double nx = elements.nx[i], ny = elements.ny[i], nz = elements.nz[i];
+    const auto place = [this](double face, double u, double v) {
+      return map_.at(u + face * 0.3819660113 * map_.period(), v + face * 0.1459 * map_.period());
+    };
+    if (std::abs(nz) >= std::abs(nx) && std::abs(nz) >= std::abs(ny)) return nz > 0.0 ? map_.at(x, y) : place(1.0, x, y);
+    if (std::abs(nx) >= std::abs(ny)) return place(nx > 0.0 ? 2.0 : 3.0, y, z);
+    return place(ny > 0.0 ? 4.0 : 5.0, x, z);
+  }
+
   double sd_, shortest_;
   RandomMap map_;
 };
@@ -91,7 +107,7 @@ EffectKind patchy_friction() {
       {"patchy_friction",
        "Friction varies over the surface in patches that are fixed to it.",
        "mu(x, y) = mu exp(sd g(x, y) - sd^2/2); g: 24 random plane waves of wavelengths between shortest and longest, mean 0, "
-       "variance 1; mean of mu kept",
+       "variance 1; mean of mu kept; x, y: the two coordinates along the face of a box that is touched, each face with its own g",
        "assumed: patches of 2 to 5 mm give a pad in slow slip the published energy below 8 Hz",
        {{"sd", ParameterType::number, Quantity::none, "0.2", {0.0, 2.0, false}, {}, 1, "standard deviation of ln mu", "assumed"},
         {"shortest", ParameterType::number, Quantity::length, "2 mm", positive, {}, 1, "shortest wavelength", "assumed"},

@@ -95,18 +95,15 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
     EXPECT_GT(field.wrench_on_pad().force.z(), 0.1) << about.name;
   }
   EXPECT_EQ(names, (std::set<std::string>{"ageing", "anisotropic_friction", "load_dependent_friction", "patchy_friction",
-                                          "stribeck", "texture", "viscoelastic"}));
+                                          "stribeck", "texture", "viscoelastic", "viscous_friction"}));
 }
 
 TEST(EffectCatalogue, EffectWithoutStrengthChangesNothing) {
   // Each law at the value where it is the identity, against a field without effects, under the same motion.
-  const std::vector<Wanted> idle{{"ageing", {{"rate", 0.0}}},
-                                 {"load_dependent_friction", {{"exponent", 0.0}}},
-                                 {"patchy_friction", {{"sd", 0.0}}},
-                                 {"stribeck", {{"weakening", 0.0}}},
-                                 {"texture", {{"height", 0.0}}},
-                                 {"viscoelastic", {{"relaxation", 0.0}}},
-                                 {"anisotropic_friction", {{"ratio", 1.0}}}};
+  const std::vector<Wanted> idle{{"ageing", {{"rate", 0.0}}},           {"load_dependent_friction", {{"exponent", 0.0}}},
+                                 {"patchy_friction", {{"sd", 0.0}}},    {"stribeck", {{"weakening", 0.0}}},
+                                 {"texture", {{"height", 0.0}}},        {"viscoelastic", {{"relaxation", 0.0}}},
+                                 {"viscous_friction", {{"gain", 0.0}}}, {"anisotropic_friction", {{"ratio", 1.0}}}};
   for (const Wanted& effect : idle) {
     RandomStream draw(3, 0, "idle effects");
     const PadLayout pad = testing_field::random_pad(draw, 40, false);

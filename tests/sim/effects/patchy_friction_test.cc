@@ -147,5 +147,37 @@ TEST(PatchyFriction, RefusesCurvedSurfacesAndWavesOutOfOrder) {
   }
 }
 
+TEST(PatchyFriction, EveryFaceOfABoxHasPatchesAlongBothItsDirections) {
+  // One element that stands on a face of a box of 40 mm and steps along it by 1 mm: friction changes along either direction, and not alike on
+  // two faces. On the top it is the plane's.
+  const double half = 0.02, press = 1e-4;
+  PadLayout pad = oracle::square_grid(1, 1e-3, 1000.0, 600.0);
+  pad.elements[0].tip.setZero();
+  const Wanted patches{"patchy_friction", {{"sd", sd}, {"shortest", shortest}, {"longest", longest}}};
+  const auto factor = [&](const Eigen::Vector3d& normal, const Eigen::Vector3d& along) {
+    Field field(pad, Box{Eigen::Vector3d::Constant(half)}, {0.5, 0.5}, installed(pad, {patches}));
+    Pose pose;
+    pose.rotation = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
+    pose.position = (half - press) * normal + along;
+    field.step(pose, 1e-3);
+    return field.stick_limit(0) / (0.5 * 1000.0 * press);
+  };
+  std::vector<double> seen;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {1.0, -1.0}) {
+      Eigen::Vector3d normal = Eigen::Vector3d::Zero(), first = normal, second = normal;
+      normal[axis] = side, first[(axis + 1) % 3] = 1e-3, second[(axis + 2) % 3] = 1e-3;
+      const double here = factor(normal, Eigen::Vector3d::Zero());
+      EXPECT_GT(std::abs(factor(normal, first) - here), 1e-3) << axis << ' ' << side;
+      EXPECT_GT(std::abs(factor(normal, second) - here), 1e-3) << axis << ' ' << side;
+      for (const double other : seen) EXPECT_GT(std::abs(here - other), 1e-6) << axis << ' ' << side;
+      seen.push_back(here);
+    }
+  }
+  Field plane = field_with(pad, {0.5, 0.5}, {patches});
+  plane.step(at(1e-3, 2e-3, -press), 1e-3);
+  EXPECT_NEAR(factor(Eigen::Vector3d::UnitZ(), {1e-3, 2e-3, 0.0}), plane.stick_limit(0) / (0.5 * 1000.0 * press), 1e-9);
+}
+
 }  // namespace
 }  // namespace slipbench::testing_effects

@@ -13,14 +13,15 @@ namespace {
 // pillars in part, and a box that is pulled to and fro in a grip that loosens and closes, so that elements stick, slip, detach
 // and touch.
 Model busy_model(const std::string& integrator) {
-  return load(
-      grip_xml({.dt = 5e-4,
-                .integrator = integrator,
-                .left = config("sensor", "{type: papillarray, bristles: 6, electronics: typical}") +
-                        config("effects", "[ageing, load_dependent_friction, patchy_friction, stribeck, texture, viscoelastic]"),
-                .right = nine_pillars() + config("effects", "[anisotropic_friction, viscoelastic]"),
-                .option = "noslip_iterations='0'",
-                .more = "<keyframe><key/></keyframe>"}));
+  return load(grip_xml(
+      {.dt = 5e-4,
+       .integrator = integrator,
+       .left = config("sensor", "{type: papillarray, bristles: 6, electronics: typical}") +
+               config("effects",
+                      "[ageing, load_dependent_friction, patchy_friction, stribeck, texture, viscoelastic, viscous_friction]"),
+       .right = nine_pillars() + config("effects", "[anisotropic_friction, viscoelastic]"),
+       .option = "noslip_iterations='0'",
+       .more = "<keyframe><key/></keyframe>"}));
 }
 
 // For a step of 0.5 ms: the grip goes from 0.3 to 2.8 N and back at 5 Hz, and the box is pulled sideways by up to 1.2 N at 20 Hz.
