@@ -1,6 +1,7 @@
 // What a scene may name. Filled by whoever composes the program, so that the parser depends on no effect and no sensor.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,16 +17,24 @@ struct Material {
   std::string source;  // where the figures come from, or "assumed: why"
 };
 
+// A named set of defaults: path of a scene's key -> what stands there unless the scene says otherwise.
+struct Protocol {
+  std::string name;
+  std::map<std::string, std::string> defaults;
+};
+
 // The catalogues, by the scene key that draws from them.
 struct Catalogues {
   std::vector<Material> materials;
-  std::vector<Entry> surfaces;     // surface.shape
-  std::vector<Entry> motions;      // motion.kind
-  std::vector<Entry> sensors;      // sensors.*.type
-  std::vector<Entry> electronics;  // sensors.*.electronics
-  std::vector<Entry> effects;      // effects
-  std::vector<Entry> bodies;       // bodies.*.shape
-  std::vector<Entry> detectors;    // detector.type
+  std::vector<Entry> surfaces;      // surface.shape
+  std::vector<Entry> motions;       // motion.kind
+  std::vector<Entry> sensors;       // sensors.*.type
+  std::vector<Entry> electronics;   // sensors.*.electronics
+  std::vector<Entry> effects;       // effects
+  std::vector<Entry> bodies;        // bodies.*.shape
+  std::vector<Entry> grasp;         // box, grip, scatter: one entry each
+  std::vector<Protocol> protocols;  // grip.protocol
+  std::vector<Entry> detectors;     // detector.type
 };
 
 }  // namespace slipbench

@@ -12,6 +12,13 @@
 
 namespace slipbench {
 
+// Friction of the touched surface, after the scene's own values have overridden the material's and `scale` has multiplied both.
+struct FrictionScene {
+  double static_coefficient = 0.0;   // mu_s
+  double kinetic_coefficient = 0.0;  // mu_k <= mu_s
+  double scale = 1.0;                // already contained in both
+};
+
 // One sensor of a scene.
 struct SensorScene {
   std::string name;  // the scene's own name for it: "pad"
@@ -20,9 +27,10 @@ struct SensorScene {
   std::vector<Named> electronics;  // empty: ideal
 
   // In a scene whose bodies move by forces:
-  std::string site = {};                  // of the model, its frame is the pad frame P; empty: the pad rides on the stage
-  std::vector<std::string> touches = {};  // geoms or bodies that the pad may touch
-  double damping = 0.0;                   // s, time of a dashpot beside each spring
+  std::string site = {};                       // of the model, its frame is the pad frame P; empty: the pad rides on the stage
+  std::vector<std::string> touches = {};       // geoms or bodies that the pad may touch
+  double damping = 0.0;                        // s, time of a dashpot beside each spring
+  std::optional<FrictionScene> friction = {};  // of what it touches, where that is not the scene's: no effects then
 };
 
 // What tells slip from one of the sensors.
@@ -48,11 +56,10 @@ struct ControlScene {
   std::vector<Point> points;  // in order of time, at least one
 };
 
-// Friction of the touched surface, after the scene's own values have overridden the material's and `scale` has multiplied both.
-struct FrictionScene {
-  double static_coefficient = 0.0;   // mu_s
-  double kinetic_coefficient = 0.0;  // mu_k <= mu_s
-  double scale = 1.0;                // already contained in both
+// A gripper that takes a box from a table: the entries of the catalogue `grasp`.
+struct GraspScene {
+  Parameters grip, box;
+  std::optional<Parameters> scatter;  // empty: every trial alike
 };
 
 struct Scene {
@@ -70,15 +77,16 @@ struct Scene {
   std::optional<DetectorScene> detector = {};  // empty: none
   bool expects = false;                        // it says under `expect` what must come out
 
-  // Bodies that move by forces. Without a model and without bodies all of it is empty, and everything moves as prescribed.
+  // Bodies that move by forces. Without a model, bodies and a grasp all of it is empty, and everything moves as prescribed.
   std::string model = {};              // path of an MJCF file; empty: none
   std::vector<BodyScene> bodies = {};  // beside those of the model
   std::optional<double> gravity = {};  // m/s2, downwards; empty: the model's own, or the Earth's without a model
   std::vector<ControlScene> controls = {};
-  bool implicit_fields = false;  // field_solver: implicit
+  bool implicit_fields = false;          // field_solver: implicit
+  std::optional<GraspScene> grasp = {};  // without a model and bodies: it brings its own
 
   // Whether anything moves by forces.
-  [[nodiscard]] bool dynamic() const { return !model.empty() || !bodies.empty(); }
+  [[nodiscard]] bool dynamic() const { return !model.empty() || !bodies.empty() || grasp.has_value(); }
 };
 
 }  // namespace slipbench

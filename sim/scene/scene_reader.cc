@@ -23,6 +23,9 @@ constexpr std::size_t max_sensors = 64;
 // What a closed loop may name; each later method adds its name.
 constexpr std::array<std::string_view, 1> controller_types{"none"};
 
+// The motion of a grasp's arm, which is no motion of a stage.
+constexpr const char* arm_motion = "lift";
+
 // Keys that only a scene with bodies that move by forces may have: of the scene, and of its sensors.
 constexpr std::array<std::string_view, 3> dynamic_keys{"controls", "field_solver", "gravity"};
 constexpr std::array<std::string_view, 3> dynamic_sensor_keys{"damping", "site", "touches"};
@@ -76,12 +79,14 @@ class SceneReader {
 
   Scene read(const YamlNode& root) {
     require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
-    check_keys(root, "the scene", {"bodies", "controller", "controls",     "description", "detector", "duration", "effects",
-                                   "expect", "fidelity",   "field_solver", "friction",    "gravity",  "model",    "motion",
-                                   "seed",   "sensors",    "slipbench",    "surface",     "sweep",    "time_step"});
+    check_keys(root, "the scene",
+               {"bodies",  "box",      "controller",   "controls",  "description", "detector", "duration", "effects",
+                "expect",  "fidelity", "field_solver", "friction",  "gravity",     "grip",     "model",    "motion",
+                "scatter", "seed",     "sensors",      "slipbench", "surface",     "sweep",    "time_step"});
     read_version(root);
     root_origin_ = root.origin;
     Scene scene;
+    scene.grasp = read_grasp(root);  // first: its protocol is the default of others
     if (const YamlNode* node = root.find("description")) scene.description = text_of(*node, "description", "text");
     scene.duration = number(root.find("duration"), "duration", duration_spec);
     scene.time_step = read_time_step(root.find("time_step"), scene.duration);
@@ -89,7 +94,9 @@ class SceneReader {
     scene.seed = read_seed(root);
     const Material& material = read_surface(root.find("surface"), scene);
     scene.friction = read_friction(root.find("friction"), material);
-    scene.motion = read_kind(root.find("motion"), "motion", "kind", "stage", catalogues_.motions, "motion", {});
+    scene.motion =
+        read_kind(root.find("motion"), "motion", "kind", scene.grasp ? arm_motion : "stage", catalogues_.motions, "motion", {});
+    refuse_motion_of_other_bench(root, scene);
     scene.sensors = read_sensors(root);
     read_dynamics(root, scene);
     scene.effects = read_list(root.find("effects"), "effects", catalogues_.effects, "effect");
@@ -134,7 +141,7 @@ class SceneReader {
 
   // The value at `node`, or the default where the scene has none.
   Parameters::Value value(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
-    Parameters::Value result = node == nullptr                      ? default_of(spec)
+    Parameters::Value result = node == nullptr                      ? default_at(path, spec)
                                : spec.type == ParameterType::vector ? vector(*node, path, spec)
                                                                     : scalar(*node, path, spec);
     record(path, result);
@@ -146,6 +153,12 @@ class SceneReader {
   [[nodiscard]] std::string in_folder(const std::string& path) const {
     const std::filesystem::path folder = root_origin_.source ? std::filesystem::path(*root_origin_.source).parent_path() : "";
     return (folder / path).string();
+  }
+
+  // What stands at `path` in a scene that does not say it: the protocol's figure, or the declared default.
+  [[nodiscard]] Parameters::Value default_at(const std::string& path, const ParameterSpec& spec) const {
+    if (protocol_ == nullptr || !protocol_->defaults.contains(path)) return default_of(spec);
+    return parse_scalar(spec, protocol_->defaults.at(path));
   }
 
   double number(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
@@ -343,6 +356,40 @@ class SceneReader {
     return static_cast<std::size_t>(found - sensors.begin());
   }
 
+  // A scene with `grip` or `box` is a grasp; where one is missing it is all defaults.
+  std::optional<GraspScene> read_grasp(const YamlNode& root) {
+    const YamlNode *grip = root.find("grip"), *box = root.find("box"), *scatter = root.find("scatter");
+    if (grip == nullptr && box == nullptr) {
+      if (scatter != nullptr) fail(scatter->key_origin, "'scatter' is of the trials of a grasp: a scene with 'grip' or 'box'");
+      return std::nullopt;
+    }
+    for (const std::string_view key : {"bodies", "controls", "field_solver", "model"}) {
+      if (const YamlNode* node = root.find(key)) {
+        fail(node->key_origin, quote(key) + " has no place in a grasp, a scene with 'grip' or 'box': it brings its own bodies");
+      }
+    }
+    const YamlNode* protocol = grip == nullptr ? nullptr : grip->find("protocol");
+    const std::string& name =
+        protocol == nullptr ? default_protocol_ : text_of(*protocol, "grip.protocol", "the name of a protocol");
+    protocol_ = &named(catalogues_.protocols, name, protocol == nullptr ? root_origin_ : protocol->origin, "protocol");
+    const auto part = [this](const YamlNode* node, const std::string& key) {
+      if (node != nullptr) require_map(*node, key, "parameters");
+      return parameters(node, key, key, named(catalogues_.grasp, key, root_origin_, "key of a grasp"), {});
+    };
+    GraspScene grasp{part(grip, "grip"), part(box, "box"), std::nullopt};
+    if (scatter != nullptr) grasp.scatter = part(scatter, "scatter");
+    return grasp;
+  }
+
+  static void refuse_motion_of_other_bench(const YamlNode& root, const Scene& scene) {
+    if ((scene.motion.name == arm_motion) == scene.grasp.has_value()) return;
+    const YamlNode& node = *root.find("motion");
+    const YamlNode* kind = node.find("kind");
+    fail(kind == nullptr ? node.origin : kind->origin,
+         scene.grasp ? "motion " + quote(scene.motion.name) + " moves no arm; a scene with 'grip' or 'box' allows: " + arm_motion
+                     : "motion " + quote(arm_motion) + " moves the arm of a grasp: a scene with 'grip' or 'box'");
+  }
+
   // What a scene says of bodies that move by forces.
   void read_dynamics(const YamlNode& root, Scene& scene) {
     if (const YamlNode* node = root.find("model")) {
@@ -356,6 +403,10 @@ class SceneReader {
       refuse_dynamic_keys(root);
       return;
     }
+    if (scene.grasp && scene.fidelity != "field") {
+      fail(root.find("fidelity")->origin,
+           "fidelity: " + quote(scene.fidelity) + " stands beside no table; a grasp allows: field");
+    }
     if (const YamlNode* node = root.find("surface")) check_keys(*node, "surface of a scene with bodies", {"material"});
     if (const YamlNode* node = root.find("gravity")) scene.gravity = number(node, "gravity", gravity_spec);
     scene.implicit_fields =
@@ -365,6 +416,10 @@ class SceneReader {
            "field_solver: 'implicit' is for pads as fields; with 'fidelity: articulated' leave it out");
     }
     if (const YamlNode* node = root.find("controls")) scene.controls = read_controls(*node);
+    if (scene.grasp) {
+      read_pad_of_grasp(*root.find("sensors"), scene);
+      return;
+    }
     bool any_on_stage = false;
     for (SensorScene& sensor : scene.sensors) {
       read_mounting(*root.find("sensors")->find(sensor.name), sensor);
@@ -374,6 +429,21 @@ class SceneReader {
       fail(node->key_origin,
            "motion moves the sensors that have no 'site', and every sensor of this scene has one; leave it out");
     }
+  }
+
+  void read_pad_of_grasp(const YamlNode& sensors, Scene& scene) {
+    if (scene.sensors.size() != 1) {
+      fail(sensors.key_origin, std::to_string(scene.sensors.size()) + " sensors; a grasp allows: one, on the finger that feels");
+    }
+    const YamlNode& node = sensors.children.front();
+    const std::string path = "sensors." + node.key;
+    for (const std::string_view key : {"site", "touches"}) {
+      if (const YamlNode* found = node.find(key)) {
+        fail(found->key_origin,
+             quote(key) + " in " + path + " is given in a grasp: the sensor is on a finger and touches the box");
+      }
+    }
+    scene.sensors.front().damping = number(node.find("damping"), path + ".damping", damping_spec);
   }
 
   static void refuse_dynamic_keys(const YamlNode& root) {
@@ -545,6 +615,8 @@ class SceneReader {
   const Catalogues& catalogues_;
   Trace* trace_;
   Origin root_origin_;
+  const Protocol* protocol_ = nullptr;
+  const std::string default_protocol_ = "as_recorded";
   const std::string ideal_ = "ideal";
   const std::string none_ = "none";
 };

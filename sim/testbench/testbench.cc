@@ -12,6 +12,7 @@
 #include "sim/effects/install.h"
 #include "sim/field/contact_labels.h"
 #include "sim/field/field.h"
+#include "sim/grasp/grasp_catalogue.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/materials.h"
@@ -127,6 +128,8 @@ void add_sim_catalogues(Catalogues& catalogues) {
   for (const SurfaceKind& kind : surface_catalogue()) catalogues.surfaces.push_back(kind.about);
   for (const MotionKind& kind : motion_catalogue()) catalogues.motions.push_back(kind.about);
   catalogues.bodies = body_catalogue();
+  catalogues.grasp = grasp_catalogue();
+  catalogues.protocols = protocol_catalogue();
   for (const EffectKind& kind : effect_catalogue()) catalogues.effects.push_back(kind.about);
 }
 

@@ -19,8 +19,9 @@ constexpr CatalogueKind bodies{"bodies", "body", "bodies.<name>.shape"};
 constexpr CatalogueKind materials{"materials", "material", "surface.material"};
 constexpr CatalogueKind motions{"motions", "motion", "motion.kind"};
 constexpr CatalogueKind electronics{"electronics", "electronics part", "sensors.<name>.electronics"};
+constexpr CatalogueKind grasp{"grasp", "part of a grasp", "box, grip, scatter"};
 constexpr CatalogueKind detectors{"detectors", "detector", "detector.type"};
-constexpr std::array kinds{effects, sensors, surfaces, bodies, materials, motions, electronics, detectors};
+constexpr std::array kinds{effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, detectors};
 
 std::string type_text(const ParameterSpec& spec) {
   switch (spec.type) {
@@ -145,6 +146,7 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
   for (const Material& material : catalogues.materials) items.push_back(material_item(material));
   add_all(motions, catalogues.motions);
   add_all(electronics, catalogues.electronics);
+  add_all(grasp, catalogues.grasp);
   add_all(detectors, catalogues.detectors);
   return items;
 }
@@ -184,7 +186,14 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
                        parameter_lines(entry, 4), touching);
   }
   if (item.kind.plural == detectors.plural) return fmt::format("detector:\n  type: {}\n", entry.name) + parameter_lines(entry, 2);
-  if (item.kind.plural == motions.plural) return fmt::format("motion:\n  kind: {}\n", entry.name) + parameter_lines(entry, 2);
+  if (item.kind.plural == grasp.plural) {
+    const std::string key = entry.name + ":\n" + parameter_lines(entry, 2);
+    return entry.name == "scatter" ? "grip: {}\n" + key : key;
+  }
+  if (item.kind.plural == motions.plural) {
+    const std::string arm = entry.name == "lift" ? "grip: {}\n" : "";
+    return arm + fmt::format("motion:\n  kind: {}\n", entry.name) + parameter_lines(entry, 2);
+  }
   const std::string sensor = catalogues.sensors.empty() ? "papillarray" : catalogues.sensors.front().name;
   return fmt::format("sensors:\n  pad:\n    type: {}\n    electronics:\n", sensor) + list_item(entry, 6);
 }

@@ -81,7 +81,7 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
   refuses(site + plate + one + config("material", "acrylc"),
           " material='acrylc': unknown material 'acrylc'; did you mean 'acrylic'? allowed: acrylic, cardboard, felt, glass, "
           "masonite, "
-          "paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic");
+          "paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic, wet_felt, wet_paper, wet_ptfe, wet_rubber");
   refuses(
       site + plate + one + config("friction", "{static: 0.2, kinetic: 0.5}"),
       " friction='{static: 0.2, kinetic: 0.5}': friction.kinetic 0.5 exceeds the static coefficient 0.2; allowed: at most that");

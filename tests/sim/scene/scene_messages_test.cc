@@ -42,10 +42,13 @@ TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().m
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
 
 const std::string scene_keys =
-    "bodies, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, gravity, "
-    "model, motion, seed, sensors, slipbench, surface, sweep, time_step";
+    "bodies, box, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, "
+    "gravity, grip, "
+    "model, motion, scatter, seed, sensors, slipbench, surface, sweep, time_step";
 const std::string sensor_keys = "bias, bristle_spread, bristles, damping, electronics, profile, rate, site, touches, type";
-const std::string materials = "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic";
+const std::string materials =
+    "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic, "
+    "wet_felt, wet_paper, wet_ptfe, wet_rubber";
 
 std::string tab(int line) {
   return "s.yaml:" + std::to_string(line) + ": a tab before the first word; allowed: spaces, since tabs cannot indent YAML";

@@ -217,6 +217,8 @@ motions  scene key motion.kind
 electronics  scene key sensors.<name>.electronics
   hum    Mains hum.
 
+grasp  scene key box, grip, scatter
+  (none)
 detectors  scene key detector.type
   limit  A threshold.
 )");
@@ -245,7 +247,7 @@ TEST(List, UnknownCatalogueGetsTheNearestOne) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
                  "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, "
-                 "materials, motions, electronics, detectors");
+                 "materials, motions, electronics, grasp, detectors");
   }
 }
 

@@ -190,7 +190,7 @@ TEST(Program, WhatASceneExpectsIsLeftToLaterVersions) {
 
 TEST(Program, ListAndDescribe) {
   const nlohmann::json list = json_of(run_program_file({"list", "--json"}));
-  for (const char* kind : {"effects", "sensors", "surfaces", "materials", "motions", "electronics", "detectors"}) {
+  for (const char* kind : {"effects", "sensors", "surfaces", "materials", "motions", "electronics", "grasp", "detectors"}) {
     EXPECT_FALSE(list.at(kind).empty()) << kind;
   }
   EXPECT_EQ(json_of(run_program_file({"list", "sensors", "--json"})).size(), 1U);

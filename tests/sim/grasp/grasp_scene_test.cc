@@ -1,0 +1,193 @@
+// What a scene says of a grasp: protocols, scatter, and what is refused.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "sim/grasp/grasp.h"
+#include "sim/grasp/grasp_catalogue.h"
+#include "sim/scene/parser.h"
+#include "tools/catalogue/sensors.h"
+
+namespace slipbench {
+namespace {
+
+Scene scene_of(const std::string& text) {
+  return parse_scene(SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray}}\n" + text, "scene.yaml"),
+                     program_catalogues());
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    const Scene scene = scene_of(text);
+    if (scene.grasp) draw_grasp(*scene.grasp, scene.seed, 0);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(GraspCatalogue, EntriesAreDocumented) {
+  ASSERT_EQ(grasp_catalogue().size(), 3U);
+  for (const Entry& entry : grasp_catalogue()) {
+    EXPECT_FALSE(entry.summary.empty() || entry.source.empty()) << entry.name;
+    for (const ParameterSpec& parameter : entry.parameters) {
+      EXPECT_FALSE(parameter.doc.empty() || parameter.source.empty()) << entry.name << "." << parameter.name;
+    }
+    defaults_of(entry.parameters);  // throws where a default does not fit
+  }
+}
+
+TEST(GraspScene, ProtocolsGiveDefaultsThatTheSceneOverrides) {
+  const Scene recorded = scene_of("grip: {}\n");
+  EXPECT_TRUE(recorded.dynamic());
+  EXPECT_EQ(recorded.motion.name, "lift");
+  EXPECT_EQ(recorded.grasp->grip.number("preset"), 4.0);
+  EXPECT_EQ(recorded.motion.parameters.number("speed"), 0.043);
+  EXPECT_EQ(recorded.motion.parameters.number("acceleration"), 0.4);
+  const Scene printed = scene_of("grip: {protocol: as_printed}\n");
+  EXPECT_EQ(printed.grasp->grip.number("preset"), 1.0);
+  EXPECT_EQ(printed.motion.parameters.number("speed"), 0.005);
+  EXPECT_EQ(printed.motion.parameters.number("acceleration"), 0.05);
+  // The lift takes 100 mm at 5 mm/s: 20.1 s after 1.5 s.
+  EXPECT_EQ(printed.duration, 23.0);
+  EXPECT_EQ(recorded.duration, 5.0);
+  EXPECT_EQ(scene_of("duration: 6 s\ngrip: {}\n").duration, 6.0);
+  const Scene own = scene_of("grip: {protocol: as_printed, preset: 2 N}\nmotion: {kind: lift, speed: 10 mm/s}\n");
+  EXPECT_EQ(own.grasp->grip.number("preset"), 2.0);
+  EXPECT_EQ(own.motion.parameters.number("speed"), 0.01);
+  EXPECT_EQ(own.motion.parameters.number("acceleration"), 0.05);
+  // What is declared is what as_recorded gives.
+  for (const Protocol& protocol : protocol_catalogue()) EXPECT_EQ(protocol.defaults.size(), 4U) << protocol.name;
+  EXPECT_EQ(scene_of("grip: {protocol: as_recorded}\n").motion.parameters.values(), recorded.motion.parameters.values());
+}
+
+TEST(GraspScene, WithoutScatterEveryTrialIsAlike) {
+  const Scene scene = scene_of("box: {size: [50 mm, 60 mm, 80 mm], position: [1 mm, -2 mm], centre_of_mass: [0, 0, 5 mm]}\n");
+  for (const std::uint64_t trial : {0U, 7U}) {
+    const Grasp grasp = draw_grasp(*scene.grasp, 3, trial);
+    EXPECT_EQ(grasp.box_size, Eigen::Vector3d(0.05, 0.06, 0.08));
+    EXPECT_TRUE(grasp.box_position.isApprox(Eigen::Vector3d(0.001, -0.002, 0.04 - 0.07), 1e-15));
+    EXPECT_EQ(grasp.centre_of_mass, Eigen::Vector3d(0.0, 0.0, 0.005));
+    EXPECT_EQ(grasp.yaw, 0.0);
+    EXPECT_EQ(grasp.pitch, 0.0);
+    EXPECT_EQ(grasp.phase, 0.0);
+    EXPECT_EQ(grasp.friction_scale, 1.0);
+    EXPECT_NEAR(grasp.opening, 0.05 + 2.0 * (1e-3 + 1e-3), 1e-15);
+  }
+}
+
+TEST(GraspScene, ScatterHasTheSpreadThatItSays) {
+  const Scene scene = scene_of("grip: {}\nscatter: {}\n");
+  constexpr int trials = 4000;
+  // A mean of n draws is out by less than 4.5 sd/sqrt(n), a standard deviation by less than 4.5/sqrt(2 n) of itself; 1 in 100,000 is not.
+  struct Sum {
+    double mean = 0.0, square = 0.0;
+    void add(double value) { mean += value / trials, square += value * value / trials; }
+    void expect(double expected_mean, double sd) const {
+      EXPECT_NEAR(mean, expected_mean, 4.5 * sd / std::sqrt(trials));
+      EXPECT_NEAR(std::sqrt(square - mean * mean), sd, 4.5 * sd / std::sqrt(2.0 * trials));
+    }
+  } x, y, z, yaw, pitch, centre, width, friction, phase;
+  for (std::uint64_t trial = 0; trial < trials; ++trial) {
+    const Grasp grasp = draw_grasp(*scene.grasp, 1, trial);
+    x.add(grasp.box_position.x()), y.add(grasp.box_position.y()), z.add(grasp.box_position.z());
+    yaw.add(grasp.yaw), pitch.add(grasp.pitch), centre.add(grasp.centre_of_mass.y());
+    width.add(grasp.box_size.x()), friction.add(std::log(grasp.friction_scale)), phase.add(grasp.phase);
+    EXPECT_TRUE(grasp.phase >= 0.0 && grasp.phase < 0.02);
+    EXPECT_TRUE(grasp.box_size.x() >= 0.06 && grasp.box_size.x() < 0.06 + 0.374e-3);
+  }
+  constexpr double degree = 0.017453292519943295;
+  x.expect(0.0, 0.5e-3), y.expect(0.0, 1.5e-3), z.expect(-0.02, 2e-3);
+  yaw.expect(0.0, degree), pitch.expect(0.0, degree), centre.expect(0.0, 2e-3), friction.expect(0.0, 0.1);
+  width.expect(0.06 + 0.187e-3, 0.374e-3 / std::sqrt(12.0)), phase.expect(0.01, 0.02 / std::sqrt(12.0));
+}
+
+TEST(GraspScene, OneScatterDoesNotShiftAnother) {
+  const Scene all = scene_of("grip: {}\nscatter: {}\n"),
+              fewer = scene_of("grip: {}\nscatter: {position: [0, 0, 0], yaw: 0, phase: false}\n");
+  const Grasp a = draw_grasp(*all.grasp, 1, 5), b = draw_grasp(*fewer.grasp, 1, 5);
+  EXPECT_EQ(a.pitch, b.pitch);
+  EXPECT_EQ(a.centre_of_mass, b.centre_of_mass);
+  EXPECT_EQ(a.box_size, b.box_size);
+  EXPECT_EQ(b.yaw, 0.0);
+  EXPECT_NE(a.yaw, 0.0);
+}
+
+TEST(GraspScene, SecondPadIsAGridOrTheSensorsOwn) {
+  PadLayout sensor;
+  sensor.elements = {{{0.001, 0.0, 0.0}, {0.0, 0.0, -1.0}, 10.0, 5.0, 0.0, 0.0}};
+  sensor.units = {{0, 1}};
+  const PadLayout silicone = second_pad(scene_of("grip: {}\n").grasp->grip, sensor);
+  ASSERT_EQ(silicone.elements.size(), 24U);
+  double normal = 0.0, tangential = 0.0;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero(), farthest = Eigen::Vector3d::Zero();
+  for (const Element& element : silicone.elements) {
+    normal += element.k_normal;
+    tangential += element.k_tangential;
+    middle += element.tip;
+    farthest = farthest.cwiseMax(element.tip);
+  }
+  EXPECT_NEAR(normal, 400e3, 1e-9);
+  EXPECT_NEAR(tangential, 200e3, 1e-9);
+  EXPECT_LT(middle.norm(), 1e-15);
+  EXPECT_NEAR(farthest.x(), 11e-3 * 3.0 / 4.0, 1e-15);  // each stands in the middle of its cell
+  EXPECT_NEAR(farthest.y(), 18.75e-3 * 5.0 / 6.0, 1e-15);
+  EXPECT_EQ(second_pad(scene_of("grip: {second_pad: same}\n").grasp->grip, sensor).elements.size(), 1U);
+}
+
+TEST(GraspScene, IdealForceIsTheWeightOverBothPads) {
+  const Scene scene = scene_of("box: {mass: 0.3 kg}\nfriction: {static: 0.5}\n");
+  EXPECT_NEAR(ideal_grip_force(scene, 1.0, 10.0), 3.0, 1e-15);  // 0.3 x 10/(2 x 0.5)
+  EXPECT_NEAR(ideal_grip_force(scene, 1.2, 10.0), 2.5, 1e-15);
+  EXPECT_TRUE(std::isinf(ideal_grip_force(scene_of("box: {}\nfriction: {static: 0}\n"), 1.0, 9.81)));
+}
+
+TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"scatter: {}\n", "scene.yaml:3: 'scatter' is of the trials of a grasp"},
+      {"grip: {}\nbodies: {b: {shape: box}}\n", "scene.yaml:4: 'bodies' has no place in a grasp"},
+      {"grip: {}\nmodel: a.xml\n", "scene.yaml:4: 'model' has no place in a grasp"},
+      {"grip: {}\nfield_solver: implicit\n", "scene.yaml:4: 'field_solver' has no place in a grasp"},
+      {"grip: {}\nmotion: {kind: stage}\n", "scene.yaml:4: motion 'stage' moves no arm"},
+      {"motion: {kind: lift}\n", "scene.yaml:3: motion 'lift' moves the arm of a grasp"},
+      {"grip: {protocol: as_prnted}\n", "scene.yaml:3: unknown protocol 'as_prnted'; did you mean 'as_printed'?"},
+      {"grip: {stifness: [1, 1, 1]}\n", "scene.yaml:3: unknown key 'stifness' in grip; did you mean 'stiffness'?"},
+      {"grip: {}\nfidelity: articulated\n", "scene.yaml:4: fidelity: 'articulated' is for pads that move as prescribed"},
+      {"grip: {}\nsurface: {shape: plane}\n", "scene.yaml:4: unknown key 'shape' in surface"},
+      {"box: {size: [80 mm, 60 mm, 100 mm], position: [2 mm, 0]}\n", "box.size: a box of 80 mm"},
+      {"box: {}\ngrip: {height: 101 mm}\n", "box: the middle of the pads is beside the box"},
+  };
+  for (const auto& [text, message] : cases) {
+    const std::string found = refusal(text);
+    EXPECT_NE(found.find(message), std::string::npos) << found;
+  }
+  EXPECT_EQ(refusal("grip: {}\nbox: {}\nscatter: {}\ngravity: 1.6 m/s2\n"), "");
+}
+
+TEST(GraspScene, ShippedLiftIsAsRecordedAndTakesWhatIsSet) {
+  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml");
+  const Scene scene = parse_scene(file, program_catalogues());
+  EXPECT_EQ(scene.material, "ptfe");
+  EXPECT_EQ(scene.grasp->grip.number("preset"), 4.0);
+  EXPECT_EQ(scene.motion.parameters.number("speed"), 0.043);
+  EXPECT_EQ(scene.grasp->box.number("mass"), 0.2);
+  EXPECT_TRUE(scene.grasp->scatter.has_value());
+  EXPECT_FALSE(scene.time_step);
+  for (const Override& change : {Override{"surface.material", "wet_felt"},
+                                 {"box.mass", "0.5 kg"},
+                                 {"grip.preset", "1 N"},
+                                 {"grip.protocol", "as_printed"}}) {
+    file.apply(change);
+  }
+  const Scene changed = parse_scene(file, program_catalogues());
+  EXPECT_EQ(changed.material, "wet_felt");
+  EXPECT_EQ(changed.grasp->box.number("mass"), 0.5);
+  EXPECT_EQ(changed.grasp->grip.number("preset"), 1.0);
+  EXPECT_EQ(changed.motion.parameters.number("speed"), 0.005);
+}
+
+}  // namespace
+}  // namespace slipbench
