@@ -437,6 +437,9 @@ Wrench Field::wrench_on_pad() const {
 }
 
 Wrench Field::damped_wrench_on_pad(const Twist& motion, double tau) const {
+  if (std::all_of(columns_[mode], columns_[mode] + count_, [](double state) { return state == 0.0; })) {
+    return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  }
   return kernel::damped_wrench_on_pad(columns_, pose_.position, motion, tau, effects_.cone.get(), padded_);
 }
 

@@ -202,9 +202,10 @@ SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::
     Lanes held = none + 1.0;
     if (cone != nullptr) {
       for (std::size_t lane = 0; lane < lanes; ++lane) {
+        if (!(viscous[lane] > 0.0 && reach[lane] > 0.0)) continue;
         const double t[3] = {tx[lane], ty[lane], tz[lane]}, n[3] = {nx[lane], ny[lane], nz[lane]};
-        const double gauge = reach[lane] == 0.0 ? 1.0 : cone->gauge(t, n, reach[lane]);
-        if (viscous[lane] > 0.0 && gauge > 1.0) held[lane] = 1.0 / gauge;
+        const double gauge = cone->gauge(t, n, reach[lane]);
+        if (gauge > 1.0) held[lane] = 1.0 / gauge;
       }
     } else {
       const Lanes size = root(tx * tx + ty * ty + tz * tz);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "sim/mujoco/dynamic_state.h"
 #include "sim/mujoco/field_plugin.h"
 #include "sim/mujoco/geom_surface.h"
+#include "sim/mujoco/gripper_model.h"
 #include "sim/mujoco/implicit.h"
 #include "sim/mujoco/model_builder.h"
 #include "sim/testbench/stage_setup.h"
@@ -66,7 +68,7 @@ void DynamicBench::State::find_fields(const Scene& scene) {
     double stiffness = 0.0;
     for (const Element& element : layouts[i]->elements) stiffness += element.k_normal;
     const int site = pad->config().site;
-    pad->watch();
+    if (i < read) pad->watch();
     pads.push_back({pad, nullptr, site, m()->site_bodyid[site], scene.sensors[i].damping * stiffness, reach_of(*layouts[i])});
     for (std::size_t k = 0; k < pad->config().geoms.size(); ++k) {
       contacts.push_back({i, k, m()->geom_bodyid[pad->config().geoms[k]]});
@@ -108,7 +110,8 @@ void DynamicBench::State::find_bodies(const Scene& scene) {
   };
   if (motion) add("pad", mjOBJ_XBODY, mj_name2id(m(), mjOBJ_BODY, stage_name), "sensors");
   for (std::size_t i = 0; i < pads.size(); ++i) {
-    if (!scene.sensors[i].site.empty()) add(scene.sensors[i].name, mjOBJ_SITE, pads[i].site, "sensors." + scene.sensors[i].name);
+    const SensorScene& sensor = scene.sensors[i];
+    if (!sensor.site.empty()) add(sensor.name, mjOBJ_SITE, pads[i].site, "sensors." + sensor.name);
   }
   for (const BodyScene& body : scene.bodies) {
     add(body.name, mjOBJ_XBODY, mj_name2id(m(), mjOBJ_BODY, body.name.c_str()), "bodies." + body.name);
@@ -116,7 +119,7 @@ void DynamicBench::State::find_bodies(const Scene& scene) {
   for (int body = 1; body < m()->nbody; ++body) {
     const char* name = mj_id2name(m(), mjOBJ_BODY, body);
     const bool is_free = m()->body_jntnum[body] == 1 && m()->jnt_type[m()->body_jntadr[body]] == mjJNT_FREE;
-    const bool known = name == nullptr || name == std::string(stage_name) ||
+    const bool known = name == nullptr || std::string_view(name).starts_with(own_prefix) ||
                        std::ranges::find(scene.bodies, std::string(name), &BodyScene::name) != scene.bodies.end();
     if (is_free && !known) add(name, mjOBJ_XBODY, body, "model");
   }
@@ -160,6 +163,13 @@ Vibration DynamicBench::State::vibration(bool touching_only) const {
     }
     on_bodies.push_back({pad.body, contact.object_body, pose.position});
     tangents.push_back(stuck_tangent(layout, pose, pose.position, pad.instance->config().damping));
+  }
+  if (spring) {
+    for (const FingerNames& finger : finger_names) {
+      const int body = mj_name2id(m(), mjOBJ_BODY, finger.body);
+      on_bodies.push_back({body, 0, MjVector(d()->xpos + 3 * body)});
+      tangents.push_back(spring->tangent(MjMatrix(d()->xmat + 9 * body)));
+    }
   }
   return fastest_vibration(m(), d(), on_bodies, tangents);
 }
@@ -271,10 +281,12 @@ void DynamicBench::State::begin(const Scene& scene) {
 // The model with fields, and the longest step that they bear.
 StepPlan DynamicBench::State::plan_fields(const Scene& scene, std::span<const double> rates, std::uint64_t trial,
                                           const DynamicBenchOptions& options) {
-  model = build_model(scene, layouts, trial);
+  model = build_model(scene, layouts, trial, options.hand);
   begin(scene);
   double longest = std::numeric_limits<double>::infinity();
-  for (const PadLayout* pad : layouts) {
+  for (std::size_t i = 0; i < layouts.size(); ++i) {
+    if (scene.sensors[i].friction) continue;  // without effects
+    const PadLayout* pad = layouts[i];
     const FieldEffects effects = install_effects(scene.effects, *pad, Plane{}, scene.seed, trial);
     longest = std::min(longest, longest_step(effects, motion ? motion->top_speed(reach_of(*pad)) : 0.0));
     judge_fields = judge_fields && effects.surface.empty() && effects.rheology.empty();
@@ -300,6 +312,8 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.layouts.assign(pads.begin(), pads.end());
+  s.read = output_rates.size();
+  if (options.hand != nullptr) s.spring = finger_spring(options.hand->grip);
   s.articulated = scene.fidelity == "articulated";
   s.implicit = scene.implicit_fields;
   const bool staged = std::ranges::any_of(scene.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); });
@@ -313,7 +327,7 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
   s.make_data();
   s.find_pads(scene);
   s.start(scene);
-  for (std::size_t i = 0; i < pads.size(); ++i) s.pads[i].stride = plan.strides[i];
+  for (std::size_t i = 0; i < s.read; ++i) s.pads[i].stride = plan.strides[i];
   s.find_bodies(scene);
   s.leads = s.model->opt.integrator == mjINT_RK4;
   if (s.articulated) s.settle_tips();

@@ -18,9 +18,13 @@ struct mjData_;
 
 namespace slipbench {
 
+struct Hand;  // gripper_model.h
+
 struct DynamicBenchOptions {
   bool refuse_long_steps = true;  // false: for tests of the watch, which must see what a step that is too long does
   WatchLimits limits{};
+  const Hand* hand =
+      nullptr;  // the fingers of a grasp, whose springs whoever steps the bench applies; needed in the constructor only
 };
 
 // Bodies by mj_step; fields by the plugin `slipbench.field` (model_builder.h), which must be registered before; the stage, and the
@@ -43,7 +47,7 @@ struct DynamicBenchOptions {
 // watch.h.
 class DynamicBench final : public Bench {
  public:
-  // As Testbench's. Throws SceneValueError where the scene, its model and the step do not suit each other.
+  // As Testbench's, but for pads after the last of `output_rates`: they touch and push, and nobody reads them. Throws SceneValueError where the scene, its model and the step do not suit each other.
   DynamicBench(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
                std::uint64_t trial, const DynamicBenchOptions& options = {});
   ~DynamicBench() override;

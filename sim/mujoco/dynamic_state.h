@@ -15,6 +15,7 @@
 #include "sim/motion/motion.h"
 #include "sim/mujoco/articulated.h"
 #include "sim/mujoco/dynamic_bench.h"
+#include "sim/mujoco/gripper_model.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/pad_instance.h"
 #include "sim/mujoco/stability.h"
@@ -34,6 +35,8 @@ struct DynamicBench::State {
     std::size_t pad;
     std::size_t field;  // of the pad
     int object_body;
+    // N, of the elements' springs, in the surface's frame, at the tick looked at last
+    Eigen::Vector3d on_pad = Eigen::Vector3d::Zero();
   };
 
   struct Pad {
@@ -68,6 +71,8 @@ struct DynamicBench::State {
   ModelPointer model;
   DataPointer data;
   std::vector<const PadLayout*> layouts;
+  std::size_t read = 0;                // how many pads somebody reads
+  std::optional<FingerSpring> spring;  // of every finger, where there is a hand
   std::vector<Pad> pads;
   std::vector<Contact> contacts;
   std::vector<Control> controls;

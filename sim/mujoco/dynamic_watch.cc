@@ -91,7 +91,7 @@ void DynamicBench::State::weigh(double time, const Eigen::VectorXd& velocity) {
       const Pad& pad = pads[contact.pad];
       if (contact.object_body != body.body && pad.body != body.body) continue;
       const Field& field = pad.instance->fields()[contact.field];
-      const Eigen::Vector3d on_pad = pad_pose(pad).rotation * field.wrench_on_pad().force;
+      const Eigen::Vector3d on_pad = pad_pose(pad).rotation * (field.pad_in_surface().rotation.transpose() * contact.on_pad);
       now.force += pad.body == body.body ? on_pad : Eigen::Vector3d(-on_pad);
       now.dashpots.push_back({pad.damping_constant, pad.reach, field.pad_in_surface()});
     }
@@ -118,13 +118,15 @@ void DynamicBench::State::watch(double time, const Eigen::VectorXd& velocity) {
     now.supply += std::max(0.0, -on_stage);
   }
   double slip_loss = 0.0;  // with the speed at the end of the step
-  for (const Contact& contact : contacts) {
+  for (Contact& contact : contacts) {
     const Field& field = pads[contact.pad].instance->fields()[contact.field];
     const std::vector<Element>& elements = field.layout().elements;
+    contact.on_pad.setZero();
     for (std::size_t i = 0; i < field.size(); ++i) {
       if (field.state(i) == ElementState::detached) continue;
       const double pressed = field.normal_force(i);
       const Eigen::Vector3d dragged = field.tangential_force(i);
+      contact.on_pad += pressed * field.normal(i) - dragged;
       now.elastic += 0.5 * (pressed * pressed / elements[i].k_normal + dragged.squaredNorm() / elements[i].k_tangential);
       slip_loss += dragged.dot(field.slip_step(i));
     }

@@ -114,8 +114,8 @@ std::string name_of(mjsElement* element, const std::string& otherwise) {
 // A scene's model in the making.
 class Builder {
  public:
-  Builder(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial)
-      : scene_(scene), pads_(pads), trial_(trial) {}
+  Builder(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand)
+      : scene_(scene), pads_(pads), trial_(trial), hand_(hand) {}
 
   ModelPointer build() {
     // What the plugin's attributes say of geoms is known only when the model has been read, and they must be there when it is read.
@@ -330,6 +330,12 @@ class Builder {
       if (scene_.implicit_fields) spec->option.impratio = implicit_impratio;
     }
     for (const BodyScene& body : scene_.bodies) add_body(spec, body);
+    if (hand_ != nullptr) {
+      add_fingers(mjs_findBody(spec, "world"), *hand_);
+      mjs_setName(mjs_addSite(mjs_findBody(spec, hand_->box), nullptr)->element, corner_site);
+      spec->option.integrator = mjINT_EULER;
+      spec->option.disableflags |= mjDSBL_EULERDAMP | mjDSBL_CONSTRAINT;
+    }
     if (std::ranges::any_of(scene_.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); })) add_stage(spec);
     touched_.assign(scene_.sensors.size(), {});
     unnamed_ = 0;
@@ -364,6 +370,7 @@ class Builder {
       return;
     }
     geom->mass = p.number("mass");
+    if (scene.shape.name == "box") put_mass_at(body, p);
     if (scene.shape.name == "box" || scene.shape.name == "ellipsoid") {
       geom->type = scene.shape.name == "box" ? mjGEOM_BOX : mjGEOM_ELLIPSOID;
       for (int k = 0; k < 3; ++k) geom->size[k] = 0.5 * p.vector("size")[static_cast<std::size_t>(k)];
@@ -378,6 +385,19 @@ class Builder {
       mjs_addFreeJoint(body);
     } else if (p.vector("velocity") != std::vector<double>(3, 0.0)) {
       throw SceneValueError("bodies." + scene.name + ".velocity", "the body is not free; allowed: no velocity");
+    }
+  }
+
+  // Instead of the geom's own mass, where the box's centre is not its middle.
+  static void put_mass_at(mjsBody* body, const Parameters& box) {
+    const std::vector<double>&centre = box.vector("centre_of_mass"), &size = box.vector("size");
+    if (centre == std::vector<double>(3, 0.0)) return;
+    body->explicitinertial = 1;
+    body->mass = box.number("mass");
+    std::ranges::copy(centre, body->ipos);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double a = size[(k + 1) % 3], b = size[(k + 2) % 3];
+      body->inertia[k] = body->mass / 12.0 * (a * a + b * b);
     }
   }
 
@@ -477,14 +497,15 @@ class Builder {
     std::string text = fmt::format("<extension><plugin plugin=\"{}\">", field_plugin_name);
     for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
       const SensorScene& sensor = scene_.sensors[i];
+      const FrictionScene& friction = sensor.friction.value_or(scene_.friction);
       std::string geoms;
       for (const std::string& geom : touched_[i]) geoms += (geoms.empty() ? "" : " ") + geom;
       text += fmt::format("<instance name=\"{}\">", sensor.name);
       text += config("pad", site_of(sensor)) + config("touch", geoms) + config("elements", element_rows(*pads_[i])) +
               config("units", unit_counts(*pads_[i])) +
-              config("friction", fmt::format("{{static: {}, kinetic: {}}}", format_number(scene_.friction.static_coefficient),
-                                             format_number(scene_.friction.kinetic_coefficient))) +
-              config("effects", yaml_of(scene_.effects)) + config("seed", std::to_string(scene_.seed)) +
+              config("friction", fmt::format("{{static: {}, kinetic: {}}}", format_number(friction.static_coefficient),
+                                             format_number(friction.kinetic_coefficient))) +
+              config("effects", sensor.friction ? "[]" : yaml_of(scene_.effects)) + config("seed", std::to_string(scene_.seed)) +
               config("trial", std::to_string(trial_)) + config("damping", format_number(sensor.damping)) +
               config("solver", scene_.implicit_fields ? "implicit" : "explicit");
       text += "</instance>";
@@ -495,6 +516,7 @@ class Builder {
   const Scene& scene_;
   std::span<const PadLayout* const> pads_;
   std::uint64_t trial_;
+  const Hand* hand_;
   Vfs vfs_;
   std::vector<std::vector<std::string>> touched_;  // names of geoms, by sensor
   std::set<std::pair<std::string, std::string>> excluded_;
@@ -503,13 +525,13 @@ class Builder {
 
 }  // namespace
 
-ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial) {
-  return Builder(scene, pads, trial).build();
+ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand) {
+  return Builder(scene, pads, trial, hand).build();
 }
 
 ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,
                                      const std::function<double(double)>& step_for) {
-  return Builder(scene, pads, 0).build_articulated(step_for);
+  return Builder(scene, pads, 0, nullptr).build_articulated(step_for);
 }
 
 std::string site_of(const SensorScene& sensor) { return sensor.site.empty() ? stage_name : sensor.site; }

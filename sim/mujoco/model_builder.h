@@ -9,6 +9,7 @@
 //     pulls it (gravcomp),
 //   - with fidelity field one instance of the plugin `slipbench.field` a sensor, named as the sensor, with the attributes that a
 //     user would write; with fidelity articulated in its place the pillars of articulated.h, as children of the pad's body,
+//   - for a grasp the two fingers of a hand (gripper_model.h),
 //   - an exclusion of MuJoCo's own contact between a pad's body and every body that it touches: the field is their contact, and no
 //     force may count twice. It is for the whole bodies, since MuJoCo knows no other,
 //   - for implicit fields what implicit.h asks for.
@@ -22,20 +23,25 @@
 #include <vector>
 
 #include "sim/core/pad_layout.h"
+#include "sim/mujoco/gripper_model.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/scene/scene.h"
 
 namespace slipbench {
 
+inline constexpr const char* own_prefix = "slipbench/";  // of the names of bodies that a scene does not name
 inline constexpr const char* stage_name = "slipbench/stage";
 inline constexpr double stage_mass = 1e6;  // kg, and kg m^2
 
 // The integrator of a scene without a model of its own is implicitfast, its contacts have elliptic cones and ten noslip iterations:
 // with fewer a box on a table creeps under a sideways force (shared MUJOCO.md, section C). With implicit fields, which bear no noslip,
 // it is discrete, and impratio 1e4 does what noslip would.
-// `pads`: one layout a sensor. The time step is the model's own, or MuJoCo's default.
+// `pads`: one layout a sensor. `hand`: null where there is none. With one, all forces are those of pads and of the fingers' springs, which are
+// explicit in any case: the integrator is Euler without implicit damping, and MuJoCo's contacts and solver are off, which halves a step.
+// The time step is the model's own, or MuJoCo's default.
 // Throws SceneValueError when the model cannot be read or compiled, and when a site, geom, body or name does not suit.
-ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial);
+ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial,
+                         const Hand* hand = nullptr);
 
 // The same with articulated pads, for steps of step_for(longest) [s], `longest` being what longest_articulated_step() allows on the
 // scene's bodies. The recipe's options (set_articulated_options()) take the place of the model's, also for its other contacts. An

@@ -80,12 +80,18 @@ Twist velocity_of(const mjModel* model, const mjData* data, mjtObj type, int id)
   return {MjVector(velocity + 3), MjVector(velocity)};
 }
 
-// Adds a force and a torque at `point` of a body to qfrc_passive; what is fixed to the world has no degrees of freedom to add it
-// to.
+// Adds a force and a torque at `point` of a body to qfrc_passive, as mj_applyFT does, but along the body's own degrees of freedom only; what is
+// fixed to the world has none.
 void push(const mjModel* model, mjData* data, const Eigen::Vector3d& force, const Eigen::Vector3d& torque, const mjtNum* point,
           int body) {
-  if (model->body_weldid[body] == 0) return;
-  mj_applyFT(model, data, force.data(), torque.data(), point, body, data->qfrc_passive);
+  const int moving = model->body_weldid[body];
+  if (moving == 0) return;
+  const Eigen::Vector3d arm = MjVector(point) - MjVector(data->subtree_com + 3 * model->body_rootid[body]);
+  Eigen::Matrix<double, 6, 1> wrench;  // rotation first, about the point that cdof refers to
+  wrench << torque + arm.cross(force), force;
+  for (int dof = model->body_dofadr[moving] + model->body_dofnum[moving] - 1; dof >= 0; dof = model->dof_parentid[dof]) {
+    data->qfrc_passive[dof] += Eigen::Map<const Eigen::Matrix<double, 6, 1>>(data->cdof + 6 * dof).dot(wrench);
+  }
 }
 
 void write_truth(const ContactFrame& frame, double* out) {

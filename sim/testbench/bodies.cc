@@ -57,7 +57,9 @@ Entry shape(std::string name, std::string summary, std::vector<ParameterSpec> si
 const std::vector<Entry>& body_catalogue() {
   static const std::vector<Entry> shapes{
       shape("box", "A box.",
-            {vector_of_three("size", Quantity::length, "[40 mm, 40 mm, 60 mm]", positive, "extent along X, Y, Z", "assumed")}),
+            {vector_of_three("size", Quantity::length, "[40 mm, 40 mm, 60 mm]", positive, "extent along X, Y, Z", "assumed"),
+             vector_of_three("centre_of_mass", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
+                             "from its middle; about it the box turns as an even one about its middle", "assumed")}),
       shape("capsule", "A cylinder along Z with half a ball at either end.",
             {length("radius", "20 mm", "radius"), length("length", "60 mm", "length of the straight part")}),
       shape("cylinder", "A cylinder along Z.", {length("radius", "20 mm", "radius"), length("length", "60 mm", "length")}),

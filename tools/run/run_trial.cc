@@ -13,6 +13,7 @@
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "sim/mujoco/articulated_testbench.h"
 #include "sim/mujoco/dynamic_bench.h"
+#include "sim/mujoco/grasp_bench.h"
 #include "sim/mujoco/register_plugin.h"
 #else
 #include "sim/core/error.h"
@@ -35,12 +36,13 @@ std::unique_ptr<Bench> make_mujoco_bench(const Scene& scene, std::span<const Pad
                                          std::span<const double> rates, std::uint64_t trial) {
   if (!scene.dynamic()) return std::make_unique<ArticulatedTestbench>(scene, pads, rates);
   [[maybe_unused]] static const bool registered = (register_field_plugin({pad_catalogues(), &make_sensor}), true);
+  if (scene.grasp) return std::make_unique<GraspBench>(scene, *pads.front(), rates.front(), trial);
   return std::make_unique<DynamicBench>(scene, pads, rates, trial);
 }
 #else
 [[noreturn]] std::unique_ptr<Bench> make_mujoco_bench(const Scene& scene, std::span<const PadLayout* const>,
                                                       std::span<const double>, std::uint64_t) {
-  const std::string key = !scene.dynamic() ? "fidelity" : scene.model.empty() ? "bodies" : "model";
+  const std::string key = !scene.dynamic() ? "fidelity" : scene.grasp ? "grip" : scene.model.empty() ? "bodies" : "model";
   throw SceneValueError(key, "needs MuJoCo, which this program was built without");
 }
 #endif

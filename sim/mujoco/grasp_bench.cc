@@ -1,0 +1,263 @@
+#include "sim/mujoco/grasp_bench.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+#include <Eigen/Geometry>
+
+#include "sim/core/error.h"
+#include "sim/motion/lift.h"
+#include "sim/mujoco/field_plugin.h"
+#include "sim/mujoco/gripper_model.h"
+#include "sim/testbench/bodies.h"
+#include "sim/testbench/stage_setup.h"
+
+namespace slipbench {
+namespace {
+
+constexpr const char* box_name = "box";
+constexpr const char* table_name = "table";
+constexpr const char* second_pad_name = "second_pad";
+constexpr const char* corners_name = "box_corners";
+constexpr double corner_damping = 3e-4;  // s, of the dashpots beside their springs (assumed)
+
+BodyScene body(const char* name, const char* shape) {
+  const auto entry = std::ranges::find(body_catalogue(), shape, &Entry::name);
+  return {name, {shape, defaults_of(entry->parameters)}};
+}
+
+std::vector<double> values(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+SensorScene mounted(SensorScene sensor, const char* site, const char* touched, double damping) {
+  sensor.site = site;
+  sensor.touches = {touched};
+  sensor.damping = damping;
+  return sensor;
+}
+
+// The scene that DynamicBench steps: a box, a table, two pads at the fingers' sites, and the box's corners.
+Scene laid_out(const Scene& scene, const Grasp& grasp) {
+  if (scene.sensors.front().name == second_pad_name) {
+    throw SceneValueError("sensors", "'second_pad' names the pad on the other finger; allowed: another name");
+  }
+  const Parameters &grip = scene.grasp->grip, &box = scene.grasp->box;
+  Scene result = scene;
+  result.grasp.reset();
+  result.friction.static_coefficient *= grasp.friction_scale;
+  result.friction.kinetic_coefficient *= grasp.friction_scale;
+
+  BodyScene table = body(table_name, "plane"), held = body(box_name, "box");
+  const double table_height = grasp.box_position.z() - 0.5 * grasp.box_size.z();
+  table.shape.parameters.set("position", std::vector<double>{0.0, 0.0, table_height});
+  held.shape.parameters.set("size", values(grasp.box_size));
+  held.shape.parameters.set("position", values(grasp.box_position));
+  held.shape.parameters.set("centre_of_mass", values(grasp.centre_of_mass));
+  held.shape.parameters.set("mass", box.number("mass"));
+  result.bodies = {std::move(table), std::move(held)};
+
+  SensorScene second, corners;
+  second.name = second_pad_name;
+  corners.name = corners_name;
+  corners.friction = {box.number("table_friction"), box.number("table_friction"), 1.0};
+  const SensorScene& sensor = scene.sensors.front();
+  result.sensors = {mounted(sensor, finger_names[0].site, box_name, sensor.damping),
+                    mounted(second, finger_names[1].site, box_name, grip.number("pad_damping")),
+                    mounted(corners, corner_site, table_name, corner_damping)};
+  return result;
+}
+
+double total(const Field& field) {
+  double force = 0.0;
+  for (std::size_t i = 0; i < field.size(); ++i) force += field.normal_force(i);
+  return force;
+}
+
+double stiffness_of(const PadLayout& pad) {
+  double sum = 0.0;
+  for (const Element& element : pad.elements) sum += element.k_normal;
+  return sum;
+}
+
+}  // namespace
+
+struct GraspBench::State {
+  // One finger, where it is in MuJoCo.
+  struct Finger {
+    int qpos, dof;
+    const PadInstance* pad;
+    double impact;       // N, of its pad when it comes at the fastest speed
+    double most = 0.0;   // N, that its spring has had
+    Pose at_rest;        // of the carriage in the arm, fully closed
+    BodyState carriage;  // now
+  };
+
+  State(const Scene& scene, const PadLayout& layout, double rate, std::uint64_t trial, const DynamicBenchOptions& options)
+      : grasp(draw_grasp(*scene.grasp, scene.seed, trial)),
+        gripper(scene.grasp->grip, grasp.opening, grasp.phase),
+        motion(make_motion(scene)),
+        lift(lift_times(scene.motion.parameters)),
+        spring(finger_spring(scene.grasp->grip)),
+        layouts{layout, second_pad(scene.grasp->grip, layout), box_corners(scene.grasp->box, grasp.box_size)} {
+    const Parameters& grip = scene.grasp->grip;
+    const Hand hand{grip, grasp.yaw, grasp.pitch, gripper.opening(0.0), box_name};
+    DynamicBenchOptions with_hand = options;
+    with_hand.hand = &hand;
+    const std::array<const PadLayout*, 3> pads{&layouts[0], &layouts[1], &layouts[2]};
+    const Scene inner = laid_out(scene, grasp);
+    bench = std::make_unique<DynamicBench>(inner, pads, std::array{rate}, trial, with_hand);
+    const mjModel* m = bench->model();
+    for (std::size_t k = 0; k < 2; ++k) {
+      const int joint = m->body_jntadr[mj_name2id(m, mjOBJ_BODY, finger_names[k].body)];
+      Finger& finger = fingers[k];
+      finger.qpos = m->jnt_qposadr[joint];
+      finger.dof = m->jnt_dofadr[joint];
+      finger.pad = pad_named(inner.sensors[k].name);
+      finger.impact = 0.5 * grip.number("fastest") * std::sqrt(stiffness_of(layouts[k]) * grip.number("finger_mass"));
+      finger.at_rest = carriage_in_arm(hand, k, 0.0);
+    }
+    corners = pad_named(corners_name);
+    finger_weight = grip.number("finger_mass") * Eigen::Vector3d::Map(m->opt.gravity);
+    bodies = {{"arm", motion->pad_at(0.0)}};
+    for (std::size_t i = 0; i < bench->bodies().size(); ++i) {
+      if (bench->bodies()[i].name == corners_name) continue;  // the box again
+      bodies.push_back(bench->bodies()[i]);
+      shown.push_back(i);
+    }
+    box_body = static_cast<std::size_t>(std::ranges::find(bodies, box_name, &NamedBody::name) - bodies.begin());
+    ideal = ideal_grip_force(scene, grasp.friction_scale, -m->opt.gravity[2]);
+    start_height = grasp.box_position.z();
+  }
+
+  void drive(double time);
+  void observe(double time);
+  [[nodiscard]] BodyState finger_now(const Finger& finger) const;
+  [[nodiscard]] const PadInstance* pad_named(const std::string& name) const {
+    const mjModel* m = bench->model();
+    return pad_of(m, bench->data(), mj_name2id(m, mjOBJ_PLUGIN, name.c_str()));
+  }
+
+  Grasp grasp;
+  Gripper gripper;
+  std::unique_ptr<Motion> motion;  // of the arm
+  LiftTimes lift;
+  FingerSpring spring;
+  std::array<PadLayout, 3> layouts;  // the sensor's, the second pad's, the corners'
+  std::unique_ptr<DynamicBench> bench;
+  std::array<Finger, 2> fingers{};
+  const PadInstance* corners = nullptr;
+  Eigen::Vector3d finger_weight;   // N
+  std::vector<NamedBody> bodies;   // the arm, then those of the bench
+  std::vector<std::size_t> shown;  // which
+  std::size_t box_body = 0, tick = 0;
+  double ideal = 0.0, start_height = 0.0;
+  GraspTruth truth;
+  bool lifting = false;
+  Pose taken;  // of the box in the arm, when the lift began
+};
+
+BodyState GraspBench::State::finger_now(const Finger& finger) const {
+  const mjData* d = bench->data();
+  const mjtNum *position = d->qpos + finger.qpos, *velocity = d->qvel + finger.dof;
+  const Eigen::Quaterniond turn(position[3], position[4], position[5], position[6]);
+  BodyState state;
+  state.pose = {turn.toRotationMatrix(), Eigen::Vector3d::Map(position)};
+  state.velocity = Eigen::Vector3d::Map(velocity);
+  state.angular_velocity = state.pose.rotation * Eigen::Vector3d::Map(velocity + 3);
+  return state;
+}
+
+// The fingers' springs pull towards where arm and drive are at the tick from which MuJoCo steps.
+void GraspBench::State::drive(double time) {
+  const BodyState arm = motion->pad_at(time);
+  bodies.front().state = arm;
+  const auto place = [&](Finger& finger) {
+    const Pose& at_rest = finger.at_rest;
+    const Eigen::Vector3d closing = arm.pose.rotation * at_rest.rotation.col(0);
+    const Eigen::Vector3d lever = arm.pose.rotation * at_rest.position - 0.5 * gripper.opening(time) * closing;
+    finger.carriage.pose = {arm.pose.rotation * at_rest.rotation, arm.pose.position + lever};
+    finger.carriage.velocity = arm.velocity + arm.angular_velocity.cross(lever) - 0.5 * gripper.opening_speed(time) * closing;
+    finger.carriage.angular_velocity = arm.angular_velocity;
+  };
+  std::array<BodyState, 2> now;
+  double force = 0.0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    now[k] = finger_now(fingers[k]);
+    place(fingers[k]);
+    force += 0.5 * spring.closing_force(fingers[k].carriage.pose, now[k].pose);
+  }
+  gripper.update(time, force);
+  for (std::size_t k = 0; k < 2; ++k) {
+    Finger& finger = fingers[k];
+    place(finger);  // the motor may have stopped
+    finger.most = std::max(finger.most, spring.closing_force(finger.carriage.pose, now[k].pose));
+    Vector6d wrench = spring.wrench(finger.carriage, now[k]);
+    wrench.head<3>() -= finger_weight;
+    const Eigen::Vector3d torque = now[k].pose.rotation.transpose() * wrench.tail<3>();  // a free joint's is in its own frame
+    mjtNum* applied = bench->data()->qfrc_applied + finger.dof;
+    mju_copy3(applied, wrench.data());
+    mju_copy3(applied + 3, torque.data());
+  }
+}
+
+void GraspBench::State::observe(double time) {
+  for (std::size_t i = 0; i < shown.size(); ++i) bodies[i + 1].state = bench->bodies()[shown[i]].state;
+  const Pose& arm = bodies.front().state.pose;
+  const Pose& held = bodies[box_body].state.pose;
+  truth.time = time;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Finger& finger = fingers[k];
+    truth.pad_force[k] = total(finger.pad->fields().front());
+    const double allowed = 2.0 * finger.most + finger.impact;
+    if (truth.pad_force[k] > allowed) {
+      throw InputError(fmt::format(
+          "the run has gone wrong at {:.6g} s: the {} presses with {:.4g} N, and the finger's spring has had {:.4g} N at most; "
+          "allowed: {:.4g} N",
+          time, k == 0 ? "sensor's pad" : "second pad", truth.pad_force[k], finger.most, allowed));
+    }
+  }
+  truth.grip_force = 0.5 * (truth.pad_force[0] + truth.pad_force[1]);
+  truth.box_height = held.position.z() - start_height;
+  truth.table_force = total(corners->fields().front());
+  if (time < lift.start) return;
+  const Pose in_arm = arm.inverse() * held;
+  if (!std::exchange(lifting, true)) taken = in_arm;
+  truth.slip = in_arm.position - taken.position;
+  truth.rotation = Eigen::AngleAxisd(Eigen::Matrix3d(in_arm.rotation * taken.rotation.transpose())).angle();
+  const bool let_go = std::min(truth.pad_force[0], truth.pad_force[1]) == 0.0;
+  truth.dropped = truth.dropped || let_go || (time >= lift.end && truth.table_force > 0.0);
+}
+
+GraspBench::GraspBench(const Scene& scene, const PadLayout& pad, double rate, std::uint64_t trial,
+                       const DynamicBenchOptions& options)
+    : state_(std::make_unique<State>(scene, pad, rate, trial, options)) {}
+
+GraspBench::~GraspBench() = default;
+
+std::size_t GraspBench::ticks() const { return state_->bench->ticks(); }
+double GraspBench::time_step() const { return state_->bench->time_step(); }
+std::size_t GraspBench::stride(std::size_t pad) const { return state_->bench->stride(pad); }
+const ContactFrame& GraspBench::contact(std::size_t pad) const { return state_->bench->contact(pad); }
+const std::vector<NamedBody>& GraspBench::bodies() const { return state_->bodies; }
+bool GraspBench::rotating() const { return state_->motion->turns(); }
+Gripper& GraspBench::gripper() { return state_->gripper; }
+const GraspTruth& GraspBench::truth() const { return state_->truth; }
+const Grasp& GraspBench::grasp() const { return state_->grasp; }
+double GraspBench::ideal_force() const { return state_->ideal; }
+double GraspBench::lift_start() const { return state_->lift.start; }
+DynamicBench& GraspBench::dynamics() { return *state_->bench; }
+
+void GraspBench::step() {
+  State& s = *state_;
+  const double time = static_cast<double>(s.tick) * s.bench->time_step();
+  s.drive(time);
+  s.bench->step();
+  s.observe(time);
+  ++s.tick;
+}
+
+}  // namespace slipbench

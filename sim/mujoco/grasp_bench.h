@@ -1,0 +1,74 @@
+// A grasp: a gripper on an arm takes a box from a table, lifts it and may carry it about.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/core/pad_layout.h"
+#include "sim/grasp/grasp.h"
+#include "sim/grasp/gripper.h"
+#include "sim/mujoco/dynamic_bench.h"
+#include "sim/scene/scene.h"
+#include "sim/testbench/bench.h"
+
+namespace slipbench {
+
+// The truth about a grasp at one tick, which no detector and no controller sees.
+struct GraspTruth {
+  double time = 0.0;                               // s
+  double grip_force = 0.0;                         // N, mean of both pads' normal forces
+  double pad_force[2] = {0.0, 0.0};                // N, of the sensor's pad and of the second one
+  double box_height = 0.0;                         // m, of the box's middle over where it stood
+  double table_force = 0.0;                        // N, with which the table carries the box
+  Eigen::Vector3d slip = Eigen::Vector3d::Zero();  // m, of the box's middle in the arm's frame since the lift began; 0 before
+  double rotation = 0.0;                           // rad, of the box in the arm's frame since then
+  bool dropped = false;                            // see below; from the tick on at which it was
+};
+
+// DynamicBench with the fingers of gripper_model.h, whose carriages ride on the motion's arm, the box and a table. At the start the fingers are open, at rest, at
+// a whole count that leaves the clearance: the loop closes them. The world's origin is the point between the pads, Z up (Grasp).
+//
+// Who steps it plays the loop between two steps, at the time of the tick last stepped to: when the gripper's read is due it is read and the
+// controller asked, when its write is due the command is written. What is written acts from the gripper's own instant on (gripper.h), so that the result does not
+// depend on the tick at which it was asked.
+//
+// Dropped: after the lift has begun, at the first tick at which a pad no longer touches the box; or, once the arm has risen, at which the
+// table still carries it.
+//
+// Besides the rules of watch.h a run is ended when a pad presses harder than the fingers can make it: beyond twice the largest force that a
+// finger's spring has had, as a mass that falls onto a spring, and what stops a finger that closes at the fastest speed, v sqrt(k m).
+class GraspBench final : public Bench {
+ public:
+  // `scene.grasp` must be there; the rest as DynamicBench's. `rate` [Hz]: of the scene's one sensor.
+  GraspBench(const Scene& scene, const PadLayout& pad, double rate, std::uint64_t trial, const DynamicBenchOptions& options = {});
+  ~GraspBench() override;
+
+  [[nodiscard]] std::size_t ticks() const override;
+  [[nodiscard]] double time_step() const override;
+  [[nodiscard]] std::size_t stride(std::size_t pad) const override;
+  void step() override;
+  [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
+  // "arm", the sensor's pad under the sensor's name, "second_pad", "table" and "box".
+  [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
+  [[nodiscard]] bool rotating() const override;
+
+  [[nodiscard]] Gripper& gripper();
+  // At the tick last stepped to.
+  [[nodiscard]] const GraspTruth& truth() const;
+  // What was drawn for the trial, and the least force of either pad that could hold its box [N].
+  [[nodiscard]] const Grasp& grasp() const;
+  [[nodiscard]] double ideal_force() const;
+  // When the lift begins [s].
+  [[nodiscard]] double lift_start() const;
+
+  [[nodiscard]] DynamicBench& dynamics();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace slipbench

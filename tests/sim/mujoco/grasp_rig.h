@@ -1,0 +1,85 @@
+// A grasp from text, with the simplest of loops.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "sim/mujoco/field_plugin.h"
+#include "sim/mujoco/grasp_bench.h"
+#include "sim/scene/parser.h"
+#include "tests/sim/mujoco/dynamic_rig.h"
+
+namespace slipbench {
+
+class GraspRig {
+ public:
+  // `text`: a scene without its first line and its sensor, which has the `sensor` parameters beside its type.
+  explicit GraspRig(const std::string& text, std::uint64_t trial = 0, const DynamicBenchOptions& options = {},
+                    const std::string& sensor = "")
+      : scene_(parse_scene(
+            SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray" + sensor + "}}\n" + text, "scene.yaml"),
+            program_catalogues())) {
+    register_plugin_once();
+    sensor_ = make_sensor(scene_.sensors.front(), scene_.seed, trial);
+    bench_ = std::make_unique<GraspBench>(scene_, sensor_->layout(), sensor_->rate(), trial, options);
+    preset_ = scene_.grasp->grip.number("preset");
+  }
+
+  GraspBench* operator->() { return bench_.get(); }
+  GraspBench& operator*() { return *bench_; }
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const PadLayout& pad() const { return sensor_->layout(); }
+
+  // Measured position + 1 while the true force on the sensor's pad is below the preset; it stays where it is from then on.
+  void step() {
+    bench_->step();
+    Gripper& gripper = bench_->gripper();
+    const GraspTruth& truth = bench_->truth();
+    if (gripper.read_due(truth.time)) {
+      const int position = gripper.read().position;
+      if (held_ < 0 && truth.pad_force[0] >= preset_) held_ = position;
+      command_.position = held_ < 0 ? position + 1 : held_ + more;
+    }
+    if (gripper.write_due(truth.time)) gripper.write(command_);
+    ++done_;
+  }
+  // Until the tick at `time` [s] has been evaluated.
+  void run_to(double time) {
+    while (static_cast<double>(done_) * bench_->time_step() <= time + 1e-9) step();
+  }
+  void run() {
+    while (done_ < bench_->ticks()) step();
+  }
+
+  // What the pads do to the box [N], in the world.
+  [[nodiscard]] Eigen::Vector3d pads_on_box() const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    const mjModel* m = bench_->dynamics().model();
+    for (const char* name : {"pad", "second_pad"}) {
+      const PadInstance* pad = pad_of(m, bench_->dynamics().data(), mj_name2id(m, mjOBJ_PLUGIN, name));
+      sum -= body(name).pose.rotation * pad->fields().front().wrench_on_pad().force;
+    }
+    return sum;
+  }
+  [[nodiscard]] const BodyState& body(const std::string& name) const {
+    for (const NamedBody& body : bench_->bodies()) {
+      if (body.name == name) return body.state;
+    }
+    throw std::out_of_range(name);
+  }
+  // The box's middle in the arm's frame [m].
+  [[nodiscard]] Eigen::Vector3d box_in_arm() const { return (body("arm").pose.inverse() * body("box").pose).position; }
+
+  int more = 0;  // counts beyond where it stopped
+
+ private:
+  Scene scene_;
+  std::unique_ptr<Sensor> sensor_;
+  std::unique_ptr<GraspBench> bench_;
+  GripCommand command_{};
+  double preset_;
+  int held_ = -1;
+  std::size_t done_ = 0;
+};
+
+}  // namespace slipbench
