@@ -134,6 +134,15 @@ TEST(GraspMotion, UnstableRunIsCaught) {
   }
 }
 
+TEST(GraspMotion, PadThatPressesHarderThanItsFingerCanIsCaught) {
+  // The same with the rules of energy and weight out of the way.
+  DynamicBenchOptions options;
+  options.refuse_long_steps = false;
+  options.limits.energy_share = options.limits.ejection_factor = options.limits.weight_share = 1e300;
+  const std::string message = refusal("grip: {}\ntime_step: 0.5 ms\n", options);
+  EXPECT_NE(message.find("pad presses with"), std::string::npos) << message;
+}
+
 TEST(GraspMotion, RefusesASensorThatIsNamedAsTheOtherPad) {
   Scene scene =
       parse_scene(SceneFile::from_text("slipbench: 1\nsensors: {second_pad: {type: papillarray}}\ngrip: {}\n", "scene.yaml"),
