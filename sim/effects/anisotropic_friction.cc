@@ -15,7 +15,7 @@ class AnisotropicFriction final : public ConeEffect {
   [[nodiscard]] Projected project(const double t[3], const double n[3], double limit_stick, double limit_slide) const override {
     const Frame frame = frame_at(n);
     const double t1 = dot(t, frame.along), t2 = dot(t, frame.across);
-    if (!(std::hypot(t1, t2 / ratio_) > limit_stick)) return {t[0], t[1], t[2], false};
+    if (!(norm(t1, t2 / ratio_) > limit_stick)) return {t[0], t[1], t[2], false};
     double f1 = 0.0, f2 = 0.0;
     if (limit_slide > 0.0) closest_point(t1, t2, limit_slide, limit_slide * ratio_, f1, f2);
     return {f1 * frame.along[0] + f2 * frame.across[0], f1 * frame.along[1] + f2 * frame.across[1],
@@ -24,7 +24,7 @@ class AnisotropicFriction final : public ConeEffect {
 
   [[nodiscard]] double gauge(const double t[3], const double n[3], double limit) const override {
     const Frame frame = frame_at(n);
-    return std::hypot(dot(t, frame.along), dot(t, frame.across) / ratio_) / limit;
+    return norm(dot(t, frame.along), dot(t, frame.across) / ratio_) / limit;
   }
 
  private:
@@ -32,6 +32,8 @@ class AnisotropicFriction final : public ConeEffect {
     double along[3], across[3];
   };
 
+  // Forces are far from where a square over- or underflows, which is what std::hypot takes its time for.
+  static double norm(double a, double b) { return std::sqrt(a * a + b * b); }
   static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
   // The grain direction laid into the tangent plane of n: on the side faces of a box (n in XY) a horizontal line, whatever the

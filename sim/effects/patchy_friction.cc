@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -14,8 +15,14 @@ class RandomMap {
   RandomMap(double shortest, double longest, RandomStream stream) : cell_(shortest / cells_per_wave), table_(cells * cells) {
     // Whole numbers of waves fit into the repeated square, so that the map has no seam.
     const double side = cell_ * static_cast<double>(cells);
+    // Along the grid a wave's phase only has as many values as there are cells: that of (row, column) is (nx column + ny row) steps on.
+    constexpr double step = 2.0 * std::numbers::pi / static_cast<double>(cells);
     struct Wave {
-      double kx, ky, phase;
+      std::size_t nx, ny;  // modulo cells
+      std::array<double, cells> values;
+    };
+    const auto wrapped = [](double waves_on_a_side) {
+      return static_cast<std::size_t>(waves_on_a_side < 0.0 ? waves_on_a_side + static_cast<double>(cells) : waves_on_a_side);
     };
     std::vector<Wave> drawn;
     while (drawn.size() < waves) {
@@ -23,16 +30,14 @@ class RandomMap {
       const double nx = std::round(side / wavelength * std::cos(angle)), ny = std::round(side / wavelength * std::sin(angle));
       const double phase = stream.uniform(0.0, 2.0 * std::numbers::pi);
       if (nx == 0.0 && ny == 0.0) continue;
-      drawn.push_back({2.0 * std::numbers::pi * nx / static_cast<double>(cells),
-                       2.0 * std::numbers::pi * ny / static_cast<double>(cells), phase});
+      Wave& wave = drawn.emplace_back(Wave{wrapped(nx), wrapped(ny), {}});
+      for (std::size_t k = 0; k < cells; ++k) wave.values[k] = std::cos(step * static_cast<double>(k) + phase);
     }
     const double amplitude = std::sqrt(2.0 / static_cast<double>(waves));
     for (std::size_t row = 0; row < cells; ++row) {
       for (std::size_t column = 0; column < cells; ++column) {
         double sum = 0.0;
-        for (const Wave& wave : drawn) {
-          sum += std::cos(wave.kx * static_cast<double>(column) + wave.ky * static_cast<double>(row) + wave.phase);
-        }
+        for (const Wave& wave : drawn) sum += wave.values[(wave.nx * column + wave.ny * row) % cells];
         table_[row * cells + column] = amplitude * sum;
       }
     }
