@@ -17,6 +17,7 @@ struct SlipEstimate {
   double time = 0.0;                      // s, of the frame it was made from
   double latency = 0.0;                   // s, from that frame until the estimate is there; the loop sees it no earlier
   PadState state = PadState::no_contact;  // no_contact: nothing touches, or the detector has seen too little to say
+  double stuck_fraction = std::numeric_limits<double>::quiet_NaN();  // touching units that stick, 0 to 1; NaN: not estimated
 };
 
 // Whose frames a detector gets.

@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <cmath>
+
+#include "controllers/controllers.h"
+#include "controllers/grip.h"
+
+namespace slipbench::controllers {
+namespace {
+
+class ForcePid final : public Controller {
+ public:
+  ForcePid(const Parameters& p, const std::vector<Channel>& channels)
+      : force_(channels, "force_pid"),
+        set_point_(p.number("set_point")),
+        proportional_(p.number("proportional")),
+        integral_time_(p.number("integral_time")),
+        derivative_time_(p.number("derivative_time")),
+        dead_band_(p.number("dead_band")),
+        lead_(static_cast<double>(p.integer("lead"))),
+        force_per_count_(p.number("force_per_count")),
+        command_(registers_of(p)) {}
+
+  GripCommand update(const ControlInput& input) override {
+    const double grip = force_.total(input.frame);
+    if (!started_) {
+      position_ = input.gripper.position;
+      last_ = before_last_ = grip;
+      started_ = true;
+    } else if (input.gripper.time > time_) {  // a status that is no newer says nothing new
+      const double error = set_point_ - grip;
+      if (std::abs(error) > dead_band_) position_ += change(grip, error, input.gripper.time - time_) / force_per_count_;
+      position_ = std::clamp(position_, input.gripper.position - lead_, input.gripper.position + lead_);
+      before_last_ = last_;
+      last_ = grip;
+    }
+    time_ = input.gripper.time;
+    position_ = std::clamp(position_, 0.0, double{max_register});
+    command_.position = static_cast<int>(std::lround(position_));
+    return command_;
+  }
+
+ private:
+  // The change of the force [N] asked for over the last `period` [s].
+  [[nodiscard]] double change(double grip, double error, double period) const {
+    return proportional_ * (last_ - grip) + period / integral_time_ * error -
+           derivative_time_ / period * (grip - 2.0 * last_ + before_last_);
+  }
+
+  GripForce force_;
+  double set_point_;        // N
+  double proportional_;     // 1
+  double integral_time_;    // s
+  double derivative_time_;  // s
+  double dead_band_;        // N
+  double lead_;             // counts
+  double force_per_count_;  // N
+  GripCommand command_;
+  double position_ = 0.0;                  // counts, not rounded
+  double last_ = 0.0, before_last_ = 0.0;  // N, grip force of the last two updates
+  double time_ = 0.0;                      // s, of the last status
+  bool started_ = false;
+};
+
+}  // namespace
+
+ControllerKind force_pid() {
+  return {
+      {"force_pid", "PID on the measured grip force, whatever the slip.",
+       "u_k = u_k-1 + (Kp (F_k-1 - F_k) + T/Ti (r - F_k) - Td/T (F_k - 2 F_k-1 + F_k-2)) / c while |r - F_k| > dead_band, "
+       "otherwise u_k = u_k-1; u_0 = measured position\n"
+       "position = round(u_k), u_k kept within measured position +- lead and within 0 to 255 (so that nothing winds up)\n"
+       "F: sum of the pillars' normal forces, r: set_point, T: time between two reads of the status, c: force_per_count, Kp: "
+       "proportional, Ti: integral_time, Td: derivative_time\n"
+       "a count at its real worth c' that is seen d periods after the read that led to it: with Kp = Td = 0 stable for "
+       "T/Ti c'/c < 2 sin(pi/(4d - 2)), without overshoot up to (d-1)^(d-1)/d^d; 0.62 and 0.15 for 60 ms of 20 ms. It comes to "
+       "rest because a dead band of c/2 or more holds a whole count",
+       "velocity form of PID with derivative and proportional action on the measured value: Astrom and Hagglund, PID Controllers "
+       "(1995), chapter 3; bounds: roots of z^d - z^(d-1) + T/Ti c'/c",
+       with_registers({
+           declared("set_point", ParameterType::number, Quantity::force, "4 N", positive, "Measured grip force that is wanted.",
+                    "that of the other controllers' preset"),
+           declared("proportional", ParameterType::number, Quantity::none, "0.1", non_negative,
+                    "Kp: share of a change of the force that is taken back at once.", "assumed"),
+           declared("integral_time", ParameterType::number, Quantity::time, "0.15 s", positive_or_infinite,
+                    "Ti: time in which a constant error would be removed; inf for none.",
+                    "assumed: T/Ti = 0.13, just below what overshoots when a count is worth force_per_count"),
+           declared("derivative_time", ParameterType::number, Quantity::time, "0 s", non_negative,
+                    "Td: how far ahead the force is extrapolated.", "assumed: a force in steps of a count has no use for it"),
+           declared("dead_band", ParameterType::number, Quantity::force, "0.8 N", non_negative,
+                    "Error that is let be; below half a real count the fingers may never come to rest.",
+                    "assumed: half of force_per_count"),
+           declared("lead", ParameterType::integer, Quantity::none, "2",
+                    {.min = 1.0, .max = double{max_register}, .open_min = false},
+                    "Counts by which the command may differ from the measured position: the pace in free air, and the limit of "
+                    "what winds up while the motor is stopped.",
+                    "assumed"),
+           force_per_count_spec(),
+       })},
+      [](const Parameters& p, const std::vector<Channel>& channels) -> std::unique_ptr<Controller> {
+        return std::make_unique<ForcePid>(p, channels);
+      }};
+}
+
+}  // namespace slipbench::controllers

@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <optional>
+
+#include "controllers/controllers.h"
+#include "controllers/grip.h"
+#include "sim/core/error.h"
+
+namespace slipbench::controllers {
+namespace {
+
+class StepOnSlip final : public Controller {
+ public:
+  StepOnSlip(const Parameters& p, const std::vector<Channel>& channels)
+      : force_(channels, "step_on_slip"),
+        preset_(p.number("preset")),
+        ceiling_(p.number("ceiling")),
+        force_per_count_(p.number("force_per_count")),
+        debounce_(p.integer("debounce")),
+        overflow_(p.choice("overflow")),
+        idle_at_measured_(p.choice("idle") == "measured_position"),
+        command_(registers_of(p)) {}
+
+  GripCommand update(const ControlInput& input) override {
+    const double grip = force_.total(input.frame);
+    const bool slips = input.slip.state == PadState::incipient || input.slip.state == PadState::gross;
+    slips_ = slips ? std::min(slips_ + 1, debounce_) : 0;
+    const bool wanted = slips_ == debounce_ || grip < preset_;
+    if (wanted && grip + force_per_count_ <= ceiling_) {
+      position_ = one_further(input.gripper);
+    } else if (idle_at_measured_ || !position_) {
+      position_ = input.gripper.position;
+    }
+    command_.position = *position_;
+    return command_;
+  }
+
+ private:
+  // The next position inwards; what follows the last one is up to `overflow`.
+  [[nodiscard]] int one_further(const GripperStatus& gripper) const {
+    if (gripper.position < max_register) return gripper.position + 1;
+    if (overflow_ == "wrap") return 0;
+    if (overflow_ == "hold") return max_register;
+    throw InputError("controller step_on_slip: position " + std::to_string(max_register) +
+                     " reached at t = " + format_quantity(gripper.time, Quantity::time) +
+                     ", one count more would wrap to 0 and open the fingers; allowed: overflow: hold, or wrap as published");
+  }
+
+  GripForce force_;
+  double preset_, ceiling_, force_per_count_;
+  std::int64_t debounce_;
+  std::string overflow_;
+  bool idle_at_measured_;
+  GripCommand command_;
+  std::int64_t slips_ = 0;       // consecutive updates with slip, no more than debounce_
+  std::optional<int> position_;  // last command
+};
+
+}  // namespace
+
+ControllerKind step_on_slip() {
+  return {
+      {"step_on_slip",
+       "The published loop: one count tighter while the detector says slip or the grip is below the preset force.",
+       "(class incipient or gross for `debounce` updates in a row, or F < preset) and F + force_per_count <= ceiling:\n"
+       "position = measured position + 1 count; otherwise as `idle` says\n"
+       "F: sum of the pillars' normal forces. The force stays below the ceiling where a count is worth no more than "
+       "force_per_count and the force is no older than the position",
+       "HD-computing slip paper, section IV-D and its published HDL (control_gripper.sv); debounce, ceiling and what is not wrap "
+       "are additions",
+       with_registers({
+           preset_spec(),
+           declared("debounce", ParameterType::integer, Quantity::none, "1", {.min = 1.0, .max = 1e6, .open_min = false},
+                    "Updates in a row with slip before it counts; 1: at once.", "published: none"),
+           ceiling_spec(),
+           force_per_count_spec(),
+           declared_choice("overflow", "refuse", {"refuse", "hold", "wrap"},
+                           "One count beyond 255: the run ends with an error, the position stays, or the byte wraps to 0 and the "
+                           "fingers open.",
+                           "published: wrap; refused here, because nobody wants it unasked"),
+           declared_choice("idle", "measured_position", {"measured_position", "last_command"},
+                           "What is commanded while nothing asks for more. The measured position is old: it takes back a count "
+                           "that is on its way.",
+                           "published HDL (control_gripper.sv): the measured position"),
+       })},
+      [](const Parameters& p, const std::vector<Channel>& channels) -> std::unique_ptr<Controller> {
+        return std::make_unique<StepOnSlip>(p, channels);
+      }};
+}
+
+}  // namespace slipbench::controllers

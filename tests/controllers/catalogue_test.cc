@@ -1,0 +1,125 @@
+// What holds for every controller of the catalogue.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+#include "tests/controllers/rig.h"
+
+namespace slipbench::controllers {
+namespace {
+
+using testing::HasSubstr;
+
+// The message that the declaration of `controller`.`key` has for `text`.
+std::string refused_value(const std::string& controller, const std::string& key, const std::string& text) {
+  try {
+    (void)named(controller, {{key, text}});
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Controllers, DeclareThemselvesInFull) {
+  std::set<std::string> names;
+  for (const Entry& entry : controller_entries()) {
+    EXPECT_TRUE(names.insert(entry.name).second) << entry.name;
+    EXPECT_FALSE(entry.summary.empty() || entry.law.empty() || entry.source.empty()) << entry.name;
+    EXPECT_NO_THROW((void)defaults_of(entry.parameters)) << entry.name;
+    for (const ParameterSpec& spec : entry.parameters) {
+      EXPECT_FALSE(spec.doc.empty() || spec.source.empty()) << entry.name << "." << spec.name;
+    }
+  }
+}
+
+TEST(Controllers, RefuseAnUnknownName) {
+  EXPECT_THAT(
+      refusal([] {
+        (void)make_controller({"step_on_slipp", {}}, papillarray_channels());
+      }),
+      HasSubstr("controller: unknown type 'step_on_slipp'; did you mean 'step_on_slip'? allowed: constant_force, force_pid"));
+}
+
+TEST(Controllers, RefuseASensorWithoutForces) {
+  const std::vector<Channel> image{{"image", "1", {16, 16}, {}}, {"force", "N", {3}, {}}};
+  for (const ControllerKind& kind : controller_catalogue()) {
+    const std::string& name = kind.about.name;
+    EXPECT_EQ(refusal([&] { (void)make_controller(named(name), image); }),
+              "controller.type: '" + name + "' reads a channel 'force' [N, 3] and the sensor has: image [16, 16], force [3]");
+  }
+}
+
+TEST(Controllers, ReadDisplacementsOnlyWhereTheyAreNeeded) {
+  const std::vector<Channel> forces{vector_channel_of("force", "N")};
+  EXPECT_EQ(refusal([&] { (void)make_controller(named("stuck_fraction"), forces); }),
+            "controller.type: 'stuck_fraction' reads a channel 'displacement' [N, 3] and the sensor has: force [9, 3]");
+  EXPECT_EQ(refusal([&] { (void)make_controller(named("stuck_fraction", {{"estimate", "detector"}}), forces); }), "accepted");
+}
+
+// The channel of forces need not be the first.
+TEST(Controllers, FindTheForcesInTheFrame) {
+  const std::vector<Channel> channels{{"temperature", "K", {2}, {}}, {"force", "N", {1, 3}, {}}};
+  const std::vector<float> values{300.0F, 301.0F, 0.0F, 0.0F, 3.9F};
+  for (const ControllerKind& kind : controller_catalogue()) {
+    if (kind.about.name == "force_pid") continue;       // its first command is the position
+    if (kind.about.name == "stuck_fraction") continue;  // it reads displacements too
+    const auto controller = make_controller(named(kind.about.name), channels);
+    ControlInput input;
+    input.gripper.position = 20;
+    input.frame.values = values;
+    EXPECT_EQ(controller->update(input).position, 21) << kind.about.name;
+  }
+}
+
+TEST(Controllers, RefuseForcesThatAreNotFinite) {
+  PillarFrame frame = PillarFrame::of_forces(9.0);
+  frame.set_force(4, std::numeric_limits<double>::quiet_NaN(), 0.0);
+  for (const ControllerKind& kind : controller_catalogue()) {
+    const std::string& name = kind.about.name;
+    EXPECT_EQ(refusal([&] { (void)make(name)->update(input_of(frame, 20, PadState::non_slip, 50)); }),
+              "controller " + name + ": the sensor's normal forces sum up to nan N at t = 1 s; allowed: finite forces");
+  }
+}
+
+TEST(Controllers, KnowAFrameOfAnotherSensorForABug) {
+  const std::vector<float> values(3);
+  for (const ControllerKind& kind : controller_catalogue()) {
+    ControlInput input;
+    input.frame.values = values;
+    EXPECT_THROW((void)make(kind.about.name)->update(input), std::logic_error) << kind.about.name;
+  }
+}
+
+TEST(Controllers, CommandTheSameForTheSameInputs) {
+  for (const ControllerKind& kind : controller_catalogue()) {
+    const auto one = make(kind.about.name);
+    const auto other = make(kind.about.name);
+    const auto between = make(kind.about.name);  // nothing is shared between instances
+    for (int tick = 0; tick < 200; ++tick) {
+      const PillarFrame frame = PillarFrame::of_forces(5.0 + 4.0 * std::sin(0.7 * tick), 1.0 + std::sin(0.3 * tick));
+      const ControlInput input = input_of(frame, 40 + tick % 5, tick % 7 == 0 ? PadState::gross : PadState::non_slip, tick);
+      const GripCommand command = one->update(input);
+      (void)between->update(input_of(PillarFrame::of_forces(0.1), 200, PadState::gross, 3 * tick));
+      EXPECT_EQ(other->update(input).position, command.position) << kind.about.name << " update " << tick;
+    }
+  }
+}
+
+TEST(Controllers, RefuseValuesOutOfRange) {
+  EXPECT_EQ(refused_value("constant_force", "preset", "0 N"), "'0 N' is out of range; allowed: > 0 N");
+  EXPECT_EQ(refused_value("hold_preset", "preset", "inf"), "'inf' is infinite; allowed: a finite number");
+  EXPECT_EQ(refused_value("hold_preset", "speed_register", "256"), "'256' is out of range; allowed: >= 0 and <= 255");
+  EXPECT_EQ(refused_value("step_on_slip", "debounce", "0"), "'0' is out of range; allowed: >= 1 and <= 1e+06");
+  EXPECT_EQ(refused_value("step_on_slip", "ceiling", "-1 N"), "'-1 N' is out of range; allowed: > 0 N");
+  EXPECT_EQ(refused_value("step_on_slip", "ceiling", "inf"), "accepted");
+  EXPECT_EQ(refused_value("step_on_slip", "overflow", "wrapp"),
+            "unknown value 'wrapp'; did you mean 'wrap'? allowed: refuse, hold, wrap");
+  EXPECT_EQ(refused_value("force_ratio", "margin", "0"), "'0' is out of range; allowed: > 0 and <= 1");
+  EXPECT_EQ(refused_value("force_pid", "lead", "0"), "'0' is out of range; allowed: >= 1 and <= 255");
+}
+
+}  // namespace
+}  // namespace slipbench::controllers

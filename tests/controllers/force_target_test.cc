@@ -1,0 +1,174 @@
+// The controllers that follow a target force: force_ratio and stuck_fraction.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/controllers/rig.h"
+
+namespace slipbench::controllers {
+namespace {
+
+constexpr PadState stick = PadState::non_slip;
+
+// 3 N on the pad, believed mu 0.5, margin 0.8: 3/(0.5 * 0.8) = 7.5 N, for which 1.2 N counts give 8.4 N. Without load: the preset, 4.8 N,
+// which holds the load meanwhile, as the real mu is 0.8.
+TEST(ForceRatio, GripsInProportionToTheLoad) {
+  ToyPlant plant;
+  plant.load = 6.0;
+  plant.load_from = 30;
+  plant.mu = 0.8;
+  const auto history = plant.run(*make("force_ratio", {{"mu", "0.5"}, {"margin", "0.8"}, {"force_per_count", "1.2 N"}}), 100);
+  for (std::size_t tick = 0; tick < 100; ++tick) {
+    EXPECT_EQ(history[tick].command, tick < 30 ? 14 : 17) << "update " << tick;  // ceil(4/1.2) = 4, then ceil(2.7/1.2) = 3
+  }
+  EXPECT_DOUBLE_EQ(plant.grip(), 7 * 1.2);
+}
+
+// Counts of 0.4 N that are taken for 1.6 N: ceil((4 - F)/1.6) counts at a time, 0 + 3, 3 + 2, and then ones up to 10 of them.
+TEST(ForceRatio, ReachesTheTargetFromBelowWhereACountIsWorthLess) {
+  ToyPlant plant;
+  plant.per_count = 0.4;
+  plant.run(*make("force_ratio"), 200);
+  EXPECT_EQ(plant.position, 20);
+}
+
+// Beyond what the friction carries the load that is felt is mu F = 0.3 F, for which 0.3 F/(0.5 * 0.8) = 0.75 F would do.
+TEST(ForceRatio, DropsTheBoxWhenItBelievesInTooMuchFriction) {
+  ToyPlant plant;
+  plant.load = 6.0;
+  plant.load_from = 30;
+  plant.mu = 0.3;
+  plant.run(*make("force_ratio", {{"mu", "0.5"}, {"margin", "0.8"}}), 200);
+  EXPECT_FALSE(plant.holds());
+  EXPECT_DOUBLE_EQ(plant.grip(), 4.8);
+}
+
+// Seven pillars of 1 N and 0.1 N, one of 0.5 N and 0.3 N, one of 0.04 N and 0.04 N, which does not count as touching.
+// largest: F = 7.54 N, ratio 0.6, target 7.54 * 0.6/0.4 = 11.31 N: ceil(3.77/1.6) = 3 counts.
+// sum: 1.04 N, target 1.04/0.4 = 2.6 N, below the preset of 4 N: none.
+TEST(ForceRatio, TakesTheLargestRatioOrTheSum) {
+  PillarFrame frame = PillarFrame::of_forces(9.0, 0.9);
+  frame.set_force(3, 0.5, 0.3);
+  frame.set_force(7, 0.04, 0.04);
+  for (const auto& [ratio, position] : {std::pair{"largest", 33}, std::pair{"sum", 30}}) {
+    const auto controller = make("force_ratio", {{"ratio", ratio}, {"mu", "0.5"}, {"margin", "0.8"}});
+    EXPECT_EQ(controller->update(input_of(frame, 30)).position, position) << ratio;
+  }
+}
+
+// The ratio asks for 1000 N. From 4.8 N a ceiling of 11 N leaves floor(6.2/1.2) = 5 counts: 10.8 N.
+TEST(ForceRatio, NeverExceedsTheCeiling) {
+  ToyPlant plant;
+  plant.load = 800.0;
+  plant.load_from = 30;
+  plant.mu = 2000.0;
+  const auto history =
+      plant.run(*make("force_ratio", {{"mu", "0.5"}, {"margin", "0.8"}, {"force_per_count", "1.2 N"}, {"ceiling", "11 N"}}), 100);
+  double most = 0.0;
+  for (const ToyPlant::Update& update : history) most = std::max(most, update.force);
+  EXPECT_DOUBLE_EQ(most, 9 * 1.2);
+}
+
+// 10.3 N where 4 N are wanted and a count is 1.2 N: floor(6.3/1.2) = 5 counts may go.
+TEST(ForceFollower, OpensOnlyWhenTold) {
+  const PillarFrame tight = PillarFrame::of_forces(10.3);
+  EXPECT_EQ(make("force_ratio", {{"force_per_count", "1.2 N"}})->update(input_of(tight, 30)).position, 30);
+  const auto loose = make("force_ratio", {{"force_per_count", "1.2 N"}, {"loosen", "true"}});
+  EXPECT_EQ(loose->update(input_of(tight, 30)).position, 25);
+  EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(9.1), 29)).position, 25);  // on its way: floor(5.1/1.2) = 4 of 29
+  EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(5.1), 25)).position, 25);  // less than a count too much
+  EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(3.9), 24)).position, 25);
+}
+
+TEST(ForceFollower, TakesBackNoCountThatIsOnItsWay) {
+  const auto controller = make("force_ratio");
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(1.0), 30)).position, 32);  // ceil(3/1.6) = 2
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(3.9), 30)).position, 32);
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(4.1), 31)).position, 32);
+}
+
+TEST(ForceFollower, StaysClosedAtTheLastPosition) {
+  for (const char* name : {"force_ratio", "stuck_fraction"}) {
+    EXPECT_EQ(make(name)->update(input_of(PillarFrame::of_forces(0.0), 254)).position, 255) << name;
+    EXPECT_EQ(make(name)->update(input_of(PillarFrame::of_forces(0.0), 255)).position, 255) << name;
+  }
+  EXPECT_EQ(make("force_ratio", {{"loosen", "true"}})->update(input_of(PillarFrame::of_forces(50.0), 3)).position, 0);
+}
+
+// Frames whose pillars stick or slide as told: 5 mm/s of the surface over the pad, seen every 20 ms.
+class StuckFraction : public testing::Test {
+ protected:
+  StuckFraction() : frame_(PillarFrame::of_forces(9.0)) {}
+
+  // The command after an update in which the first `sticking` pillars went with the surface and the others stayed.
+  int after(Controller& controller, std::size_t sticking, double speed = 5e-3) {
+    ++tick_;
+    for (std::size_t i = 0; i < sticking; ++i) frame_.set_displacement(i, x_[i] += period * speed, 0.0);
+    return controller.update(input_of(frame_, 30, stick, tick_)).position;
+  }
+
+  PillarFrame frame_;
+  int tick_ = 0;
+  double x_[pillars] = {};
+};
+
+// F = 9 N, preset 4 N, gain 12 N, 1.6 N a count. s = 6/9: target 8 N, none. s = 3/9: 12 N, ceil(3/1.6) = 2 counts; s = 1/9: 14.67 N,
+// ceil(5.67/1.6) = 4.
+TEST_F(StuckFraction, GripsInProportionToThePillarsThatSlide) {
+  const auto controller = make("stuck_fraction");
+  EXPECT_EQ(after(*controller, 9), 30);  // a first frame has no speeds
+  EXPECT_EQ(after(*controller, 9), 30);
+  EXPECT_EQ(after(*controller, 6), 30);
+  EXPECT_EQ(after(*controller, 3), 32);
+  EXPECT_EQ(after(*controller, 1), 34);
+}
+
+TEST_F(StuckFraction, KeepsItsEstimateWhileNothingMoves) {
+  const auto controller = make("stuck_fraction", {{"loosen", "true"}});
+  after(*controller, 9);
+  EXPECT_EQ(after(*controller, 3), 32);
+  EXPECT_EQ(after(*controller, 0), 32);
+  EXPECT_EQ(after(*controller, 9, 0.4e-3), 32);  // slower than moving_speed, 0.5 mm/s
+  // s = 1 at 0.6 mm/s: 4 N are wanted of 9 N, floor(5/1.6) = 3 counts may go.
+  EXPECT_EQ(after(*controller, 9, 0.6e-3), 27);
+}
+
+TEST_F(StuckFraction, CountsOnlyPillarsThatTouch) {
+  for (std::size_t i = 6; i < pillars; ++i) frame_.set_force(i, 0.04, 0.0);
+  for (std::size_t i = 0; i < 6; ++i) frame_.set_force(i, 1.5, 0.0);
+  const auto controller = make("stuck_fraction");
+  after(*controller, 6);
+  // F = 9.12 N and s = 2/6: target 12 N, ceil(2.88/1.6) = 2; with all nine it would be 13.33 N and 3.
+  EXPECT_EQ(after(*controller, 2), 32);
+}
+
+TEST_F(StuckFraction, TakesTheSameFrameOnce) {
+  const auto controller = make("stuck_fraction");
+  after(*controller, 9);
+  EXPECT_EQ(after(*controller, 3), 32);
+  --tick_;  // the same time again, with other displacements
+  EXPECT_EQ(after(*controller, 1), 32);
+}
+
+TEST(StuckFractionOfADetector, IsUsedWhenTheSceneSaysSo) {
+  const auto controller = make("stuck_fraction", {{"estimate", "detector"}});
+  const PillarFrame frame = PillarFrame::of_forces(9.0);
+  ControlInput input = input_of(frame, 30);
+  input.slip.stuck_fraction = 0.5;  // target 10 N: ceil(1/1.6) = 1
+  EXPECT_EQ(controller->update(input).position, 31);
+  input.slip.stuck_fraction = 0.0;  // 16 N: ceil(7/1.6) = 5
+  EXPECT_EQ(controller->update(input).position, 35);
+}
+
+TEST(StuckFractionOfADetector, IsRefusedWhereThereIsNone) {
+  const auto controller = make("stuck_fraction", {{"estimate", "detector"}});
+  const PillarFrame frame = PillarFrame::of_forces(9.0);
+  EXPECT_EQ(controller->update(input_of(frame, 30, PadState::no_contact)).position, 30);
+  EXPECT_EQ(refusal([&] { controller->update(input_of(frame, 30, stick, 3)); }),
+            "controller stuck_fraction: the detector tells no stuck fraction at t = 60 ms; allowed: a detector that does, or "
+            "estimate: frames");
+}
+
+}  // namespace
+}  // namespace slipbench::controllers

@@ -1,0 +1,170 @@
+// The controllers that step by counts: constant_force, hold_preset, step_on_slip.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "tests/controllers/rig.h"
+
+namespace slipbench::controllers {
+namespace {
+
+using testing::ElementsAre;
+
+constexpr PadState stick = PadState::non_slip;
+
+// A count takes 60 ms: read at 0, written at 10, obeyed at 30, there at 49, read at 60 ms. So the three updates from 3n on read the same
+// position: they command 9 + n, until 4 counts beyond the contact at 10 make 4.8 N >= 4 N, which the update 3 * 6 reads.
+TEST(StepControllers, CloseOneCountIn60MillisecondsToThePreset) {
+  for (const char* name : {"constant_force", "hold_preset", "step_on_slip"}) {
+    ToyPlant plant;
+    plant.position = 8;
+    const auto history = plant.run(*make(name), 40);
+    for (int tick = 0; tick < 40; ++tick) {
+      EXPECT_EQ(history[static_cast<std::size_t>(tick)].command, std::min(9 + tick / 3, 14)) << name << " update " << tick;
+    }
+    EXPECT_DOUBLE_EQ(plant.grip(), 4 * 1.2) << name;
+  }
+}
+
+TEST(StepControllers, SendTheRegistersThatTheSceneNames) {
+  for (const char* name : {"constant_force", "hold_preset", "step_on_slip"}) {
+    const GripCommand quiet = make(name)->update(input_of(PillarFrame::of_forces(0.0), 7));
+    EXPECT_EQ(quiet.speed, 0);
+    EXPECT_EQ(quiet.force, 0);
+    const auto strong = make(name, {{"speed_register", "255"}, {"force_register", "17"}});
+    const GripCommand command = strong->update(input_of(PillarFrame::of_forces(0.0), 7));
+    EXPECT_EQ(command.speed, 255);
+    EXPECT_EQ(command.force, 17);
+  }
+}
+
+TEST(ConstantForce, NeverMovesAgain) {
+  const auto controller = make("constant_force");
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(3.9), 20)).position, 21);
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(4.1), 21)).position, 21);
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(0.0), 21)).position, 21);
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(0.1), 20, PadState::gross)).position, 21);
+}
+
+TEST(ConstantForce, ThatStartsWithEnoughHoldsWhereItIs) {
+  const auto controller = make("constant_force");
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(9.0), 30)).position, 30);
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(0.0), 29)).position, 30);
+}
+
+TEST(HoldPreset, TightensBelowThePresetAndNeverOnSlip) {
+  const auto controller = make("hold_preset");
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(4.1), 20, PadState::gross)).position, 20);
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(4.1), 20, PadState::incipient)).position, 20);
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(3.9), 20)).position, 21);
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(4.1), 20)).position,
+            21);  // the count that is on its way is not taken back
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(3.9), 21)).position, 22);
+}
+
+// 4.8 N on each of two pads with mu 0.4 hold 2 * 0.4 * 4.8 N = 3.84 N.
+TEST(HoldPreset, DropsWhatThePresetDoesNotHold) {
+  for (const auto& [load, held] : {std::pair{0.999 * 3.84, true}, std::pair{1.001 * 3.84, false}}) {
+    ToyPlant plant;
+    plant.load = load;
+    plant.load_from = 30;
+    plant.run(*make("hold_preset"), 200);
+    EXPECT_EQ(plant.holds(), held) << load;
+    EXPECT_DOUBLE_EQ(plant.grip(), 4.8);
+  }
+}
+
+TEST(StepOnSlip, StepsWhileTheClassIsIncipientOrGross) {
+  const auto controller = make("step_on_slip");
+  const PillarFrame held = PillarFrame::of_forces(5.0);
+  EXPECT_EQ(controller->update(input_of(held, 20, stick)).position, 20);
+  EXPECT_EQ(controller->update(input_of(held, 20, PadState::incipient)).position, 21);
+  EXPECT_EQ(controller->update(input_of(held, 20, PadState::gross)).position, 21);
+  EXPECT_EQ(controller->update(input_of(held, 21, PadState::gross)).position, 22);
+  EXPECT_EQ(controller->update(input_of(held, 21, PadState::no_contact)).position, 21);
+}
+
+// Slip ends when load <= 0.9 * 2 mu F: 6 N and mu 0.4 ask for 6/(0.9 * 0.8) = 8.33 N, which 7 counts of 1.2 N give.
+TEST(StepOnSlip, TightensUntilNothingSlips) {
+  for (const char* idle : {"measured_position", "last_command"}) {
+    ToyPlant plant;
+    plant.load = 6.0;
+    plant.load_from = 31;
+    const auto history = plant.run(*make("step_on_slip", {{"idle", idle}}), 100);
+    EXPECT_EQ(plant.position, 17) << idle;
+    EXPECT_TRUE(plant.holds());
+    // From the 4 counts of the preset: the updates 31 to 33 say 15, 34 to 36 say 16, from 37 on 17.
+    for (std::size_t tick = 31; tick < 100; ++tick) {
+      EXPECT_EQ(history[tick].command, std::min(15 + (static_cast<int>(tick) - 31) / 3, 17)) << idle << " update " << tick;
+    }
+  }
+}
+
+// The loop's delay is three updates, and the idle command is the position as read: one update that says slip sends a count round the
+// loop for ever. Commanding the last position again keeps that count instead.
+TEST(StepOnSlip, OneSlipCirculatesWhenTheIdleCommandIsTheMeasuredPosition) {
+  for (const bool as_published : {true, false}) {
+    ToyPlant plant;
+    plant.position = 20;
+    plant.false_alarm = 5;
+    const auto history = plant.run(*make("step_on_slip", {{"idle", as_published ? "measured_position" : "last_command"}}), 90);
+    for (int tick = 0; tick < 90; ++tick) {
+      const bool further = tick >= 5 && (!as_published || (tick - 5) % 3 == 0);
+      EXPECT_EQ(history[static_cast<std::size_t>(tick)].command, further ? 21 : 20) << as_published << " update " << tick;
+    }
+  }
+}
+
+TEST(StepOnSlip, DebounceCountsUpdatesInARow) {
+  const auto controller = make("step_on_slip", {{"debounce", "3"}});
+  const PillarFrame held = PillarFrame::of_forces(5.0);
+  std::vector<int> commands;
+  for (const PadState state : {PadState::gross, PadState::incipient, stick, PadState::incipient, PadState::gross, PadState::gross,
+                               PadState::incipient, stick, PadState::gross}) {
+    commands.push_back(controller->update(input_of(held, 20, state)).position);
+  }
+  EXPECT_THAT(commands, ElementsAre(20, 20, 20, 20, 20, 21, 21, 20, 20));
+}
+
+TEST(StepOnSlip, DebounceDoesNotDelayThePreset) {
+  const auto controller = make("step_on_slip", {{"debounce", "3"}});
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(3.9), 20)).position, 21);
+}
+
+// A load that no force holds: 1.2 N counts stop at 6.0 N, because 7.2 N > 7 N.
+TEST(StepOnSlip, NeverExceedsTheCeiling) {
+  for (const char* idle : {"measured_position", "last_command"}) {
+    ToyPlant plant;
+    plant.load = 100.0;
+    plant.load_from = 25;
+    const auto history =
+        plant.run(*make("step_on_slip", {{"idle", idle}, {"ceiling", "7 N"}, {"force_per_count", "1.2 N"}}), 300);
+    double most = 0.0;
+    for (const ToyPlant::Update& update : history) most = std::max(most, update.force);
+    EXPECT_DOUBLE_EQ(most, 5 * 1.2) << idle;
+  }
+}
+
+TEST(StepOnSlip, RefusesToWrap) {
+  const PillarFrame slack = PillarFrame::of_forces(0.0);
+  EXPECT_EQ(make("step_on_slip")->update(input_of(slack, 254)).position, 255);
+  EXPECT_EQ(refusal([&] { make("step_on_slip")->update(input_of(slack, 255, stick, 50)); }),
+            "controller step_on_slip: position 255 reached at t = 1 s, one count more would wrap to 0 and open the fingers; "
+            "allowed: overflow: hold, or wrap as published");
+  EXPECT_EQ(make("step_on_slip", {{"overflow", "hold"}})->update(input_of(slack, 255)).position, 255);
+  EXPECT_EQ(make("step_on_slip", {{"overflow", "wrap"}})->update(input_of(slack, 255)).position, 0);
+  EXPECT_EQ(make("step_on_slip")->update(input_of(PillarFrame::of_forces(5.0), 255)).position, 255);  // nothing asks for more
+}
+
+TEST(StepControllers, StayClosedAtTheLastPosition) {
+  for (const char* name : {"constant_force", "hold_preset"}) {
+    const auto controller = make(name);
+    EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(0.0), 255)).position, 255) << name;
+    EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(0.0), 255)).position, 255) << name;
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::controllers
