@@ -23,6 +23,7 @@ ControllerKind constant_force();
 ControllerKind force_pid();
 ControllerKind force_ratio();
 ControllerKind hold_preset();
+ControllerKind plugin();
 ControllerKind step_on_slip();
 ControllerKind stuck_fraction();
 

@@ -13,6 +13,13 @@ namespace {
 
 using testing::HasSubstr;
 
+// All controllers but those of a user's library, which has a test of its own.
+std::vector<ControllerKind> built_in() {
+  std::vector<ControllerKind> kinds = controller_catalogue();
+  std::erase_if(kinds, [](const ControllerKind& kind) { return kind.about.name == "plugin"; });
+  return kinds;
+}
+
 // The message that the declaration of `controller`.`key` has for `text`.
 std::string refused_value(const std::string& controller, const std::string& key, const std::string& text) {
   try {
@@ -45,7 +52,7 @@ TEST(Controllers, RefuseAnUnknownName) {
 
 TEST(Controllers, RefuseASensorWithoutForces) {
   const std::vector<Channel> image{{"image", "1", {16, 16}, {}}, {"force", "N", {3}, {}}};
-  for (const ControllerKind& kind : controller_catalogue()) {
+  for (const ControllerKind& kind : built_in()) {
     const std::string& name = kind.about.name;
     EXPECT_EQ(refusal([&] { (void)make_controller(named(name), image); }),
               "controller.type: '" + name + "' reads a channel 'force' [N, 3] and the sensor has: image [16, 16], force [3]");
@@ -63,7 +70,7 @@ TEST(Controllers, ReadDisplacementsOnlyWhereTheyAreNeeded) {
 TEST(Controllers, FindTheForcesInTheFrame) {
   const std::vector<Channel> channels{{"temperature", "K", {2}, {}}, {"force", "N", {1, 3}, {}}};
   const std::vector<float> values{300.0F, 301.0F, 0.0F, 0.0F, 3.9F};
-  for (const ControllerKind& kind : controller_catalogue()) {
+  for (const ControllerKind& kind : built_in()) {
     if (kind.about.name == "force_pid") continue;       // its first command is the position
     if (kind.about.name == "stuck_fraction") continue;  // it reads displacements too
     const auto controller = make_controller(named(kind.about.name), channels);
@@ -77,7 +84,7 @@ TEST(Controllers, FindTheForcesInTheFrame) {
 TEST(Controllers, RefuseForcesThatAreNotFinite) {
   PillarFrame frame = PillarFrame::of_forces(9.0);
   frame.set_force(4, std::numeric_limits<double>::quiet_NaN(), 0.0);
-  for (const ControllerKind& kind : controller_catalogue()) {
+  for (const ControllerKind& kind : built_in()) {
     const std::string& name = kind.about.name;
     EXPECT_EQ(refusal([&] { (void)make(name)->update(input_of(frame, 20, PadState::non_slip, 50)); }),
               "controller " + name + ": the sensor's normal forces sum up to nan N at t = 1 s; allowed: finite forces");
@@ -86,7 +93,7 @@ TEST(Controllers, RefuseForcesThatAreNotFinite) {
 
 TEST(Controllers, KnowAFrameOfAnotherSensorForABug) {
   const std::vector<float> values(3);
-  for (const ControllerKind& kind : controller_catalogue()) {
+  for (const ControllerKind& kind : built_in()) {
     ControlInput input;
     input.frame.values = values;
     EXPECT_THROW((void)make(kind.about.name)->update(input), std::logic_error) << kind.about.name;
@@ -94,7 +101,7 @@ TEST(Controllers, KnowAFrameOfAnotherSensorForABug) {
 }
 
 TEST(Controllers, CommandTheSameForTheSameInputs) {
-  for (const ControllerKind& kind : controller_catalogue()) {
+  for (const ControllerKind& kind : built_in()) {
     const auto one = make(kind.about.name);
     const auto other = make(kind.about.name);
     const auto between = make(kind.about.name);  // nothing is shared between instances
