@@ -16,7 +16,7 @@ namespace {
 
 Scene scene_of(const std::string& text) {
   return parse_scene(SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray}}\n" + text, "scene.yaml"),
-                     program_catalogues());
+                     pad_catalogues());
 }
 
 std::string refusal(const std::string& text) {
@@ -169,7 +169,7 @@ TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
 
 TEST(GraspScene, ShippedLiftIsAsRecordedAndTakesWhatIsSet) {
   SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml");
-  const Scene scene = parse_scene(file, program_catalogues());
+  const Scene scene = parse_scene(file, pad_catalogues());
   EXPECT_EQ(scene.material, "ptfe");
   EXPECT_EQ(scene.grasp->grip.number("preset"), 4.0);
   EXPECT_EQ(scene.motion.parameters.number("speed"), 0.043);
@@ -182,7 +182,7 @@ TEST(GraspScene, ShippedLiftIsAsRecordedAndTakesWhatIsSet) {
                                  {"grip.protocol", "as_printed"}}) {
     file.apply(change);
   }
-  const Scene changed = parse_scene(file, program_catalogues());
+  const Scene changed = parse_scene(file, pad_catalogues());
   EXPECT_EQ(changed.material, "wet_felt");
   EXPECT_EQ(changed.grasp->box.number("mass"), 0.5);
   EXPECT_EQ(changed.grasp->grip.number("preset"), 1.0);

@@ -18,7 +18,7 @@ class GraspRig {
                     const std::string& sensor = "")
       : scene_(parse_scene(
             SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray" + sensor + "}}\n" + text, "scene.yaml"),
-            program_catalogues())) {
+            pad_catalogues())) {
     register_plugin_once();
     sensor_ = make_sensor(scene_.sensors.front(), scene_.seed, trial);
     bench_ = std::make_unique<GraspBench>(scene_, sensor_->layout(), sensor_->rate(), trial, options);
