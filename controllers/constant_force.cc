@@ -8,8 +8,8 @@ namespace {
 
 class ConstantForce final : public Controller {
  public:
-  ConstantForce(const Parameters& p, const std::vector<Channel>& channels)
-      : force_(channels, "constant_force"), preset_(p.number("preset")), command_(registers_of(p)) {}
+  ConstantForce(const Parameters& p, const GripSource& source)
+      : force_(source.channels, "constant_force"), preset_(source.preset), command_(registers_of(p)) {}
 
   GripCommand update(const ControlInput& input) override {
     reached_ = reached_ || force_.total(input.frame) >= preset_;
@@ -33,9 +33,9 @@ ControllerKind constant_force() {
   return {{"constant_force", "Baseline: closes to a grip force once and then never moves, whatever the force or the slip.",
            "until F >= preset for the first time: position = measured position + 1 count; from then on: the last command\n"
            "F: sum of the pillars' normal forces. The position ends at 255 and stays there: fingers that met nothing are closed",
-           "the baseline of a grip without feedback; closes as the published HDL does", with_registers({preset_spec()})},
-          [](const Parameters& p, const std::vector<Channel>& channels) -> std::unique_ptr<Controller> {
-            return std::make_unique<ConstantForce>(p, channels);
+           "the baseline of a grip without feedback; closes as the published HDL does", with_registers({})},
+          [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
+            return std::make_unique<ConstantForce>(p, source);
           }};
 }
 

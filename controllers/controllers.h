@@ -9,12 +9,19 @@
 
 namespace slipbench {
 
+// What a controller works with.
+struct GripSource {
+  std::vector<Channel> channels;  // what the frames hold that update() will be handed
+  double preset = 0.0;            // N, the force with which the box is taken: the scene's grip.preset
+  bool detected = true;           // the scene has a detector; without one every estimate is that of no contact
+};
+
 // A controller that a scene may name.
 struct ControllerKind {
   Entry about;
-  // `parameters`: those of `about`, all present. `channels`: what the frames hold that update() will be handed. Throws SceneValueError
-  // at controller.<key> for a value that does not fit the rest, and at controller.type where the frames lack what the controller reads.
-  std::unique_ptr<Controller> (*create)(const Parameters& parameters, const std::vector<Channel>& channels);
+  // `parameters`: those of `about`, all present. Throws SceneValueError at controller.<key> for a value that does not fit the rest, and at
+  // controller.type where the frames lack what the controller reads, or the scene the detector.
+  std::unique_ptr<Controller> (*create)(const Parameters& parameters, const GripSource& source);
 };
 
 namespace controllers {

@@ -9,9 +9,9 @@ namespace {
 
 class ForcePid final : public Controller {
  public:
-  ForcePid(const Parameters& p, const std::vector<Channel>& channels)
-      : force_(channels, "force_pid"),
-        set_point_(p.number("set_point")),
+  ForcePid(const Parameters& p, const GripSource& source)
+      : force_(source.channels, "force_pid"),
+        preset_(source.preset),
         proportional_(p.number("proportional")),
         integral_time_(p.number("integral_time")),
         derivative_time_(p.number("derivative_time")),
@@ -27,7 +27,7 @@ class ForcePid final : public Controller {
       last_ = before_last_ = grip;
       started_ = true;
     } else if (input.gripper.time > time_) {  // a status that is no newer says nothing new
-      const double error = set_point_ - grip;
+      const double error = preset_ - grip;
       if (std::abs(error) > dead_band_) position_ += change(grip, error, input.gripper.time - time_) / force_per_count_;
       position_ = std::clamp(position_, input.gripper.position - lead_, input.gripper.position + lead_);
       before_last_ = last_;
@@ -47,7 +47,7 @@ class ForcePid final : public Controller {
   }
 
   GripForce force_;
-  double set_point_;        // N
+  double preset_;           // N
   double proportional_;     // 1
   double integral_time_;    // s
   double derivative_time_;  // s
@@ -69,7 +69,7 @@ ControllerKind force_pid() {
        "u_k = u_k-1 + (Kp (F_k-1 - F_k) + T/Ti (r - F_k) - Td/T (F_k - 2 F_k-1 + F_k-2)) / c while |r - F_k| > dead_band, "
        "otherwise u_k = u_k-1; u_0 = measured position\n"
        "position = round(u_k), u_k kept within measured position +- lead and within 0 to 255 (so that nothing winds up)\n"
-       "F: sum of the pillars' normal forces, r: set_point, T: time between two reads of the status, c: force_per_count, Kp: "
+       "F: sum of the pillars' normal forces, r: preset, T: time between two reads of the status, c: force_per_count, Kp: "
        "proportional, Ti: integral_time, Td: derivative_time\n"
        "a count at its real worth c' that is seen d periods after the read that led to it: with Kp = Td = 0 stable for "
        "T/Ti c'/c < 2 sin(pi/(4d - 2)), without overshoot up to (d-1)^(d-1)/d^d; 0.62 and 0.15 for 60 ms of 20 ms. It comes to "
@@ -77,8 +77,6 @@ ControllerKind force_pid() {
        "velocity form of PID with derivative and proportional action on the measured value: Astrom and Hagglund, PID Controllers "
        "(1995), chapter 3; bounds: roots of z^d - z^(d-1) + T/Ti c'/c",
        with_registers({
-           declared("set_point", ParameterType::number, Quantity::force, "4 N", positive, "Measured grip force that is wanted.",
-                    "that of the other controllers' preset"),
            declared("proportional", ParameterType::number, Quantity::none, "0.1", non_negative,
                     "Kp: share of a change of the force that is taken back at once.", "assumed"),
            declared("integral_time", ParameterType::number, Quantity::time, "0.15 s", positive_or_infinite,
@@ -96,8 +94,8 @@ ControllerKind force_pid() {
                     "assumed"),
            force_per_count_spec(),
        })},
-      [](const Parameters& p, const std::vector<Channel>& channels) -> std::unique_ptr<Controller> {
-        return std::make_unique<ForcePid>(p, channels);
+      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
+        return std::make_unique<ForcePid>(p, source);
       }};
 }
 

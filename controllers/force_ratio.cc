@@ -8,9 +8,9 @@ namespace {
 
 class ForceRatio final : public Controller {
  public:
-  ForceRatio(const Parameters& p, const std::vector<Channel>& channels)
-      : force_(channels, "force_ratio"),
-        preset_(p.number("preset")),
+  ForceRatio(const Parameters& p, const GripSource& source)
+      : force_(source.channels, "force_ratio"),
+        preset_(source.preset),
         allowed_(p.number("mu") * p.number("margin")),
         touch_(p.number("touch")),
         largest_(p.choice("ratio") == "largest"),
@@ -59,7 +59,6 @@ ControllerKind force_ratio() {
        "f_t, f_n: tangential and normal force of a pillar; F: sum of f_n. The position ends at 255 and stays there",
        "Coulomb's law; grip force kept in proportion to the load: Westling and Johansson, Exp. Brain Res. 53 (1984) 277",
        with_registers({
-           preset_spec(),
            declared("mu", ParameterType::number, Quantity::none, "0.35", positive,
                     "Friction coefficient that the controller believes in; too high a belief drops the box.",
                     "assumed: PTFE on silicone"),
@@ -72,8 +71,8 @@ ControllerKind force_ratio() {
            ceiling_spec(),
            loosen_spec(),
        })},
-      [](const Parameters& p, const std::vector<Channel>& channels) -> std::unique_ptr<Controller> {
-        return std::make_unique<ForceRatio>(p, channels);
+      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
+        return std::make_unique<ForceRatio>(p, source);
       }};
 }
 

@@ -99,10 +99,9 @@ ParameterSpec declared_choice(std::string name, std::string default_text, std::v
   return spec;
 }
 
-ParameterSpec preset_spec() {
-  return declared("preset", ParameterType::number, Quantity::force, "4 N", positive,
-                  "Measured grip force to which the fingers close whatever the slip.",
-                  "HD-computing slip paper: 4 N in the published HDL (control_gripper.sv, 32 in Q13.3); the text prints 1 N");
+void refuse_without_detector(const std::string& controller) {
+  throw SceneValueError("controller.type",
+                        controller + " needs what a detector says, and the scene has none; allowed: a detector");
 }
 
 ParameterSpec force_per_count_spec() {

@@ -74,8 +74,10 @@ class ForceFollower {
   int position_ = -1;  // last command; before the first: none
 };
 
+// For a controller that waits for what a detector says, in a scene without one. Throws SceneValueError at controller.type.
+[[noreturn]] void refuse_without_detector(const std::string& controller);
+
 // Declarations of parameters that several controllers have.
-ParameterSpec preset_spec();           // "preset"
 ParameterSpec force_per_count_spec();  // "force_per_count"
 ParameterSpec ceiling_spec();          // "ceiling"
 ParameterSpec loosen_spec();           // "loosen"

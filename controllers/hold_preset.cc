@@ -8,8 +8,8 @@ namespace {
 
 class HoldPreset final : public Controller {
  public:
-  HoldPreset(const Parameters& p, const std::vector<Channel>& channels)
-      : force_(channels, "hold_preset"), preset_(p.number("preset")), command_(registers_of(p)) {}
+  HoldPreset(const Parameters& p, const GripSource& source)
+      : force_(source.channels, "hold_preset"), preset_(source.preset), command_(registers_of(p)) {}
 
   GripCommand update(const ControlInput& input) override {
     if (force_.total(input.frame) < preset_) position_ = moved(input.gripper.position, 1);
@@ -32,9 +32,9 @@ ControllerKind hold_preset() {
            "Negative control: tightens only below the preset force, never on slip. A trial that it passes tests no detector.",
            "F < preset: position = measured position + 1 count; otherwise: the last command\n"
            "F: sum of the pillars' normal forces. The position ends at 255 and stays there",
-           "step_on_slip without its slip", with_registers({preset_spec()})},
-          [](const Parameters& p, const std::vector<Channel>& channels) -> std::unique_ptr<Controller> {
-            return std::make_unique<HoldPreset>(p, channels);
+           "step_on_slip without its slip", with_registers({})},
+          [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
+            return std::make_unique<HoldPreset>(p, source);
           }};
 }
 

@@ -45,7 +45,7 @@ class Library {
 
 class Plugin final : public Controller {
  public:
-  Plugin(const std::string& path, const std::vector<Channel>& channels) : library_(path) {
+  Plugin(const std::string& path, const GripSource& source) : library_(path), preset_(source.preset) {
     const unsigned version = *static_cast<const unsigned*>(library_.symbol("slipbench_controller_abi"));
     if (version != SLIPBENCH_CONTROLLER_ABI) {
       refuse(library_.name() + " was built for version " + std::to_string(version) +
@@ -54,7 +54,7 @@ class Plugin final : public Controller {
     const auto make =
         reinterpret_cast<decltype(&slipbench_make_controller)>(library_.symbol("slipbench_make_controller"));  // as POSIX has it
     std::vector<slipbench_channel> announced;
-    for (const Channel& channel : channels) {
+    for (const Channel& channel : source.channels) {
       announced.push_back({channel.name.c_str(), channel.unit.c_str(), channel.shape.data(), channel.shape.size()});
     }
     controller_ = make(announced.data(), announced.size());
@@ -81,6 +81,7 @@ class Plugin final : public Controller {
         .position = input.gripper.position,
         .moving = input.gripper.moving ? 1 : 0,
         .stopped = input.gripper.stopped ? 1 : 0,
+        .preset = preset_,
     };
     const slipbench_grip_command command = controller_.update(controller_.self, &handed);
     return {.position = command.position, .speed = command.speed, .force = command.force};
@@ -92,6 +93,7 @@ class Plugin final : public Controller {
   }
 
   Library library_;  // outlives the controller it made
+  double preset_;    // N
   slipbench_controller controller_{};
 };
 
@@ -104,9 +106,9 @@ ControllerKind plugin() {
            "(controllers/plugin_abi.h; example: controllers/example)",
            "the library's author",
            {declared("library", ParameterType::path, Quantity::none, no_library, any_value, "The shared library.", "free")}},
-          [](const Parameters& p, const std::vector<Channel>& channels) -> std::unique_ptr<Controller> {
+          [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
             if (p.path("library") == no_library) refuse("no library is named; allowed: the path of a shared library");
-            return std::make_unique<Plugin>(p.path("library"), channels);
+            return std::make_unique<Plugin>(p.path("library"), source);
           }};
 }
 

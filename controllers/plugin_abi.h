@@ -29,9 +29,10 @@ struct slipbench_control_input {
   const float* values;  // all channels in the order in which they were announced
   size_t value_count;
   double status_time;
-  int position;  // counts: 0 open, growing as the fingers close
-  int moving;    // 1 while the fingers move
-  int stopped;   // 1 when they stopped at the force limit
+  int position;   // counts: 0 open, growing as the fingers close
+  int moving;     // 1 while the fingers move
+  int stopped;    // 1 when they stopped at the force limit
+  double preset;  // the scene's grip.preset
 };
 
 // slipbench::GripCommand; the gripper refuses what is not within 0 to 255.

@@ -10,15 +10,17 @@ namespace {
 
 class StepOnSlip final : public Controller {
  public:
-  StepOnSlip(const Parameters& p, const std::vector<Channel>& channels)
-      : force_(channels, "step_on_slip"),
-        preset_(p.number("preset")),
+  StepOnSlip(const Parameters& p, const GripSource& source)
+      : force_(source.channels, "step_on_slip"),
+        preset_(source.preset),
         ceiling_(p.number("ceiling")),
         force_per_count_(p.number("force_per_count")),
         debounce_(p.integer("debounce")),
         overflow_(p.choice("overflow")),
         idle_at_measured_(p.choice("idle") == "measured_position"),
-        command_(registers_of(p)) {}
+        command_(registers_of(p)) {
+    if (!source.detected) refuse_without_detector("step_on_slip");
+  }
 
   GripCommand update(const ControlInput& input) override {
     const double grip = force_.total(input.frame);
@@ -68,7 +70,6 @@ ControllerKind step_on_slip() {
        "HD-computing slip paper, section IV-D and its published HDL (control_gripper.sv); debounce, ceiling and what is not wrap "
        "are additions",
        with_registers({
-           preset_spec(),
            declared("debounce", ParameterType::integer, Quantity::none, "1", {.min = 1.0, .max = 1e6, .open_min = false},
                     "Updates in a row with slip before it counts; 1: at once.", "published: none"),
            ceiling_spec(),
@@ -82,8 +83,8 @@ ControllerKind step_on_slip() {
                            "that is on its way.",
                            "published HDL (control_gripper.sv): the measured position"),
        })},
-      [](const Parameters& p, const std::vector<Channel>& channels) -> std::unique_ptr<Controller> {
-        return std::make_unique<StepOnSlip>(p, channels);
+      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
+        return std::make_unique<StepOnSlip>(p, source);
       }};
 }
 

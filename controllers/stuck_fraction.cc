@@ -64,13 +64,17 @@ class StuckPillars {
 
 class StuckFraction final : public Controller {
  public:
-  StuckFraction(const Parameters& p, const std::vector<Channel>& channels)
-      : force_(channels, "stuck_fraction"),
-        preset_(p.number("preset")),
+  StuckFraction(const Parameters& p, const GripSource& source)
+      : force_(source.channels, "stuck_fraction"),
+        preset_(source.preset),
         gain_(p.number("gain")),
         follower_(p),
         command_(registers_of(p)) {
-    if (p.choice("estimate") == "frames") pillars_.emplace(p, channels);
+    if (p.choice("estimate") == "frames") {
+      pillars_.emplace(p, source.channels);
+    } else if (!source.detected) {
+      refuse_without_detector("stuck_fraction with estimate: detector");
+    }
   }
 
   GripCommand update(const ControlInput& input) override {
@@ -113,7 +117,6 @@ ControllerKind stuck_fraction() {
        with_registers({
            declared_choice("estimate", "frames", {"frames", "detector"},
                            "Where the stuck fraction comes from: the pillars' tips, or a detector that tells one.", "assumed"),
-           preset_spec(),
            declared("gain", ParameterType::number, Quantity::force, "12 N", non_negative,
                     "Grip force added to the preset when no pillar sticks.", "assumed"),
            declared("moving_speed", ParameterType::number, Quantity::speed, "0.5 mm/s", positive,
@@ -125,8 +128,8 @@ ControllerKind stuck_fraction() {
            ceiling_spec(),
            loosen_spec(),
        })},
-      [](const Parameters& p, const std::vector<Channel>& channels) -> std::unique_ptr<Controller> {
-        return std::make_unique<StuckFraction>(p, channels);
+      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
+        return std::make_unique<StuckFraction>(p, source);
       }};
 }
 

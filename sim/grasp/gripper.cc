@@ -52,16 +52,16 @@ Gripper::Gripper(const Parameters& grip, double opening, double phase)
 GripperStatus Gripper::read() {
   const double time = next_read();
   ++reads_;
-  const ProfilePoint now = position_.at(time);
-  return {time, static_cast<int>(std::lround(now.position)), now.velocity != 0.0, stopped_};
+  return {time, position(time), position_.at(time).velocity != 0.0, stopped_};
 }
 
-void Gripper::write(const GripCommand& command) {
+GripCommand Gripper::write(const GripCommand& command) {
   const double time = next_write();
   ++writes_;
-  pending_.push_back({time + latency_,
-                      {byte_of(command.position, "position", wrap_, time), byte_of(command.speed, "speed", wrap_, time),
-                       byte_of(command.force, "force", wrap_, time)}});
+  const GripCommand sent{byte_of(command.position, "position", wrap_, time), byte_of(command.speed, "speed", wrap_, time),
+                         byte_of(command.force, "force", wrap_, time)};
+  pending_.push_back({time + latency_, sent});
+  return sent;
 }
 
 void Gripper::obey(const Pending& pending) {
@@ -85,6 +85,8 @@ void Gripper::update(double time, double force) {
   position_.change_velocity(time, 0.0, std::numeric_limits<double>::infinity());
   stopped_ = true;
 }
+
+int Gripper::position(double time) const { return static_cast<int>(std::lround(position_.at(time).position)); }
 
 double Gripper::opening(double time) const { return (closed_at_ - position_.at(time).position) * count_; }
 

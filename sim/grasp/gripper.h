@@ -34,14 +34,15 @@ class Gripper {
   GripperStatus read();
   [[nodiscard]] bool write_due(double time) const { return next_write() <= time + rounding; }
   [[nodiscard]] double next_write() const { return instant(writes_) + write_after_; }  // s
-  // Sends a command with the write that is due. Throws InputError when a value is no byte, unless the parameter `wrap` asks for the low
-  // byte to be taken, as a driver that does not look would.
-  void write(const GripCommand& command);
+  // Sends a command with the write that is due, and returns it as it was sent. Throws InputError when a value is no byte, unless the
+  // parameter `wrap` asks for the low byte to be taken, as a driver that does not look would.
+  GripCommand write(const GripCommand& command);
 
   // ---- The drive.
   // To be called at every tick, in order of time, before anything below is asked for that time: commands begin to act, and the motor stops
   // where `force` [N], with which a finger presses, has reached the limit.
   void update(double time, double force);
+  [[nodiscard]] int position(double time) const;          // counts, what a read at that time says
   [[nodiscard]] double opening(double time) const;        // m, between the two pads' origins as they would be without load
   [[nodiscard]] double opening_speed(double time) const;  // m/s, negative while they close
 

@@ -9,24 +9,12 @@
 
 #include "sim/core/pad_layout.h"
 #include "sim/grasp/grasp.h"
-#include "sim/grasp/gripper.h"
+#include "sim/grasp/held_box.h"
 #include "sim/mujoco/dynamic_bench.h"
 #include "sim/scene/scene.h"
 #include "sim/testbench/bench.h"
 
 namespace slipbench {
-
-// The truth about a grasp at one tick, which no detector and no controller sees.
-struct GraspTruth {
-  double time = 0.0;                               // s
-  double grip_force = 0.0;                         // N, mean of both pads' normal forces
-  double pad_force[2] = {0.0, 0.0};                // N, of the sensor's pad and of the second one
-  double box_height = 0.0;                         // m, of the box's middle over where it stood
-  double table_force = 0.0;                        // N, with which the table carries the box
-  Eigen::Vector3d slip = Eigen::Vector3d::Zero();  // m, of the box's middle in the arm's frame since the lift began; 0 before
-  double rotation = 0.0;                           // rad, of the box in the arm's frame since then
-  bool dropped = false;                            // see below; from the tick on at which it was
-};
 
 // DynamicBench with the fingers of gripper_model.h, whose carriages ride on the motion's arm, the box and a table. At the start the fingers are open, at rest, at
 // a whole count that leaves the clearance: the loop closes them. The world's origin is the point between the pads, Z up (Grasp).
@@ -40,7 +28,7 @@ struct GraspTruth {
 //
 // Besides the rules of watch.h a run is ended when a pad presses harder than the fingers can make it: beyond twice the largest force that a
 // finger's spring has had, as a mass that falls onto a spring, and what stops a finger that closes at the fastest speed, v sqrt(k m).
-class GraspBench final : public Bench {
+class GraspBench final : public Bench, public HeldBox {
  public:
   // `scene.grasp` must be there; the rest as DynamicBench's. `rate` [Hz]: of the scene's one sensor.
   GraspBench(const Scene& scene, const PadLayout& pad, double rate, std::uint64_t trial, const DynamicBenchOptions& options = {});
@@ -55,14 +43,15 @@ class GraspBench final : public Bench {
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
   [[nodiscard]] bool rotating() const override;
 
-  [[nodiscard]] Gripper& gripper();
-  // At the tick last stepped to.
-  [[nodiscard]] const GraspTruth& truth() const;
-  // What was drawn for the trial, and the least force of either pad that could hold its box [N].
+  [[nodiscard]] HeldBox* held_box() override { return this; }
+
+  [[nodiscard]] Gripper& gripper() override;
+  [[nodiscard]] const GraspTruth& truth() const override;
+  [[nodiscard]] double ideal_force() const override;
+  [[nodiscard]] double lift_start() const override;
+
+  // What was drawn for the trial.
   [[nodiscard]] const Grasp& grasp() const;
-  [[nodiscard]] double ideal_force() const;
-  // When the lift begins [s].
-  [[nodiscard]] double lift_start() const;
 
   [[nodiscard]] DynamicBench& dynamics();
 

@@ -35,6 +35,7 @@ struct Catalogues {
   std::vector<Entry> grasp;         // box, grip, scatter: one entry each
   std::vector<Protocol> protocols;  // grip.protocol
   std::vector<Entry> detectors;     // detector.type
+  std::vector<Entry> controllers;   // controller.type
 };
 
 }  // namespace slipbench

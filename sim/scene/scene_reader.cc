@@ -20,9 +20,6 @@ constexpr std::string_view schema_version = "1";
 constexpr double max_steps = 1e8;
 constexpr std::size_t max_sensors = 64;
 
-// What a closed loop may name; each later method adds its name.
-constexpr std::array<std::string_view, 1> controller_types{"none"};
-
 // The motion of a grasp's arm, which is no motion of a stage.
 constexpr const char* arm_motion = "lift";
 
@@ -101,7 +98,7 @@ class SceneReader {
     read_dynamics(root, scene);
     scene.effects = read_list(root.find("effects"), "effects", catalogues_.effects, "effect");
     scene.detector = read_detector(root.find("detector"), scene.sensors);
-    read_loop_part(root.find("controller"), "controller", controller_types);
+    scene.controller = read_controller(root.find("controller"), scene);
     // What it says is the business of `slipbench check`.
     if (const YamlNode* node = root.find("expect")) {
       require_map(*node, "expect", "what must come out, such as 'gross_slip_by: 1.0 s'");
@@ -317,28 +314,38 @@ class SceneReader {
     return sensor;
   }
 
-  // A map whose `type` names a detector, or none.
   std::optional<DetectorScene> read_detector(const YamlNode* node, const std::vector<SensorScene>& sensors) {
-    if (node == nullptr) return std::nullopt;
-    require_map(*node, "detector", "'type' and parameters");
-    std::vector<std::string_view> types = names_of(catalogues_.detectors);
+    const Entry* entry = read_loop_part(node, "detector", catalogues_.detectors);
+    if (entry == nullptr) return std::nullopt;
+    DetectorScene detector{entry->name, 0, parameters(node, "detector", "detector", *entry, {"sensor", "type"})};
+    detector.sensor = read_detector_sensor(*node, sensors);
+    return detector;
+  }
+
+  std::optional<Named> read_controller(const YamlNode* node, const Scene& scene) {
+    const Entry* entry = read_loop_part(node, "controller", catalogues_.controllers);
+    if (entry == nullptr) return std::nullopt;
+    if (!scene.grasp) fail(node->key_origin, "'controller' needs a gripper: a scene with 'grip' or 'box'");
+    return Named{entry->name, parameters(node, "controller", "controller", *entry, {"type"})};
+  }
+
+  // A map whose `type` names one of `entries`, or none: null.
+  const Entry* read_loop_part(const YamlNode* node, const std::string& key, const std::vector<Entry>& entries) {
+    if (node == nullptr) return nullptr;
+    require_map(*node, key, "'type' and parameters");
+    std::vector<std::string_view> types = names_of(entries);
     types.emplace_back(none_);
     std::ranges::sort(types);
     const YamlNode* type = node->find("type");
-    if (type == nullptr) fail(node->origin, "no key 'type' in detector" + allowed_names("", types));
-    const std::string& name = text_of(*type, "detector.type", "the name of a detector");
+    if (type == nullptr) fail(node->origin, "no key 'type' in " + key + allowed_names("", types));
+    const std::string& name = text_of(*type, key + ".type", "the name of a " + key);
     if (std::ranges::find(types, name) == types.end()) {
-      fail(type->origin, "unknown detector " + quote(name) + allowed_names(name, types));
+      fail(type->origin, "unknown " + key + " " + quote(name) + allowed_names(name, types));
     }
-    record("detector.type", name);
-    if (name == none_) {
-      check_keys(*node, "detector", {"type"});
-      return std::nullopt;
-    }
-    const Entry& entry = named(catalogues_.detectors, name, type->origin, "detector");
-    DetectorScene detector{name, 0, parameters(node, "detector", "detector", entry, {"sensor", "type"})};
-    detector.sensor = read_detector_sensor(*node, sensors);
-    return detector;
+    record(key + ".type", name);
+    if (name != none_) return &named(entries, name, type->origin, key);
+    check_keys(*node, key, {"type"});
+    return nullptr;
   }
 
   std::size_t read_detector_sensor(const YamlNode& detector, const std::vector<SensorScene>& sensors) {
@@ -597,19 +604,6 @@ class SceneReader {
       list.push_back({name, parameters(map, item_path + "." + name, name, entry, {})});
     }
     return list;
-  }
-
-  template <std::size_t N>
-  static void read_loop_part(const YamlNode* node, const std::string& path, const std::array<std::string_view, N>& types) {
-    if (node == nullptr) return;
-    require_map(*node, path, "'type' and parameters");
-    const YamlNode* type = node->find("type");
-    if (type == nullptr) fail(node->origin, "no key 'type' in " + path + allowed_names("", types));
-    const std::string& name = text_of(*type, path + ".type", "a name such as none");
-    if (std::ranges::find(types, name) == types.end()) {
-      fail(type->origin, path + " " + quote(name) + " is not available in this version" + allowed_names(name, types));
-    }
-    check_keys(*node, path, {"type"});
   }
 
   const Catalogues& catalogues_;

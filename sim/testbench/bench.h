@@ -16,6 +16,8 @@ struct NamedBody {
   BodyState state;
 };
 
+class HeldBox;  // sim/grasp/held_box.h
+
 class Bench {
  public:
   virtual ~Bench() = default;
@@ -34,6 +36,8 @@ class Bench {
   [[nodiscard]] virtual const std::vector<NamedBody>& bodies() const = 0;
   // Whether the scene's motion turns the pads that ride on it.
   [[nodiscard]] virtual bool rotating() const = 0;
+  // The gripper and its box; null on a bench without.
+  [[nodiscard]] virtual HeldBox* held_box() { return nullptr; }
 
  protected:
   Bench() = default;

@@ -45,7 +45,7 @@ TEST(Controllers, DeclareThemselvesInFull) {
 TEST(Controllers, RefuseAnUnknownName) {
   EXPECT_THAT(
       refusal([] {
-        (void)make_controller({"step_on_slipp", {}}, papillarray_channels());
+        (void)make_controller({"step_on_slipp", {}}, papillarray_source());
       }),
       HasSubstr("controller: unknown type 'step_on_slipp'; did you mean 'step_on_slip'? allowed: constant_force, force_pid"));
 }
@@ -54,16 +54,34 @@ TEST(Controllers, RefuseASensorWithoutForces) {
   const std::vector<Channel> image{{"image", "1", {16, 16}, {}}, {"force", "N", {3}, {}}};
   for (const ControllerKind& kind : built_in()) {
     const std::string& name = kind.about.name;
-    EXPECT_EQ(refusal([&] { (void)make_controller(named(name), image); }),
+    EXPECT_EQ(refusal([&] { (void)make_controller(named(name), {.channels = image}); }),
               "controller.type: '" + name + "' reads a channel 'force' [N, 3] and the sensor has: image [16, 16], force [3]");
   }
 }
 
 TEST(Controllers, ReadDisplacementsOnlyWhereTheyAreNeeded) {
   const std::vector<Channel> forces{vector_channel_of("force", "N")};
-  EXPECT_EQ(refusal([&] { (void)make_controller(named("stuck_fraction"), forces); }),
+  EXPECT_EQ(refusal([&] { (void)make_controller(named("stuck_fraction"), {.channels = forces}); }),
             "controller.type: 'stuck_fraction' reads a channel 'displacement' [N, 3] and the sensor has: force [9, 3]");
-  EXPECT_EQ(refusal([&] { (void)make_controller(named("stuck_fraction", {{"estimate", "detector"}}), forces); }), "accepted");
+  EXPECT_EQ(refusal([&] {
+              (void)make_controller(named("stuck_fraction", {{"estimate", "detector"}}), {.channels = forces});
+            }),
+            "accepted");
+}
+
+TEST(Controllers, ThatWaitForADetectorRefuseASceneWithoutOne) {
+  GripSource source = papillarray_source();
+  source.detected = false;
+  const auto refused = [&](const std::string& name, const Settings& settings) {
+    return refusal([&] { (void)make_controller(named(name, settings), source); });
+  };
+  const std::string rest = " needs what a detector says, and the scene has none; allowed: a detector";
+  EXPECT_EQ(refused("step_on_slip", {}), "controller.type: step_on_slip" + rest);
+  EXPECT_EQ(refused("stuck_fraction", {{"estimate", "detector"}}),
+            "controller.type: stuck_fraction with estimate: detector" + rest);
+  for (const char* name : {"constant_force", "force_pid", "force_ratio", "hold_preset", "stuck_fraction"}) {
+    EXPECT_EQ(refused(name, {}), "accepted") << name;
+  }
 }
 
 // The channel of forces need not be the first.
@@ -73,7 +91,7 @@ TEST(Controllers, FindTheForcesInTheFrame) {
   for (const ControllerKind& kind : built_in()) {
     if (kind.about.name == "force_pid") continue;       // its first command is the position
     if (kind.about.name == "stuck_fraction") continue;  // it reads displacements too
-    const auto controller = make_controller(named(kind.about.name), channels);
+    const auto controller = make_controller(named(kind.about.name), {.channels = channels, .preset = 4.0});
     ControlInput input;
     input.gripper.position = 20;
     input.frame.values = values;
@@ -116,8 +134,7 @@ TEST(Controllers, CommandTheSameForTheSameInputs) {
 }
 
 TEST(Controllers, RefuseValuesOutOfRange) {
-  EXPECT_EQ(refused_value("constant_force", "preset", "0 N"), "'0 N' is out of range; allowed: > 0 N");
-  EXPECT_EQ(refused_value("hold_preset", "preset", "inf"), "'inf' is infinite; allowed: a finite number");
+  EXPECT_EQ(refused_value("force_ratio", "mu", "inf"), "'inf' is infinite; allowed: a finite number");
   EXPECT_EQ(refused_value("hold_preset", "speed_register", "256"), "'256' is out of range; allowed: >= 0 and <= 255");
   EXPECT_EQ(refused_value("step_on_slip", "debounce", "0"), "'0' is out of range; allowed: >= 1 and <= 1e+06");
   EXPECT_EQ(refused_value("step_on_slip", "ceiling", "-1 N"), "'-1 N' is out of range; allowed: > 0 N");

@@ -16,13 +16,14 @@ int command_at(Controller& controller, double force, int measured, int tick) {
 // r = 40 N, c = 1 N, T = 20 ms, Kp = 0.5, T/Ti = 0.2, Td/T = 1; F = 0, 10, 30 N from u = 100:
 // 100 - 0.5*10 + 0.2*30 - (10 - 0) = 91; 91 - 0.5*20 + 0.2*10 - (30 - 20 + 0) = 73.
 TEST(ForcePid, IsTheVelocityFormOfPid) {
-  const auto controller = make("force_pid", {{"set_point", "40 N"},
-                                             {"force_per_count", "1 N"},
-                                             {"proportional", "0.5"},
-                                             {"integral_time", "0.1 s"},
-                                             {"derivative_time", "20 ms"},
-                                             {"dead_band", "0 N"},
-                                             {"lead", "255"}});
+  const auto controller = make("force_pid",
+                               {{"force_per_count", "1 N"},
+                                {"proportional", "0.5"},
+                                {"integral_time", "0.1 s"},
+                                {"derivative_time", "20 ms"},
+                                {"dead_band", "0 N"},
+                                {"lead", "255"}},
+                               40.0);
   EXPECT_EQ(command_at(*controller, 0.0, 100, 0), 100);
   EXPECT_EQ(command_at(*controller, 10.0, 100, 1), 91);
   EXPECT_EQ(command_at(*controller, 30.0, 100, 2), 73);
@@ -71,12 +72,13 @@ FineLoop fine_loop(double integral_gain) {
   plant.position = 60;
   plant.latency = 40;
   plant.ms_per_count = 0;
-  const auto controller = make("force_pid", {{"set_point", "1 N"},
-                                             {"force_per_count", "10 mN"},
-                                             {"proportional", "0"},
-                                             {"integral_time", format_number(period / integral_gain)},
-                                             {"dead_band", "0 N"},
-                                             {"lead", "255"}});
+  const auto controller = make("force_pid",
+                               {{"force_per_count", "10 mN"},
+                                {"proportional", "0"},
+                                {"integral_time", format_number(period / integral_gain)},
+                                {"dead_band", "0 N"},
+                                {"lead", "255"}},
+                               1.0);
   const auto history = plant.run(*controller, 600);
   FineLoop result{0.0, 0.0};
   for (std::size_t tick = 0; tick < history.size(); ++tick) {
@@ -105,18 +107,18 @@ TEST(ForcePid, DoesNotOvershootBelowTheDoubleRoot) {
 // come to rest within the dead band, and never beyond it.
 TEST(ForcePid, ComesToRestOnWholeCounts) {
   for (const double per_count : {0.4, 0.8, 1.2, 1.6}) {
-    for (const double set_point : {2.0, 3.3, 4.0, 7.9, 12.0}) {
+    for (const double preset : {2.0, 3.3, 4.0, 7.9, 12.0}) {
       for (const double contact : {10.0, 10.3, 10.5, 10.9}) {
         ToyPlant plant;
         plant.position = 8;
         plant.per_count = per_count;
         plant.contact = contact;
-        const auto controller = make("force_pid", {{"set_point", format_quantity(set_point, Quantity::force)}});
+        const auto controller = make("force_pid", {}, preset);
         const auto history = plant.run(*controller, 400);
         for (std::size_t tick = 0; tick < 400; ++tick) {
-          EXPECT_LE(history[tick].force, set_point + 0.8 + 1e-6) << per_count << " " << contact << " update " << tick;
+          EXPECT_LE(history[tick].force, preset + 0.8 + 1e-6) << per_count << " " << contact << " update " << tick;
           if (tick >= 250) {
-            EXPECT_NEAR(history[tick].force, set_point, 0.8 + 1e-6) << per_count << " " << contact;
+            EXPECT_NEAR(history[tick].force, preset, 0.8 + 1e-6) << per_count << " " << contact;
           }
         }
       }

@@ -17,7 +17,7 @@ const std::string folder = SLIPBENCH_TEST_PLUGINS;
 std::string file(const std::string& name) { return folder + "/" + name + ".so"; }
 
 std::unique_ptr<Controller> load(const std::string& path, const std::vector<Channel>& channels = papillarray_channels()) {
-  return make_controller(named("plugin", {{"library", path}}), channels);
+  return make_controller(named("plugin", {{"library", path}}), {.channels = channels, .preset = 4.0});
 }
 
 std::string refused(const std::string& path) {
@@ -55,9 +55,9 @@ TEST(Plugin, IsHandedEverything) {
   input.frame = {.time = 0.3, .values = values};
   input.gripper = {.time = 0.4, .position = 42, .moving = false, .stopped = true};
   const GripCommand command = controller->update(input);
-  EXPECT_EQ(command.position, 7042);  // last value, position
-  EXPECT_EQ(command.speed, 4321);     // times in tenths: status, frame, latency, slip
-  EXPECT_EQ(command.force, 5103);     // stuck fraction, stopped, moving, state
+  EXPECT_EQ(command.position, 407042);  // preset in tenths, last value, position
+  EXPECT_EQ(command.speed, 4321);       // times in tenths: status, frame, latency, slip
+  EXPECT_EQ(command.force, 5103);       // stuck fraction, stopped, moving, state
 }
 
 TEST(Plugin, IsFoundFromTheWorkingFolderWhenItsNameIsBare) {

@@ -24,6 +24,9 @@ inline std::vector<Channel> papillarray_channels() {
   return {vector_channel_of("force", "N"), vector_channel_of("displacement", "m")};
 }
 
+// A PapillArray in a grasp that takes the box with 4 N, and a detector.
+inline GripSource papillarray_source() { return {.channels = papillarray_channels(), .preset = 4.0, .detected = true}; }
+
 // The declaration of the controller `name`.
 inline const Entry& about(const std::string& name) {
   for (const ControllerKind& kind : controller_catalogue()) {
@@ -47,8 +50,11 @@ inline Named named(const std::string& name, const Settings& settings = {}) {
   return result;
 }
 
-inline std::unique_ptr<Controller> make(const std::string& name, const Settings& settings = {}) {
-  return make_controller(named(name, settings), papillarray_channels());
+// `preset` in N.
+inline std::unique_ptr<Controller> make(const std::string& name, const Settings& settings = {}, double preset = 4.0) {
+  GripSource source = papillarray_source();
+  source.preset = preset;
+  return make_controller(named(name, settings), source);
 }
 
 // A frame of a PapillArray, all zero at first.

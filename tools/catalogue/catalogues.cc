@@ -1,5 +1,6 @@
 #include "tools/catalogue/catalogues.h"
 
+#include "tools/catalogue/controllers.h"
 #include "tools/catalogue/detectors.h"
 #include "tools/catalogue/sensors.h"
 
@@ -8,6 +9,7 @@ namespace slipbench {
 Catalogues program_catalogues() {
   Catalogues catalogues = pad_catalogues();
   catalogues.detectors = detector_entries();
+  catalogues.controllers = controller_entries();
   return catalogues;
 }
 

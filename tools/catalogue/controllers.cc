@@ -18,9 +18,9 @@ std::vector<Entry> controller_entries() {
   return entries;
 }
 
-std::unique_ptr<Controller> make_controller(const Named& controller, const std::vector<Channel>& channels) {
+std::unique_ptr<Controller> make_controller(const Named& controller, const GripSource& source) {
   for (const ControllerKind& kind : controller_catalogue()) {
-    if (kind.about.name == controller.name) return kind.create(controller.parameters, channels);
+    if (kind.about.name == controller.name) return kind.create(controller.parameters, source);
   }
   std::vector<std::string> names;
   for (const ControllerKind& kind : controller_catalogue()) names.push_back(kind.about.name);

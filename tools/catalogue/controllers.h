@@ -15,8 +15,8 @@ const std::vector<ControllerKind>& controller_catalogue();
 // Their declarations, in the same order.
 std::vector<Entry> controller_entries();
 
-// The controller `controller.name` with its parameters, for frames of `channels`. Throws InputError for a name that the catalogue does
+// The controller `controller.name` with its parameters, for `source`. Throws InputError for a name that the catalogue does
 // not have, and what the controller itself refuses.
-std::unique_ptr<Controller> make_controller(const Named& controller, const std::vector<Channel>& channels);
+std::unique_ptr<Controller> make_controller(const Named& controller, const GripSource& source);
 
 }  // namespace slipbench

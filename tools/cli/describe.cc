@@ -21,7 +21,8 @@ constexpr CatalogueKind motions{"motions", "motion", "motion.kind"};
 constexpr CatalogueKind electronics{"electronics", "electronics part", "sensors.<name>.electronics"};
 constexpr CatalogueKind grasp{"grasp", "part of a grasp", "box, grip, scatter"};
 constexpr CatalogueKind detectors{"detectors", "detector", "detector.type"};
-constexpr std::array kinds{effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, detectors};
+constexpr CatalogueKind controllers{"controllers", "controller", "controller.type"};
+constexpr std::array kinds{effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, detectors, controllers};
 
 std::string type_text(const ParameterSpec& spec) {
   switch (spec.type) {
@@ -148,6 +149,7 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
   add_all(electronics, catalogues.electronics);
   add_all(grasp, catalogues.grasp);
   add_all(detectors, catalogues.detectors);
+  add_all(controllers, catalogues.controllers);
   return items;
 }
 
@@ -186,6 +188,9 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
                        parameter_lines(entry, 4), touching);
   }
   if (item.kind.plural == detectors.plural) return fmt::format("detector:\n  type: {}\n", entry.name) + parameter_lines(entry, 2);
+  if (item.kind.plural == controllers.plural) {
+    return fmt::format("grip: {{}}\ncontroller:\n  type: {}\n", entry.name) + parameter_lines(entry, 2);
+  }
   if (item.kind.plural == grasp.plural) {
     const std::string key = entry.name + ":\n" + parameter_lines(entry, 2);
     return entry.name == "scatter" ? "grip: {}\n" + key : key;

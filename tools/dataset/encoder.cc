@@ -95,9 +95,11 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
     const std::string control = std::string(control_group) + "/";
     const std::size_t rows = record.control->time.size();
     arrays.push_back(view_of(control + "t", "s", rows, {}, record.control->time));
-    for_each_control_column(*record.control, [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
+    const auto add = [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
       arrays.push_back(view_of(control + name, unit, rows, tail, column));
-    });
+    };
+    for_each_control_column(*record.control, add);
+    if (record.outcome.grasp) for_each_grip_column(record.control->grip, add);
   }
   std::sort(arrays.begin(), arrays.end(), [](const ArrayView& a, const ArrayView& b) { return a.path < b.path; });
   return arrays;
@@ -128,6 +130,7 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
   }
   if (record.control) {
     attributes.push_back({control_group, "detector", record.control->detector});
+    attributes.push_back({control_group, "controller", record.control->controller});
     attributes.push_back({control_group, "sensor", record.control->sensor});
     attributes.push_back({control_group, "rate_hz", record.control->rate});
   }

@@ -60,10 +60,18 @@ void for_each_body_column(Body& body, Visit&& visit) {
   visit("velocity", "m/s, rad/s", Extents{6}, body.velocity);
 }
 
-// The same for every array of the control loop, which has a row a sample of the detector's sensor.
+// The same for every array of the control loop, which has a row a sample of the sensor that it reads.
 template <class Control, class Visit>
 void for_each_control_column(Control& control, Visit&& visit) {
   visit("detector_class", "1", Extents{}, control.detector_class);
+}
+
+// The same for those that only a grasp has.
+template <class Grip, class Visit>
+void for_each_grip_column(Grip& grip, Visit&& visit) {
+  visit("command", "1", Extents{3}, grip.command);
+  visit("measured_position", "1", Extents{}, grip.measured_position);
+  visit("grip_force", "N", Extents{}, grip.grip_force);
 }
 
 inline constexpr const char* control_group = "control";

@@ -320,19 +320,24 @@ struct DatasetReader::State {
     return labels;
   }
 
-  // The control loop of a demo, empty where it has none. `sensors`: those of the demo.
-  [[nodiscard]] static std::optional<ControlRecord> read_control(const Place& demo, const std::vector<SensorRecord>& sensors) {
+  // The control loop of a demo, empty where it has none. `sensors`: those of the demo. `grasp`: it is one, so the gripper has columns.
+  [[nodiscard]] static std::optional<ControlRecord> read_control(const Place& demo, const std::vector<SensorRecord>& sensors,
+                                                                 bool grasp) {
     const Place place = demo.below(control_group);
     if (H5Lexists(place.file, place.object.c_str(), H5P_DEFAULT) <= 0) return std::nullopt;
     const Handle group = open_object(place);
     ControlRecord control;
     control.detector = read_text(place, group, "detector");
+    // A dataset of a version without controllers has none of theirs.
+    if (H5Aexists(group.get(), "controller") > 0) control.controller = read_text(place, group, "controller");
     control.sensor = read_text(place, group, "sensor");
     control.rate = read_number<double>(place, group, "rate_hz");
     control.time = read_array<double>(place.below("t")).values;
-    for_each_control_column(control, [&]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
+    const auto read = [&]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
       column = read_column<T>(place.below(name), control.time.size(), tail);
-    });
+    };
+    for_each_control_column(control, read);
+    if (grasp) for_each_grip_column(control.grip, read);
     static_cast<void>(count_states(place.below("detector_class"), control.detector_class));
     const auto sensor = std::find_if(sensors.begin(), sensors.end(),
                                      [&](const SensorRecord& candidate) { return candidate.name == control.sensor; });
@@ -474,7 +479,7 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
     });
     record.bodies.push_back(std::move(columns));
   }
-  record.control = state_->read_control(state_->demo(trial), record.sensors);
+  record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp.has_value());
   return record;
 }
 

@@ -20,6 +20,21 @@ double number_or_nan(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
 }
 
+template <class Grasp, class Visit>
+void for_each_grasp_number(Grasp&& grasp, Visit&& visit) {
+  visit("drop_time_s", grasp.drop_time);
+  visit("slip_translation_m", grasp.slip_translation);
+  visit("slip_rotation_rad", grasp.slip_rotation);
+  visit("max_grip_force_N", grasp.max_grip_force);
+  visit("final_grip_force_N", grasp.final_grip_force);
+  visit("ideal_grip_force_N", grasp.ideal_grip_force);
+  visit("reaction_time_s", grasp.reaction_time);
+}
+
+// All null.
+constexpr GraspOutcome no_grasp{.max_grip_force = std::numeric_limits<double>::quiet_NaN(),
+                                .final_grip_force = std::numeric_limits<double>::quiet_NaN()};
+
 }  // namespace
 
 double accuracy(const Confusion& confusion) {
@@ -34,10 +49,9 @@ double accuracy(const Confusion& confusion) {
 
 std::string outcome_json(const TrialOutcome& outcome) {
   Json json;
-  for (const char* key :
-       {"dropped", "slip_translation_m", "slip_rotation_rad", "max_grip_force_N", "ideal_grip_force_N", "reaction_time_s"}) {
-    json[key] = nullptr;
-  }
+  json["dropped"] = outcome.grasp ? Json(outcome.grasp->dropped) : Json(nullptr);
+  for_each_grasp_number(outcome.grasp.value_or(no_grasp),
+                        [&json](const char* key, double value) { json[key] = nullable(value); });
   json["touch_time_s"] = nullable(outcome.touch_time);
   json["first_micro_slip_time_s"] = nullable(outcome.first_micro_slip_time);
   json["first_slip_time_s"] = nullable(outcome.first_slip_time);
@@ -61,9 +75,14 @@ TrialOutcome parse_outcome(const std::string& text) {
     outcome.false_alarm_time = number_or_nan(json.value("false_alarm_time_s", Json(nullptr)));
     outcome.detection_time = number_or_nan(json.value("detection_time_s", Json(nullptr)));
     outcome.detection_delay = number_or_nan(json.value("detection_delay_s", Json(nullptr)));
+    if (const Json dropped = json.value("dropped", Json(nullptr)); !dropped.is_null()) {
+      outcome.grasp = no_grasp;
+      outcome.grasp->dropped = dropped.get<bool>();
+      for_each_grasp_number(*outcome.grasp, [&json](const char* key, double& value) { value = number_or_nan(json.at(key)); });
+    }
     return outcome;
   } catch (const nlohmann::json::exception& error) {
-    throw InputError(fmt::format("outcome is not the JSON object of a press-and-slide trial: {}", error.what()));
+    throw InputError(fmt::format("outcome is not the JSON object of a trial: {}", error.what()));
   }
 }
 

@@ -74,13 +74,23 @@ using Confusion = std::array<StateCounts, 4>;
 // Share of the samples in contact whose class is the true state; NaN where nothing ever touches.
 double accuracy(const Confusion& confusion);
 
-// What the loop saw, at the samples of the detector's sensor.
+// The gripper in the loop, a row a sample of ControlRecord; all empty in a scene that is no grasp.
+struct GripRecord {
+  std::vector<std::uint8_t> command;  // [T,3] registers written last: position, speed, force; before the first write the
+                                      // position at which the fingers stand
+  std::vector<std::uint8_t> measured_position;  // [T] counts, of the latest read
+  std::vector<float> grip_force;                // [T] N, true: mean of both pads' normal forces
+};
+
+// What the loop saw and did, at the samples of the sensor that it reads.
 struct ControlRecord {
-  std::string detector;                      // "force_ratio"
-  std::string sensor;                        // the scene's name of the one it reads: "pad"
+  std::string detector;                      // "force_ratio"; empty: the scene has none
+  std::string controller;                    // "step_on_slip"; empty: the scene has none
+  std::string sensor;                        // the scene's name of the one that the detector, else the controller reads: "pad"
   double rate = 0.0;                         // Hz, of the samples
   std::vector<double> time;                  // [T] s
   std::vector<std::uint8_t> detector_class;  // [T] PadState, of the latest estimate that was there at that instant
+  GripRecord grip;
 
   Confusion confusion{};  // there in every mode of recording
 };
@@ -90,6 +100,22 @@ struct BodyRecord {
   std::string name;
   std::vector<float> pose;      // [T,7] m, then quaternion w x y z; the quaternion's sign is continuous in time
   std::vector<float> velocity;  // [T,6] m/s of the body frame's origin, then rad/s
+};
+
+// How a grasp ended. NaN: it never happened, or does not apply.
+struct GraspOutcome {
+  bool dropped = false;
+  double drop_time = std::numeric_limits<double>::quiet_NaN();  // s
+  // Of the box in the arm's frame, from the lift's beginning to the trial's end, the give of pads and fingers in it; NaN: dropped.
+  double slip_translation = std::numeric_limits<double>::quiet_NaN();  // m, of its middle
+  double slip_rotation = std::numeric_limits<double>::quiet_NaN();     // rad
+  // True grip forces, the mean of both pads' normal forces.
+  double max_grip_force = 0.0;    // N, at any tick
+  double final_grip_force = 0.0;  // N, at the last tick
+  // N, m g/(2 mu_s): the least that could hold the box; NaN where no force could.
+  double ideal_grip_force = std::numeric_limits<double>::quiet_NaN();
+  // s, from the first tick of the lift at which a unit of the sensor's pad truly slips to the first from then on at which the drive closes.
+  double reaction_time = std::numeric_limits<double>::quiet_NaN();
 };
 
 // How a trial ended. NaN: it never happened. With several sensors the earliest time and the largest distance count.
@@ -104,10 +130,13 @@ struct TrialOutcome {
   double false_alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, first tick before slip that shows incipient or gross
   double detection_time = std::numeric_limits<double>::quiet_NaN();    // s, first tick after it began that does
   double detection_delay = std::numeric_limits<double>::quiet_NaN();   // s, from when it began to detection_time
+
+  std::optional<GraspOutcome> grasp;  // empty: the scene is none
 };
 
 // The JSON object of a demo's attribute `outcome`: touch_time_s, first_micro_slip_time_s, first_slip_time_s, gross_slip_time_s,
-// max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s, and the keys of a grasp, which are null here.
+// max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s; and of a grasp, null without one: dropped, drop_time_s,
+// slip_translation_m, slip_rotation_rad, max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s.
 std::string outcome_json(const TrialOutcome& outcome);
 // The inverse. A dataset of a version without detectors has none of their keys. Throws InputError when `text` is no such object.
 TrialOutcome parse_outcome(const std::string& text);
@@ -122,7 +151,7 @@ struct TrialRecord {
   std::vector<SensorRecord> sensors;
   std::vector<double> body_time;  // [T] s, samples of the fastest sensor
   std::vector<BodyRecord> bodies;
-  std::optional<ControlRecord> control;  // empty: the scene has no detector
+  std::optional<ControlRecord> control;  // empty: the scene has no detector and no controller
 
   // Samples of the fastest sensor.
   [[nodiscard]] std::size_t num_samples() const { return body_time.size(); }

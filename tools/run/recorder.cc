@@ -65,6 +65,13 @@ double event_bytes() {
   return static_cast<double>(size);
 }
 
+// Whose samples the loop's rows go with; empty: the scene has no loop.
+std::optional<std::size_t> control_pad(const Scene& scene) {
+  if (scene.detector) return scene.detector->sensor;
+  if (scene.controller) return 0;  // a grasp has one sensor
+  return std::nullopt;
+}
+
 // Writes an Eigen array of [C,N] as row `row` of a column [L,N,C].
 template <class Derived>
 void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBase<Derived>& values) {
@@ -88,12 +95,15 @@ double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>>
     most_rows = std::max(most_rows, rows);
     bytes += static_cast<double>(row) * static_cast<double>(rows);
   }
-  if (scene.detector) {
+  if (const auto pad = control_pad(scene)) {
     std::size_t row = sizeof(double);
     const ControlRecord control;
-    for_each_control_column(
-        control, [&row](const char*, const char*, const Extents& tail, const auto& column) { row += row_bytes(tail, column); });
-    bytes += static_cast<double>(row) * static_cast<double>(samples_of(bench.ticks(), bench.stride(scene.detector->sensor)));
+    const auto add = [&row](const char*, const char*, const Extents& tail, const auto& column) {
+      row += row_bytes(tail, column);
+    };
+    for_each_control_column(control, add);
+    if (scene.grasp) for_each_grip_column(control.grip, add);
+    bytes += static_cast<double>(row) * static_cast<double>(samples_of(bench.ticks(), bench.stride(*pad)));
   }
   std::size_t body_row = sizeof(double);
   for (const NamedBody& body : bench.bodies()) {
@@ -132,9 +142,12 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
     describe_units(sensors[pad]->layout(), scene.friction, record_.sensors[pad].labels);
     units_.emplace_back(sensors[pad]->layout().units.size());
   }
-  if (scene.detector) {
-    const std::size_t pad = scene.detector->sensor;
-    record_.control = {scene.detector->type, scene.sensors[pad].name, sensors[pad]->rate(), {}, {}};
+  if (const auto pad = control_pad(scene)) {
+    record_.control.emplace();
+    record_.control->detector = scene.detector ? scene.detector->type : "";
+    record_.control->controller = scene.controller ? scene.controller->name : "";
+    record_.control->sensor = scene.sensors[*pad].name;
+    record_.control->rate = sensors[*pad]->rate();
   }
   if (recording == Recording::full) allocate();
 }
@@ -161,10 +174,16 @@ void TrialRecorder::allocate() {
       column.resize(size);
     });
   }
-  if (scene_.detector) {
-    const std::size_t rows = samples_of(bench_.ticks(), bench_.stride(scene_.detector->sensor));
+  if (const auto pad = control_pad(scene_)) {
+    const std::size_t rows = samples_of(bench_.ticks(), bench_.stride(*pad));
     record_.control->time.reserve(rows);
     record_.control->detector_class.reserve(rows);
+    if (scene_.grasp) {
+      GripRecord& grip = record_.control->grip;
+      grip.command.reserve(3 * rows);
+      grip.measured_position.reserve(rows);
+      grip.grip_force.reserve(rows);
+    }
   }
   record_.body_time.resize(samples_of(bench_.ticks(), body_stride_));
 }
@@ -233,7 +252,7 @@ void TrialRecorder::write_sample(std::size_t pad, const ContactFrame& truth, con
   labels.slip_angle[row] = static_cast<float>(truth.slip_angle);
 }
 
-void TrialRecorder::detection(std::size_t tick, const ContactFrame& truth, PadState seen) {
+void TrialRecorder::loop(std::size_t tick, const ContactFrame& truth, PadState seen) {
   TrialOutcome& outcome = record_.outcome;
   for (const ContactEvent& event : truth.events) {
     if (event.kind == EventKind::slip) keep_earliest(slip_began_, event.time);
@@ -242,12 +261,41 @@ void TrialRecorder::detection(std::size_t tick, const ContactFrame& truth, PadSt
     double& first = std::isnan(slip_began_) ? outcome.false_alarm_time : outcome.detection_time;
     if (std::isnan(first)) first = truth.time;
   }
-  if (tick % bench_.stride(scene_.detector->sensor) != 0) return;
+  if (tick % bench_.stride(*control_pad(scene_)) != 0) return;
   ControlRecord& control = *record_.control;
-  ++control.confusion[static_cast<std::size_t>(truth.state)][static_cast<std::size_t>(seen)];
+  if (scene_.detector) ++control.confusion[static_cast<std::size_t>(truth.state)][static_cast<std::size_t>(seen)];
   if (recording_ == Recording::outcome) return;
   control.time.push_back(truth.time);
   control.detector_class.push_back(static_cast<std::uint8_t>(seen));
+}
+
+void TrialRecorder::grip(std::size_t tick, const ContactFrame& truth, HeldBox& box, const GripCommand& written,
+                         int measured_position) {
+  const GraspTruth& now = box.truth();
+  if (!record_.outcome.grasp) {
+    record_.outcome.grasp.emplace();
+    if (std::isfinite(box.ideal_force())) record_.outcome.grasp->ideal_grip_force = box.ideal_force();
+  }
+  GraspOutcome& grasp = *record_.outcome.grasp;
+  if (now.dropped && !grasp.dropped) {
+    grasp.dropped = true;
+    grasp.drop_time = now.time;
+  }
+  grasp.slip_translation = grasp.dropped ? never : now.slip.norm();
+  grasp.slip_rotation = grasp.dropped ? never : now.rotation;
+  grasp.max_grip_force = std::max(grasp.max_grip_force, now.grip_force);
+  grasp.final_grip_force = now.grip_force;
+  const bool slips = truth.state == PadState::incipient || truth.state == PadState::gross;
+  if (now.time >= box.lift_start() && slips) keep_earliest(true_slip_, now.time);
+  if (!std::isnan(true_slip_) && box.gripper().opening_speed(now.time) < 0.0) {
+    keep_earliest(grasp.reaction_time, now.time - true_slip_);
+  }
+  if (!record_.control || recording_ == Recording::outcome || tick % bench_.stride(*control_pad(scene_)) != 0) return;
+  GripRecord& rows = record_.control->grip;
+  for (const int value : {written.position, written.speed, written.force})
+    rows.command.push_back(static_cast<std::uint8_t>(value));
+  rows.measured_position.push_back(static_cast<std::uint8_t>(measured_position));
+  rows.grip_force.push_back(static_cast<float>(now.grip_force));
 }
 
 void TrialRecorder::write_bodies(double time, const std::vector<NamedBody>& bodies) {

@@ -1,14 +1,18 @@
 #include "tools/run/run_trial.h"
 
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sim/testbench/testbench.h"
+#include "tools/catalogue/controllers.h"
 #include "tools/catalogue/detectors.h"
 #include "tools/catalogue/sensors.h"
 #include "tools/dataset/encoder.h"
 #include "tools/run/detector_loop.h"
+#include "tools/run/grip_loop.h"
 #include "tools/run/recorder.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "sim/mujoco/articulated_testbench.h"
@@ -65,10 +69,28 @@ DetectorLoop make_loop(const DetectorScene& detector, const Scene& scene, const 
           detector.sensor};
 }
 
+GripLoop make_grip_loop(Bench& bench, const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
+  std::optional<DetectorLoop> detector;
+  if (scene.detector) detector = make_loop(*scene.detector, scene, sensors, trial);
+  std::unique_ptr<Controller> controller;
+  if (scene.controller) {
+    controller = make_controller(*scene.controller, {.channels = sensors.front()->channels(),
+                                                     .preset = scene.grasp->grip.number("preset"),
+                                                     .detected = scene.detector.has_value()});
+  }
+  return {*bench.held_box(), std::move(controller), std::move(detector)};
+}
+
 void close_loop(TrialRecorder&, std::size_t, const Bench&, const OpenLoop&) {}
 void close_loop(TrialRecorder& recorder, std::size_t tick, const Bench& bench, DetectorLoop& loop) {
   const ContactFrame& truth = bench.contact(loop.pad());
-  recorder.detection(tick, truth, loop.seen_at(truth.time).state);
+  recorder.loop(tick, truth, loop.seen_at(truth.time).state);
+}
+void close_loop(TrialRecorder& recorder, std::size_t tick, Bench& bench, GripLoop& loop) {
+  const ContactFrame& truth = bench.contact(0);
+  loop.act(truth.time);
+  recorder.grip(tick, truth, *bench.held_box(), loop.written(), loop.measured_position());
+  if (loop.closed()) recorder.loop(tick, truth, loop.seen());
 }
 
 template <class Loop>
@@ -93,15 +115,23 @@ void run(Bench& bench, const Sensors& sensors, TrialRecorder& recorder, Loop& lo
 
 double check_trial(const Scene& scene, std::uint64_t trial) {
   const Sensors sensors = make_sensors(scene, trial);
-  if (scene.detector) static_cast<void>(make_loop(*scene.detector, scene, sensors, trial));
-  return record_bytes(scene, sensors, *make_bench(scene, sensors, trial));
+  const std::unique_ptr<Bench> bench = make_bench(scene, sensors, trial);
+  if (bench->held_box() != nullptr) {
+    static_cast<void>(make_grip_loop(*bench, scene, sensors, trial));
+  } else if (scene.detector) {
+    static_cast<void>(make_loop(*scene.detector, scene, sensors, trial));
+  }
+  return record_bytes(scene, sensors, *bench);
 }
 
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes) {
   const Sensors sensors = make_sensors(scene, trial);
   const std::unique_ptr<Bench> bench = make_bench(scene, sensors, trial);
   TrialRecorder recorder(scene, sensors, *bench, trial, recording, max_bytes);
-  if (scene.detector) {
+  if (bench->held_box() != nullptr) {
+    GripLoop loop = make_grip_loop(*bench, scene, sensors, trial);
+    run(*bench, sensors, recorder, loop);
+  } else if (scene.detector) {
     DetectorLoop loop = make_loop(*scene.detector, scene, sensors, trial);
     run(*bench, sensors, recorder, loop);
   } else {

@@ -12,7 +12,7 @@ slipbench_grip_command update(void* /*self*/, const slipbench_control_input* in)
   const int times =
       tenths(in->slip_time) + 10 * tenths(in->slip_latency) + 100 * tenths(in->frame_time) + 1000 * tenths(in->status_time);
   const int flags = in->slip_state + 10 * in->moving + 100 * in->stopped + 1000 * tenths(in->stuck_fraction);
-  return {in->position + 1000 * static_cast<int>(in->values[in->value_count - 1]), times, flags};
+  return {in->position + 1000 * static_cast<int>(in->values[in->value_count - 1]) + 10000 * tenths(in->preset), times, flags};
 }
 
 }  // namespace

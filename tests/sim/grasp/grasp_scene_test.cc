@@ -9,6 +9,7 @@
 #include "sim/grasp/grasp.h"
 #include "sim/grasp/grasp_catalogue.h"
 #include "sim/scene/parser.h"
+#include "tools/catalogue/catalogues.h"
 #include "tools/catalogue/sensors.h"
 
 namespace slipbench {
@@ -155,7 +156,8 @@ TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
       {"motion: {kind: lift}\n", "scene.yaml:3: motion 'lift' moves the arm of a grasp"},
       {"grip: {protocol: as_prnted}\n", "scene.yaml:3: unknown protocol 'as_prnted'; did you mean 'as_printed'?"},
       {"grip: {stifness: [1, 1, 1]}\n", "scene.yaml:3: unknown key 'stifness' in grip; did you mean 'stiffness'?"},
-      {"grip: {}\nfidelity: articulated\n", "scene.yaml:4: fidelity: 'articulated' is for pads that move as prescribed"},
+      {"grip: {}\nfidelity: articulated\n",
+       "scene.yaml:4: fidelity: 'articulated' stands beside no table; a grasp allows: field"},
       {"grip: {}\nsurface: {shape: plane}\n", "scene.yaml:4: unknown key 'shape' in surface"},
       {"box: {size: [80 mm, 60 mm, 100 mm], position: [2 mm, 0]}\n", "box.size: a box of 80 mm"},
       {"box: {}\ngrip: {height: 101 mm}\n", "box: the middle of the pads is beside the box"},
@@ -169,7 +171,7 @@ TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
 
 TEST(GraspScene, ShippedLiftIsAsRecordedAndTakesWhatIsSet) {
   SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml");
-  const Scene scene = parse_scene(file, pad_catalogues());
+  const Scene scene = parse_scene(file, program_catalogues());
   EXPECT_EQ(scene.material, "ptfe");
   EXPECT_EQ(scene.grasp->grip.number("preset"), 4.0);
   EXPECT_EQ(scene.motion.parameters.number("speed"), 0.043);
@@ -182,7 +184,7 @@ TEST(GraspScene, ShippedLiftIsAsRecordedAndTakesWhatIsSet) {
                                  {"grip.protocol", "as_printed"}}) {
     file.apply(change);
   }
-  const Scene changed = parse_scene(file, pad_catalogues());
+  const Scene changed = parse_scene(file, program_catalogues());
   EXPECT_EQ(changed.material, "wet_felt");
   EXPECT_EQ(changed.grasp->box.number("mass"), 0.5);
   EXPECT_EQ(changed.grasp->grip.number("preset"), 1.0);

@@ -219,8 +219,12 @@ electronics  scene key sensors.<name>.electronics
 
 grasp  scene key box, grip, scatter
   (none)
+
 detectors  scene key detector.type
   limit  A threshold.
+
+controllers  scene key controller.type
+  (none)
 )");
 }
 
@@ -247,7 +251,7 @@ TEST(List, UnknownCatalogueGetsTheNearestOne) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
                  "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, "
-                 "materials, motions, electronics, grasp, detectors");
+                 "materials, motions, electronics, grasp, detectors, controllers");
   }
 }
 

@@ -129,6 +129,23 @@ TEST_F(DatasetTest, DetectorComesBackAsItWasWritten) {
   EXPECT_THAT(reader.content_sha256(), ElementsAre(content_digest({trial_digest(found), trial_digest(reader.read_trial(1))})));
 }
 
+TEST_F(DatasetTest, GripperComesBackAsItWasWritten) {
+  const TrialRecord expected = make_grasp_record(0, 17);
+  {
+    DatasetWriter writer(path("a.h5"), header, 1);
+    writer.append(TrialEncoder().encode(expected));
+    writer.commit();
+  }
+  const TrialRecord found = DatasetReader(path("a.h5")).read_trial(0);
+  ASSERT_TRUE(found.control.has_value());
+  EXPECT_EQ(found.control->controller, "step_on_slip");
+  EXPECT_EQ(found.control->grip.command, expected.control->grip.command);
+  EXPECT_EQ(found.control->grip.measured_position, expected.control->grip.measured_position);
+  EXPECT_EQ(found.control->grip.grip_force, expected.control->grip.grip_force);
+  ASSERT_TRUE(found.outcome.grasp.has_value());
+  EXPECT_TRUE(found.outcome.grasp->dropped);
+}
+
 TEST_F(DatasetTest, DetectorThatDoesNotFitItsTrialIsRefused) {
   const auto refusal = [&](const auto& damage) {
     TrialRecord record = make_controlled_record(0, 8);

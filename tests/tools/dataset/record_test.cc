@@ -34,6 +34,21 @@ TEST(Outcome, KeepsWhatBecameOfTheDetector) {
   EXPECT_EQ(back.detection_delay, outcome.detection_delay);
 }
 
+TEST(Outcome, KeepsWhatBecameOfAGrasp) {
+  TrialOutcome outcome;
+  outcome.grasp =
+      GraspOutcome{.slip_translation = 1e-3 / 3.0, .slip_rotation = 0.1, .max_grip_force = 7.5, .reaction_time = 0.06};
+  const GraspOutcome back = parse_outcome(outcome_json(outcome)).grasp.value();
+  EXPECT_FALSE(back.dropped);
+  EXPECT_TRUE(std::isnan(back.drop_time));
+  EXPECT_EQ(back.slip_translation, 1e-3 / 3.0);
+  EXPECT_EQ(back.slip_rotation, 0.1);
+  EXPECT_EQ(back.max_grip_force, 7.5);
+  EXPECT_EQ(back.final_grip_force, 0.0);
+  EXPECT_TRUE(std::isnan(back.ideal_grip_force));
+  EXPECT_EQ(back.reaction_time, 0.06);
+}
+
 // Datasets of versions before there were detectors.
 TEST(Outcome, NeedsNoDetector) {
   const TrialOutcome outcome = parse_outcome(
@@ -50,10 +65,11 @@ TEST(Confusion, AccuracyIsThatInContact) {
 
 TEST(Outcome, KeepsTheKeysOfAGraspAsNull) {
   const std::string json = outcome_json({});
-  for (const char* key :
-       {"dropped", "slip_translation_m", "slip_rotation_rad", "max_grip_force_N", "ideal_grip_force_N", "reaction_time_s"}) {
+  for (const char* key : {"dropped", "drop_time_s", "slip_translation_m", "slip_rotation_rad", "max_grip_force_N",
+                          "final_grip_force_N", "ideal_grip_force_N", "reaction_time_s"}) {
     EXPECT_THAT(json, ::testing::HasSubstr('"' + std::string(key) + "\":null"));
   }
+  EXPECT_FALSE(parse_outcome(json).grasp.has_value());
 }
 
 TEST(Outcome, RefusesOtherText) {

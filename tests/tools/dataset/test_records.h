@@ -81,12 +81,30 @@ inline TrialRecord make_record(std::size_t trial, std::size_t rows, const std::s
 // The same with a detector, whose class goes round all states while the truth is incipient.
 inline TrialRecord make_controlled_record(std::size_t trial, std::size_t rows) {
   TrialRecord record = make_record(trial, rows);
-  ControlRecord control{"force_ratio", "pad", 1000.0, record.sensors[0].time, {}, {}};
+  ControlRecord control;
+  control.detector = "force_ratio";
+  control.sensor = "pad";
+  control.rate = 1000.0;
+  control.time = record.sensors[0].time;
   for (std::size_t row = 0; row < rows; ++row) {
     control.detector_class.push_back(static_cast<std::uint8_t>(row % 4));
     ++control.confusion[2][row % 4];
   }
   record.control = std::move(control);
+  return record;
+}
+
+// The same of a grasp: registers, positions and forces that tell their row.
+inline TrialRecord make_grasp_record(std::size_t trial, std::size_t rows) {
+  TrialRecord record = make_controlled_record(trial, rows);
+  record.control->controller = "step_on_slip";
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (const std::size_t value : {row, row + 1, row + 2})
+      record.control->grip.command.push_back(static_cast<std::uint8_t>(value));
+    record.control->grip.measured_position.push_back(static_cast<std::uint8_t>(row + 3));
+    record.control->grip.grip_force.push_back(static_cast<float>(row) + 0.5F);
+  }
+  record.outcome.grasp = GraspOutcome{.dropped = true, .drop_time = 1.5, .max_grip_force = 7.0, .ideal_grip_force = 3.0};
   return record;
 }
 

@@ -113,7 +113,11 @@ TEST(Report, HoldsEverySampleOfATrial) {
 
 TEST(Report, HoldsWhatTheLoopSaw) {
   TrialRecord trial = sample_trial(0, "{}");
-  trial.control = {"ratio", "pad", 1000.0, trial.sensors[0].time, {0, 0, 1, 2, 1, 2, 3, 2}, {}};
+  trial.control.emplace();
+  trial.control->detector = "ratio";
+  trial.control->sensor = "pad";
+  trial.control->time = trial.sensors[0].time;
+  trial.control->detector_class = {0, 0, 1, 2, 1, 2, 3, 2};
   trial.outcome.false_alarm_time = 3e-3;
   trial.outcome.detection_time = 5e-3;
   trial.outcome.detection_delay = 1.5e-3;

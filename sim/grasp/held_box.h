@@ -1,0 +1,40 @@
+// A bench with a gripper and a box, as whoever plays the loop and whoever records it sees them.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "sim/grasp/gripper.h"
+
+namespace slipbench {
+
+// The truth about a grasp at one tick, which no detector and no controller sees.
+struct GraspTruth {
+  double time = 0.0;                               // s
+  double grip_force = 0.0;                         // N, mean of both pads' normal forces
+  double pad_force[2] = {0.0, 0.0};                // N, of the sensor's pad and of the second one
+  double box_height = 0.0;                         // m, of the box's middle over where it stood
+  double table_force = 0.0;                        // N, with which the table carries the box
+  Eigen::Vector3d slip = Eigen::Vector3d::Zero();  // m, of the box's middle in the arm's frame since the lift began; 0 before
+  double rotation = 0.0;                           // rad, of the box in the arm's frame since then
+  bool dropped = false;                            // see below; from the tick on at which it was
+};
+
+class HeldBox {
+ public:
+  virtual ~HeldBox() = default;
+
+  [[nodiscard]] virtual Gripper& gripper() = 0;
+  // At the tick last stepped to.
+  [[nodiscard]] virtual const GraspTruth& truth() const = 0;
+  // The least force of either pad that could hold the trial's box [N]; infinite without friction.
+  [[nodiscard]] virtual double ideal_force() const = 0;
+  // When the lift begins [s].
+  [[nodiscard]] virtual double lift_start() const = 0;
+
+ protected:
+  HeldBox() = default;
+  HeldBox(const HeldBox&) = default;
+  HeldBox& operator=(const HeldBox&) = default;
+};
+
+}  // namespace slipbench

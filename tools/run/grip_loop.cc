@@ -1,0 +1,28 @@
+#include "tools/run/grip_loop.h"
+
+#include <utility>
+
+namespace slipbench {
+
+GripLoop::GripLoop(HeldBox& box, std::unique_ptr<Controller> controller, std::optional<DetectorLoop> detector)
+    : box_(box), controller_(std::move(controller)), detector_(std::move(detector)) {
+  next_.position = written_.position = input_.gripper.position = box_.gripper().position(0.0);
+}
+
+void GripLoop::act(double time) {
+  if (detector_) input_.slip = detector_->seen_at(time);
+  if (!controller_) return;
+  Gripper& gripper = box_.gripper();
+  // A step may be longer than the loop's period.
+  while (gripper.read_due(time) || gripper.write_due(time)) {
+    if (gripper.read_due(time) && gripper.next_read() <= gripper.next_write()) {
+      input_.frame = frame_;
+      input_.gripper = gripper.read();
+      next_ = controller_->update(input_);
+    } else {
+      written_ = gripper.write(next_);
+    }
+  }
+}
+
+}  // namespace slipbench

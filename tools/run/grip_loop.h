@@ -1,0 +1,48 @@
+// The loop of a grasp: what is read from the gripper, what the controller makes of it, what is written.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "sim/core/controller.h"
+#include "sim/grasp/held_box.h"
+#include "tools/run/detector_loop.h"
+
+namespace slipbench {
+
+class GripLoop {
+ public:
+  // `box` must outlive the loop. `controller`: null: nothing is read or written, and the fingers stay where they begin. `detector`: empty: the
+  // controller sees the estimate of no contact.
+  GripLoop(HeldBox& box, std::unique_ptr<Controller> controller, std::optional<DetectorLoop> detector);
+
+  // A frame of the grasp's one sensor. Its values must stay until the next.
+  void sample(std::size_t pad, const SensorFrame& frame) {
+    frame_ = frame;
+    if (detector_) detector_->sample(pad, frame);
+  }
+
+  // Once every tick, after its sample: does what is due at `time` [s]. At a read the controller is asked, with the latest frame and
+  // what is there of the detector at that tick; its command goes with the next write. Throws what the controller and the gripper refuse.
+  void act(double time);
+
+  // Whether there is a detector or a controller.
+  [[nodiscard]] bool closed() const { return detector_.has_value() || controller_ != nullptr; }
+  // What the loop sees of the detector at the tick last acted at.
+  [[nodiscard]] PadState seen() const { return input_.slip.state; }
+  // Registers as written last; before the first write the position at which the fingers stand.
+  [[nodiscard]] const GripCommand& written() const { return written_; }
+  // Counts, of the latest read; before the first where the fingers stand.
+  [[nodiscard]] int measured_position() const { return input_.gripper.position; }
+
+ private:
+  HeldBox& box_;
+  std::unique_ptr<Controller> controller_;
+  std::optional<DetectorLoop> detector_;
+  SensorFrame frame_;
+  ControlInput input_;
+  GripCommand next_, written_;
+};
+
+}  // namespace slipbench
