@@ -4,9 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <nlohmann/json.hpp>
-#include <set>
 #include <stdexcept>
 #include <string_view>
 
@@ -27,52 +24,16 @@ constexpr const char* arm_motion = "lift";
 constexpr std::array<std::string_view, 3> dynamic_keys{"controls", "field_solver", "gravity"};
 constexpr std::array<std::string_view, 3> dynamic_sensor_keys{"damping", "site", "touches"};
 
-std::string allowed_form(const ParameterSpec& spec) {
-  switch (spec.type) {
-    case ParameterType::number: return "a number such as " + spec.default_text;
-    case ParameterType::integer: return "a whole number such as " + spec.default_text;
-    case ParameterType::flag: return "true or false";
-    case ParameterType::choice: return "a name such as " + spec.default_text;
-    case ParameterType::vector: return "a sequence of " + std::to_string(spec.size) + " such as " + spec.default_text;
-    case ParameterType::path: return "a path from the scene's own folder, or " + spec.default_text;
-  }
-  throw std::logic_error("no such parameter type");
-}
-
-struct ToJson {
-  std::string operator()(double value) const { return json_number(value); }
-  std::string operator()(std::int64_t value) const { return std::to_string(value); }
-  std::string operator()(bool value) const { return value ? "true" : "false"; }
-  std::string operator()(const std::string& value) const { return json_text(value); }
-  std::string operator()(const std::vector<double>& values) const {
-    std::string text = "[";
-    for (const double value : values) text.append(text.size() > 1 ? "," : "").append(json_number(value));
-    return text.append("]");
-  }
-};
-
-template <class Items>
-std::vector<std::string_view> names_of(const Items& items) {
-  std::vector<std::string_view> names;
-  for (const auto& item : items) names.push_back(item.name);
-  std::ranges::sort(names);
-  return names;
-}
-
 bool is_identifier(const std::string& name) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   return !name.empty() && letter(name.front()) &&
          std::ranges::all_of(name, [&](char c) { return letter(c) || (c >= '0' && c <= '9'); });
 }
 
-const std::string& text_of(const YamlNode& node, const std::string& path, const std::string& allowed) {
-  if (node.kind != YamlNode::Kind::scalar) fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed);
-  return node.text;
-}
-
-class SceneReader {
+class SceneReader : EntryReader {
  public:
-  SceneReader(const Catalogues& catalogues, Trace* trace) : catalogues_(catalogues), trace_(trace) {}
+  SceneReader(const YamlNode& root, const Catalogues& catalogues, Trace* trace)
+      : EntryReader(root.origin, trace), catalogues_(catalogues) {}
 
   Scene read(const YamlNode& root) {
     require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
@@ -81,7 +42,6 @@ class SceneReader {
                 "expect",  "fidelity", "field_solver", "friction",  "gravity",     "grip",     "model",    "motion",
                 "scatter", "seed",     "sensors",      "slipbench", "surface",     "sweep",    "time_step"});
     read_version(root);
-    root_origin_ = root.origin;
     Scene scene;
     scene.grasp = read_grasp(root);  // first: its protocol is the default of others
     if (const YamlNode* node = root.find("description")) scene.description = text_of(*node, "description", "text");
@@ -108,75 +68,6 @@ class SceneReader {
   }
 
  private:
-  void record(const std::string& path, const Parameters::Value& value) {
-    if (trace_ != nullptr) trace_->insert_or_assign(path, std::visit(ToJson{}, value));
-  }
-
-  static void require_map(const YamlNode& node, const std::string& where, const std::string& allowed) {
-    if (node.kind != YamlNode::Kind::map) fail(node.origin, where + " is " + described(node) + "; allowed: a map of " + allowed);
-  }
-
-  // `allowed` in alphabetical order, as the message lists it.
-  static void check_keys(const YamlNode& map, const std::string& where, const std::vector<std::string_view>& allowed) {
-    for (const YamlNode& child : map.children) {
-      if (std::ranges::find(allowed, child.key) == allowed.end()) {
-        fail(child.key_origin, "unknown key " + quote(child.key) + " in " + where + allowed_names(child.key, allowed));
-      }
-    }
-  }
-
-  // One scalar of `spec`'s type, or one entry of its vector.
-  static Parameters::Value scalar(const YamlNode& node, const std::string& path, const ParameterSpec& spec) {
-    if (node.kind != YamlNode::Kind::scalar)
-      fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed_form(spec));
-    try {
-      return parse_scalar(spec, node.text);
-    } catch (const std::invalid_argument& error) {
-      fail(node.origin, path + ": " + error.what());
-    }
-  }
-
-  // The value at `node`, or the default where the scene has none.
-  Parameters::Value value(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
-    Parameters::Value result = node == nullptr                      ? default_at(path, spec)
-                               : spec.type == ParameterType::vector ? vector(*node, path, spec)
-                                                                    : scalar(*node, path, spec);
-    record(path, result);
-    if (node != nullptr && spec.type == ParameterType::path && node->text != spec.default_text) return in_folder(node->text);
-    return result;
-  }
-
-  // A path as the scene writes it, from the scene's own folder: the root's origin is its file, also where --set has put the value.
-  [[nodiscard]] std::string in_folder(const std::string& path) const {
-    const std::filesystem::path folder = root_origin_.source ? std::filesystem::path(*root_origin_.source).parent_path() : "";
-    return (folder / path).string();
-  }
-
-  // What stands at `path` in a scene that does not say it: the protocol's figure, or the declared default.
-  [[nodiscard]] Parameters::Value default_at(const std::string& path, const ParameterSpec& spec) const {
-    if (protocol_ == nullptr || !protocol_->defaults.contains(path)) return default_of(spec);
-    return parse_scalar(spec, protocol_->defaults.at(path));
-  }
-
-  double number(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
-    return std::get<double>(value(node, path, spec));
-  }
-
-  Parameters::Value vector(const YamlNode& node, const std::string& path, const ParameterSpec& spec) {
-    if (node.kind != YamlNode::Kind::sequence)
-      fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed_form(spec));
-    if (node.children.size() != spec.size) {
-      fail(node.origin, path + " has " + std::to_string(node.children.size()) + " entries; allowed: " + allowed_form(spec));
-    }
-    std::vector<double> entries;
-    for (std::size_t i = 0; i < spec.size; ++i) {
-      const std::string entry_path = path + "." + std::to_string(i);
-      entries.push_back(std::get<double>(scalar(node.children[i], entry_path, spec)));
-      record(entry_path, entries.back());
-    }
-    return entries;
-  }
-
   static void read_version(const YamlNode& root) {
     const YamlNode* node = root.find("slipbench");
     if (node == nullptr) fail(root.origin, "no key 'slipbench'; a scene says its schema version: 'slipbench: 1'");
@@ -205,50 +96,12 @@ class SceneReader {
 
   std::string read_fidelity(const YamlNode* node) { return std::get<std::string>(value(node, "fidelity", fidelity_spec)); }
 
-  template <class Item>
-  static const Item& named(const std::vector<Item>& items, const std::string& name, const Origin& origin,
-                           const std::string& noun) {
-    const auto found = std::ranges::find(items, name, &Item::name);
-    if (found == items.end()) fail(origin, "unknown " + noun + " " + quote(name) + allowed_names(name, names_of(items)));
-    return *found;
-  }
-
-  // The parameters of `entry` out of `map` (null: all at their defaults). `other_keys` may stand beside them.
-  Parameters parameters(const YamlNode* map, const std::string& path, const std::string& where, const Entry& entry,
-                        const std::vector<std::string_view>& other_keys) {
-    if (map != nullptr) {
-      std::vector<std::string_view> allowed = names_of(entry.parameters);
-      allowed.insert(allowed.end(), other_keys.begin(), other_keys.end());
-      std::ranges::sort(allowed);
-      check_keys(*map, where, allowed);
-    }
-    Parameters result;
-    for (const ParameterSpec& spec : entry.parameters) {
-      result.set(spec.name, value(map == nullptr ? nullptr : map->find(spec.name), path + "." + spec.name, spec));
-    }
-    return result;
-  }
-
-  // A map whose `selector` names the entry: motion.kind, surface.shape.
-  Named read_kind(const YamlNode* node, const std::string& path, const std::string& selector, const std::string& default_name,
-                  const std::vector<Entry>& entries, const std::string& noun, std::vector<std::string_view> other_keys) {
-    if (node != nullptr) require_map(*node, path, "'" + selector + "' and parameters");
-    const YamlNode* choice = node == nullptr ? nullptr : node->find(selector);
-    const std::string name =
-        choice == nullptr ? default_name : text_of(*choice, path + "." + selector, "a name such as " + default_name);
-    const Origin origin = choice != nullptr ? choice->origin : node != nullptr ? node->origin : root_origin_;
-    const Entry& entry = named(entries, name, origin, noun);
-    record(path + "." + selector, name);
-    other_keys.push_back(selector);
-    return {name, parameters(node, path, path, entry, other_keys)};
-  }
-
   const Material& read_surface(const YamlNode* node, Scene& scene) {
     scene.surface = read_kind(node, "surface", "shape", "plane", catalogues_.surfaces, "surface shape", {"material"});
     const YamlNode* choice = node == nullptr ? nullptr : node->find("material");
     scene.material = choice == nullptr ? "acrylic" : text_of(*choice, "surface.material", "a name such as acrylic");
     record("surface.material", scene.material);
-    return named(catalogues_.materials, scene.material, choice == nullptr ? root_origin_ : choice->origin, "material");
+    return named(catalogues_.materials, scene.material, choice == nullptr ? root_origin() : choice->origin, "material");
   }
 
   FrictionScene read_friction(const YamlNode* node, const Material& material) {
@@ -378,10 +231,10 @@ class SceneReader {
     const YamlNode* protocol = grip == nullptr ? nullptr : grip->find("protocol");
     const std::string& name =
         protocol == nullptr ? default_protocol_ : text_of(*protocol, "grip.protocol", "the name of a protocol");
-    protocol_ = &named(catalogues_.protocols, name, protocol == nullptr ? root_origin_ : protocol->origin, "protocol");
+    use(named(catalogues_.protocols, name, protocol == nullptr ? root_origin() : protocol->origin, "protocol"));
     const auto part = [this](const YamlNode* node, const std::string& key) {
       if (node != nullptr) require_map(*node, key, "parameters");
-      return parameters(node, key, key, named(catalogues_.grasp, key, root_origin_, "key of a grasp"), {});
+      return parameters(node, key, key, named(catalogues_.grasp, key, root_origin(), "key of a grasp"), {});
     };
     GraspScene grasp{part(grip, "grip"), part(box, "box"), std::nullopt};
     if (scatter != nullptr) grasp.scatter = part(scatter, "scatter");
@@ -576,40 +429,7 @@ class SceneReader {
     return parts;
   }
 
-  // A sequence of names, or of maps of one key with parameters: "[ageing, {stribeck: {speed: 1 mm/s}}]".
-  std::vector<Named> read_list(const YamlNode* node, const std::string& path, const std::vector<Entry>& entries,
-                               const std::string& noun) {
-    std::vector<Named> list;
-    if (node == nullptr) return list;
-    if (node->kind != YamlNode::Kind::sequence) {
-      fail(node->origin, path + " is " + described(*node) + "; allowed: a sequence of names or of {name: {parameters}}");
-    }
-    std::set<std::string_view> seen;
-    for (std::size_t i = 0; i < node->children.size(); ++i) {
-      const YamlNode& item = node->children[i];
-      const std::string item_path = path + "." + std::to_string(i);
-      if (item.kind != YamlNode::Kind::scalar && (item.kind != YamlNode::Kind::map || item.children.size() != 1)) {
-        const std::string found =
-            item.kind == YamlNode::Kind::map ? "a map of " + std::to_string(item.children.size()) + " keys" : described(item);
-        fail(item.origin, item_path + " is " + found + "; allowed: a name, or one {name: {parameters}}");
-      }
-      const bool bare = item.kind == YamlNode::Kind::scalar;
-      const std::string& name = bare ? item.text : item.children.front().key;
-      const Origin& origin = bare ? item.origin : item.children.front().key_origin;
-      const Entry& entry = named(entries, name, origin, noun);
-      if (!seen.insert(entry.name).second) fail(origin, noun + " " + quote(name) + " is named twice in " + path);
-      const YamlNode* map = bare || item.children.front().kind == YamlNode::Kind::null ? nullptr : &item.children.front();
-      if (map != nullptr) require_map(*map, path + "." + name, "parameters");
-      if (bare) record(item_path, name);
-      list.push_back({name, parameters(map, item_path + "." + name, name, entry, {})});
-    }
-    return list;
-  }
-
   const Catalogues& catalogues_;
-  Trace* trace_;
-  Origin root_origin_;
-  const Protocol* protocol_ = nullptr;
   const std::string default_protocol_ = "as_recorded";
   const std::string ideal_ = "ideal";
   const std::string none_ = "none";
@@ -618,7 +438,7 @@ class SceneReader {
 }  // namespace
 
 Scene read_scene(const YamlNode& root, const Catalogues& catalogues, Trace* trace) {
-  return SceneReader(catalogues, trace).read(root);
+  return SceneReader(root, catalogues, trace).read(root);
 }
 
 std::uint64_t read_seed(const YamlNode& root) {
@@ -632,9 +452,5 @@ std::uint64_t read_seed(const YamlNode& root) {
   }
   return seed;
 }
-
-std::string json_text(const std::string& text) { return nlohmann::json(text).dump(); }
-
-std::string json_number(double value) { return std::isfinite(value) ? format_number(value) : json_text(format_number(value)); }
 
 }  // namespace slipbench

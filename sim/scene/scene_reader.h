@@ -2,18 +2,14 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <map>
 #include <string>
 
 #include "sim/scene/catalogues.h"
+#include "sim/scene/entry_reader.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/yaml_tree.h"
 
 namespace slipbench {
-
-// Every value that a scene was read from or that was filled in by default: path -> JSON, numbers in SI.
-using Trace = std::map<std::string, std::string, std::less<>>;
 
 // Reads the tree of a scene without its key `sweep`. Throws InputError at the first thing that is wrong. `trace` may be null.
 // Throws InputError naming the root's line where a default name (the motion 'stage', say) is not in its catalogue.
@@ -21,11 +17,5 @@ Scene read_scene(const YamlNode& root, const Catalogues& catalogues, Trace* trac
 
 // The scene's `seed`, 0 where it has none. Throws InputError when it is no unsigned number of 64 bits.
 std::uint64_t read_seed(const YamlNode& root);
-
-// A text as a JSON string.
-std::string json_text(const std::string& text);
-
-// A number as JSON: the shortest text that reads back as the same double; an infinite one as the string "inf" or "-inf".
-std::string json_number(double value);
 
 }  // namespace slipbench

@@ -1,0 +1,167 @@
+#include "sim/scene/entry_reader.h"
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+#include <variant>
+
+namespace slipbench {
+namespace {
+
+std::string allowed_form(const ParameterSpec& spec) {
+  switch (spec.type) {
+    case ParameterType::number: return "a number such as " + spec.default_text;
+    case ParameterType::integer: return "a whole number such as " + spec.default_text;
+    case ParameterType::flag: return "true or false";
+    case ParameterType::choice: return "a name such as " + spec.default_text;
+    case ParameterType::vector: return "a sequence of " + std::to_string(spec.size) + " such as " + spec.default_text;
+    case ParameterType::path: return "a path from the scene's own folder, or " + spec.default_text;
+  }
+  throw std::logic_error("no such parameter type");
+}
+
+struct ToJson {
+  std::string operator()(double value) const { return json_number(value); }
+  std::string operator()(std::int64_t value) const { return std::to_string(value); }
+  std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(const std::string& value) const { return json_text(value); }
+  std::string operator()(const std::vector<double>& values) const {
+    std::string text = "[";
+    for (const double value : values) text.append(text.size() > 1 ? "," : "").append(json_number(value));
+    return text.append("]");
+  }
+};
+
+}  // namespace
+
+std::string json_text(const std::string& text) { return nlohmann::json(text).dump(); }
+
+std::string json_number(double value) { return std::isfinite(value) ? format_number(value) : json_text(format_number(value)); }
+
+const std::string& text_of(const YamlNode& node, const std::string& path, const std::string& allowed) {
+  if (node.kind != YamlNode::Kind::scalar) fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed);
+  return node.text;
+}
+
+void EntryReader::record(const std::string& path, const Parameters::Value& value) {
+  if (trace_ != nullptr) trace_->insert_or_assign(path, std::visit(ToJson{}, value));
+}
+
+void require_map(const YamlNode& node, const std::string& where, const std::string& allowed) {
+  if (node.kind != YamlNode::Kind::map) fail(node.origin, where + " is " + described(node) + "; allowed: a map of " + allowed);
+}
+
+void check_keys(const YamlNode& map, const std::string& where, const std::vector<std::string_view>& allowed) {
+  for (const YamlNode& child : map.children) {
+    if (std::ranges::find(allowed, child.key) == allowed.end()) {
+      fail(child.key_origin, "unknown key " + quote(child.key) + " in " + where + allowed_names(child.key, allowed));
+    }
+  }
+}
+
+Parameters::Value scalar(const YamlNode& node, const std::string& path, const ParameterSpec& spec) {
+  if (node.kind != YamlNode::Kind::scalar)
+    fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed_form(spec));
+  try {
+    return parse_scalar(spec, node.text);
+  } catch (const std::invalid_argument& error) {
+    fail(node.origin, path + ": " + error.what());
+  }
+}
+
+Parameters::Value EntryReader::value(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
+  Parameters::Value result = node == nullptr                      ? default_at(path, spec)
+                             : spec.type == ParameterType::vector ? vector(*node, path, spec)
+                                                                  : scalar(*node, path, spec);
+  record(path, result);
+  if (node != nullptr && spec.type == ParameterType::path && node->text != spec.default_text) return in_folder(node->text);
+  return result;
+}
+
+std::string EntryReader::in_folder(const std::string& path) const {
+  const std::filesystem::path folder = root_.source ? std::filesystem::path(*root_.source).parent_path() : "";
+  return (folder / path).string();
+}
+
+Parameters::Value EntryReader::default_at(const std::string& path, const ParameterSpec& spec) const {
+  if (protocol_ == nullptr || !protocol_->defaults.contains(path)) return default_of(spec);
+  return parse_scalar(spec, protocol_->defaults.at(path));
+}
+
+Parameters::Value EntryReader::vector(const YamlNode& node, const std::string& path, const ParameterSpec& spec) {
+  if (node.kind != YamlNode::Kind::sequence)
+    fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed_form(spec));
+  if (node.children.size() != spec.size) {
+    fail(node.origin, path + " has " + std::to_string(node.children.size()) + " entries; allowed: " + allowed_form(spec));
+  }
+  std::vector<double> entries;
+  for (std::size_t i = 0; i < spec.size; ++i) {
+    const std::string entry_path = path + "." + std::to_string(i);
+    entries.push_back(std::get<double>(scalar(node.children[i], entry_path, spec)));
+    record(entry_path, entries.back());
+  }
+  return entries;
+}
+
+Parameters EntryReader::parameters(const YamlNode* map, const std::string& path, const std::string& where, const Entry& entry,
+                                   const std::vector<std::string_view>& other_keys) {
+  if (map != nullptr) {
+    std::vector<std::string_view> allowed = names_of(entry.parameters);
+    allowed.insert(allowed.end(), other_keys.begin(), other_keys.end());
+    std::ranges::sort(allowed);
+    check_keys(*map, where, allowed);
+  }
+  Parameters result;
+  for (const ParameterSpec& spec : entry.parameters) {
+    result.set(spec.name, value(map == nullptr ? nullptr : map->find(spec.name), path + "." + spec.name, spec));
+  }
+  return result;
+}
+
+Named EntryReader::read_kind(const YamlNode* node, const std::string& path, const std::string& selector,
+                             const std::string& default_name, const std::vector<Entry>& entries, const std::string& noun,
+                             std::vector<std::string_view> other_keys) {
+  if (node != nullptr) require_map(*node, path, "'" + selector + "' and parameters");
+  const YamlNode* choice = node == nullptr ? nullptr : node->find(selector);
+  const std::string name =
+      choice == nullptr ? default_name : text_of(*choice, path + "." + selector, "a name such as " + default_name);
+  const Origin origin = choice != nullptr ? choice->origin : node != nullptr ? node->origin : root_;
+  const Entry& entry = named(entries, name, origin, noun);
+  record(path + "." + selector, name);
+  other_keys.push_back(selector);
+  return {name, parameters(node, path, path, entry, other_keys)};
+}
+
+std::vector<Named> EntryReader::read_list(const YamlNode* node, const std::string& path, const std::vector<Entry>& entries,
+                                          const std::string& noun) {
+  std::vector<Named> list;
+  if (node == nullptr) return list;
+  if (node->kind != YamlNode::Kind::sequence) {
+    fail(node->origin, path + " is " + described(*node) + "; allowed: a sequence of names or of {name: {parameters}}");
+  }
+  std::set<std::string_view> seen;
+  for (std::size_t i = 0; i < node->children.size(); ++i) {
+    const YamlNode& item = node->children[i];
+    const std::string item_path = path + "." + std::to_string(i);
+    if (item.kind != YamlNode::Kind::scalar && (item.kind != YamlNode::Kind::map || item.children.size() != 1)) {
+      const std::string found =
+          item.kind == YamlNode::Kind::map ? "a map of " + std::to_string(item.children.size()) + " keys" : described(item);
+      fail(item.origin, item_path + " is " + found + "; allowed: a name, or one {name: {parameters}}");
+    }
+    const bool bare = item.kind == YamlNode::Kind::scalar;
+    const std::string& name = bare ? item.text : item.children.front().key;
+    const Origin& origin = bare ? item.origin : item.children.front().key_origin;
+    const Entry& entry = named(entries, name, origin, noun);
+    if (!seen.insert(entry.name).second) fail(origin, noun + " " + quote(name) + " is named twice in " + path);
+    const YamlNode* map = bare || item.children.front().kind == YamlNode::Kind::null ? nullptr : &item.children.front();
+    if (map != nullptr) require_map(*map, path + "." + name, "parameters");
+    if (bare) record(item_path, name);
+    list.push_back({name, parameters(map, item_path + "." + name, name, entry, {})});
+  }
+  return list;
+}
+
+}  // namespace slipbench
