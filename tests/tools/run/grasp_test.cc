@@ -1,0 +1,109 @@
+// Grasps as whole trials: what is recorded of the loop, and how the trial is said to have ended.
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "sim/core/error.h"
+#include "sim/motion/lift.h"
+#include "sim/scene/parser.h"
+#include "tests/tools/dataset/test_records.h"
+#include "tools/catalogue/catalogues.h"
+#include "tools/run/run_trial.h"
+
+namespace slipbench::testing {
+namespace {
+
+using ::testing::Each;
+using ::testing::HasSubstr;
+
+// Not scattered, so that a trial is what its figures say.
+Scene grasp_scene(const std::string& more) {
+  return parse_scene(SceneFile::from_text("slipbench: 1\nsurface: {material: ptfe}\nbox: {mass: 0.2 kg}\nduration: 3 s\n"
+                                          "sensors: {pad: {type: papillarray, rate: 100 Hz}}\n" +
+                                              more,
+                                          "scene.yaml"),
+                     program_catalogues());
+}
+
+constexpr const char* stepping = "detector: {type: force_ratio, ratio: 0.25}\ncontroller: {type: step_on_slip}\n";
+
+TEST(Grasp, OutcomeDoesNotDependOnWhatIsRecorded) {
+  const Scene scene = grasp_scene(stepping);
+  const TrialRecord full = run_trial(scene, 0, Recording::full).record;
+  EXPECT_EQ(outcome_json(full.outcome), outcome_json(run_trial(scene, 0, Recording::outcome).record.outcome));
+}
+
+TEST(Grasp, RecordsWhatWasWrittenReadAndPressed) {
+  const TrialRecord record = run_trial(grasp_scene(stepping), 0, Recording::full).record;
+  const ControlRecord& control = record.control.value();
+  EXPECT_EQ(control.detector, "force_ratio");
+  EXPECT_EQ(control.controller, "step_on_slip");
+  EXPECT_EQ(control.sensor, "pad");
+  const std::size_t rows = control.time.size();
+  EXPECT_EQ(rows, 300U);
+  ASSERT_EQ(control.grip.command.size(), 3 * rows);
+  ASSERT_EQ(control.grip.measured_position.size(), rows);
+  ASSERT_EQ(control.grip.grip_force.size(), rows);
+  // The fingers stand before the first write, and close.
+  EXPECT_EQ(control.grip.command[0], control.grip.measured_position[0]);
+  EXPECT_GT(control.grip.measured_position.back(), control.grip.measured_position.front());
+  // What is measured follows what was written, at most the published three periods (60 ms) later.
+  for (std::size_t row = 6; row < rows; ++row) {
+    std::uint8_t least = 255, most = 0;
+    for (std::size_t back = 0; back <= 6; ++back) {
+      least = std::min(least, control.grip.command[3 * (row - back)]);
+      most = std::max(most, control.grip.command[3 * (row - back)]);
+    }
+    EXPECT_GE(control.grip.measured_position[row] + 1, least) << row;
+    EXPECT_LE(control.grip.measured_position[row], most) << row;
+  }
+  // The true force of both pads against the sum that the ideal sensor feels, when the box hangs still: one pad carries what the other does.
+  const SensorColumn& force = record.sensors.front().channels.front();
+  double felt = 0.0;
+  for (std::size_t pillar = 0; pillar < 9; ++pillar) felt += force.values[force.values.size() - 27 + 3 * pillar + 2];
+  EXPECT_NEAR(control.grip.grip_force.back(), felt, 1e-3 * felt);
+  const GraspOutcome& grasp = record.outcome.grasp.value();
+  EXPECT_GE(grasp.max_grip_force, *std::ranges::max_element(control.grip.grip_force));
+  EXPECT_NEAR(grasp.final_grip_force, control.grip.grip_force.back(), 1e-3 * felt);
+  EXPECT_NEAR(grasp.ideal_grip_force, 0.2 * 9.81 / (2.0 * 0.35), 1e-9);  // m g/(2 mu_s), ptfe
+}
+
+TEST(Grasp, WithoutAControllerTheFingersStayAndTheBoxIsLeftBehind) {
+  const Scene scene = grasp_scene("grip: {}\n");
+  const TrialRecord record = run_trial(scene, 0, Recording::full).record;
+  EXPECT_FALSE(record.control.has_value());
+  const GraspOutcome& grasp = record.outcome.grasp.value();
+  EXPECT_TRUE(grasp.dropped);
+  EXPECT_NEAR(grasp.drop_time, lift_times(scene.motion.parameters).start,
+              2.5e-4);  // no pad has touched: at the lift's first tick
+  EXPECT_TRUE(std::isnan(grasp.slip_translation));
+  EXPECT_EQ(grasp.max_grip_force, 0.0);
+}
+
+TEST(Grasp, NeedsNoDetector) {
+  const TrialRecord record = run_trial(grasp_scene("controller: {type: constant_force}\n"), 0, Recording::full).record;
+  const ControlRecord& control = record.control.value();
+  EXPECT_EQ(control.detector, "");
+  EXPECT_EQ(control.controller, "constant_force");
+  EXPECT_THAT(control.detector_class, Each(0));
+  EXPECT_TRUE(std::isnan(record.outcome.detection_time));
+  EXPECT_TRUE(std::isnan(accuracy(control.confusion)));
+}
+
+TEST(Grasp, RefusesALoopThatCannotBe) {
+  const auto refusal = [](const std::string& text) {
+    return message_of<InputError>([&] { static_cast<void>(check_trial(grasp_scene(text), 0)); });
+  };
+  EXPECT_THAT(refusal("controller: {type: step_on_slip}\n"), HasSubstr("step_on_slip needs what a detector says"));
+  EXPECT_THAT(message_of<InputError>([] {
+                static_cast<void>(parse_scene(SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray}}\n"
+                                                                   "controller: {type: constant_force}\n",
+                                                                   "scene.yaml"),
+                                              program_catalogues()));
+              }),
+              HasSubstr("scene.yaml:3: 'controller' needs a gripper: a scene with 'grip' or 'box'"));
+}
+
+}  // namespace
+}  // namespace slipbench::testing
