@@ -1,4 +1,6 @@
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "sim/core/error.h"
 #include "sim/effects/effects.h"
@@ -10,10 +12,16 @@ namespace {
 class AnisotropicFriction final : public ConeEffect {
  public:
   explicit AnisotropicFriction(const Parameters& p)
-      : ratio_(p.number("ratio")), gx_(std::cos(p.number("angle"))), gy_(std::sin(p.number("angle"))) {}
+      : ratio_(p.number("ratio")), gx_(std::cos(p.number("angle"))), gy_(std::sin(p.number("angle"))) {
+    for (std::size_t face = 0; face < faces_.size(); ++face) {
+      double n[3] = {0.0, 0.0, 0.0};
+      n[face / 2] = face % 2 == 0 ? 1.0 : -1.0;
+      faces_[face] = frame_on(n);
+    }
+  }
 
   [[nodiscard]] Projected project(const double t[3], const double n[3], double limit_stick, double limit_slide) const override {
-    const Frame frame = frame_at(n);
+    const Frame& frame = frame_at(n);
     const double t1 = dot(t, frame.along), t2 = dot(t, frame.across);
     if (!(norm(t1, t2 / ratio_) > limit_stick)) return {t[0], t[1], t[2], false};
     double f1 = 0.0, f2 = 0.0;
@@ -23,7 +31,7 @@ class AnisotropicFriction final : public ConeEffect {
   }
 
   [[nodiscard]] double gauge(const double t[3], const double n[3], double limit) const override {
-    const Frame frame = frame_at(n);
+    const Frame& frame = frame_at(n);
     return norm(dot(t, frame.along), dot(t, frame.across) / ratio_) / limit;
   }
 
@@ -36,9 +44,15 @@ class AnisotropicFriction final : public ConeEffect {
   static double norm(double a, double b) { return std::sqrt(a * a + b * b); }
   static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+  // What is pressed meets a plane or a face of a box: along an axis of the surface.
+  [[nodiscard]] const Frame& frame_at(const double n[3]) const {
+    const std::size_t axis = n[0] != 0.0 ? 0 : n[1] != 0.0 ? 1 : 2;
+    return faces_[2 * axis + (n[axis] < 0.0 ? 1 : 0)];
+  }
+
   // The grain direction laid into the tangent plane of n: on the side faces of a box (n in XY) a horizontal line, whatever the
   // angle. So it is, by continuity in the angle, where the grain stands on the face and has no projection.
-  [[nodiscard]] Frame frame_at(const double n[3]) const {
+  [[nodiscard]] Frame frame_on(const double n[3]) const {
     const double lift = gx_ * n[0] + gy_ * n[1];
     Frame frame{{gx_ - lift * n[0], gy_ - lift * n[1], -lift * n[2]}, {}};
     if (frame.along[0] == 0.0 && frame.along[1] == 0.0 && frame.along[2] == 0.0) {
@@ -71,6 +85,7 @@ class AnisotropicFriction final : public ConeEffect {
   }
 
   double ratio_, gx_, gy_;
+  std::array<Frame, 6> faces_;
 };
 
 }  // namespace

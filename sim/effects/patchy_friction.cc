@@ -1,5 +1,6 @@
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -49,22 +50,24 @@ class RandomMap {
   // Bilinear between the grid's points.
   [[nodiscard]] double at(double x, double y) const {
     const double u = x / cell_, v = y / cell_;
-    const double u0 = std::floor(u), v0 = std::floor(v);
-    const double du = u - u0, dv = v - v0;
-    const std::size_t i = wrap(u0), j = wrap(v0), i1 = (i + 1) % cells, j1 = (j + 1) % cells;
+    const std::int64_t row = floor_of(v), column = floor_of(u);
+    const double du = u - static_cast<double>(column), dv = v - static_cast<double>(row);
+    const std::size_t i = wrap(column), j = wrap(row), i1 = (i + 1) % cells, j1 = (j + 1) % cells;
     return (1.0 - dv) * ((1.0 - du) * table_[j * cells + i] + du * table_[j * cells + i1]) +
            dv * ((1.0 - du) * table_[j1 * cells + i] + du * table_[j1 * cells + i1]);
   }
 
  private:
-  static constexpr std::size_t cells = 128;
+  static constexpr std::size_t cells = 128;  // a power of two: wrap() of what is negative counts on it
   static constexpr std::size_t waves = 24;
   static constexpr double cells_per_wave = 8.0;
 
-  static std::size_t wrap(double index) {
-    const double remainder = std::fmod(index, static_cast<double>(cells));
-    return static_cast<std::size_t>(remainder < 0.0 ? remainder + static_cast<double>(cells) : remainder);
+  // As std::floor, which is a call to a library on a CPU that may be any x86-64. No surface has 2^63 cells.
+  static std::int64_t floor_of(double value) {
+    const auto truncated = static_cast<std::int64_t>(value);
+    return static_cast<double>(truncated) > value ? truncated - 1 : truncated;
   }
+  static std::size_t wrap(std::int64_t index) { return static_cast<std::size_t>(index) % cells; }
 
   double cell_;  // m
   std::vector<double> table_;
@@ -79,6 +82,7 @@ class PatchyFriction final : public FrictionEffect {
 
   void scale(const ElementColumns& elements, double* mu_s, double* mu_k) override {
     for (std::size_t i = 0; i < elements.count; ++i) {
+      if (elements.normal_force[i] == 0.0) continue;
       const double factor = std::exp(sd_ * map_at(elements, i) - 0.5 * sd_ * sd_);
       mu_s[i] *= factor;
       mu_k[i] *= factor;

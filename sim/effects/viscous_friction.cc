@@ -11,6 +11,7 @@ class ViscousFriction final : public FrictionEffect {
 
   void scale(const ElementColumns& elements, double* mu_s, double* mu_k) override {
     for (std::size_t i = 0; i < elements.count; ++i) {
+      if (elements.normal_force[i] == 0.0) continue;
       const double v =
           std::sqrt(elements.vx[i] * elements.vx[i] + elements.vy[i] * elements.vy[i] + elements.vz[i] * elements.vz[i]);
       const double factor = 1.0 + gain_ * std::log10(1.0 + v / speed_);

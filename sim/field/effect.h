@@ -41,7 +41,7 @@ class SurfaceEffect : public Effect {
 // Changes how much friction there is: rate, load, age, place.
 class FrictionEffect : public Effect {
  public:
-  // Multiplies mu_s and mu_k of every element.
+  // Multiplies mu_s and mu_k of every element that is pressed (normal_force > 0); those of the others are not looked at.
   virtual void scale(const ElementColumns& elements, double* mu_s, double* mu_k) = 0;
 };
 

@@ -16,6 +16,12 @@ namespace {
 
 constexpr std::size_t alignment = 64;
 
+// The columns that outlive a step. What a step calls "before" is filled from them.
+constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_z, kernel::gap,      kernel::press,
+                          kernel::limit,     kernel::mode,      kernel::anchor_x,  kernel::anchor_y, kernel::anchor_z,
+                          kernel::force_x,   kernel::force_y,   kernel::force_z,   kernel::path};
+constexpr std::array kept_of_faces{kernel::faces, kernel::spent};  // and these, unless all meet the one face of a plane
+
 void check(const PadLayout& layout, const Friction& friction) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("field: " + what); };
   if (layout.elements.empty()) refuse("a pad needs at least one element");
@@ -53,6 +59,22 @@ double zero_crossing(double before, double now) {
 }  // namespace
 
 void Field::Free::operator()(double* block) const { std::free(block); }
+
+// Calls visit(memory) for every effect that has one.
+template <class Visit>
+void Field::for_each_memory(Visit&& visit) {
+  const auto visit_all = [&](auto& effects) {
+    for (const auto& effect : effects) {
+      if (const std::span<double> memory = effect->memory(); !memory.empty()) visit(memory);
+    }
+  };
+  visit_all(effects_.surface);
+  visit_all(effects_.friction);
+  visit_all(effects_.rheology);
+  if (effects_.cone) {
+    if (const std::span<double> memory = effects_.cone->memory(); !memory.empty()) visit(memory);
+  }
+}
 
 Field::Field(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects effects)
     : layout_(layout),
@@ -95,35 +117,9 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
   flat_pad_ = std::all_of(layout_.elements.begin(), layout_.elements.end(),
                           [&](const Element& e) { return e.axis == layout_.elements.front().axis; });
+  state_size_ = 1 + (kept.size() + (on_plane() ? 0 : kept_of_faces.size())) * count_;
+  for_each_memory([this](std::span<double> memory) { state_size_ += memory.size(); });
   plain_ = on_plane() && flat_pad_ && !extended && effects_.surface.empty() && !effects_.cone;
-}
-
-// The columns that outlive a step. What a step calls "before" is filled from them.
-constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_z, kernel::gap,      kernel::press,
-                          kernel::limit,     kernel::mode,      kernel::anchor_x,  kernel::anchor_y, kernel::anchor_z,
-                          kernel::force_x,   kernel::force_y,   kernel::force_z,   kernel::path};
-constexpr std::array kept_of_faces{kernel::faces, kernel::spent};  // and these, unless all meet the one face of a plane
-
-// Calls visit(memory) for every effect that has one.
-template <class Visit>
-void Field::for_each_memory(Visit&& visit) {
-  const auto visit_all = [&](auto& effects) {
-    for (const auto& effect : effects) {
-      if (const std::span<double> memory = effect->memory(); !memory.empty()) visit(memory);
-    }
-  };
-  visit_all(effects_.surface);
-  visit_all(effects_.friction);
-  visit_all(effects_.rheology);
-  if (effects_.cone) {
-    if (const std::span<double> memory = effects_.cone->memory(); !memory.empty()) visit(memory);
-  }
-}
-
-std::size_t Field::state_size() {
-  std::size_t size = 1 + (kept.size() + (on_plane() ? 0 : kept_of_faces.size())) * count_;
-  for_each_memory([&](std::span<double> memory) { size += memory.size(); });
-  return size;
 }
 
 void Field::save_state(std::span<double> state) {
@@ -181,7 +177,7 @@ void Field::step_in_stages(double dt, const Twist* motion) {
   if (!on_plane()) keep_energy();
   if (has_memory()) prepare_rheology(dt);
   if (!effects_.friction.empty()) rate_friction(dt, motion);
-  if (touching_ < count_) anchor_touched();
+  if (touching_ < count_ && kernel::any_touches(columns_, has_memory(), padded_)) anchor_touched();
   if (effects_.cone) {
     for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(i);
   } else {
@@ -199,6 +195,10 @@ void Field::find_contact_points() {
     return;
   }
   keep_as_before(faces, faces_before);
+  if (const Box* box = std::get_if<Box>(&surface_)) {
+    kernel::meet_box(columns_, *box, pose_, padded_);
+    return;
+  }
   std::visit([this](const auto& shape) { meet(shape); }, surface_);
 }
 
@@ -229,10 +229,11 @@ void Field::meet(const Shape& shape) {
 // grow when either changes: a frictionless field gives no work, whatever the way.
 void Field::keep_energy() {
   const kernel::Columns c = columns_;
+  if (kernel::all_keep_faces(c, padded_)) return;
   for (std::size_t i = 0; i < count_; ++i) {
     double& s = c[kernel::spent][i];
     const double depth = -c[kernel::gap][i], now = c[kernel::faces][i], before = c[kernel::faces_before][i];
-    if (s == 0.0 && (!(depth > 0.0) || now == before)) continue;  // nearly always
+    if (s == 0.0 && (!(depth > 0.0) || now == before)) continue;
     if (!placed_) {
       s = 0.0;
     } else if (!(depth > 0.0) || (static_cast<unsigned>(now) & static_cast<unsigned>(before)) != 0) {
@@ -273,21 +274,7 @@ double Field::raw_press(std::size_t i) const {
 }
 
 void Field::rate_friction(double dt, const Twist* motion) {
-  for (std::size_t i = 0; i < count_; ++i) {
-    Eigen::Vector3d moved(0.0, 0.0, 0.0);
-    if (motion != nullptr) {
-      moved = motion->linear + motion->angular.cross(pose_.rotation * vector(tip_x, i));
-    } else if (dt > 0.0) {
-      moved = (vector(contact_x, i) - vector(contact_before_x, i)) / dt;
-    }
-    const Eigen::Vector3d n = vector(normal_x, i);
-    const Eigen::Vector3d along = moved - n * n.dot(moved);
-    columns_[velocity_x][i] = along.x();
-    columns_[velocity_y][i] = along.y();
-    columns_[velocity_z][i] = along.z();
-    columns_[depth][i] = penetration(i);
-    columns_[load][i] = std::max(0.0, raw_press(i));
-  }
+  kernel::rate(columns_, pose_, motion, dt, has_memory(), padded_);
   std::copy_n(columns_[mu_static_surface], count_, columns_[mu_static]);
   std::copy_n(columns_[mu_kinetic_surface], count_, columns_[mu_kinetic]);
   for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_[mu_static], columns_[mu_kinetic]);
@@ -314,39 +301,41 @@ void Field::anchor_touched() {
 
 // The same mapping as the kernel's, with the projection left to the effect.
 void Field::map_to_effect_cone(std::size_t i) {
-  const Eigen::Vector3d n = vector(normal_x, i);
+  const double raw = raw_press(i), f_n = std::max(0.0, raw);
   const Eigen::Vector3d contact = vector(contact_x, i);
+  columns_[press][i] = raw;
+  if (f_n == 0.0) {
+    for (const std::size_t c : {0U, 1U, 2U}) {
+      columns_[slip_x + c][i] = columns_[force_x + c][i] = 0.0;
+      columns_[anchor_x + c][i] = contact[static_cast<Eigen::Index>(c)];
+    }
+    columns_[limit][i] = columns_[mode][i] = 0.0;
+    return;
+  }
+  const Eigen::Vector3d n = vector(normal_x, i);
   const Eigen::Vector3d strain = contact - vector(anchor_x, i);
   const Eigen::Vector3d u = strain - n * n.dot(strain);
-  const double k = columns_[k_tangential][i], raw = raw_press(i), f_n = std::max(0.0, raw);
+  const double k = columns_[k_tangential][i];
   const Eigen::Vector3d kept = has_memory() ? vector(h_x, i) : Eigen::Vector3d(0.0, 0.0, 0.0);
   const Eigen::Vector3d history = kept - n * n.dot(kept);  // it was made in an earlier tangent plane
   const Eigen::Vector3d trial = k * u + history;
   const double limit_stick = columns_[mu_static][i] * f_n, limit_slide = columns_[mu_kinetic][i] * f_n;
-  const bool touches = f_n > 0.0;
   const bool slid = columns_[mode_before][i] == 2.0;
-
-  Eigen::Vector3d force(0.0, 0.0, 0.0), stretch(0.0, 0.0, 0.0), slip(0.0, 0.0, 0.0);
-  bool slides = false;
-  if (touches) {
-    const auto mapped = effects_.cone->project(trial.data(), n.data(),
-                                               (slid ? limit_slide : limit_stick) + k * kernel::shortest_slip, limit_slide);
-    slides = mapped.slides;
-    force = {mapped.fx, mapped.fy, mapped.fz};
-    if (slides) slip = (trial - force) * columns_[compliance][i];
-    stretch = u - slip;
-  }
-  const Eigen::Vector3d anchor = contact - stretch;
+  const auto mapped =
+      effects_.cone->project(trial.data(), n.data(), (slid ? limit_slide : limit_stick) + k * kernel::shortest_slip, limit_slide);
+  const Eigen::Vector3d force(mapped.fx, mapped.fy, mapped.fz);
+  Eigen::Vector3d slip(0.0, 0.0, 0.0);
+  if (mapped.slides) slip = (trial - force) * columns_[compliance][i];
+  const Eigen::Vector3d anchor = contact - (u - slip);
   for (int c = 0; c < 3; ++c) {
     const auto at = static_cast<std::size_t>(c);
     columns_[slip_x + at][i] = slip[c];
     columns_[anchor_x + at][i] = anchor[c];
     columns_[force_x + at][i] = force[c];
   }
-  columns_[press][i] = raw;
   columns_[limit][i] = limit_stick;
   columns_[path][i] += slip.norm();
-  columns_[mode][i] = touches ? (slides ? 2.0 : 1.0) : 0.0;
+  columns_[mode][i] = mapped.slides ? 2.0 : 1.0;
 }
 
 // Where inside the step the trial force leaves the stick cone. Force and limit are linear in the step, so their difference is

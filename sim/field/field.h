@@ -72,7 +72,7 @@ class Field {
   // The state: all that the next step needs of those before. save_state() writes state_size() values and load_state() takes them
   // back, so that the steps after it are the same to the bit; what the accessors below say of the last step is not part of it.
   // All zero: never stepped. Between load_state() and step() the accessors are not to be read.
-  [[nodiscard]] std::size_t state_size();
+  [[nodiscard]] std::size_t state_size() const { return state_size_; }
   void save_state(std::span<double> state);
   void load_state(std::span<const double> state);
 
@@ -125,6 +125,10 @@ class Field {
   // all that stick, with what they add held inside the cone of stick_limit().
   [[nodiscard]] Wrench damped_wrench_on_pad(const Twist& motion, double tau) const;
 
+  // What the springs of all elements together do to the pad, hold, and have lost by slip in the last step. Where a rheology takes part the
+  // energy is not all that is held.
+  [[nodiscard]] kernel::SpringSums spring_sums() const { return kernel::sum_springs(columns_, padded_); }
+
   // Of all elements, where entries come in the order of elements: a column of the structure of arrays.
   [[nodiscard]] const double* column(kernel::Column c) const { return columns_[c]; }
   // How many elements touch after the last step, and how many of them slip.
@@ -173,6 +177,7 @@ class Field {
   Friction friction_;
   FieldEffects effects_;
   std::size_t count_;
+  std::size_t state_size_ = 0;
   std::size_t padded_;  // count_ rounded up to whole SIMD vectors; the rest has no stiffness and so never touches
   struct Free {
     void operator()(double* block) const;

@@ -21,6 +21,27 @@
 namespace slipbench::kernel {
 namespace {
 
+// As many entries of a column as one sum a lane needs, so that additions vectorise and their order does not depend on how.
+using Lanes __attribute__((vector_size(lanes * sizeof(double)))) = double;
+using Mask = decltype(Lanes{} == Lanes{});
+
+SLIPBENCH_INLINE Lanes at(const Columns& c, Column column, std::size_t i) {
+  Lanes values;
+  std::memcpy(&values, c[column] + i, sizeof values);
+  return values;
+}
+
+SLIPBENCH_INLINE void put(const Columns& c, Column column, std::size_t i, const Lanes& values) {
+  std::memcpy(c[column] + i, &values, sizeof values);
+}
+
+SLIPBENCH_INLINE double total(const Lanes& sums) { return (sums[0] + sums[1]) + (sums[2] + sums[3]); }
+
+// Row `row` of a turned vector, in the order in which Eigen adds up a product: the same to the bit wherever it is worked out.
+SLIPBENCH_INLINE Lanes turned(const Eigen::Matrix3d& r, int row, const Lanes& x, const Lanes& y, const Lanes& z) {
+  return row < 2 ? r(row, 0) * x + r(row, 1) * y + r(row, 2) * z : r(row, 0) * x + (r(row, 1) * y + r(row, 2) * z);
+}
+
 template <bool kPlane, bool kMemory>
 SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
   const double raw = raw_press(c[gap][i], c[k_normal][i], kMemory ? c[h_normal][i] : 0.0);
@@ -127,6 +148,43 @@ SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::siz
   }
 }
 
+SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose& pose, std::size_t count) {
+  const Eigen::Matrix3d& r = pose.rotation;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
+    const Lanes u = at(c, axis_x, i), v = at(c, axis_y, i), w = at(c, axis_z, i);
+    const Lanes tip[3] = {turned(r, 0, x, y, z) + pose.position.x(), turned(r, 1, x, y, z) + pose.position.y(),
+                          turned(r, 2, x, y, z) + pose.position.z()};
+    const Lanes axis[3] = {turned(r, 0, u, v, w), turned(r, 1, u, v, w), turned(r, 2, u, v, w)};
+    const Box::Met<Lanes> met = box.met(tip, axis);
+    put(c, gap, i, met.gap);
+    put(c, normal_x, i, met.nx);
+    put(c, normal_y, i, met.ny);
+    put(c, normal_z, i, met.nz);
+    put(c, contact_x, i, tip[0] - met.gap * met.nx);
+    put(c, contact_y, i, tip[1] - met.gap * met.ny);
+    put(c, contact_z, i, tip[2] - met.gap * met.nz);
+    put(c, faces, i, met.faces);
+  }
+}
+
+SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, std::size_t count) {
+  Mask changed{};
+  for (std::size_t i = 0; i < count; i += lanes) {
+    changed |= (at(c, spent, i) != 0.0) | ((at(c, gap, i) < 0.0) & (at(c, faces, i) != at(c, faces_before, i)));
+  }
+  return (changed[0] | changed[1] | changed[2] | changed[3]) == 0;
+}
+
+SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t count) {
+  Mask touched{};
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Lanes history = memory ? at(c, h_normal, i) : Lanes{};
+    touched |= (at(c, mode_before, i) == 0.0) & (raw_press(at(c, gap, i), at(c, k_normal, i), history) > 0.0);
+  }
+  return (touched[0] | touched[1] | touched[2] | touched[3]) != 0;
+}
+
 SLIPBENCH_DISPATCHED void slide_on_plane(const Columns& c, const Pose& pose, std::size_t count) {
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
@@ -160,16 +218,57 @@ SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d&
   }
 }
 
-namespace {
-
-// As many entries of a column as one sum a lane needs, so that additions vectorise and their order does not depend on how.
-using Lanes __attribute__((vector_size(lanes * sizeof(double)))) = double;
-
-SLIPBENCH_INLINE Lanes at(const Columns& c, Column column, std::size_t i) {
-  Lanes values;
-  std::memcpy(&values, c[column] + i, sizeof values);
-  return values;
+SLIPBENCH_DISPATCHED void rate(const Columns& c, const Pose& pose, const Twist* motion, double dt, bool memory,
+                               std::size_t count) {
+  const Eigen::Matrix3d& r = pose.rotation;
+  const Lanes none{};
+  for (std::size_t i = 0; i < count; i += lanes) {
+    Lanes vx = none, vy = none, vz = none;
+    if (motion != nullptr) {
+      const Eigen::Vector3d &v = motion->linear, &w = motion->angular;
+      const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
+      const Lanes ax = turned(r, 0, x, y, z), ay = turned(r, 1, x, y, z), az = turned(r, 2, x, y, z);
+      vx = v.x() + (w.y() * az - w.z() * ay);
+      vy = v.y() + (w.z() * ax - w.x() * az);
+      vz = v.z() + (w.x() * ay - w.y() * ax);
+    } else if (dt > 0.0) {
+      vx = (at(c, contact_x, i) - at(c, contact_before_x, i)) / dt;
+      vy = (at(c, contact_y, i) - at(c, contact_before_y, i)) / dt;
+      vz = (at(c, contact_z, i) - at(c, contact_before_z, i)) / dt;
+    }
+    const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i);
+    const Lanes away = nx * vx + (ny * vy + nz * vz);
+    put(c, velocity_x, i, vx - nx * away);
+    put(c, velocity_y, i, vy - ny * away);
+    put(c, velocity_z, i, vz - nz * away);
+    const Lanes history = memory ? at(c, h_normal, i) : none;
+    const Lanes inward = -at(c, gap, i), raw = raw_press(at(c, gap, i), at(c, k_normal, i), history);
+    put(c, depth, i, inward > 0.0 ? inward : none);
+    put(c, load, i, raw > 0.0 ? raw : none);
+  }
 }
+
+SLIPBENCH_DISPATCHED SpringSums sum_springs(const Columns& c, std::size_t count) {
+  const bool extended = c[k_normal_spring] != nullptr;
+  const Column normal_spring = extended ? k_normal_spring : k_normal,
+               tangential_spring = extended ? k_tangential_spring : k_tangential;
+  const Lanes none{};
+  Lanes x{}, y{}, z{}, elastic{}, loss{};
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Lanes raw = at(c, press, i), pressed = raw > 0.0 ? raw : none;
+    const Lanes tx = at(c, force_x, i), ty = at(c, force_y, i), tz = at(c, force_z, i);
+    x += pressed * at(c, normal_x, i) - tx;
+    y += pressed * at(c, normal_y, i) - ty;
+    z += pressed * at(c, normal_z, i) - tz;
+    const Lanes stored =
+        pressed * pressed / at(c, normal_spring, i) + (tx * tx + ty * ty + tz * tz) / at(c, tangential_spring, i);
+    elastic += at(c, mode, i) != 0.0 ? stored : none;
+    loss += tx * at(c, slip_x, i) + ty * at(c, slip_y, i) + tz * at(c, slip_z, i);
+  }
+  return {{total(x), total(y), total(z)}, 0.5 * total(elastic), total(loss)};
+}
+
+namespace {
 
 SLIPBENCH_INLINE Lanes root(const Lanes& values) {
   Lanes roots;
@@ -222,7 +321,6 @@ SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::
     torque_sum_y += az * fx - ax * fz;
     torque_sum_z += ax * fy - ay * fx;
   }
-  const auto total = [](const Lanes& s) __attribute__((always_inline)) { return (s[0] + s[1]) + (s[2] + s[3]); };
   return {{total(force_sum_x), total(force_sum_y), total(force_sum_z)},
           {total(torque_sum_x), total(torque_sum_y), total(torque_sum_z)}};
 }

@@ -10,6 +10,7 @@
 #include "sim/core/contact_frame.h"
 #include "sim/core/pose.h"
 #include "sim/field/effect.h"
+#include "sim/field/surface.h"
 
 namespace slipbench::kernel {
 
@@ -52,14 +53,24 @@ inline constexpr std::size_t lanes = 4;
 inline constexpr double shortest_slip = 1e-13;
 
 // Raw normal force [N] at a gap [m]: negative while apart, so that its zero is the instant of touch. `h` is the history of a rheology.
-[[gnu::always_inline]] inline double raw_press(double gap_now, double k, double h) {
-  return k * -gap_now + (gap_now < 0.0 ? h : 0.0);
+// `Real`: double, or several at once.
+template <class Real>
+[[gnu::always_inline]] inline Real raw_press(const Real& gap_now, const Real& k, const Real& h) {
+  const Real none{};
+  return k * -gap_now + (gap_now < 0.0 ? h : none);
 }
 
 // Pass 1 against the plane z = 0: contact points and gaps. `pose`: of the pad in the surface.
 void plane_gap(const Columns& columns, const Pose& pose, std::size_t count);
 // Opens the gaps of elements whose axis does not look at the plane.
 void turn_away(const Columns& columns, const Pose& pose, std::size_t count);
+
+// Pass 1 against a box: contact points, gaps, normals and faces. `pose`: of the pad in the surface.
+void meet_box(const Columns& columns, const Box& box, const Pose& pose, std::size_t count);
+
+// Whether nothing is for Field::keep_energy() to do, and whether an element touches that did not before: nearly always, and nearly never.
+bool all_keep_faces(const Columns& columns, std::size_t count);
+bool any_touches(const Columns& columns, bool memory, std::size_t count);
 
 // Pass 2: normal force, and return mapping onto the friction cone (field.h).
 void map(const Columns& columns, bool plane, bool memory, std::size_t count);
@@ -69,6 +80,18 @@ void slide_on_plane(const Columns& columns, const Pose& pose, std::size_t count)
 
 // After the passes: forces, deflections and slip as the pad sees them. `to_pad`: rotation of the surface in the pad.
 void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, std::size_t count);
+
+// What friction effects look at: tangential velocity of the undeformed tips, depth and load. `motion`: of the pad in the surface, null for
+// the mean one of a step of `dt`, 0: none. `memory`: there is a history of the rheology.
+void rate(const Columns& columns, const Pose& pose, const Twist* motion, double dt, bool memory, std::size_t count);
+
+// What all springs together do and hold; entries that do not touch hold nothing.
+struct SpringSums {
+  Eigen::Vector3d force_on_pad;  // N, in S
+  double elastic;                // J
+  double slip_loss;              // J, of the last step, with the force at its end
+};
+SpringSums sum_springs(const Columns& columns, std::size_t count);
 
 // Field::damped_wrench_on_pad(); `origin`: of the pad, in S.
 Wrench damped_wrench_on_pad(const Columns& columns, const Eigen::Vector3d& origin, const Twist& motion, double tau,

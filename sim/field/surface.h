@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <type_traits>
 #include <variant>
 
 #include <Eigen/Core>
@@ -40,43 +42,81 @@ struct Sphere {
 struct Box {
   Eigen::Vector3d half;  // m, half extents along x, y, z; centre at the origin
 
-  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
-    const double p[3] = {x, y, z};
-    const double a[3] = {ax, ay, az};
-    double outside[3];
-    double n[3] = {0.0, 0.0, 0.0};
-    double distance2 = 0.0;
-    unsigned beyond = 0;
+  // What at() says, of one element or of as many as a vector of the compiler's (kernel::Lanes) holds. Without a branch, since every element
+  // may be another case; each is worked out in the order in which a branch would.
+  template <class Real>
+  struct Met {
+    Real gap, nx, ny, nz, faces;
+  };
+  template <class Real>
+  [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3]) const {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    const Real none{}, one = none + 1.0;
+    Real outside[3], sides[3], distance2 = none, beyond = none;
     for (int k = 0; k < 3; ++k) {
-      outside[k] = std::max(0.0, std::abs(p[k]) - half[k]);
+      const Real excess = (p[k] < 0.0 ? -p[k] : p[k]) - half[k];
+      outside[k] = excess > 0.0 ? excess : none;
       distance2 += outside[k] * outside[k];
-      if (outside[k] > 0.0) beyond |= face_bit(k, p[k]);
+      sides[k] = p[k] < 0.0 ? -one : one;
+      beyond += excess > 0.0 ? face_bit(k, sides[k]) : none;
     }
-    if (distance2 > 0.0) {
-      const double distance = std::sqrt(distance2);
-      for (int k = 0; k < 3; ++k) n[k] = std::copysign(outside[k], p[k]) / distance;
-      return {distance, n[0], n[1], n[2], beyond};
-    }
-    int entry = 0, exit = 0;
-    double way_back = std::numeric_limits<double>::infinity(), way_ahead = way_back;
+
+    Real looks[3], way_back = none, way_ahead = none, entry = none, exit = none;
     for (int k = 0; k < 3; ++k) {
-      if (a[k] == 0.0) continue;
-      const double sign = a[k] < 0.0 ? 1.0 : -1.0;  // the face of this pair that looks at the element
-      const double back = (half[k] - sign * p[k]) / std::abs(a[k]), ahead = (half[k] + sign * p[k]) / std::abs(a[k]);
-      if (back < way_back) way_back = back, entry = k;
-      if (ahead < way_ahead) way_ahead = ahead, exit = k;
+      looks[k] = a[k] < 0.0 ? one : -one;  // the face of this pair that looks at the element
+      const Real slope = a[k] < 0.0 ? -a[k] : a[k];
+      const Real back = slope == 0.0 ? none + infinite : (half[k] - looks[k] * p[k]) / slope;
+      const Real ahead = slope == 0.0 ? none + infinite : (half[k] + looks[k] * p[k]) / slope;
+      if (k == 0) {
+        way_back = back;
+        way_ahead = ahead;
+        continue;
+      }
+      entry = back < way_back ? none + k : entry;
+      way_back = back < way_back ? back : way_back;
+      exit = ahead < way_ahead ? none + k : exit;
+      way_ahead = ahead < way_ahead ? ahead : way_ahead;
     }
-    const bool looks_in = way_back <= way_ahead;  // else it looks out through a nearer face than it could have come in by
-    const int face = looks_in ? entry : exit;
-    const double sign = (a[face] < 0.0) == looks_in ? 1.0 : -1.0;
-    const double depth = half[face] - sign * p[face];
-    n[face] = sign;
-    return {looks_in ? -depth : depth, n[0], n[1], n[2], looks_in ? face_bit(face, sign) : 0U};
+    const auto looks_in = way_back <= way_ahead;  // else it looks out through a nearer face than it could have come in by
+    const Real face = looks_in ? entry : exit;
+
+    const auto is_outside = distance2 > 0.0;
+    const Real distance = root(distance2);
+    Real n[3], depth = none, within = none;
+    for (int k = 0; k < 3; ++k) {
+      const auto here = face == static_cast<double>(k);
+      const Real side = looks_in ? looks[k] : -looks[k];
+      depth = here ? half[k] - side * p[k] : depth;
+      within = here ? face_bit(k, side) : within;
+      const Real beside = (p[k] < 0.0 ? -outside[k] : outside[k]) / distance, behind = here ? side : none;
+      n[k] = is_outside ? beside : behind;
+    }
+    const Real inside = looks_in ? -depth : depth;
+    within = looks_in ? within : none;
+    return {is_outside ? distance : inside, n[0], n[1], n[2], is_outside ? beyond : within};
+  }
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
+    const Met<double> point = met({x, y, z}, {ax, ay, az});
+    return {point.gap, point.nx, point.ny, point.nz, static_cast<unsigned>(point.faces)};
   }
 
  private:
-  // Above only_face, which stands for surfaces without edges.
-  static unsigned face_bit(int k, double side) { return (side < 0.0 ? 4U : 2U) << (2 * k); }
+  // Above only_face, which stands for surfaces without edges. `side`: 1 or -1.
+  template <class Real>
+  [[gnu::always_inline]] static inline Real face_bit(int k, const Real& side) {
+    return (3.0 - side) * static_cast<double>(1U << (2 * k));
+  }
+  template <class Real>
+  [[gnu::always_inline]] static inline Real root(const Real& values) {
+    if constexpr (std::is_same_v<Real, double>) {
+      return std::sqrt(values);
+    } else {
+      Real roots;
+      for (std::size_t lane = 0; lane < sizeof(Real) / sizeof(double); ++lane) roots[lane] = std::sqrt(values[lane]);
+      return roots;
+    }
+  }
 };
 
 // Axis along z of S.
