@@ -178,8 +178,7 @@ void DynamicBench::State::check_limit(double time) {
   if (!limited) return;
   std::size_t touching = 0;
   for (const Contact& contact : contacts) {
-    const Field& field = pads[contact.pad].instance->fields()[contact.field];
-    for (std::size_t i = 0; i < field.size(); ++i) touching += field.state(i) != ElementState::detached ? 1 : 0;
+    touching += pads[contact.pad].instance->fields()[contact.field].touching();
   }
   const bool more = touching > touching_before;
   touching_before = touching;

@@ -35,7 +35,7 @@ struct DynamicBench::State {
     std::size_t pad;
     std::size_t field;  // of the pad
     int object_body;
-    // N, of the elements' springs, in the surface's frame, at the tick looked at last
+    // N, of the elements' springs, in the world, at the tick looked at last
     Eigen::Vector3d on_pad = Eigen::Vector3d::Zero();
   };
 

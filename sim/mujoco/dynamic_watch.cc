@@ -90,10 +90,8 @@ void DynamicBench::State::weigh(double time, const Eigen::VectorXd& velocity) {
     for (const Contact& contact : contacts) {
       const Pad& pad = pads[contact.pad];
       if (contact.object_body != body.body && pad.body != body.body) continue;
-      const Field& field = pad.instance->fields()[contact.field];
-      const Eigen::Vector3d on_pad = pad_pose(pad).rotation * (field.pad_in_surface().rotation.transpose() * contact.on_pad);
-      now.force += pad.body == body.body ? on_pad : Eigen::Vector3d(-on_pad);
-      now.dashpots.push_back({pad.damping_constant, pad.reach, field.pad_in_surface()});
+      now.force += pad.body == body.body ? contact.on_pad : Eigen::Vector3d(-contact.on_pad);
+      now.dashpots.push_back({pad.damping_constant, pad.reach, pad.instance->fields()[contact.field].pad_in_surface()});
     }
     // The coordinates are those of the body's frame; its momentum is that of its centre.
     const MjMatrix rotation(d()->xmat + 9 * body.body);
@@ -119,17 +117,12 @@ void DynamicBench::State::watch(double time, const Eigen::VectorXd& velocity) {
   }
   double slip_loss = 0.0;  // with the speed at the end of the step
   for (Contact& contact : contacts) {
-    const Field& field = pads[contact.pad].instance->fields()[contact.field];
-    const std::vector<Element>& elements = field.layout().elements;
-    contact.on_pad.setZero();
-    for (std::size_t i = 0; i < field.size(); ++i) {
-      if (field.state(i) == ElementState::detached) continue;
-      const double pressed = field.normal_force(i);
-      const Eigen::Vector3d dragged = field.tangential_force(i);
-      contact.on_pad += pressed * field.normal(i) - dragged;
-      now.elastic += 0.5 * (pressed * pressed / elements[i].k_normal + dragged.squaredNorm() / elements[i].k_tangential);
-      slip_loss += dragged.dot(field.slip_step(i));
-    }
+    const Pad& pad = pads[contact.pad];
+    const Field& field = pad.instance->fields()[contact.field];
+    const kernel::SpringSums sums = field.spring_sums();
+    contact.on_pad = pad_pose(pad).rotation * (field.pad_in_surface().rotation.transpose() * sums.force_on_pad);
+    now.elastic += sums.elastic;
+    slip_loss += sums.slip_loss;
   }
   // The fields' work is taken with the mean speed of a step, and so must be what is lost: else a slide that gains dv seems to give mu f_n h dv/2.
   now.slip_loss = 0.5 * (slip_loss + std::exchange(last_slip_loss, slip_loss));

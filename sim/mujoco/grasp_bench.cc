@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -73,7 +74,7 @@ Scene laid_out(const Scene& scene, const Grasp& grasp) {
 
 double total(const Field& field) {
   double force = 0.0;
-  for (std::size_t i = 0; i < field.size(); ++i) force += field.normal_force(i);
+  for (const double press : std::span(field.column(kernel::press), field.size())) force += std::max(0.0, press);
   return force;
 }
 
@@ -175,25 +176,30 @@ BodyState GraspBench::State::finger_now(const Finger& finger) const {
 void GraspBench::State::drive(double time) {
   const BodyState arm = motion->pad_at(time);
   bodies.front().state = arm;
-  const auto place = [&](Finger& finger) {
-    const Pose& at_rest = finger.at_rest;
-    const Eigen::Vector3d closing = arm.pose.rotation * at_rest.rotation.col(0);
-    const Eigen::Vector3d lever = arm.pose.rotation * at_rest.position - 0.5 * gripper.opening(time) * closing;
-    finger.carriage.pose = {arm.pose.rotation * at_rest.rotation, arm.pose.position + lever};
-    finger.carriage.velocity = arm.velocity + arm.angular_velocity.cross(lever) - 0.5 * gripper.opening_speed(time) * closing;
+  for (Finger& finger : fingers) {
+    finger.carriage.pose.rotation = arm.pose.rotation * finger.at_rest.rotation;
     finger.carriage.angular_velocity = arm.angular_velocity;
+  }
+  const auto place = [&] {
+    const double half = 0.5 * gripper.opening(time), half_speed = 0.5 * gripper.opening_speed(time);
+    for (Finger& finger : fingers) {
+      const Eigen::Vector3d closing = finger.carriage.pose.rotation.col(0);
+      const Eigen::Vector3d lever = arm.pose.rotation * finger.at_rest.position - half * closing;
+      finger.carriage.pose.position = arm.pose.position + lever;
+      finger.carriage.velocity = arm.velocity + arm.angular_velocity.cross(lever) - half_speed * closing;
+    }
   };
   std::array<BodyState, 2> now;
   double force = 0.0;
+  place();
   for (std::size_t k = 0; k < 2; ++k) {
     now[k] = finger_now(fingers[k]);
-    place(fingers[k]);
     force += 0.5 * spring.closing_force(fingers[k].carriage.pose, now[k].pose);
   }
   gripper.update(time, force);
+  place();  // the motor may have stopped
   for (std::size_t k = 0; k < 2; ++k) {
     Finger& finger = fingers[k];
-    place(finger);  // the motor may have stopped
     finger.most = std::max(finger.most, spring.closing_force(finger.carriage.pose, now[k].pose));
     Vector6d wrench = spring.wrench(finger.carriage, now[k]);
     wrench.head<3>() -= finger_weight;

@@ -115,10 +115,8 @@ void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
   std::vector<std::size_t> touching;
   for (const PadInstance* pad : explicit_) {
     for (const Field& field : pad->fields()) {
-      std::size_t count = 0;
-      for (std::size_t i = 0; i < field.size(); ++i) count += field.state(i) != ElementState::detached ? 1 : 0;
-      more = more || count > touching_[touching.size()];
-      touching.push_back(count);
+      more = more || field.touching() > touching_[touching.size()];
+      touching.push_back(field.touching());
     }
   }
   if (more) {

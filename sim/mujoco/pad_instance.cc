@@ -73,11 +73,12 @@ Pose pose_at(const mjtNum* position, const mjtNum* rotation) { return {MjMatrix(
 
 bool same(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }
 
-// Velocity of an object's frame in the world: MuJoCo hands out rotation first.
-Twist velocity_of(const mjModel* model, const mjData* data, mjtObj type, int id) {
-  mjtNum velocity[6];
-  mj_objectVelocity(model, data, type, id, velocity, 0);
-  return {MjVector(velocity + 3), MjVector(velocity)};
+// Velocity in the world of a frame of body `body` at `point`, as mj_objectVelocity has it: cvel, rotation first, is that of the point which
+// the body's tree refers to.
+Twist velocity_of(const mjModel* model, const mjData* data, int body, const mjtNum* point) {
+  const MjVector angular(data->cvel + 6 * body), linear(data->cvel + 6 * body + 3);
+  const Eigen::Vector3d arm = MjVector(point) - MjVector(data->subtree_com + 3 * model->body_rootid[body]);
+  return {linear - arm.cross(angular), angular};
 }
 
 // Adds a force and a torque at `point` of a body to qfrc_passive, as mj_applyFT does, but along the body's own degrees of freedom only; what is
@@ -144,6 +145,7 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   for (const std::span<double> memory : sensor_memory_) first_memory_.insert(first_memory_.end(), memory.begin(), memory.end());
   constexpr std::size_t seen_of_a_frame = 21;
   seen_.resize(seen_of_a_frame * (1 + config_.geoms.size()));
+  sees_.resize(seen_.size());
   readings_ = channel_values(*sensor_) + truth_values(config_, *sensor_);
   for (const Touched& touched : touched_) {
     if (model->body_weldid[touched.body] == model->body_weldid[model->site_bodyid[config_.site]]) {
@@ -181,26 +183,20 @@ PadInstance::Parts PadInstance::parts(const mjModel* model, mjData* data) const 
 
 // Whether poses and velocities are those of the call before. Cheaper than working out the same ones again.
 bool PadInstance::sees_the_same(const mjModel* model, const mjData* data) {
-  double* seen = seen_.data();
-  bool same = true;
-  const auto look = [&](const mjtNum* now, std::size_t count) {
-    if (std::memcmp(seen, now, count * sizeof(double)) != 0) {
-      same = false;
-      std::copy_n(now, count, seen);
-    }
-    seen += count;
-  };
+  double* out = sees_.data();
   const auto look_at_frame = [&](const mjtNum* position, const mjtNum* rotation, int body) {
-    look(position, 3);
-    look(rotation, 9);
-    look(data->cvel + 6 * body, 6);
-    look(data->subtree_com + 3 * model->body_rootid[body], 3);  // the point that cvel refers to
+    out = std::copy_n(position, 3, out);
+    out = std::copy_n(rotation, 9, out);
+    out = std::copy_n(data->cvel + 6 * body, 6, out);
+    out = std::copy_n(data->subtree_com + 3 * model->body_rootid[body], 3, out);  // the point that cvel refers to
   };
   look_at_frame(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site, model->site_bodyid[config_.site]);
   for (const Touched& touched : touched_) {
     look_at_frame(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom, touched.body);
   }
-  return same;
+  if (std::memcmp(sees_.data(), seen_.data(), sees_.size() * sizeof(double)) == 0) return true;
+  seen_.swap(sees_);
+  return false;
 }
 
 // Finds the pad in the frame of every touched surface. Returns whether it is where the trial that the fields hold has it.
@@ -208,12 +204,12 @@ bool PadInstance::locate(const mjModel* model, const mjData* data) {
   if (sees_the_same(model, data) && evaluated_) return true;
   bool unmoved = evaluated_;
   const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
-  const Twist pad_motion = velocity_of(model, data, mjOBJ_SITE, config_.site);
+  const Twist pad_motion = velocity_of(model, data, model->site_bodyid[config_.site], data->site_xpos + 3 * config_.site);
   for (Touched& touched : touched_) {
     const Pose geom = pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom);
     const Pose world_in_surface = (geom * touched.surface_in_geom).inverse();
     const Pose pad_in_surface = world_in_surface * pad;
-    const Twist geom_motion = velocity_of(model, data, mjOBJ_GEOM, touched.geom);
+    const Twist geom_motion = velocity_of(model, data, touched.body, data->geom_xpos + 3 * touched.geom);
     const Eigen::Vector3d spin = pad_motion.angular - geom_motion.angular;
     const Eigen::Vector3d carried = geom_motion.linear + geom_motion.angular.cross(pad.position - geom.position);
     const Twist motion{world_in_surface.rotation * (pad_motion.linear - carried), world_in_surface.rotation * spin};

@@ -120,7 +120,7 @@ class PadInstance {
 
   double computed_at_ = 0.0;  // s, time of the kinematics: MuJoCo has gone on to the end of the step when it asks for a commit
 
-  std::vector<double> seen_;  // the kinematics that locate() has looked at
+  std::vector<double> seen_, sees_;  // the kinematics that locate() has looked at, and room for those that it looks at
 
   // The trial that the fields hold.
   std::vector<double> ended_with_;  // the state of the fields after the trial, for the implicit solver
