@@ -1,6 +1,8 @@
 #include "detectors/force_ratio.h"
 
 #include "detectors/channel.h"
+#include "detectors/specs.h"
+#include "detectors/unit_counts.h"
 
 namespace slipbench {
 namespace {
@@ -13,23 +15,14 @@ class ForceRatio final : public Detector {
         touch_(parameters.number("touch")) {}
 
   const SlipEstimate& update(const SensorFrame& frame) override {
-    std::size_t touching = 0;
-    std::size_t slipping = 0;
+    UnitCounts units;
     for (std::size_t unit = 0; unit < force_.units; ++unit) {
-      const float* const force = frame.values.data() + force_.first + 3 * unit;
-      const double x = force[0];
-      const double y = force[1];
-      const double normal = force[2];
-      if (normal < touch_) continue;
-      ++touching;
-      if (x * x + y * y > ratio_ * ratio_ * normal * normal) ++slipping;
+      const UnitForce force = force_at(frame, force_, unit);
+      if (!(force.normal >= touch_)) continue;
+      ++units.touching;
+      if (force.tangential > ratio_ * force.normal) ++units.slipping;
     }
-    estimate_.time = frame.time;
-    estimate_.state = touching == 0          ? PadState::no_contact
-                      : slipping == 0        ? PadState::non_slip
-                      : slipping == touching ? PadState::gross
-                                             : PadState::incipient;
-    return estimate_;
+    return estimate_ = estimate_of(units, frame.time);
   }
 
  private:
@@ -46,28 +39,17 @@ Entry force_ratio_entry() {
           .summary = "threshold on each unit's ratio of tangential to normal force; no training",
           .law =
               "a unit with f_n >= touch slips when f_t > ratio f_n\n"
-              "no contact: no unit touches; non-slip: none of those that touch slips; incipient: some do; gross: all do",
+              "no contact: no unit touches; non-slip: none of those that touch slips; incipient: some do; gross: all do; stuck "
+              "fraction: "
+              "share of those that touch and do not slip",
           .source =
               "Coulomb's law: a unit that sticks has f_t <= mu_s f_n, one that slips f_t = mu_k f_n. Below mu_k the ratio warns "
               "early; above it nothing that slips is seen for long",
-          .parameters = {{.name = "ratio",
-                          .type = ParameterType::number,
-                          .quantity = Quantity::none,
-                          .default_text = "0.4",
-                          .range = positive,
-                          .choices = {},
-                          .size = 1,
-                          .doc = "Ratio f_t/f_n above which a unit counts as slipping.",
-                          .source = "assumed: 0.8 of the friction coefficient 0.5 of stage.yaml"},
-                         {.name = "touch",
-                          .type = ParameterType::number,
-                          .quantity = Quantity::force,
-                          .default_text = "0.05 N",
-                          .range = positive,
-                          .choices = {},
-                          .size = 1,
-                          .doc = "Normal force from which on a unit counts as touching.",
-                          .source = "the force resolution of the PapillArray: less is noise, whose ratio means nothing"}}};
+          .parameters = {
+              number_spec("ratio", Quantity::none, "0.4", positive, "Ratio f_t/f_n above which a unit counts as slipping.",
+                          "assumed: 0.8 of the friction coefficient 0.5 of stage.yaml"),
+              touch_spec(),
+          }};
 }
 
 std::unique_ptr<Detector> make_force_ratio(const Parameters& parameters, const FrameSource& source) {

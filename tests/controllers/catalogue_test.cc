@@ -59,28 +59,14 @@ TEST(Controllers, RefuseASensorWithoutForces) {
   }
 }
 
-TEST(Controllers, ReadDisplacementsOnlyWhereTheyAreNeeded) {
-  const std::vector<Channel> forces{vector_channel_of("force", "N")};
-  EXPECT_EQ(refusal([&] { (void)make_controller(named("stuck_fraction"), {.channels = forces}); }),
-            "controller.type: 'stuck_fraction' reads a channel 'displacement' [N, 3] and the sensor has: force [9, 3]");
-  EXPECT_EQ(refusal([&] {
-              (void)make_controller(named("stuck_fraction", {{"estimate", "detector"}}), {.channels = forces});
-            }),
-            "accepted");
-}
-
 TEST(Controllers, ThatWaitForADetectorRefuseASceneWithoutOne) {
   GripSource source = papillarray_source();
   source.detected = false;
-  const auto refused = [&](const std::string& name, const Settings& settings) {
-    return refusal([&] { (void)make_controller(named(name, settings), source); });
-  };
+  const auto refused = [&](const std::string& name) { return refusal([&] { (void)make_controller(named(name), source); }); };
   const std::string rest = " needs what a detector says, and the scene has none; allowed: a detector";
-  EXPECT_EQ(refused("step_on_slip", {}), "controller.type: step_on_slip" + rest);
-  EXPECT_EQ(refused("stuck_fraction", {{"estimate", "detector"}}),
-            "controller.type: stuck_fraction with estimate: detector" + rest);
-  for (const char* name : {"constant_force", "force_pid", "force_ratio", "hold_preset", "stuck_fraction"}) {
-    EXPECT_EQ(refused(name, {}), "accepted") << name;
+  for (const std::string name : {"step_on_slip", "stuck_fraction"}) EXPECT_EQ(refused(name), "controller.type: " + name + rest);
+  for (const char* name : {"constant_force", "force_pid", "force_ratio", "hold_preset"}) {
+    EXPECT_EQ(refused(name), "accepted") << name;
   }
 }
 
@@ -89,8 +75,7 @@ TEST(Controllers, FindTheForcesInTheFrame) {
   const std::vector<Channel> channels{{"temperature", "K", {2}, {}}, {"force", "N", {1, 3}, {}}};
   const std::vector<float> values{300.0F, 301.0F, 0.0F, 0.0F, 3.9F};
   for (const ControllerKind& kind : built_in()) {
-    if (kind.about.name == "force_pid") continue;       // its first command is the position
-    if (kind.about.name == "stuck_fraction") continue;  // it reads displacements too
+    if (kind.about.name == "force_pid") continue;  // its first command is the position
     const auto controller = make_controller(named(kind.about.name), {.channels = channels, .preset = 4.0});
     ControlInput input;
     input.gripper.position = 20;

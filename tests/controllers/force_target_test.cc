@@ -9,8 +9,6 @@
 namespace slipbench::controllers {
 namespace {
 
-constexpr PadState stick = PadState::non_slip;
-
 // 3 N on the pad, believed mu 0.5, margin 0.8: 3/(0.5 * 0.8) = 7.5 N, for which 1.2 N counts give 8.4 N. Without load: the preset, 4.8 N,
 // which holds the load meanwhile, as the real mu is 0.8.
 TEST(ForceRatio, GripsInProportionToTheLoad) {
@@ -96,78 +94,37 @@ TEST(ForceFollower, StaysClosedAtTheLastPosition) {
   EXPECT_EQ(make("force_ratio", {{"loosen", "true"}})->update(input_of(PillarFrame::of_forces(50.0), 3)).position, 0);
 }
 
-// Frames whose pillars stick or slide as told: 5 mm/s of the surface over the pad, seen every 20 ms.
-class StuckFraction : public testing::Test {
- protected:
-  StuckFraction() : frame_(PillarFrame::of_forces(9.0)) {}
-
-  // The command after an update in which the first `sticking` pillars went with the surface and the others stayed.
-  int after(Controller& controller, std::size_t sticking, double speed = 5e-3) {
-    ++tick_;
-    for (std::size_t i = 0; i < sticking; ++i) frame_.set_displacement(i, x_[i] += period * speed, 0.0);
-    return controller.update(input_of(frame_, 30, stick, tick_)).position;
-  }
-
-  PillarFrame frame_;
-  int tick_ = 0;
-  double x_[pillars] = {};
-};
-
 // F = 9 N, preset 4 N, gain 12 N, 1.6 N a count. s = 6/9: target 8 N, none. s = 3/9: 12 N, ceil(3/1.6) = 2 counts; s = 1/9: 14.67 N,
-// ceil(5.67/1.6) = 4.
-TEST_F(StuckFraction, GripsInProportionToThePillarsThatSlide) {
+// ceil(5.67/1.6) = 4; s = 0: 16 N, ceil(7/1.6) = 5.
+TEST(StuckFraction, GripsInProportionToThePillarsThatSlide) {
   const auto controller = make("stuck_fraction");
-  EXPECT_EQ(after(*controller, 9), 30);  // a first frame has no speeds
-  EXPECT_EQ(after(*controller, 9), 30);
-  EXPECT_EQ(after(*controller, 6), 30);
-  EXPECT_EQ(after(*controller, 3), 32);
-  EXPECT_EQ(after(*controller, 1), 34);
-}
-
-TEST_F(StuckFraction, KeepsItsEstimateWhileNothingMoves) {
-  const auto controller = make("stuck_fraction", {{"loosen", "true"}});
-  after(*controller, 9);
-  EXPECT_EQ(after(*controller, 3), 32);
-  EXPECT_EQ(after(*controller, 0), 32);
-  EXPECT_EQ(after(*controller, 9, 0.4e-3), 32);  // slower than moving_speed, 0.5 mm/s
-  // s = 1 at 0.6 mm/s: 4 N are wanted of 9 N, floor(5/1.6) = 3 counts may go.
-  EXPECT_EQ(after(*controller, 9, 0.6e-3), 27);
-}
-
-TEST_F(StuckFraction, CountsOnlyPillarsThatTouch) {
-  for (std::size_t i = 6; i < pillars; ++i) frame_.set_force(i, 0.04, 0.0);
-  for (std::size_t i = 0; i < 6; ++i) frame_.set_force(i, 1.5, 0.0);
-  const auto controller = make("stuck_fraction");
-  after(*controller, 6);
-  // F = 9.12 N and s = 2/6: target 12 N, ceil(2.88/1.6) = 2; with all nine it would be 13.33 N and 3.
-  EXPECT_EQ(after(*controller, 2), 32);
-}
-
-TEST_F(StuckFraction, TakesTheSameFrameOnce) {
-  const auto controller = make("stuck_fraction");
-  after(*controller, 9);
-  EXPECT_EQ(after(*controller, 3), 32);
-  --tick_;  // the same time again, with other displacements
-  EXPECT_EQ(after(*controller, 1), 32);
-}
-
-TEST(StuckFractionOfADetector, IsUsedWhenTheSceneSaysSo) {
-  const auto controller = make("stuck_fraction", {{"estimate", "detector"}});
   const PillarFrame frame = PillarFrame::of_forces(9.0);
   ControlInput input = input_of(frame, 30);
-  input.slip.stuck_fraction = 0.5;  // target 10 N: ceil(1/1.6) = 1
-  EXPECT_EQ(controller->update(input).position, 31);
-  input.slip.stuck_fraction = 0.0;  // 16 N: ceil(7/1.6) = 5
-  EXPECT_EQ(controller->update(input).position, 35);
+  for (const auto& [sticking, position] : {std::pair{9, 30}, {6, 30}, {3, 32}, {1, 34}, {0, 35}}) {
+    input.slip.stuck_fraction = sticking / 9.0;
+    EXPECT_EQ(controller->update(input).position, position) << sticking << " of 9";
+  }
 }
 
-TEST(StuckFractionOfADetector, IsRefusedWhereThereIsNone) {
-  const auto controller = make("stuck_fraction", {{"estimate", "detector"}});
+// s = 1: 4 N are wanted of 9 N, floor(5/1.6) = 3 counts may go.
+TEST(StuckFraction, OpensOnlyWhenTold) {
+  const PillarFrame frame = PillarFrame::of_forces(9.0);
+  ControlInput input = input_of(frame, 30);
+  input.slip.stuck_fraction = 1.0;
+  EXPECT_EQ(make("stuck_fraction")->update(input).position, 30);
+  EXPECT_EQ(make("stuck_fraction", {{"loosen", "true"}})->update(input).position, 27);
+}
+
+TEST(StuckFraction, RefusesADetectorThatTellsNone) {
+  const auto controller = make("stuck_fraction");
   const PillarFrame frame = PillarFrame::of_forces(9.0);
   EXPECT_EQ(controller->update(input_of(frame, 30, PadState::no_contact)).position, 30);
-  EXPECT_EQ(refusal([&] { controller->update(input_of(frame, 30, stick, 3)); }),
-            "controller stuck_fraction: the detector tells no stuck fraction at t = 60 ms; allowed: a detector that does, or "
-            "estimate: frames");
+  ControlInput input = input_of(frame, 30, PadState::non_slip, 3);
+  input.slip.stuck_fraction = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(
+      refusal([&] { controller->update(input); }),
+      "controller stuck_fraction: the detector tells no stuck fraction at t = 60 ms; allowed: a detector that does, such as "
+      "stuck_fraction");
 }
 
 }  // namespace

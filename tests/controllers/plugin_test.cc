@@ -46,8 +46,6 @@ TEST(Plugin, MakesAControllerOfItsOwnEachTime) {
 
 TEST(Plugin, IsHandedEverything) {
   const auto controller = load(file("echo"));
-  PillarFrame frame;
-  frame.set_displacement(8, 0.0, 0.0);
   std::vector<float> values(2 * pillars * 3);
   values.back() = 7.0F;
   ControlInput input;

@@ -74,23 +74,19 @@ class PillarFrame {
     values_[3 * pillar + 2] = static_cast<float>(normal);
   }
 
-  void set_displacement(std::size_t pillar, double x, double y) {
-    values_[3 * (pillars + pillar)] = static_cast<float>(x);
-    values_[3 * (pillars + pillar) + 1] = static_cast<float>(y);
-  }
-
   [[nodiscard]] SensorFrame at(double time) const { return {time, values_}; }
 
  private:
   std::vector<float> values_;
 };
 
-// What a controller is handed in the update `tick`. Refers to `frame`, which must outlive it.
+// What a controller is handed in the update `tick`: of the pillars all stick, half do, or none does, as `state` has it. Refers to `frame`, which must outlive it.
 inline ControlInput input_of(const PillarFrame& frame, int position, PadState state = PadState::non_slip, int tick = 0) {
   const double time = period * tick;
   ControlInput input;
   input.slip.time = time;
   input.slip.state = state;
+  input.slip.stuck_fraction = state == PadState::gross ? 0.0 : state == PadState::incipient ? 0.5 : 1.0;
   input.frame = frame.at(time);
   input.gripper = {.time = time, .position = position, .moving = false, .stopped = false};
   return input;

@@ -34,6 +34,15 @@ TEST(ForceRatio, CountsTheUnitsThatTouchAndThoseThatSlip) {
   EXPECT_EQ(state_of(*two, {1.8F, 2.4F, -6.0F, 0, 0, 0}), PadState::no_contact);
 }
 
+TEST(ForceRatio, TellsTheShareThatSticks) {
+  const auto two = detector(0.5, vector_source({"force"}, 2, 1000.0));
+  const std::vector<float> air(6), both{1, 0, 9, 1, 0, 9}, one{1, 0, 9, 1, 0, 1}, none{1, 0, 1, 1, 0, 1};
+  EXPECT_TRUE(std::isnan(two->update({0.0, air}).stuck_fraction));
+  EXPECT_EQ(two->update({0.1, both}).stuck_fraction, 1.0);
+  EXPECT_EQ(two->update({0.2, one}).stuck_fraction, 0.5);
+  EXPECT_EQ(two->update({0.3, none}).stuck_fraction, 0.0);
+}
+
 // Units under f_n = 2 N and 4 N on springs k_t = 4 N/mm, dragged at 5 mm/s from t = 0: f_t = k_t v t = 20 N/s * t. The ratio 0.4 is
 // passed at t = 0.4 f_n / (k_t v) = 40 ms and 80 ms, so first seen in the frames at 41 ms and 81 ms.
 TEST(ForceRatio, SeesTheOnsetInTheFirstFrameAfterTheRatioIsPassed) {

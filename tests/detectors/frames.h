@@ -1,6 +1,7 @@
 // Frames of a sensor that a test makes up.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -15,5 +16,44 @@ inline FrameSource vector_source(const std::vector<std::string>& channels, std::
   for (const std::string& name : channels) source.channels.push_back({name, "", {units, 3}, {}});
   return source;
 }
+
+// Units as springs on a Coulomb cone, on a surface that moves along x. Frames hold "force" and then "displacement".
+struct CoulombPad {
+  std::vector<double> normal;  // N, of each unit
+  double stiffness = 4e3;      // N/m, tangential
+  double friction = 0.5;
+
+  // The frame after the surface has moved by `path` [m] from where nothing was loaded, one way.
+  [[nodiscard]] std::vector<float> after(double path) const {
+    std::vector<float> values(6 * normal.size());
+    for (std::size_t i = 0; i < normal.size(); ++i) {
+      const double tip = std::min(path, friction * normal[i] / stiffness);
+      values[3 * i] = static_cast<float>(stiffness * tip);
+      values[3 * i + 2] = static_cast<float>(normal[i]);
+      values[3 * (normal.size() + i)] = static_cast<float>(tip);
+    }
+    return values;
+  }
+
+  [[nodiscard]] FrameSource source(double rate) const { return vector_source({"force", "displacement"}, normal.size(), rate); }
+};
+
+// What a detector tells from one frame to the next at 1 kHz.
+class Told {
+ public:
+  explicit Told(Detector& detector) : detector_(detector) {}
+
+  SlipEstimate next(const std::vector<float>& values) { return detector_.update({1e-3 * ++tick_, values}); }
+  // The state after `ticks` frames of the same values.
+  PadState after(int ticks, const std::vector<float>& values) {
+    PadState state{};
+    for (int k = 0; k < ticks; ++k) state = next(values).state;
+    return state;
+  }
+
+ private:
+  Detector& detector_;
+  int tick_ = 0;
+};
 
 }  // namespace slipbench

@@ -2,6 +2,8 @@
 
 #include "detectors/force_ratio.h"
 #include "detectors/hd/hd_detector.h"
+#include "detectors/shear_rate.h"
+#include "detectors/stuck_fraction.h"
 #include "rtl/verilated/rtl_detector.h"
 #include "sim/core/error.h"
 
@@ -19,6 +21,8 @@ struct DetectorKind {
 const std::vector<DetectorKind>& detector_catalogue() {
   static const std::vector<DetectorKind> kinds{
       {force_ratio_entry(), make_force_ratio},
+      {stuck_fraction_entry(), make_stuck_fraction},
+      {shear_rate_entry(), make_shear_rate},
       {gst_hd_entry(), make_gst_hd},
       {gst_hd_rtl_entry(), make_gst_hd_rtl, check_waveform_trial},
   };

@@ -1,0 +1,118 @@
+#include "detectors/shear_rate.h"
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "detectors/channel.h"
+#include "detectors/specs.h"
+#include "detectors/unit_counts.h"
+#include "detectors/window.h"
+
+namespace slipbench {
+namespace {
+
+class ShearRate final : public Detector {
+ public:
+  ShearRate(const Parameters& parameters, const FrameSource& source)
+      : force_(vector_channel(source, "force", "shear_rate")),
+        window_(parameters.number("window"), force_.units, source, "shear_rate"),
+        loading_(parameters.number("loading") / parameters.number("window")),
+        following_(parameters.number("following")),
+        release_(parameters.number("release")),
+        least_(parameters.number("least_friction")),
+        touch_(parameters.number("touch")),
+        shear_(force_.units),
+        units_(force_.units) {}
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    for (std::size_t i = 0; i < units_.size(); ++i) shear_[i] = force_at(frame, force_, i).tangential;
+    const std::span<const double> rates = window_.rates(shear_);
+    UnitCounts counts;
+    for (std::size_t i = 0; i < units_.size(); ++i) {
+      const UnitForce force = force_at(frame, force_, i);
+      if (!(force.normal >= touch_)) {
+        units_[i] = {};
+        continue;
+      }
+      follow(units_[i], force, rates[i]);
+      ++counts.touching;
+      if (units_[i].slips) ++counts.slipping;
+    }
+    return estimate_ = estimate_of(counts, frame.time);
+  }
+
+ private:
+  struct Unit {
+    double peak = 0.0;   // N/s, largest shear rate since its loading began
+    double ratio = 0.0;  // f_t/f_n at which it was found to slip
+    bool slips = false;
+  };
+
+  void follow(Unit& unit, const UnitForce& force, double rate) const {
+    unit.peak = std::max(unit.peak, rate);
+    if (unit.peak >= loading_ && rate >= following_ * unit.peak) {
+      unit.slips = false;
+    } else if (unit.slips) {
+      if (force.tangential < release_ * unit.ratio * force.normal) unit = {};
+    } else if (unit.peak >= loading_) {
+      if (force.tangential >= least_ * force.normal) {
+        unit.slips = true;
+        unit.ratio = force.tangential / force.normal;
+      } else {
+        unit = {};
+      }
+    }
+  }
+
+  ChannelPlace force_;
+  Window window_;
+  double loading_;  // N/s
+  double following_, release_, least_, touch_;
+  std::vector<double> shear_;  // [units] N
+  std::vector<Unit> units_;
+  SlipEstimate estimate_;
+};
+
+}  // namespace
+
+Entry shear_rate_entry() {
+  return {
+      .name = "shear_rate",
+      .summary = "a unit slips when its shear force no longer grows as it did; no training",
+      .law =
+          "r = change of f_t over window / window, p: largest r since the unit's loading began, of the units with f_n >= touch\n"
+          "a unit that has loaded, p >= loading / window, slips from when r < following p, unless f_t < least_friction f_n: then "
+          "its loading has "
+          "ended\n"
+          "it sticks again when r >= following p, or when f_t/f_n is less than release of what it was when it was found to slip; "
+          "this ends its "
+          "loading, p = 0\n"
+          "non-slip: no unit slips; incipient: some do; gross: all do; stuck fraction: share of those that touch and do not "
+          "slip\n"
+          "On a surface at constant speed a slip is told (1 - following) window after it began. A load that stops growing is "
+          "taken for a "
+          "slip, until a firmer grip lowers f_t/f_n.",
+      .source =
+          "A unit that sticks is a spring, df_t/dt = k_t v; one that slips carries f_t = mu_k f_n <= mu_s f_n, so that its shear "
+          "stays or "
+          "drops. Coulomb's law releases it. The figures: assumed",
+      .parameters = {
+          window_spec(),
+          number_spec("loading", Quantity::force, "20 mN", positive,
+                      "Growth of f_t over one window from which on a unit counts as loaded: several times the noise of 2 mN.",
+                      "assumed"),
+          number_spec("following", Quantity::none, "0.5", share_range,
+                      "Share of the largest shear rate below which the shear has stopped following the load.", "assumed"),
+          number_spec("release", Quantity::none, "0.9", share_range,
+                      "Share of the ratio f_t/f_n at which it was found to slip below which a unit sticks again.", "assumed"),
+          least_friction_spec(),
+          touch_spec(),
+      }};
+}
+
+std::unique_ptr<Detector> make_shear_rate(const Parameters& parameters, const FrameSource& source) {
+  return std::make_unique<ShearRate>(parameters, source);
+}
+
+}  // namespace slipbench

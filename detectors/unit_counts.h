@@ -1,0 +1,35 @@
+// From what is told of each unit to what is told of the pad.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+
+#include "sim/core/detector.h"
+
+namespace slipbench {
+
+// Units of a pad, as a detector sees them.
+struct UnitCounts {
+  std::size_t touching = 0;
+  std::size_t slipping = 0;  // of those that touch
+
+  // no_contact: none touches; non_slip: none slips; incipient: some do; gross: all do.
+  [[nodiscard]] PadState state() const {
+    if (touching == 0) return PadState::no_contact;
+    if (slipping == 0) return PadState::non_slip;
+    return slipping == touching ? PadState::gross : PadState::incipient;
+  }
+
+  // Share of the touching units that stick; NaN where none touches.
+  [[nodiscard]] double stuck_fraction() const {
+    if (touching == 0) return std::numeric_limits<double>::quiet_NaN();
+    return static_cast<double>(touching - slipping) / static_cast<double>(touching);
+  }
+};
+
+// The estimate that follows from the counts in the frame at `time`, there at once.
+inline SlipEstimate estimate_of(const UnitCounts& counts, double time) {
+  return {.time = time, .latency = 0.0, .state = counts.state(), .stuck_fraction = counts.stuck_fraction()};
+}
+
+}  // namespace slipbench

@@ -1,0 +1,117 @@
+#include "detectors/shear_rate.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/detectors/frames.h"
+
+namespace slipbench {
+namespace {
+
+// A window of 20 frames. 0.525 lies between what two frames tell, so that rounding decides nothing.
+std::unique_ptr<Detector> detector(const FrameSource& source, double release = 0.9) {
+  Parameters parameters = defaults_of(shear_rate_entry().parameters);
+  parameters.set("following", 0.525);
+  parameters.set("release", release);
+  return make_shear_rate(parameters, source);
+}
+
+constexpr double per_tick = 5e-6;  // m, of a surface at 5 mm/s
+
+// `values` under normal forces `factor` times as large.
+std::vector<float> firmer(std::vector<float> values, std::size_t units, float factor) {
+  for (std::size_t i = 0; i < units; ++i) values[3 * i + 2] *= factor;
+  return values;
+}
+
+// Units under 2, 4 and 6 N let go at mu f_n / (k_t v) = 50, 100 and 150 ms. After x of the window's 20 ms the rate is
+// k_t v (1 - x / 20 ms): less than 0.525 k_t v first at x = 10 ms.
+TEST(ShearRate, TellsEachSlipAfterItsShareOfTheWindow) {
+  const CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
+  const auto three = detector(pad.source(1000.0));
+  Told told(*three);
+  for (int tick = 1; tick <= 250; ++tick) {
+    const SlipEstimate estimate = told.next(pad.after(per_tick * tick));
+    const int slipping = tick < 60 ? 0 : tick < 110 ? 1 : tick < 160 ? 2 : 3;
+    ASSERT_EQ(estimate.stuck_fraction, (3 - slipping) / 3.0) << tick << " ms";
+    ASSERT_EQ(estimate.state, slipping == 0   ? PadState::non_slip
+                              : slipping == 3 ? PadState::gross
+                                              : PadState::incipient)
+        << tick << " ms";
+    EXPECT_EQ(estimate.time, 1e-3 * tick);
+    EXPECT_EQ(estimate.latency, 0.0);
+  }
+}
+
+// Friction that falls from 0.5 to 0.4 as the unit lets go at 100 ms: 0.4 N of 2 N, in a window in which 19 frames gave 0.38 N. Told at once.
+TEST(ShearRate, TellsADropAtOnce) {
+  CoulombPad pad{.normal = {4.0}};
+  const auto one = detector(pad.source(1000.0));
+  Told told(*one);
+  for (int tick = 1; tick <= 100; ++tick) ASSERT_EQ(told.next(pad.after(per_tick * tick)).state, PadState::non_slip) << tick;
+  pad.friction = 0.4;
+  EXPECT_EQ(told.next(pad.after(per_tick * 101)).state, PadState::gross);
+}
+
+// f_t stays, f_n times 1.1 and 1.12: f_t/f_n is 0.909 and 0.893 of what it was.
+TEST(ShearRate, AFirmerGripReleasesIt) {
+  const CoulombPad pad{.normal = {2.0, 4.0}};
+  const auto two = detector(pad.source(1000.0));
+  Told told(*two);
+  for (int tick = 1; tick <= 200; ++tick) told.next(pad.after(per_tick * tick));
+  const std::vector<float> rest = pad.after(per_tick * 200);
+  EXPECT_EQ(told.after(100, rest), PadState::gross);
+  EXPECT_EQ(told.after(1, firmer(rest, 2, 1.1F)), PadState::gross);
+  EXPECT_EQ(told.after(1, firmer(rest, 2, 1.12F)), PadState::non_slip);
+  EXPECT_EQ(told.after(100, rest), PadState::non_slip) << "its loading has ended";
+}
+
+// Twice the normal force after 200 ms of sliding: the shear grows again, and has 0.525 of its rate in the window 11 ms later.
+TEST(ShearRate, AUnitThatFollowsAgainSticks) {
+  const CoulombPad pad{.normal = {2.0}};
+  const auto one = detector(pad.source(1000.0), 0.1);
+  Told told(*one);
+  for (int tick = 1; tick <= 200; ++tick) told.next(pad.after(per_tick * tick));
+  for (int tick = 1; tick <= 30; ++tick) {
+    std::vector<float> values = pad.after(1.0);
+    values[0] += static_cast<float>(pad.stiffness * per_tick * tick);
+    ASSERT_EQ(told.next(firmer(values, 1, 2.0F)).state, tick < 11 ? PadState::gross : PadState::non_slip) << tick;
+  }
+}
+
+// A surface that stops at f_t/f_n = 0.3 looks like one that slips, the declared limit; at 0.15, below least_friction, it does not. 2 N and
+// 20 mN a frame: 30 and 15 frames.
+TEST(ShearRate, ALoadThatStopsGrowingIsTakenForASlipAboveTheLeastFriction) {
+  for (const auto& [stop, state] : {std::pair(30, PadState::gross), std::pair(15, PadState::non_slip)}) {
+    const CoulombPad pad{.normal = {2.0}};
+    const auto one = detector(pad.source(1000.0));
+    Told told(*one);
+    for (int tick = -20; tick <= stop; ++tick)
+      ASSERT_EQ(told.next(pad.after(per_tick * std::max(tick, 0))).state, PadState::non_slip);
+    EXPECT_EQ(told.after(100, pad.after(per_tick * stop)), state) << stop;
+  }
+}
+
+// 20 mN a window is the least that counts as loading; 0.9 mN a frame are 18 mN.
+TEST(ShearRate, AnUnloadedUnitDoesNotSlip) {
+  const CoulombPad pad{.normal = {0.06}};
+  const auto one = detector(pad.source(1000.0));
+  Told told(*one);
+  for (int tick = 1; tick <= 200; ++tick) {
+    ASSERT_EQ(told.next(pad.after(0.9e-3 / pad.stiffness * tick)).state, PadState::non_slip) << tick;
+  }
+  EXPECT_EQ(told.next(CoulombPad{.normal = {0.04}}.after(0.0)).state, PadState::no_contact);
+}
+
+TEST(ShearRate, ReadsForcesAlone) {
+  EXPECT_NO_THROW((void)detector(vector_source({"force"}, 9, 1000.0)));
+  EXPECT_THROW((void)detector(vector_source({"displacement"}, 9, 1000.0)), SceneValueError);
+  EXPECT_THROW((void)detector(vector_source({"force"}, 9, 120.0)), SceneValueError);
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,111 @@
+#include "detectors/stuck_fraction.h"
+
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/detectors/frames.h"
+
+namespace slipbench {
+namespace {
+
+// A window of 20 frames. The shares and speeds lie between what two frames tell, so that rounding decides nothing.
+std::unique_ptr<Detector> detector(const FrameSource& source) {
+  Parameters parameters = defaults_of(stuck_fraction_entry().parameters);
+  parameters.set("stuck_share", 0.525);
+  parameters.set("moving_speed", 0.4e-3);
+  return make_stuck_fraction(parameters, source);
+}
+
+constexpr double per_tick = 5e-6;  // m, of a surface at 5 mm/s
+
+// Units under 2, 4 and 6 N let go at mu f_n / (k_t v) = 50, 100 and 150 ms. One that slid for x of the window's 20 ms has the speed
+// v (1 - x / 20 ms): less than 0.525 v first at x = 10 ms, and less than 0.4 mm/s of 5 mm/s first at x = 19 ms, which is when the last unit is
+// told by the friction of the others.
+TEST(StuckFraction, TellsEachSlipAfterItsShareOfTheWindow) {
+  const CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
+  const auto three = detector(pad.source(1000.0));
+  Told told(*three);
+  for (int tick = 1; tick <= 250; ++tick) {
+    const SlipEstimate estimate = told.next(pad.after(per_tick * tick));
+    const int slipping = tick < 60 ? 0 : tick < 110 ? 1 : tick < 169 ? 2 : 3;
+    ASSERT_EQ(estimate.stuck_fraction, (3 - slipping) / 3.0) << tick << " ms";
+    ASSERT_EQ(estimate.state, slipping == 0   ? PadState::non_slip
+                              : slipping == 3 ? PadState::gross
+                                              : PadState::incipient)
+        << tick << " ms";
+    EXPECT_EQ(estimate.time, 1e-3 * tick);
+    EXPECT_EQ(estimate.latency, 0.0);
+  }
+}
+
+// At rest in a slide f_t/f_n is mu: gross, until the grip has brought it below 0.9 mu. f_t stays, f_n times 1.1 and 1.12: 0.4545, 0.4464.
+TEST(StuckFraction, AtRestGoesByTheFrictionOfThoseThatSlid) {
+  CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
+  const auto three = detector(pad.source(1000.0));
+  Told told(*three);
+  for (int tick = 1; tick <= 250; ++tick) told.next(pad.after(per_tick * tick));
+  const std::vector<float> rest = pad.after(per_tick * 250);
+  EXPECT_EQ(told.after(30, rest), PadState::gross);
+  const auto firmer = [&rest](float factor) {
+    std::vector<float> values = rest;
+    for (std::size_t i = 0; i < 3; ++i) values[3 * i + 2] *= factor;
+    return values;
+  };
+  EXPECT_EQ(told.after(1, firmer(1.1F)), PadState::gross);
+  EXPECT_EQ(told.after(1, firmer(1.12F)), PadState::non_slip);
+}
+
+// One that no unit has slid on before tells no friction: the declared limit of what tips tell.
+TEST(StuckFraction, TakesAPadThatSlidesAsAWholeForOneAtRest) {
+  const CoulombPad pad{.normal = {4.0, 4.0}};
+  const auto two = detector(pad.source(1000.0));
+  Told told(*two);
+  for (int tick = 1; tick <= 200; ++tick) ASSERT_EQ(told.next(pad.after(per_tick * tick)).state, PadState::non_slip) << tick;
+}
+
+TEST(StuckFraction, HearsNothingBelowTheLeastFrictionOrWithoutTouch) {
+  const CoulombPad smooth{.normal = {2.0, 4.0}, .friction = 0.19};
+  const auto low = detector(smooth.source(1000.0));
+  Told on_smooth(*low);
+  for (int tick = 1; tick <= 200; ++tick) ASSERT_EQ(on_smooth.next(smooth.after(per_tick * tick)).state, PadState::non_slip);
+
+  // A unit under 0.04 N does not touch: of the other two the lighter one slips, half of them.
+  const CoulombPad light{.normal = {2.0, 0.04, 4.0}};
+  const auto one_off = detector(light.source(1000.0));
+  Told on_two(*one_off);
+  for (int tick = 1; tick < 80; ++tick) on_two.next(light.after(per_tick * tick));
+  EXPECT_EQ(on_two.next(light.after(per_tick * 80)).stuck_fraction, 0.5);
+
+  const CoulombPad air{.normal = {0.0, 0.0}};
+  const SlipEstimate estimate = detector(air.source(1000.0))->update({0.0, air.after(0.0)});
+  EXPECT_EQ(estimate.state, PadState::no_contact);
+  EXPECT_TRUE(std::isnan(estimate.stuck_fraction));
+}
+
+std::string refusal(const FrameSource& source) {
+  try {
+    (void)detector(source);
+  } catch (const SceneValueError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(StuckFraction, RefusesWhatItCannotRead) {
+  EXPECT_EQ(refusal(vector_source({"displacement", "force"}, 9, 250.0)), "accepted");
+  EXPECT_EQ(
+      refusal(vector_source({"force"}, 9, 1000.0)),
+      "detector.sensor: stuck_fraction reads a displacement in three axes, which the papillarray 'pad' does not have; allowed: a "
+      "sensor that has it");
+  for (const double rate : {25.0, 120.0}) {  // 0.5 and 2.4 frames
+    EXPECT_EQ(refusal(vector_source({"force", "displacement"}, 9, rate)),
+              "detector.window: stuck_fraction compares frames that lie 20 ms apart, and sensors.pad has " +
+                  format_quantity(rate, Quantity::frequency) + "; allowed: a whole number of its frames, 1 to 1,000,000");
+  }
+}
+
+}  // namespace
+}  // namespace slipbench
