@@ -335,7 +335,7 @@ class Builder {
       add_fingers(mjs_findBody(spec, "world"), *hand_);
       mjs_setName(mjs_addSite(mjs_findBody(spec, hand_->box), nullptr)->element, corner_site);
       spec->option.integrator = mjINT_EULER;
-      spec->option.disableflags |= mjDSBL_EULERDAMP | mjDSBL_CONSTRAINT;
+      spec->option.disableflags |= mjDSBL_EULERDAMP | mjDSBL_CONSTRAINT | mjDSBL_DAMPER;  // it has no joint that is damped
     }
     if (std::ranges::any_of(scene_.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); })) add_stage(spec);
     touched_.assign(scene_.sensors.size(), {});
