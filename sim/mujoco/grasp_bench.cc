@@ -130,6 +130,11 @@ struct GraspBench::State {
       shown.push_back(i);
     }
     box_body = static_cast<std::size_t>(std::ranges::find(bodies, box_name, &NamedBody::name) - bodies.begin());
+    bodies[box_body].size = values(grasp.box_size);
+    if (grip.choice("second_pad") == "silicone") {
+      const std::vector<double>& face = grip.vector("pad_size");
+      std::ranges::find(bodies, second_pad_name, &NamedBody::name)->size = {face[0], face[1], 0.0};
+    }
     ideal = ideal_grip_force(scene, grasp.friction_scale, -m->opt.gravity[2]);
     start_height = grasp.box_position.z();
   }

@@ -39,7 +39,8 @@ class GraspBench final : public Bench, public HeldBox {
   [[nodiscard]] std::size_t stride(std::size_t pad) const override;
   void step() override;
   [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
-  // "arm", the sensor's pad under the sensor's name, "second_pad", "table" and "box".
+  // "arm", the sensor's pad under the sensor's name, "second_pad", "table" and "box". The box has a size, and the silicone pad that of its
+  // face: width, height, 0.
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
   [[nodiscard]] bool rotating() const override;
 

@@ -14,6 +14,7 @@ namespace slipbench {
 struct NamedBody {
   std::string name;
   BodyState state;
+  std::vector<double> size = {};  // [3] m, its extent along its own axes; empty: not said
 };
 
 class HeldBox;  // sim/grasp/held_box.h

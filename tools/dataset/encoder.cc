@@ -128,6 +128,11 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
       attributes.push_back({label_group(sensor.name), name, std::move(matrix)});
     });
   }
+  for (const BodyRecord& body : record.bodies) {
+    if (!body.size.empty()) {
+      attributes.push_back({body_group(body.name), "size", EncodedAttribute::Doubles{{body.size.size()}, body.size}});
+    }
+  }
   if (record.control) {
     attributes.push_back({control_group, "detector", record.control->detector});
     attributes.push_back({control_group, "controller", record.control->controller});

@@ -477,6 +477,11 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
     for_each_body_column(columns, [&](const char* name, const char*, const Extents& tail, std::vector<float>& column) {
       column = read_column<float>(place.below(name), record.body_time.size(), tail);
     });
+    const Handle group = open_object(place);
+    if (H5Aexists(group.get(), "size") > 0) {
+      columns.size = read_numbers<double>(place, group, "size").values;
+      if (columns.size.size() != 3) place.fail("attribute 'size' is not three numbers");
+    }
     record.bodies.push_back(std::move(columns));
   }
   record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp.has_value());

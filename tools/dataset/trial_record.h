@@ -98,8 +98,9 @@ struct ControlRecord {
 // A body's motion in the world frame, at TrialRecord::body_time.
 struct BodyRecord {
   std::string name;
-  std::vector<float> pose;      // [T,7] m, then quaternion w x y z; the quaternion's sign is continuous in time
-  std::vector<float> velocity;  // [T,6] m/s of the body frame's origin, then rad/s
+  std::vector<float> pose;        // [T,7] m, then quaternion w x y z; the quaternion's sign is continuous in time
+  std::vector<float> velocity;    // [T,6] m/s of the body frame's origin, then rad/s
+  std::vector<double> size = {};  // [3] m, its extent along its own axes; empty: not said
 };
 
 // How a grasp ended. NaN: it never happened, or does not apply.

@@ -16,12 +16,13 @@ std::string_view asset(std::string_view name) {
   throw std::logic_error("the report has no embedded file " + std::string(name));
 }
 
-// All embedded files of one kind, in order, without the libraries' pointers to their source maps, which a browser would fetch.
-std::string joined(std::string_view extension) {
+// All embedded files of one kind, in order, without the libraries' pointers to their source maps, which a browser would fetch. What draws a
+// grasp, "grasp_...", is there only with `grasps`.
+std::string joined(std::string_view extension, bool grasps) {
   constexpr std::string_view pointer = "# sourceMappingURL=";
   std::string text;
   for (const Asset& candidate : assets()) {
-    if (!candidate.name.ends_with(extension)) continue;
+    if (!candidate.name.ends_with(extension) || (!grasps && candidate.name.starts_with("grasp_"))) continue;
     const std::size_t found = candidate.text.find(pointer);
     // The comment that holds it is the file's last line.
     text += candidate.text.substr(0, found == std::string_view::npos ? found : candidate.text.rfind('\n', found));
@@ -67,6 +68,7 @@ std::string escape_html(const std::string& text) {
 }
 
 std::string compose_page(const std::string& title, const Json& data) {
+  const bool grasps = data.contains("grasps");
   std::string_view rest = asset("report.html");
   std::string page;
   // Markers {{name}} are replaced in one pass, so that no inserted text is searched again.
@@ -79,9 +81,9 @@ std::string compose_page(const std::string& title, const Json& data) {
     if (marker == "title") {
       page += escape_html(title);
     } else if (marker == "styles") {
-      page += joined(".css");
+      page += joined(".css", grasps);
     } else if (marker == "scripts") {
-      page += joined(".js");
+      page += joined(".js", grasps);
     } else if (marker == "licences") {
       page += asset("licences.txt");
     } else if (marker == "data") {

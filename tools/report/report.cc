@@ -14,6 +14,7 @@
 #include "tools/dataset/guarded.h"
 #include "tools/dataset/output_file.h"
 #include "tools/dataset/reader.h"
+#include "tools/report/grasp.h"
 #include "tools/report/json.h"
 #include "tools/report/page.h"
 #include "tools/report/parameters.h"
@@ -71,8 +72,8 @@ Json drawn_parameters(const std::string& params, const std::string& subject) {
   return result;
 }
 
-// One row of the overview; with `curve_values` above 0 the trial's curves are added to `curves`.
-Json trial_row(const TrialRecord& record, const std::string& file, std::size_t curve_values, Json& curves) {
+// One row of the overview; with `curve_values` above 0 the trial's curves are added to `curves`, and those of a grasp to `grasps`.
+Json trial_row(const TrialRecord& record, const std::string& file, std::size_t curve_values, Json& curves, Json& grasps) {
   const std::string subject = file + ": /data/demo_" + std::to_string(record.trial);
   Json row = {{"index", record.trial},
               {"seed", std::to_string(record.seed)},
@@ -96,6 +97,10 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
                        {"detection_s", report::number_or_null(record.outcome.detection_time)},
                        {"delay_s", report::number_or_null(record.outcome.detection_delay)},
                        {"false_alarm_s", report::number_or_null(record.outcome.false_alarm_time)}};
+  }
+  if (record.outcome.grasp) {
+    row["grasp"] = report::grasp_summary(*record.outcome.grasp);
+    if (curve_values > 0) grasps[std::to_string(record.trial)] = report::grasp_payload(record, curve_values, subject);
   }
   row["motion_start_s"] = report::number_or_null(report::motion_start(record, first_touch));
   return row;
@@ -126,18 +131,20 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
 
   Json rows = Json::array();
   Json curves = Json::object();
+  Json grasps = Json::object();
   std::vector<Json> drawn;
   ContentCheck check(dataset);
   for (const std::size_t trial : trials) {
     const bool embed = std::find(embedded.begin(), embedded.end(), trial) != embedded.end();
     const TrialRecord record = dataset.read_trial(trial);
     check.add(record);
-    rows.push_back(trial_row(record, dataset_path, embed ? curve_values_in_page / embedded.size() : 0, curves));
+    rows.push_back(trial_row(record, dataset_path, embed ? curve_values_in_page / embedded.size() : 0, curves, grasps));
     drawn.push_back(rows.back()["params"]);
   }
   check.finish();
   page["trials"] = std::move(rows);
   page["curves"] = std::move(curves);
+  if (!grasps.empty()) page["grasps"] = std::move(grasps);
   page["axes"] = report::axes(drawn);
 
   const auto description = page["description"].get<std::string>();

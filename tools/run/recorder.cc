@@ -302,7 +302,7 @@ void TrialRecorder::write_bodies(double time, const std::vector<NamedBody>& bodi
   const std::size_t rows = record_.body_time.size();
   if (record_.bodies.empty()) {
     for (const NamedBody& body : bodies) {
-      record_.bodies.push_back({body.name, std::vector<float>(rows * 7), std::vector<float>(rows * 6)});
+      record_.bodies.push_back({body.name, std::vector<float>(rows * 7), std::vector<float>(rows * 6), body.size});
     }
   }
   const std::size_t row = body_row_++;

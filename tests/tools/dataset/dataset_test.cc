@@ -103,6 +103,7 @@ TEST_F(DatasetTest, ComesBackAsItWasWritten) {
   EXPECT_THAT(sensor.labels.state_count, ElementsAre(0, 0, 40, 0));        // all are 2, incipient
   EXPECT_THAT(sensor.labels.state_micro_count, ElementsAre(0, 0, 0, 40));  // all are 3, gross
   ASSERT_EQ(found.bodies.size(), 1U);
+  EXPECT_TRUE(found.bodies[0].size.empty());
   EXPECT_EQ(found.bodies[0].name, "pad");
   expect_same(found.bodies[0].pose, expected.bodies[0].pose);
   expect_same(found.bodies[0].velocity, expected.bodies[0].velocity);
@@ -144,6 +145,7 @@ TEST_F(DatasetTest, GripperComesBackAsItWasWritten) {
   EXPECT_EQ(found.control->grip.grip_force, expected.control->grip.grip_force);
   ASSERT_TRUE(found.outcome.grasp.has_value());
   EXPECT_TRUE(found.outcome.grasp->dropped);
+  EXPECT_THAT(found.bodies.at(0).size, ElementsAre(0.0625, 0.05, 0.1));
 }
 
 TEST_F(DatasetTest, DetectorThatDoesNotFitItsTrialIsRefused) {

@@ -98,6 +98,7 @@ inline TrialRecord make_controlled_record(std::size_t trial, std::size_t rows) {
 inline TrialRecord make_grasp_record(std::size_t trial, std::size_t rows) {
   TrialRecord record = make_controlled_record(trial, rows);
   record.control->controller = "step_on_slip";
+  record.bodies[0].size = {0.0625, 0.05, 0.1};
   for (std::size_t row = 0; row < rows; ++row) {
     for (const std::size_t value : {row, row + 1, row + 2})
       record.control->grip.command.push_back(static_cast<std::uint8_t>(value));

@@ -140,6 +140,23 @@ TEST(Report, HoldsWhatTheLoopSaw) {
   EXPECT_FALSE(data.at("trials").at(1).contains("detector"));
 }
 
+TEST(Report, HoldsAGrasp) {
+  write_report(write_dataset("report_grasp.h5", scene, {sample_grasp(0)}), page_path("report_grasp.html"));
+  const Json data = data_of(page_path("report_grasp.html"));
+  EXPECT_EQ(data.at("trials").at(0).at("grasp").at("ideal_force_N"), 2.0);
+  EXPECT_EQ(data.at("grasps").at("0").at("lift_s"), 3e-3);
+  EXPECT_THAT(read_text(page_path("report_grasp.html")), HasSubstr("class GraspView"));
+}
+
+// What draws a grasp is not in the page of a dataset without one.
+TEST(Report, PaysNothingForAGraspThatIsNotThere) {
+  write_report(write_dataset("report_no_grasp.h5", scene, trials(1)), page_path("report_no_grasp.html"));
+  const Json data = data_of(page_path("report_no_grasp.html"));
+  EXPECT_FALSE(data.contains("grasps"));
+  EXPECT_FALSE(data.at("trials").at(0).contains("grasp"));
+  EXPECT_THAT(read_text(page_path("report_no_grasp.html")), ::testing::Not(HasSubstr("class GraspView")));
+}
+
 TEST(Report, ListsEveryTrialOfADataset) {
   write_report(write_dataset("report_sweep.h5", scene, trials(11)), page_path("report_sweep.html"));
   const Json data = data_of(page_path("report_sweep.html"));

@@ -1,5 +1,6 @@
 #include "tests/tools/report/sample.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -90,6 +91,35 @@ TrialRecord sample_trial(std::size_t trial, const std::string& params) {
     body.velocity.insert(body.velocity.end(), {i < 2 ? 0.0F : 0.004F, 0.0F, i < 2 ? -0.001F : 0.0F, 0.0F, 0.0F, 0.0F});
   }
   record.bodies.push_back(body);
+  return record;
+}
+
+TrialRecord sample_grasp(std::size_t trial) {
+  TrialRecord record = sample_trial(trial, "{}");
+  BodyRecord arm{"arm", {}, {}}, box{"box", {}, {}, {0.0625, 0.05, 0.1}};
+  ControlRecord control;
+  control.detector = "truth";
+  control.controller = "step_on_slip";
+  control.sensor = "pad";
+  control.rate = 1000.0;
+  control.time = record.sensors[0].time;
+  for (int i = 0; i < 8; ++i) {
+    const auto since = static_cast<float>(i < 3 ? 0 : i - 3);
+    arm.pose.insert(arm.pose.end(), {0.0F, 0.0F, 2e-3F * since, 1.0F, 0.0F, 0.0F, 0.0F});
+    arm.velocity.insert(arm.velocity.end(), {0.0F, 0.0F, i < 4 ? 0.0F : 2.0F, 0.0F, 0.0F, 0.0F});
+    box.pose.insert(box.pose.end(),
+                    {0.0F, 0.0F, -0.02F + 1e-3F * since, std::cos(5e-3F * since), 0.0F, 0.0F, std::sin(5e-3F * since)});
+    box.velocity.insert(box.velocity.end(), 6, 0.0F);
+    control.detector_class.push_back(1);
+    const auto row = static_cast<std::uint8_t>(i);
+    control.grip.command.insert(control.grip.command.end(), {static_cast<std::uint8_t>(71 + row), 0, 0});
+    control.grip.measured_position.push_back(static_cast<std::uint8_t>(70 + row));
+    control.grip.grip_force.push_back(0.5F * static_cast<float>(i));
+  }
+  record.bodies = {record.bodies.front(), std::move(arm), std::move(box)};
+  record.control = std::move(control);
+  record.outcome.grasp =
+      GraspOutcome{.slip_translation = 4e-3, .max_grip_force = 3.5, .final_grip_force = 3.5, .ideal_grip_force = 2.0};
   return record;
 }
 

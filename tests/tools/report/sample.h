@@ -20,6 +20,10 @@ namespace slipbench::report {
 // with - detached, S stick, P partial, L slip. The body moves sideways from sample 2 on.
 TrialRecord sample_trial(std::size_t trial, const std::string& params);
 
+// The same as a grasp by "step_on_slip" on the oracle: from row 3 on the arm rises by 2 mm a row, the box by 1 mm from -20 mm, and the box turns
+// about the vertical by 0.01 rad a row. The grip force is 0.5 N a row, 71 counts and more are commanded, 70 and more measured. Bodies: pad, arm, box.
+TrialRecord sample_grasp(std::size_t trial);
+
 // Writes a dataset of trials and returns its path.
 std::string write_dataset(const std::string& name, const std::string& scene, const std::vector<TrialRecord>& trials);
 

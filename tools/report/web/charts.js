@@ -159,7 +159,8 @@ class StateRows {
 
 // Curves over time on bands of the sensor's state.
 // options: {rows: times, columns, labels, unit, colours, range: [low, high] or null, height, bands: runs, strip: runs or null,
-// solid: no dashes}
+// solid: no dashes, step: values stay until the next, and all optional: lines: [{value, text, colour}] across, marks: [{time, text, colour}]
+// down, points: [{time, value, text}] on a curve; values in SI}
 class LineChart {
   constructor(parent, timeline, options) {
     this.timeline = timeline;
@@ -173,6 +174,7 @@ class LineChart {
     this.graph = new Dygraph(this.plot, data, {
       labels: ['t', ...options.labels],
       strokeWidth: 1.5,
+      stepPlot: Boolean(options.step),
       // The second of several curves is dashed: it may lie on the first.
       series:
           Object.fromEntries(options.labels.map((name, i) => [name, {strokePattern: i === 1 && !options.solid ? [6, 3] : null}])),
@@ -191,7 +193,7 @@ class LineChart {
         x: {drawGrid: false, pixelsPerLabel: 56, axisLabelFormatter: t => sb.significant(+t.toFixed(5), 6) + ' s'},
         y: {axisLabelWidth: axisWidth - 4, pixelsPerLabel: 24, axisLabelFormatter: value => sb.significant(+value.toFixed(9), 4)},
       },
-      underlayCallback: (pen, area) => this.drawBands(pen, area),
+      underlayCallback: (pen, area, graph) => this.drawBands(pen, area, graph),
     });
     attachTimeInput(this.node, timeline);
     attachCursor(this.node, timeline, this);
@@ -208,7 +210,7 @@ class LineChart {
     };
   }
 
-  drawBands(pen, area) {
+  drawBands(pen, area, graph) {
     const [from, to] = this.timeline.window;
     const x = t => area.x + (t - from) / (to - from) * area.w;
     const paint = (runs, top, height, colourOf) => {
@@ -225,6 +227,52 @@ class LineChart {
     if (this.options.strip) {
       paint(this.options.strip, area.y + area.h - 5, 5, state => stateColour(sb.states.unit[state].key));
     }
+    this.drawNotes(pen, area, x, graph);
+  }
+
+  // Lines, marks and points of the options, each with its text.
+  drawNotes(pen, area, x, graph) {
+    const {lines = [], marks = [], points = [], unit} = this.options;
+    const [low, high] = graph.yAxisRange();
+    const y = value => area.y + area.h * (high - value * sb.factor(unit)) / (high - low);
+    const line = (from, to, colour, dash) => {
+      pen.strokeStyle = colour;
+      pen.setLineDash(dash);
+      pen.lineWidth = 1.3;
+      pen.beginPath();
+      pen.moveTo(...from);
+      pen.lineTo(...to);
+      pen.stroke();
+      pen.setLineDash([]);
+    };
+    pen.save();
+    pen.beginPath();
+    pen.rect(area.x, area.y, area.w, area.h);
+    pen.clip();
+    pen.font = '11px system-ui, "DejaVu Sans", sans-serif';
+    for (const {time, text, colour} of marks) {
+      const shade = sb.colour(colour || 'soft');
+      line([x(time), area.y], [x(time), area.y + area.h], shade, [2, 3]);
+      pen.fillStyle = shade;
+      pen.textAlign = 'left';
+      pen.fillText(text, x(time) + 4, area.y + 10);
+    }
+    for (const {value, text, colour} of lines) {
+      line([area.x, y(value)], [area.x + area.w, y(value)], sb.colour(colour), [7, 4]);
+      pen.fillStyle = sb.colour(colour);
+      pen.textAlign = 'right';
+      pen.fillText(text, area.x + area.w - 4, y(value) + 12);
+    }
+    for (const {time, value, text} of points) {
+      pen.fillStyle = sb.colour('ink');
+      pen.beginPath();
+      pen.arc(x(time), y(value), 3, 0, 2 * Math.PI);
+      pen.fill();
+      const left = x(time) < area.x + 0.75 * area.w;
+      pen.textAlign = left ? 'left' : 'right';
+      pen.fillText(text, x(time) + (left ? 6 : -6), y(value) - 4);
+    }
+    pen.restore();
   }
 }
 

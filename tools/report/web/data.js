@@ -31,6 +31,8 @@ async function unpack(packed) {
   return Array.from({length: columns}, (_, c) => values.subarray(c * rows, (c + 1) * rows));
 }
 
+sb.unpack = unpack;
+
 // Runs of equal states: [{state, from, to}] in seconds, `to` being the time of the first sample of the next run.
 function runsOf(states, time) {
   const runs = [];

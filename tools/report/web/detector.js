@@ -3,6 +3,9 @@
 'use strict';
 const el = sb.element;
 
+// The detector `truth` is an oracle: no sensor could be it.
+sb.detectorName = type => type === 'truth' ? 'truth (oracle)' : type;
+
 // Sum of the trials' counts: [truth][class].
 const pooled = trials =>
     d3.range(4).map(truth => d3.range(4).map(seen => d3.sum(trials, trial => trial.detector.confusion[truth][seen])));
@@ -47,7 +50,7 @@ sb.detectorSection = trials => {
   const right = d3.sum(d3.range(1, 4), truth => counts[truth][truth]);
   const {type, sensor} = trials[0].detector;
   return el(
-      'section', {}, el('h2', {}, 'Detector ' + type + ' against the truth'),
+      'section', {}, el('h2', {}, 'Detector ' + sb.detectorName(type) + ' against the truth'),
       el('p.note', {},
          'Samples of ' + sensor + ' by true state (strict) and by the class that the loop saw at that instant, latency included. ' +
              timesText(trials) + (contact ? ' Right in ' + sb.percent(right / contact) + ' of the time in contact.' : '')),

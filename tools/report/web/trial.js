@@ -17,7 +17,7 @@ function keyFigures(trial, summary) {
       figure('Longest slip', sb.quantity(summary.max_slip_m, 'm'), 'path slipped by one ' + sb.unitWord(summary.type)),
       trial.detector ? figure(
                            'Slip seen', sb.seconds(trial.detector.detection_s),
-                           trial.detector.delay_s === null ? trial.detector.type :
+                           trial.detector.delay_s === null ? sb.detectorName(trial.detector.type) :
                                                              sb.milliseconds(trial.detector.delay_s) + ' after it began') :
                        null);
 }
@@ -42,6 +42,7 @@ function player(timeline) {
         'aria-label': 'Playing speed',
         onchange: event => {
           timeline.rate = +event.target.value;
+          timeline.tell('playing');
         }
       },
          [[1, 'real time'], [0.25, '¼ of real time'], [0.05, '1/20 of real time']].map(
@@ -49,6 +50,7 @@ function player(timeline) {
   speed.value = String(timeline.rate);
   timeline.on('playing', () => {
     button.textContent = timeline.playing ? 'Pause' : 'Play';
+    speed.value = String(timeline.rate);
   });
   const update = sample => {
     slider.value = String(sample);
@@ -109,7 +111,7 @@ function wholeSensor(trial, recording, timeline) {
   const title = (name, note) => el('div.chart-title', {}, el('span', {}, el('b', {}, name), ' ', note || ''));
   const seen = recording.padRuns.seen;
   section.append(
-      title('State by rule', seen ? 'seen: what the loop saw of the detector ' + trial.detector.type : ''),
+      title('State by rule', seen ? 'seen: what the loop saw of the detector ' + sb.detectorName(trial.detector.type) : ''),
       sb.stateLegend(sb.states.pad));
   const host = el('div');
   section.append(host);
@@ -401,6 +403,8 @@ sb.showTrial = async (host, index, sensorName) => {
   const recording = recordings.find(candidate => candidate.name === sensorName) || recordings[0];
   const summary = Object.assign({type: recording.type}, trial.sensors[recording.name]);
   const timeline = new sb.Timeline(recording.time);
+  const held = trial.grasp ? await sb.graspOf(index) : null;
+  const grasp = held && sb.graspSection(trial, held, recording, timeline, player);
 
   const charts = new UnitCharts(recording, timeline);
   const card = el('div.pad-card');
@@ -422,20 +426,22 @@ sb.showTrial = async (host, index, sensorName) => {
       null :
       el('p.note', {}, 'Curves show one sample in ' + recording.stride + '. States and onsets are complete.');
   host.replaceChildren(
-      keyFigures(trial, summary),
+      ...(grasp ? [...grasp.nodes, el('h2', {}, 'The sensor ' + recording.name)] : []), keyFigures(trial, summary),
       el('div.layout', {}, side, el('div', {}, thinned, whole.section, charts.section, onset.section, rules(summary),
                                               recording.padRuns.seen ? sb.detectorSection([trial]) : null)));
+  if (grasp) grasp.draw();
   whole.draw();
   charts.draw();
 
   const update = () => {
     const sample = recording.sampleAt(timeline.cursor);
-    for (const part of [controls, readings, pad, onset]) part.update(sample);
+    for (const part of [controls, readings, pad, onset, ...(grasp ? [grasp] : [])]) part.update(sample);
   };
   timeline.on('cursor', update);
   // Opens where there is most to see: when half of the units that let go have done so.
   const onsets_s = recording.onset_s.filter(t => t !== null);
-  timeline.cursor = onsets_s.length  ? d3.median(onsets_s) :
+  timeline.cursor = grasp    ? grasp.opens_s :
+      onsets_s.length        ? d3.median(onsets_s) :
       summary.first_micro_s !== null ? summary.first_micro_s :
                                        (timeline.full[0] + timeline.full[1]) / 2;
   timeline.tell('cursor');

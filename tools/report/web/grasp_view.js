@@ -1,0 +1,233 @@
+// Gripper, box and table of a grasp in space, at the cursor.
+(function(sb) {
+'use strict';
+const el = sb.element;
+const {subtract, product, placed, inFrame, block, bar, solid, drawingOrder, drawSolid, path, lit, Camera} = sb.space;
+
+// m. What a dataset does not say of the gripper's looks.
+const finger = {
+  halfWidth: 0.0135,
+  below: 0.02,
+  above: 0.085,
+  thick: 0.011
+};
+const palm = {
+  from: 0.085,
+  to: 0.112,
+  halfLength: 0.085,
+  halfWidth: 0.03
+};
+const wrist = {
+  radius: 0.026,
+  height: 0.035
+};
+const table = {
+  half: 0.115,
+  thick: 0.006
+};
+const layer = 0.004;  // of a silicone pad
+
+// The sensor's units as bars; a unit that lets go has the look of its state.
+class PadSolids {
+  constructor(recording) {
+    this.recording = recording;
+    const positions = recording.positions;
+    let pitch = 0.02;
+    for (const p of positions) {
+      for (const q of positions) {
+        if (p !== q) pitch = Math.min(pitch, Math.hypot(p[0] - q[0], p[1] - q[1]) || pitch);
+      }
+    }
+    this.radius = 0.34 * pitch;
+    this.length = Math.max(0.005, pitch);
+    const edge = axis => d3.extent(positions, p => p[axis]);
+    const [left, right] = edge(0), [low, high] = edge(1), rim = 0.75 * pitch;
+    this.plate = block([left - rim, low - rim, this.length], [right + rim, high + rim, this.length + 0.003]);
+    this.back = this.length + 0.003;
+  }
+
+  // `face(pose, x, y)`: where the box is above the pad's plane at that place [m], or 0. `sample`: null: states are not shown.
+  solids(pose, face, sample) {
+    const looks = {
+      detached: {colour: 'detached', alpha: 0.3, fine: true},
+      stick: {colour: 'stick', alpha: 1, fine: true},
+      partial: {colour: 'partial', alpha: 1, dash: [3, 2]},
+      slip: {colour: 'slip', alpha: 1, fine: true}
+    };
+    const {recording} = this;
+    const bars = recording.positions.map(([x, y], i) => {
+      const key = sample === null ? 'detached' : sb.states.unit[recording.unitStates[i][sample]].key;
+      return solid(bar(x, y, this.radius, Math.min(face(pose, x, y), 0.8 * this.length), this.length), pose, looks[key]);
+    });
+    return [...bars, solid(this.plate, pose, {colour: 'soft', alpha: 0.12})];
+  }
+}
+
+class GraspView {
+  constructor(parent, grasp, recording, timeline) {
+    this.grasp = grasp;
+    this.recording = recording;
+    this.timeline = timeline;
+    this.pad = new PadSolids(recording);
+    this.camera = new Camera();
+    this.close = false;
+    this.canvas = el('canvas', {
+      role: 'img',
+      'aria-label': 'Gripper, box and table at the cursor; drag to turn, double-click for the first view'
+    });
+    this.node = el('div.space', {}, this.canvas);
+    parent.append(this.node);
+    this.handlePointer();
+    const first = grasp.poseAt(timeline.full[0]);
+    this.boxSize = grasp.size('box') || [0.06, 0.06, 0.1];
+    this.tableHeight = first.table.position[2];
+    const across = subtract(first.second_pad.position, first[recording.name].position);
+    const yaw = 0.5 * Math.atan2(across[1], across[0]);
+    this.handTurn = [Math.cos(yaw), 0, 0, Math.sin(yaw)];
+    this.start = first.arm;
+    // The whole picture holds the table and the hand at its highest.
+    const top = grasp.highest('arm') + palm.to + wrist.height;
+    const corners = h => [-1, 1].flatMap(x => [-1, 1].map(y => [x * h, y * h]));
+    this.all = [
+      ...corners(table.half).map(([x, y]) => [x, y, this.tableHeight]), ...corners(palm.halfLength).map(([x, y]) => [x, y, top])
+    ];
+    timeline.on('theme', () => this.draw());
+    new ResizeObserver(() => this.draw()).observe(this.node);
+  }
+
+  handlePointer() {
+    let from = null;
+    this.canvas.style.touchAction = 'pan-y';
+    this.canvas.addEventListener('pointerdown', event => {
+      from = [event.clientX, event.clientY];
+      this.canvas.setPointerCapture(event.pointerId);
+    });
+    this.canvas.addEventListener('pointermove', event => {
+      if (!from) return;
+      this.camera.orbit(0.008 * (event.clientX - from[0]), 0.008 * (event.clientY - from[1]));
+      from = [event.clientX, event.clientY];
+      this.draw();
+    });
+    for (const end of ['pointerup', 'pointercancel']) this.canvas.addEventListener(end, () => from = null);
+    this.canvas.addEventListener('dblclick', () => {
+      this.camera.reset();
+      this.draw();
+    });
+  }
+
+  // `close`: near the pads and with them, instead of the whole scene.
+  zoom(close) {
+    this.close = close;
+    this.draw();
+  }
+
+  // How far the box stands into the pad at (x, y) of its frame: along the pad's normal to the first face of the box.
+  faceOf(boxPose) {
+    const half = this.boxSize.map(s => 0.5 * s);
+    return (pose, x, y) => {
+      const tip = inFrame(boxPose, placed(pose, [x, y, 0]));
+      if (tip.some((c, k) => Math.abs(c) > half[k])) return 0;
+      const way = subtract(inFrame(boxPose, placed(pose, [x, y, 1])), tip);
+      return Math.min(...way.map((w, k) => w === 0 ? Infinity : (Math.sign(w) * half[k] - tip[k]) / w));
+    };
+  }
+
+  solids(poses, sample) {
+    const {recording, pad} = this;
+    const face = this.faceOf(poses.box);
+    const half = this.boxSize.map(s => 0.5 * s);
+    const silicone = this.grasp.size('second_pad');
+    const sensorFinger = {colour: 'faint', alpha: 0.13}, body = {colour: 'faint', alpha: 1};
+    const arm = poses.arm;
+    const hand = {position: arm.position, turn: product(arm.turn, this.handTurn)};
+    const fingerFrom = z => block([-finger.halfWidth, -finger.below, z], [finger.halfWidth, finger.above, z + finger.thick]);
+    const list = [
+      solid(block(half.map(h => -h), half), poses.box, {colour: 'box', alpha: 1}),
+      ...pad.solids(poses[recording.name], face, sample),
+      solid(fingerFrom(pad.back), poses[recording.name], sensorFinger),
+      solid(block([-palm.halfLength, -palm.halfWidth, palm.from], [palm.halfLength, palm.halfWidth, palm.to]), hand, body),
+      solid(bar(0, 0, wrist.radius, palm.to, palm.to + wrist.height), hand, body)
+    ];
+    if (silicone) {
+      const [w, h] = silicone;
+      list.push(
+          solid(block([-0.5 * w, -0.5 * h, 0], [0.5 * w, 0.5 * h, layer]), poses.second_pad, {colour: 'soft', alpha: 1}),
+          solid(fingerFrom(layer), poses.second_pad, body));
+    } else {
+      list.push(...pad.solids(poses.second_pad, face, null), solid(fingerFrom(pad.back), poses.second_pad, body));
+    }
+    return list;
+  }
+
+  drawTable(pen) {
+    const {camera, tableHeight} = this;
+    const {half, thick} = table;
+    const at = {position: [0, 0, tableHeight], turn: [1, 0, 0, 0]};
+    drawSolid(pen, camera, solid(block([-half, -half, -thick], [half, half, 0]), at, {colour: 'line', alpha: 1}));
+    pen.strokeStyle = lit(sb.colour('faint'), 1, 0.45);
+    pen.lineWidth = 0.7;
+    for (let c = -0.1; c < 0.101; c += 0.05) {
+      for (const ends of [[[c, -half, tableHeight], [c, half, tableHeight]], [[-half, c, tableHeight], [half, c, tableHeight]]]) {
+        path(pen, ends.map(camera.project));
+        pen.stroke();
+      }
+    }
+  }
+
+  // Straight down, so that the height over the table shows.
+  drawShadow(pen, box) {
+    const {tableHeight, camera} = this;
+    const within = c => Math.min(table.half, Math.max(-table.half, c));
+    const hull = d3.geom.hull(box.points.map(([x, y]) => [within(x), within(y)]));
+    path(pen, hull.map(([x, y]) => camera.project([x, y, tableHeight])));
+    pen.fillStyle = 'rgba(0,0,0,.22)';
+    pen.fill();
+  }
+
+  // Edges of the box where it would be if it had not slipped in the arm's frame since the lift began.
+  drawUnslipped(pen, poses, box) {
+    const {grasp, camera} = this;
+    if (this.timeline.cursor < grasp.lift_s) return;
+    const held = grasp.poseAt(grasp.lift_s);
+    const back = point => placed(poses.arm, inFrame(held.arm, point));
+    const half = this.boxSize.map(s => 0.5 * s);
+    const shape = block(half.map(h => -h), half);
+    const corners = shape.points.map(point => camera.project(back(placed(held.box, point))));
+    const now = box.points.map(camera.project);
+    if (corners.every(([x, y], i) => Math.hypot(x - now[i][0], y - now[i][1]) < 2)) return;
+    pen.strokeStyle = lit(sb.colour('accent'), 1, 0.9);
+    pen.lineWidth = 1.1;
+    pen.setLineDash([4, 3]);
+    for (const face of shape.faces) {
+      path(pen, face.map(i => corners[i]));
+      pen.closePath();
+      pen.stroke();
+    }
+    pen.setLineDash([]);
+  }
+
+  draw() {
+    const width = this.node.clientWidth, height = this.node.clientHeight;
+    if (!width || !height) return;
+    const ratio = Math.max(2, window.devicePixelRatio || 1);
+    this.canvas.width = width * ratio;
+    this.canvas.height = height * ratio;
+    const pen = this.canvas.getContext('2d');
+    pen.scale(ratio, ratio);
+    const {camera, timeline} = this;
+    const poses = this.grasp.poseAt(timeline.cursor);
+    const moved = subtract(poses.arm.position, this.start.position);
+    if (this.close)
+      camera.look(width, height, [moved[0], moved[1], moved[2] + 0.01], 0.075);
+    else
+      camera.fit(width, height, this.all);
+    this.drawTable(pen);
+    const solids = this.solids(poses, this.recording.sampleAt(timeline.cursor));
+    this.drawShadow(pen, solids[0]);
+    for (const each of drawingOrder(solids, camera.eye)) drawSolid(pen, camera, each);
+    this.drawUnslipped(pen, poses, solids[0]);
+  }
+}
+
+sb.GraspView = GraspView;
+})(window.slipbench);
