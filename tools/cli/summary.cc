@@ -4,9 +4,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -18,6 +21,7 @@
 namespace slipbench {
 namespace {
 
+constexpr double degrees = 180.0 / std::numbers::pi;  // of one radian
 constexpr std::array<const char*, 4> state_names{"none", "non-slip", "incipient", "gross"};
 
 // "P0" where the sensor names its units so ("P0_FX"), else the unit's number.
@@ -127,6 +131,86 @@ bool slipped(const TrialSummary& trial) {
   return !std::isnan(trial.outcome.detection_delay) || samples(PadState::incipient) + samples(PadState::gross) > 0;
 }
 
+// How one trial's grasp ended.
+std::string grasp_text(const GraspOutcome& grasp, const Style& style) {
+  std::string text = grasp.dropped ? fmt::format("  {} at {}", style.bold("dropped"), onset_text(grasp.drop_time))
+                                   : fmt::format("  {}, slipped {:.2f} mm and turned {:.2f} deg", style.bold("held"),
+                                                 1e3 * grasp.slip_translation, degrees * grasp.slip_rotation);
+  text += fmt::format("; grip force up to {:.2f} N", grasp.max_grip_force);
+  if (!std::isnan(grasp.ideal_grip_force)) {
+    text +=
+        fmt::format(", {:.2f} times the ideal {:.2f} N", grasp.max_grip_force / grasp.ideal_grip_force, grasp.ideal_grip_force);
+  }
+  if (!std::isnan(grasp.reaction_time))
+    text += fmt::format("; tightened {:.0f} ms after the lift's first slip", 1e3 * grasp.reaction_time);
+  return text + '\n';
+}
+
+// "force_ratio (ratio 0.3)": a detector or controller with its swept parameters. `key`: where these stand in the scene.
+std::string with_parameters(const std::string& type, const std::string& key, const nlohmann::ordered_json& params) {
+  std::string values;
+  for (const auto& [path, value] : params.items()) {
+    if (!path.starts_with(key + '.') || path == key + ".type" || value.is_null()) continue;
+    const std::string text = value.is_number_float() ? fmt::format("{:.4g}", value.get<double>())
+                             : value.is_string()     ? value.get<std::string>()
+                                                     : value.dump();
+    values += fmt::format("{}{} {}", values.empty() ? "" : ", ", path.substr(key.size() + 1), text);
+  }
+  return values.empty() ? type : fmt::format("{} ({})", type, values);
+}
+
+// What decides the row of a grasp.
+std::string grasp_name(const TrialSummary& trial, bool parameters) {
+  const auto params = parameters ? nlohmann::ordered_json::parse(trial.params) : nlohmann::ordered_json::object();
+  return fmt::format("{}, {}", trial.detector ? with_parameters(trial.detector->type, "detector", params) : "no detector",
+                     trial.controller.empty() ? "no controller" : with_parameters(trial.controller, "controller", params));
+}
+
+// The trials that are grasps by their rows' names, in order of each name's first trial.
+using NamedGrasps = std::vector<std::pair<std::string, std::vector<const TrialSummary*>>>;
+
+NamedGrasps named_grasps(const std::vector<TrialSummary>& trials, bool parameters) {
+  NamedGrasps groups;
+  for (const TrialSummary& trial : trials) {
+    if (!trial.outcome.grasp) continue;
+    const std::string name = grasp_name(trial, parameters);
+    const auto found = std::ranges::find(groups, name, &NamedGrasps::value_type::first);
+    (found == groups.end() ? groups.emplace_back(name, std::vector<const TrialSummary*>{}) : *found).second.push_back(&trial);
+  }
+  return groups;
+}
+
+// Of the values that are there; NaN: none is.
+double median_of(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return std::isnan(value); });
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(values.begin(), values.end());
+  return median(values);
+}
+
+template <class Value>
+double median_of(const std::vector<const TrialSummary*>& trials, const Value& value) {
+  std::vector<double> values;
+  for (const TrialSummary* trial : trials) values.push_back(value(*trial->outcome.grasp));
+  return median_of(std::move(values));
+}
+
+std::string number_text(const char* format, double value) {
+  return std::isnan(value) ? "-" : fmt::format(fmt::runtime(format), value);
+}
+
+std::string grasps_text(const std::vector<GraspRow>& rows, const Style& style) {
+  if (rows.empty()) return "";
+  Table table({"", "held", "95 %", "slip", "turn", "max/ideal force", "reaction"});
+  for (const GraspRow& row : rows) {
+    table.add({row.name, fmt::format("{} of {}", row.held, row.trials),
+               fmt::format("{:.1f} to {:.1f} %", 100.0 * row.held_share.low, 100.0 * row.held_share.high),
+               number_text("{:.2f} mm", 1e3 * row.slip_translation), number_text("{:.2f} deg", degrees * row.slip_rotation),
+               number_text("{:.2f}", row.force_ratio), number_text("{:.0f} ms", 1e3 * row.reaction_time)});
+  }
+  return fmt::format("{}: medians; slip and turn of the held\n", style.heading("grasps")) + table.text(style);
+}
+
 // When one trial's detector saw slip, against when it began.
 std::string detector_text(const TrialSummary& trial, const Style& style) {
   const TrialOutcome& outcome = trial.outcome;
@@ -217,7 +301,8 @@ std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>
   std::string text;
   for (std::size_t i = 0; i < trial.sensors.size(); ++i) text += sensor_text(trial.sensors[i], sensors.at(i), style);
   text += gross_text(trial.outcome, style);
-  return trial.detector ? text + detector_text(trial, style) : text;
+  if (trial.detector) text += detector_text(trial, style);
+  return trial.outcome.grasp ? text + grasp_text(*trial.outcome.grasp, style) : text;
 }
 
 std::string sweep_text(const SweepSummary& summary, const Style& style) {
@@ -243,7 +328,43 @@ std::string sweep_text(const SweepSummary& summary, const Style& style) {
     if (trial.detector && std::ranges::find(types, trial.detector->type) == types.end()) types.push_back(trial.detector->type);
   }
   for (const std::string& type : types) text += detectors_text(type, summary.trials, style);
-  return text;
+  return text + grasps_text(grasp_rows(summary), style);
+}
+
+std::vector<GraspRow> grasp_rows(const SweepSummary& summary) {
+  constexpr std::size_t most_rows = 24;
+  NamedGrasps groups = named_grasps(summary.trials, true);
+  if (groups.size() > most_rows) groups = named_grasps(summary.trials, false);
+  std::vector<GraspRow> rows;
+  for (const auto& [name, trials] : groups) {
+    const auto held = static_cast<std::size_t>(
+        std::ranges::count_if(trials, [](const TrialSummary* trial) { return !trial->outcome.grasp->dropped; }));
+    rows.push_back({.name = name,
+                    .trials = trials.size(),
+                    .held = held,
+                    .held_share = clopper_pearson(held, trials.size()),
+                    .slip_translation = median_of(trials, [](const GraspOutcome& grasp) { return grasp.slip_translation; }),
+                    .slip_rotation = median_of(trials, [](const GraspOutcome& grasp) { return grasp.slip_rotation; }),
+                    .force_ratio = median_of(
+                        trials, [](const GraspOutcome& grasp) { return grasp.max_grip_force / grasp.ideal_grip_force; }),
+                    .reaction_time = median_of(trials, [](const GraspOutcome& grasp) { return grasp.reaction_time; })});
+  }
+  return rows;
+}
+
+nlohmann::ordered_json grasp_json(const std::vector<GraspRow>& rows) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const GraspRow& row : rows) {
+    list.push_back({{"name", row.name},
+                    {"trials", row.trials},
+                    {"held", row.held},
+                    {"held_share_95", {row.held_share.low, row.held_share.high}},
+                    {"median_slip_translation_m", row.slip_translation},
+                    {"median_slip_rotation_rad", row.slip_rotation},
+                    {"median_force_ratio", row.force_ratio},
+                    {"median_reaction_time_s", row.reaction_time}});
+  }
+  return list;
 }
 
 std::string speed_text(const SweepSummary& summary, double elapsed) {

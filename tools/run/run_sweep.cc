@@ -82,13 +82,16 @@ struct FinishedTrial {
 
 TrialSummary summary_of(TrialResult& result) {
   const TrialRecord& record = result.record;
-  TrialSummary summary{record.trial, record.params, record.outcome, {}, std::nullopt};
+  TrialSummary summary{.trial = record.trial, .params = record.params, .outcome = record.outcome, .sensors = {}, .detector = {}};
   for (std::size_t i = 0; i < record.sensors.size(); ++i) {
     const SensorRecord& sensor = record.sensors[i];
     summary.sensors.push_back(
         {sensor.name, std::move(result.units[i]), sensor.labels.state_count, sensor.labels.state_micro_count});
   }
-  if (record.control) summary.detector = {record.control->detector, record.control->sensor, record.control->confusion};
+  if (record.control) summary.controller = record.control->controller;
+  if (record.control && !record.control->detector.empty()) {
+    summary.detector = {record.control->detector, record.control->sensor, record.control->confusion};
+  }
   return summary;
 }
 
@@ -277,6 +280,7 @@ std::string summary_json(const SweepSummary& summary) {
       json["detector"] = {
           {"type", trial.detector->type}, {"sensor", trial.detector->sensor}, {"confusion", trial.detector->confusion}};
     }
+    if (!trial.controller.empty()) json["controller"] = trial.controller;
     trials.push_back(std::move(json));
   }
   const Json json = {{"command", summary.command},       {"seed", summary.seed},

@@ -59,6 +59,7 @@ struct TrialSummary {
   TrialOutcome outcome;
   std::vector<SensorSummary> sensors;
   std::optional<DetectorSummary> detector;  // empty: the scene has none
+  std::string controller = {};              // "step_on_slip"; empty: the scene has none
 };
 
 struct SweepSummary {

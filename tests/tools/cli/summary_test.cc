@@ -101,6 +101,76 @@ TEST(Summary, SweepSaysSoOfEachDetector) {
                 "contact\n"));
 }
 
+// A grasp by `type` and step_on_slip; of an ideal 2 N.
+TrialSummary small_grasp(const std::string& type, bool dropped, const std::string& params = "{}") {
+  TrialSummary trial = small_trial();
+  trial.params = params;
+  trial.detector = small_detector();
+  trial.detector->type = type;
+  trial.controller = "step_on_slip";
+  trial.outcome.grasp.emplace();
+  trial.outcome.grasp->dropped = dropped;
+  trial.outcome.grasp->ideal_grip_force = 2.0;
+  trial.outcome.grasp->max_grip_force = 3.0;
+  if (dropped) {
+    trial.outcome.grasp->drop_time = 2.5;
+  } else {
+    trial.outcome.grasp->slip_translation = 0.00125;
+    trial.outcome.grasp->slip_rotation = 0.01745329252;  // 1 deg
+  }
+  return trial;
+}
+
+TEST(Summary, TrialSaysHowTheGraspEnded) {
+  TrialSummary trial = small_grasp("ratio", false);
+  EXPECT_THAT(trial_text(trial, sensors, Style(false)),
+              HasSubstr("\n  held, slipped 1.25 mm and turned 1.00 deg; grip force up to 3.00 N, 1.50 times the ideal 2.00 N\n"));
+  trial = small_grasp("ratio", true);
+  trial.outcome.grasp->ideal_grip_force = never;
+  trial.outcome.grasp->reaction_time = 0.04;
+  EXPECT_THAT(trial_text(trial, sensors, Style(false)),
+              HasSubstr("\n  dropped at 2.5000 s; grip force up to 3.00 N; tightened 40 ms after the lift's first slip\n"));
+}
+
+// Ten of ten with one detector, one of two with another; all or none of n are certain to p^n = 0.025, one of two to
+// 1 - (1 - p)^2 = 0.025.
+TEST(Summary, SweepShowsTheGraspsByDetectorAndController) {
+  SweepSummary summary;
+  for (int i = 0; i < 10; ++i) summary.trials.push_back(small_grasp("truth", false, R"({"detector.ratio": null})"));
+  summary.trials[3].outcome.grasp->reaction_time = 0.02;
+  summary.trials[7].outcome.grasp->reaction_time = 0.06;
+  summary.trials.push_back(small_grasp("ratio", true, R"({"detector.type": "ratio", "detector.ratio": 0.3})"));
+  summary.trials.push_back(small_grasp("ratio", false, R"({"detector.type": "ratio", "detector.ratio": 0.3})"));
+  summary.trials.back().outcome.grasp->max_grip_force = 4.0;
+  EXPECT_THAT(
+      sweep_text(summary, Style(false)),
+      HasSubstr("\ngrasps: medians; slip and turn of the held\n"
+                "                                       held             95 %     slip      turn  max/ideal force  reaction\n"
+                "  truth, step_on_slip              10 of 10  69.2 to 100.0 %  1.25 mm  1.00 deg             1.50     40 ms\n"
+                "  ratio (ratio 0.3), step_on_slip    1 of 2    1.3 to 98.7 %  1.25 mm  1.00 deg             1.75         -\n"));
+  const std::vector<GraspRow> rows = grasp_rows(summary);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_NEAR(rows[0].held_share.low, std::pow(0.025, 0.1), 1e-12);
+  EXPECT_NEAR(rows[1].held_share.low, 1.0 - std::sqrt(0.975), 1e-12);
+  const nlohmann::ordered_json json = grasp_json(rows);
+  EXPECT_EQ(json.at(1).at("name"), "ratio (ratio 0.3), step_on_slip");
+  EXPECT_EQ(json.at(1).at("held"), 1);
+  EXPECT_EQ(json.at(1).at("median_force_ratio"), 1.75);
+  EXPECT_EQ(json.at(1).at("median_reaction_time_s").dump(), "null");
+}
+
+// 30 thresholds, each drawn once: one row says more than 30 of one trial.
+TEST(Summary, ManySweptParametersShareARow) {
+  SweepSummary summary;
+  for (int i = 0; i < 30; ++i)
+    summary.trials.push_back(small_grasp("ratio", false, R"({"detector.ratio": )" + std::to_string(i) + "}"));
+  const std::vector<GraspRow> rows = grasp_rows(summary);
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].name, "ratio, step_on_slip");
+  EXPECT_EQ(rows[0].trials, 30U);
+  EXPECT_TRUE(grasp_rows({}).empty());
+}
+
 TEST(Summary, TrialWithoutGrossSlipSaysSo) {
   TrialSummary trial = small_trial();
   trial.outcome.gross_slip_time = never;
