@@ -63,12 +63,14 @@ std::string description_of(const std::string& scene, const std::string& subject)
   }
 }
 
-// Drawn parameters of a trial: {path: plain value}.
+// Drawn parameters of a trial: {path: plain value}, those that it has.
 Json drawn_parameters(const std::string& params, const std::string& subject) {
   const Json stored = parse_json(params, subject);
   if (!stored.is_object()) throw InputError(subject + " is not a JSON object");
   Json result = Json::object();
-  for (const auto& [path, value] : stored.items()) result[path] = report::plain_value(path, value);
+  for (const auto& [path, value] : stored.items()) {
+    if (!value.is_null()) result[path] = report::plain_value(path, value);  // null: a parameter of another type than the trial's
+  }
   return result;
 }
 
@@ -90,7 +92,9 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
           report::trial_payload(sensor, record.control ? &*record.control : nullptr, curve_values / record.sensors.size()));
     }
   }
-  if (record.control) {
+  if (record.outcome.grasp) row["grasp"] = report::grasp_summary(*record.outcome.grasp);
+  if (record.control && !record.control->controller.empty()) row["controller"] = record.control->controller;
+  if (record.control && !record.control->detector.empty()) {
     row["detector"] = {{"type", record.control->detector},
                        {"sensor", record.control->sensor},
                        {"confusion", record.control->confusion},

@@ -51,6 +51,20 @@ TEST_F(SweepTest, TheLastAxisVariesFastest) {
   }
 }
 
+// A parameter of one detector is null in the trials of another.
+TEST_F(SweepTest, DetectorsOfAnAxisBringTheirOwnParameters) {
+  const TrialPlan grid = plan(
+      "detector: {type: trained}\nsweep: {detector: [{type: ratio, threshold: 0.3}, {type: trained}, {type: none}], "
+      "motion.speed: [1, 2]}\n");
+  ASSERT_EQ(grid.size(), 6u);
+  EXPECT_EQ(grid.trial(1).scene.detector->type, "ratio");
+  EXPECT_EQ(grid.trial(1).scene.detector->parameters.number("threshold"), 0.3);
+  EXPECT_EQ(drawn(grid, 1).at("detector.threshold"), "0.3");
+  EXPECT_EQ(grid.trial(3).scene.detector->type, "trained");
+  EXPECT_EQ(drawn(grid, 3).at("detector.threshold"), "null");
+  EXPECT_FALSE(grid.trial(5).scene.detector.has_value());
+}
+
 TEST_F(SweepTest, TheCallersNumberOfDrawsReplacesTheScenes) {
   EXPECT_EQ(plan("sweep: {motion.speed: [1, 2], trials: 3}\n").size(), 6u);
   EXPECT_EQ(plan("sweep: {motion.speed: [1, 2], trials: 3}\n", 5).size(), 10u);

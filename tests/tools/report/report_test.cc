@@ -172,6 +172,38 @@ TEST(Report, ListsEveryTrialOfADataset) {
   EXPECT_THAT(embedded(data), ElementsAre("0", "2", "4", "6", "8", "10"));
 }
 
+TEST(Report, SaysHowGraspsEnded) {
+  TrialRecord held = sample_trial(0, R"({"detector.type": "truth", "detector.ratio": null})");
+  held.outcome.grasp.emplace();
+  held.outcome.grasp->slip_translation = 1e-3;
+  held.outcome.grasp->slip_rotation = 0.25;
+  held.outcome.grasp->max_grip_force = 6.0;
+  held.outcome.grasp->final_grip_force = 5.0;
+  held.outcome.grasp->ideal_grip_force = 4.0;
+  held.control.emplace();
+  held.control->controller = "hold_preset";
+  held.control->sensor = "pad";
+  held.control->time = held.sensors[0].time;
+  held.control->detector_class.assign(8, 0);
+  held.control->grip.command.assign(24, 0);
+  held.control->grip.measured_position.assign(8, 0);
+  held.control->grip.grip_force.assign(8, 0.0F);
+  TrialRecord dropped = sample_trial(1, R"({"detector.type": "force_ratio", "detector.ratio": 0.3})");
+  dropped.outcome.grasp.emplace();
+  dropped.outcome.grasp->dropped = true;
+  dropped.outcome.grasp->drop_time = 3e-3;
+  write_report(write_dataset("report_grasps.h5", scene, {held, dropped}), page_path("report_grasps.html"));
+  const Json rows = data_of(page_path("report_grasps.html")).at("trials");
+  EXPECT_EQ(rows.at(0).at("grasp"), Json::parse(R"({"dropped": false, "drop_s": null, "slip_m": 0.001, "rotation_rad": 0.25,
+    "max_force_N": 6.0, "final_force_N": 5.0, "ideal_force_N": 4.0, "reaction_s": null})"));
+  EXPECT_EQ(rows.at(0).at("controller"), "hold_preset");
+  EXPECT_FALSE(rows.at(0).contains("detector")) << "the scene has none";
+  EXPECT_FALSE(rows.at(0).at("params").contains("detector.ratio")) << "the oracle has no ratio";
+  EXPECT_TRUE(rows.at(1).at("grasp").at("dropped").get<bool>());
+  EXPECT_TRUE(rows.at(1).at("grasp").at("slip_m").is_null());
+  EXPECT_EQ(rows.at(1).at("params").at("detector.ratio").at("value"), 0.3);
+}
+
 TEST(Report, EmbedsTheTrialAskedFor) {
   const std::string dataset = write_dataset("report_ask.h5", scene, trials(11));
   write_report(dataset, page_path("report_ask.html"), {.trial = 7, .max_trials = 3});

@@ -43,6 +43,15 @@ const endless = (axis, trial) => axis.numeric && axis.path in trial.params && tr
 const plain = (axis, value) => value === null ? '–' : axis.numeric ? sb.quantity(value, axis.unit, 3) : String(value);
 const said = (axis, trial) => endless(axis, trial) ? sb.endless(axis.unit) : plain(axis, valueOf(trial, axis.path));
 
+sb.sweptValues = {
+  varied,
+  valueOf,
+  endless,
+  label,
+  plain,
+  wide
+};
+
 // Trials run with one sensor or several; the overview is of one of them.
 const summaryOf = (trial, sensor) => trial.sensors[sensor];
 
@@ -54,7 +63,8 @@ function swept() {
     if (axis.numeric) distinct.sort((a, b) => a - b);
     const grid = distinct.length <= 24 && distinct.length < Math.max(3, values.length * 0.6);
     const list = grid && distinct.length <= 8;
-    const span = axis.numeric && distinct.length ? plain(axis, distinct[0]) + ' to ' + plain(axis, distinct[distinct.length - 1]) : '';
+    const span =
+        axis.numeric && distinct.length ? plain(axis, distinct[0]) + ' to ' + plain(axis, distinct[distinct.length - 1]) : '';
     const text = list ? distinct.map(value => plain(axis, value)).join(', ') :
                         [grid || !span ? distinct.length + ' values' : '', span].filter(part => part).join(', ');
     const more = page.trials.some(trial => endless(axis, trial)) ? (text ? ', ' : '') + sb.endless(axis.unit) : '';
@@ -219,6 +229,7 @@ function frame(host, box, x, y, xTitle, yTitle, xLog, yLog) {
   }
   return svg;
 }
+sb.frame = frame;
 
 // How points are coloured and shaped by one parameter, and the legend that says so.
 function encoding(path) {
@@ -336,8 +347,9 @@ function scatter(sensor, open) {
     const yLog = wide(times, 12);
     axes.forEach(axis => {
       const box = {width: 400, height: 270, left: 58, right: 12, top: 10, bottom: 40};
-      const finite = trials =>
-          trials.map(trial => valueOf(trial, axis.path)).filter(value => value !== null).map(value => value * sb.factor(axis.unit));
+      const finite = trials => trials.map(trial => valueOf(trial, axis.path))
+                                   .filter(value => value !== null)
+                                   .map(value => value * sb.factor(axis.unit));
       // Where only endless values are left, the others still say what the axis is.
       const values = finite(happened).length ? finite(happened) : finite(page.trials);
       // What is endless has no place on any axis, and zero none on a logarithmic one: they get one of their own, right and left of
@@ -363,11 +375,8 @@ function scatter(sensor, open) {
       const svg = frame(
           host, box, x, y, label(axis) + (xLog ? ' (log)' : ''), state.outcome.name + ', ms' + (yLog ? ' (log)' : ''), xLog,
           yLog);
-      const name = (at, text) => svg.append('text')
-                                     .attr('x', at)
-                                     .attr('y', box.height - box.bottom + 17)
-                                     .attr('text-anchor', 'middle')
-                                     .text(text);
+      const name = (at, text) =>
+          svg.append('text').attr('x', at).attr('y', box.height - box.bottom + 17).attr('text-anchor', 'middle').text(text);
       if (zeros) name(box.left + 13, '0');
       if (beyond) name(box.width - box.right - 22, sb.endless(axis.unit));
       svg.selectAll('path.point')
@@ -375,9 +384,7 @@ function scatter(sensor, open) {
           .enter()
           .append('path')
           .attr('class', 'point')
-          .attr(
-              'transform',
-              trial => 'translate(' + place(trial) + ',' + y(timeOf(trial)) + ')')
+          .attr('transform', trial => 'translate(' + place(trial) + ',' + y(timeOf(trial)) + ')')
           .attr('d', trial => d3.svg.symbol().type(encoded.shape(trial)).size(46)())
           .style('fill', encoded.colour)
           .style('fill-opacity', 0.85)
@@ -401,9 +408,40 @@ function scatter(sensor, open) {
   return section;
 }
 
-// All trials; sortable, and opened from here.
+// A column of the table of trials.
+const number = (name, value, text) => ({name, value, text, kind: ''});
+const slipColumns = sensor =>
+    [...[['first_micro_s', 'micro-slip, s'], ['first_full_s', 'full slip, s'], ['gross_s', 'gross slip, s']].map(
+         ([key, name]) =>
+             number(name, trial => summaryOf(trial, sensor)[key], trial => sb.fixed(summaryOf(trial, sensor)[key], 3))),
+     number(
+         'incipient, ms', trial => summaryOf(trial, sensor).incipient_s,
+         trial => sb.fixed(summaryOf(trial, sensor).incipient_s === null ? null : summaryOf(trial, sensor).incipient_s * 1e3, 1)),
+     number(
+         'gross, share', trial => summaryOf(trial, sensor).shares.strict[3],
+         trial => sb.percent(summaryOf(trial, sensor).shares.strict[3])),
+     number(
+         'paper differs', trial => summaryOf(trial, sensor).disagreement.paper,
+         trial => sb.percent(summaryOf(trial, sensor).disagreement.paper)),
+];
+const graspColumns = () => {
+  const of = (name, value, digits) =>
+      number(name, ({grasp}) => grasp && value(grasp), ({grasp}) => sb.fixed(grasp ? value(grasp) : null, digits));
+  const scaled = (value, factor) => value === null ? null : value * factor;
+  return [
+    Object.assign(
+        number('grasp', ({grasp}) => grasp && grasp.dropped, ({grasp}) => grasp ? (grasp.dropped ? 'dropped' : 'held') : '–'),
+        {kind: 'text'}),
+    of('slipped, mm', grasp => scaled(grasp.slip_m, 1e3), 2),
+    of('turned, °', grasp => scaled(grasp.rotation_rad, 180 / Math.PI), 2),
+    of('largest force, N', grasp => grasp.max_force_N, 2),
+    of('ideal force, N', grasp => grasp.ideal_force_N, 2),
+    of('reaction, ms', grasp => scaled(grasp.reaction_s, 1e3), 0),
+  ];
+};
+
+// All trials; sortable, and opened from here. `sensor`: none where only outcomes were recorded.
 function table(sensor, open) {
-  const number = (name, value, text) => ({name, value, text, kind: ''});
   const columns = [
     number('trial', trial => trial.index, trial => String(trial.index)),
     ...varied.map(axis => ({
@@ -412,26 +450,15 @@ function table(sensor, open) {
                     text: trial => {
                       const value = valueOf(trial, axis.path);
                       return endless(axis, trial) ? sb.endless(axis.unit) :
-                          value === null ? '–' :
-                          axis.numeric      ? sb.significant(value * sb.factor(axis.unit), 3) :
-                                              String(value);
+                          value === null          ? '–' :
+                          axis.numeric            ? sb.significant(value * sb.factor(axis.unit), 3) :
+                                                    String(value);
                     },
                     kind: axis.numeric ? '' : 'text'
                   })),
-    ...[['first_micro_s', 'micro-slip, s'], ['first_full_s', 'full slip, s'], ['gross_s', 'gross slip, s']].map(
-        ([key, name]) =>
-            number(name, trial => summaryOf(trial, sensor)[key], trial => sb.fixed(summaryOf(trial, sensor)[key], 3))),
-    number(
-        'incipient, ms', trial => summaryOf(trial, sensor).incipient_s,
-        trial => sb.fixed(summaryOf(trial, sensor).incipient_s === null ? null : summaryOf(trial, sensor).incipient_s * 1e3, 1)),
-    number(
-        'gross, share', trial => summaryOf(trial, sensor).shares.strict[3],
-        trial => sb.percent(summaryOf(trial, sensor).shares.strict[3])),
-    number(
-        'paper differs', trial => summaryOf(trial, sensor).disagreement.paper,
-        trial => sb.percent(summaryOf(trial, sensor).disagreement.paper)),
+    ...(page.trials.some(trial => trial.grasp) ? graspColumns() : []),
+    ...(sensor ? slipColumns(sensor) : []),
   ];
-  const command = trial => 'slipbench report ' + page.file + ' --trial ' + trial.index;
   const rows = new Map(page.trials.map(
       trial =>
           [trial.index,
@@ -439,8 +466,11 @@ function table(sensor, open) {
               el('td.text', {},
                  sb.isEmbedded(trial.index) ?
                      el('button.link', {onclick: () => open(trial.index)}, 'open') :
-                     el('button.link', {title: command(trial), onclick: event => copy(event.target, command(trial))},
-                        'copy command')),
+                     trial.samples ?
+                     el('button.link',
+                        {title: sb.reportCommand(trial), onclick: event => sb.copy(event.target, sb.reportCommand(trial))},
+                        'copy command') :
+                     null),
               columns.map(column => el('td.' + column.kind, {}, column.text(trial))))]));
   const body = el('tbody', {}, [...rows.values()]);
   const heads = columns.map(column => el('th.' + column.kind, {}, el('button', {onclick: () => sort(column)}, column.name)));
@@ -473,6 +503,11 @@ function table(sensor, open) {
       el('p.note', {}, 'Click a heading to sort. ',
          embedded === page.trials.length ?
              'All trials can be opened here.' :
+             !sensor ?
+             [
+               'Only outcomes were recorded; ', el('code', {}, sb.replayCommand(page.trials[0])),
+               ' runs a trial again with its recording.'
+             ] :
              [
                'The curves of ' + embedded + ' of ' + page.trials.length + ' trials are in this page; for another one run ',
                el('code', {}, 'slipbench report ' + page.file + ' --trial K'), '.'
@@ -480,7 +515,9 @@ function table(sensor, open) {
       el('div.scroll.tall', {}, el('table', {}, el('thead', {}, el('tr', {}, el('th'), heads)), body)));
 }
 
-async function copy(button, text) {
+sb.reportCommand = trial => 'slipbench report ' + page.file + ' --trial ' + trial.index;
+
+sb.copy = async (button, text) => {
   const before = button.textContent;
   try {
     await navigator.clipboard.writeText(text);
@@ -492,7 +529,7 @@ async function copy(button, text) {
   setTimeout(() => {
     button.textContent = before;
   }, 1500);
-}
+};
 
 // `open(index)`: called to open an embedded trial.
 sb.showDataset = (host, open) => {
@@ -505,8 +542,9 @@ sb.showDataset = (host, open) => {
                el('label', {}, 'sensor',
                   el('select', {onchange: event => draw(event.target.value)},
                      sensors.map(name => el('option', {value: name, selected: name === sensor ? '' : null}, name))))),
-        swept(), el('div.two', {}, balance(sensor), durations(sensor)), ...sb.detectorSections(page.trials),
-        scatter(sensor, open), table(sensor, open));
+        swept(), ...sb.graspSections(page.trials, open),
+        ...(sensor ? [el('div.two', {}, balance(sensor), durations(sensor))] : []), ...sb.detectorSections(page.trials),
+        ...(sensor ? [scatter(sensor, open)] : []), table(sensor, open));
   };
   draw(sensors[0]);
 };

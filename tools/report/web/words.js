@@ -44,6 +44,7 @@ const shown = {
   'rad/s': [180 / Math.PI, '°/s'],
   'rad/s2': [180 / Math.PI, '°/s²'],
   'N/m': [1e-3, 'N/mm'],
+  'kg': [1e3, 'g'],
 };
 sb.factor = unit => (shown[unit] || [1, unit])[0];
 sb.symbol = unit => (shown[unit] || [1, unit])[1];
@@ -89,7 +90,13 @@ const pathWords = {
   'friction.static': 'static friction',
   'friction.kinetic': 'kinetic friction',
   'friction.scale': 'friction scale',
-  'surface.material': 'material'
+  'surface.material': 'material',
+  'box.mass': 'mass',
+  'grip.preset': 'preset force',
+  'grip.protocol': 'protocol',
+  'detector.type': 'detector',
+  'controller.type': 'controller',
+  'detector.flip': 'share of flipped classes'
 };
 sb.pathWord = path => pathWords[path] || path;
 // What a time or another value that is infinite means.
