@@ -23,19 +23,26 @@ struct Protocol {
   std::map<std::string, std::string> defaults;
 };
 
+// What a scene may ask of its trials. The first parameter of each is `limit`, which is what `expect: {NAME: LIMIT}` gives.
+struct ExpectationEntry : Entry {
+  bool of_grasp = false;     // only where there is a gripper
+  bool of_detector = false;  // only where there is a detector
+};
+
 // The catalogues, by the scene key that draws from them.
 struct Catalogues {
   std::vector<Material> materials;
-  std::vector<Entry> surfaces;      // surface.shape
-  std::vector<Entry> motions;       // motion.kind
-  std::vector<Entry> sensors;       // sensors.*.type
-  std::vector<Entry> electronics;   // sensors.*.electronics
-  std::vector<Entry> effects;       // effects
-  std::vector<Entry> bodies;        // bodies.*.shape
-  std::vector<Entry> grasp;         // box, grip, scatter: one entry each
-  std::vector<Protocol> protocols;  // grip.protocol
-  std::vector<Entry> detectors;     // detector.type
-  std::vector<Entry> controllers;   // controller.type
+  std::vector<Entry> surfaces;                 // surface.shape
+  std::vector<Entry> motions;                  // motion.kind
+  std::vector<Entry> sensors;                  // sensors.*.type
+  std::vector<Entry> electronics;              // sensors.*.electronics
+  std::vector<Entry> effects;                  // effects
+  std::vector<Entry> bodies;                   // bodies.*.shape
+  std::vector<Entry> grasp;                    // box, grip, scatter: one entry each
+  std::vector<Protocol> protocols;             // grip.protocol
+  std::vector<Entry> detectors;                // detector.type
+  std::vector<Entry> controllers;              // controller.type
+  std::vector<ExpectationEntry> expectations;  // expect
 };
 
 }  // namespace slipbench

@@ -62,6 +62,13 @@ struct GraspScene {
   std::optional<Parameters> scatter;  // empty: every trial alike
 };
 
+// What must come out of a scene's trials, for `slipbench check`.
+struct ExpectScene {
+  std::vector<Named> expectations;  // of the catalogue, in the scene's order; empty: nothing is asked
+  double confidence = 0.95;         // of the interval in which the rate of trials that keep an expectation is
+  std::string control;              // controller that must fail where the scene's own passes; empty: none
+};
+
 struct Scene {
   std::string description;
   double duration = 0.0;            // s
@@ -75,7 +82,7 @@ struct Scene {
   std::vector<SensorScene> sensors;
   std::vector<Named> effects;
   std::optional<DetectorScene> detector = {};  // empty: none
-  bool expects = false;                        // it says under `expect` what must come out
+  ExpectScene expect = {};                     // what must come out
 
   // Bodies that move by forces. Without a model, bodies and a grasp all of it is empty, and everything moves as prescribed.
   std::string model = {};              // path of an MJCF file; empty: none

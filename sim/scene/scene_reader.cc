@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sim/core/error.h"
+#include "sim/scene/expectation.h"
 #include "sim/scene/scene_values.h"
 
 namespace slipbench {
@@ -59,10 +60,8 @@ class SceneReader : EntryReader {
     scene.effects = read_list(root.find("effects"), "effects", catalogues_.effects, "effect");
     scene.detector = read_detector(root.find("detector"), scene.sensors);
     scene.controller = read_controller(root.find("controller"), scene);
-    // What it says is the business of `slipbench check`.
     if (const YamlNode* node = root.find("expect")) {
-      require_map(*node, "expect", "what must come out, such as 'gross_slip_by: 1.0 s'");
-      scene.expects = !node->children.empty();
+      scene.expect = ExpectationReader(*this).read(*node, scene, catalogues_.expectations);
     }
     return scene;
   }

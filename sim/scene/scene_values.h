@@ -69,4 +69,17 @@ inline const ParameterSpec control_time_spec{.name = "time",
                                              .doc = "when a control has a value",
                                              .source = "free"};
 
+inline const ParameterSpec confidence_spec{.name = "confidence",
+                                           .default_text = "0.95",
+                                           .range = {0.5, 0.999999},
+                                           .choices = {},
+                                           .doc = "of the interval of the rate of trials that keep an expectation",
+                                           .source = "free"};
+inline const ParameterSpec control_spec{.name = "control",
+                                        .type = ParameterType::choice,
+                                        .default_text = "hold_preset",
+                                        .choices = {"hold_preset", "none"},
+                                        .doc = "controller that must not meet all expectations",
+                                        .source = "free"};
+
 }  // namespace slipbench

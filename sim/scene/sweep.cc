@@ -263,7 +263,7 @@ void Sweep::read_path(const YamlNode& node) {
                   .origin = node.key_origin,
                   .values = {},
                   .draw = std::nullopt};
-  const std::array<std::string_view, 3> fixed{"seed", "slipbench", "sweep"};
+  const std::array<std::string_view, 4> fixed{"expect", "seed", "slipbench", "sweep"};
   if (std::ranges::find(fixed, swept.parts.front()) != fixed.end()) {
     fail(node.key_origin, quote(node.key) + " cannot be swept; allowed: any other key of the scene");
   }

@@ -6,11 +6,13 @@
 namespace slipbench {
 
 inline constexpr int exit_good = 0;
+inline constexpr int exit_check_failed = 1;
 inline constexpr int exit_bad_input = 2;
 inline constexpr int exit_interrupted = 130;  // 128 + SIGINT, as shells count
 
 int run_command(const Options& options);          // run
 int sweep_command(const Options& options);        // sweep
+int check_command(const Options& options);        // check
 int report_command(const Options& options);       // report
 int export_command(const Options& options);       // export
 int hd_replay_command(const Options& options);    // hd replay

@@ -22,7 +22,9 @@ constexpr CatalogueKind electronics{"electronics", "electronics part", "sensors.
 constexpr CatalogueKind grasp{"grasp", "part of a grasp", "box, grip, scatter"};
 constexpr CatalogueKind detectors{"detectors", "detector", "detector.type"};
 constexpr CatalogueKind controllers{"controllers", "controller", "controller.type"};
-constexpr std::array kinds{effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, detectors, controllers};
+constexpr CatalogueKind expectations{"expectations", "expectation", "expect"};
+constexpr std::array kinds{effects,     sensors, surfaces,  bodies,      materials,   motions,
+                           electronics, grasp,   detectors, controllers, expectations};
 
 std::string type_text(const ParameterSpec& spec) {
   switch (spec.type) {
@@ -150,6 +152,7 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
   add_all(grasp, catalogues.grasp);
   add_all(detectors, catalogues.detectors);
   add_all(controllers, catalogues.controllers);
+  for (const ExpectationEntry& entry : catalogues.expectations) items.push_back({expectations, entry, std::nullopt});
   return items;
 }
 
@@ -190,6 +193,13 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
   if (item.kind.plural == detectors.plural) return fmt::format("detector:\n  type: {}\n", entry.name) + parameter_lines(entry, 2);
   if (item.kind.plural == controllers.plural) {
     return fmt::format("grip: {{}}\ncontroller:\n  type: {}\n", entry.name) + parameter_lines(entry, 2);
+  }
+  if (item.kind.plural == expectations.plural) {
+    const auto declared = std::ranges::find(catalogues.expectations, entry.name, &ExpectationEntry::name);
+    const std::string gripper = declared->of_grasp ? "grip: {}\n" : "";
+    const std::string detector =
+        declared->of_detector ? fmt::format("detector: {{type: {}}}\n", catalogues.detectors.front().name) : "";
+    return gripper + detector + fmt::format("expect:\n  {}:\n", entry.name) + parameter_lines(entry, 4);
   }
   if (item.kind.plural == grasp.plural) {
     const std::string key = entry.name + ":\n" + parameter_lines(entry, 2);

@@ -27,7 +27,8 @@ Exit status: 0 good, 1 a check failed, 2 bad input, 130 interrupted. Errors go t
 
 constexpr std::string_view run_footer = R"(
 One trial, the first of the scene's sweep where it has one. With --trials N: the first N trials of the sweep; a scene with
-fewer trials is repeated with fresh random draws until there are N. The same command and seed give the same bytes in FILE.h5,
+fewer trials is repeated with fresh random draws until there are N. With --trial K: trial K of these alone, byte for byte as it is
+among them. The same command and seed give the same bytes in FILE.h5,
 whatever --jobs is.
 
 Examples:
@@ -46,6 +47,19 @@ a second Ctrl-C stops at once.
 Examples:
   slipbench sweep scenes/papillarray/hexapod.yaml -o hexapod.h5
   slipbench sweep scenes/papillarray/stage.yaml --set "sweep={motion.speed: [1 mm/s, 4 mm/s]}" -o speeds.h5)";
+
+constexpr std::string_view check_footer = R"(
+A scene says under `expect` what must come out of its trials, and under `sweep` how many there are; `slipbench list expectations` shows
+what can be asked. An expectation passes where enough trials keep it (`pass`, `reliability`); beside the count stands the exact
+(Clopper-Pearson) interval of the rate. Then all trials run again with the negative control, a controller that never tightens on slip: where it
+passes as well, the scene tests nothing, which is a failure. A scene without `expect` is not checked.
+
+A scene that fails leaves the trial that shows most of it as DIR/SCENE/trial_K.h5 and .html, and the command that replays it. To put a
+controller of one's own to the test: --set "controller={type: plugin, library: /path/to/mine.so}".
+
+Examples:
+  slipbench check scenes/grasp/*.yaml --junit check.xml
+  slipbench check scenes/grasp/check_ptfe.yaml --set controller.debounce=2 --trials 5 -o check)";
 
 constexpr std::string_view report_footer = R"(
 One self-contained HTML file that opens in any browser, without a network.
@@ -206,7 +220,7 @@ std::vector<std::string> repeat_set(const std::vector<std::string>& arguments) {
 struct Parser {
   Options options;
   std::vector<std::string> sets;
-  std::optional<std::string> seed, trials, jobs, trial, output, format, slip_rule, label_speed, compat, ties;
+  std::optional<std::string> seed, trials, jobs, trial, output, junit, format, slip_rule, label_speed, compat, ties;
   std::optional<std::string> encoder, dimension, window, quantiser;
   bool context = false;
   bool no_context = false;
@@ -218,7 +232,9 @@ struct Parser {
     return command(app, name, summary, footer);
   }
   CLI::App* command(CLI::App& parent, const char* name, const char* summary, std::string_view footer);
-  void simulation(const char* name, const char* summary, std::string_view footer, const char* trials_help);
+  CLI::App* simulation(const char* name, const char* summary, std::string_view footer, const char* trials_help);
+  void choices(CLI::App* sub, const char* trials_help);
+  void check();
   void learning();
   void labels(CLI::App* sub);
 };
@@ -231,17 +247,31 @@ CLI::App* Parser::command(CLI::App& parent, const char* name, const char* summar
   return sub;
 }
 
-void Parser::simulation(const char* name, const char* summary, std::string_view footer, const char* trials_help) {
-  CLI::App* sub = command(name, summary, footer);
-  sub->add_option("SCENE", options.scene, "Scene file (YAML)")->required()->option_text(" ");
+// What run, sweep and check choose trials by.
+void Parser::choices(CLI::App* sub, const char* trials_help) {
   sub->add_option("--set", sets, "Replace or add a value of the scene, e.g. motion.speed=\"8 mm/s\"; several may follow")
       ->option_text("KEY=VALUE ...")
       ->allow_extra_args(false);
   sub->add_option("--seed", seed, "Seed of all random draws (default: the scene's own)")->option_text("N");
   sub->add_option("--trials", trials, trials_help)->option_text("N");
   sub->add_option("--jobs", jobs, "Worker threads, 1 to 1024 (default: one a hardware thread)")->option_text("N");
-  sub->add_option("-o,--output", output, "Write the dataset (HDF5)")->option_text("FILE.h5");
   sub->add_flag("--quiet", options.quiet, "No progress and no summary");
+}
+
+CLI::App* Parser::simulation(const char* name, const char* summary, std::string_view footer, const char* trials_help) {
+  CLI::App* sub = command(name, summary, footer);
+  sub->add_option("SCENE", options.scene, "Scene file (YAML)")->required()->option_text(" ");
+  choices(sub, trials_help);
+  sub->add_option("-o,--output", output, "Write the dataset (HDF5)")->option_text("FILE.h5");
+  return sub;
+}
+
+void Parser::check() {
+  CLI::App* sub = command("check", "Hold the trials of scenes against what they expect", check_footer);
+  sub->add_option("SCENE", options.scenes, "Scene files (YAML)")->required()->option_text("...");
+  choices(sub, "Number of random draws of each cell of the grid");
+  sub->add_option("--junit", junit, "Write what was found as JUnit XML")->option_text("FILE.xml");
+  sub->add_option("-o,--output", output, "Folder for the trials of failed checks (default: slipbench-check)")->option_text("DIR");
 }
 
 // What train and eval read a dataset by.
@@ -297,8 +327,12 @@ Parser::Parser() {
   app.footer(footer_text(program_footer));
   app.add_flag("--version", version, "Print the version");
   app.add_flag("--json", options.json, "Print one JSON object on stdout and nothing else there");
-  simulation("run", "Simulate one trial of a scene", run_footer, "Simulate N trials instead of one");
+  simulation("run", "Simulate one trial of a scene", run_footer, "Simulate N trials instead of one")
+      ->add_option("--trial", trial, "Simulate trial K alone")
+      ->option_text("K");
   simulation("sweep", "Simulate all trials of a scene's sweep", sweep_footer, "Number of random draws of each cell of the grid");
+
+  check();
 
   CLI::App* report = command("report", "Turn a dataset into an HTML page", report_footer);
   report->add_option("FILE", options.dataset, "Dataset (HDF5)")->required()->option_text(" ");
@@ -338,7 +372,8 @@ Parser::Parser() {
 
   CLI::App* list = command("list", "List what a scene may name", list_footer);
   list->add_option("CATALOGUE", options.name,
-                   "effects, sensors, surfaces, bodies, materials, motions, electronics or detectors (default: all)")
+                   "effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, detectors, controllers or "
+                   "expectations (default: all)")
       ->option_text(" ");
   CLI::App* describe = command("describe", "Explain one name: parameters, units, defaults, law, source", describe_footer);
   describe->add_option("NAME", options.name, "A name that `slipbench list` shows")->required()->option_text(" ");
@@ -386,7 +421,7 @@ std::pair<const CLI::App*, std::string> chosen_command(const CLI::App& app) {
 }
 
 // Of the command line's fixed part: later versions have them.
-constexpr std::array<std::string_view, 4> later_commands{"check", "cost", "import", "view"};
+constexpr std::array<std::string_view, 3> later_commands{"cost", "import", "view"};
 
 void check_command(const std::vector<std::string>& arguments) {
   const auto word = std::find_if(arguments.begin(), arguments.end(), [](const std::string& a) { return a.rfind('-', 0) != 0; });
@@ -450,10 +485,12 @@ Options parse_options(const std::vector<std::string>& arguments) {
   if (parser.trial) options.trial = parse_integer<std::size_t>(command, "--trial", *parser.trial, 0);
   if (parser.format) options.format = parse_export_format(*parser.format);
   if (parser.output && parser.output->empty()) {
-    const bool folder = command == "export" || command == "train";
+    const bool folder = command == "export" || command == "train" || command == "check";
     throw InputError(fmt::format("{}: -o needs a {} name", command, folder ? "folder" : "file"));
   }
   if (parser.output) options.output = *parser.output;
+  if (parser.junit && parser.junit->empty()) throw InputError(command + ": --junit needs a file name");
+  if (parser.junit) options.junit = *parser.junit;
   // Asked for here and not by CLI11, so that a wrong format is named first.
   if ((command == "export" || command == "train") && options.output.empty()) throw InputError(command + ": --output is required");
   if (command == "train" || command == "eval") options.slip_rule = SlipRule::paper;

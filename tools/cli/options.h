@@ -21,18 +21,21 @@ struct Options {
   bool json = false;
   bool quiet = false;
 
-  // run and sweep
-  std::string scene;
+  // run, sweep and check
+  std::string scene;                // run, sweep
+  std::vector<std::string> scenes;  // check
   std::vector<Override> overrides;
   std::optional<std::uint64_t> seed;
   std::optional<std::size_t> trials;
   std::optional<std::size_t> jobs;
 
-  std::string output;  // run, sweep: dataset; report, reproduce: HTML file; export, train: folder. Empty: not given
+  std::string output;  // run, sweep: dataset; report, reproduce: HTML file; export, train, check: folder. Empty: not given
+  std::string junit;   // check: XML file. Empty: not given
+
+  std::optional<std::size_t> trial;  // run, report, export
 
   // report, export, train and eval
   std::string dataset;
-  std::optional<std::size_t> trial;
   ExportFormat format{};                  // export
   SlipRule slip_rule = SlipRule::strict;  // export, train, eval; the last two have paper as their default
   std::optional<double> label_speed;      // export [m/s]

@@ -29,6 +29,7 @@ const std::map<std::string, Command>& commands() {
   static const std::map<std::string, Command> table{
       {"run", run_command},
       {"sweep", sweep_command},
+      {"check", check_command},
       {"report", report_command},
       {"export", export_command},
       {"hd replay", hd_replay_command},

@@ -68,8 +68,8 @@ void print_only_trial(const Options& options, const SweepSummary& summary, const
   fmt::print("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
              trial_text(summary.trials.front(), sensors_of(summary.scene), style));
   if (summary.available > 1) {
-    fmt::print("  this is the first of the {} trials of the scene's sweep; all of them: slipbench sweep {}\n", summary.available,
-               options.scene);
+    fmt::print("  this is trial {} of the {} of the scene's sweep; all of them: slipbench sweep {}\n",
+               summary.trials.front().trial, summary.available, options.scene);
   }
 }
 
@@ -104,10 +104,6 @@ int report_interrupted(const SweepSummary& summary) {
 int simulate_and_print(const SweepOptions& sweep, const Options& options) {
   const Catalogues catalogues = program_catalogues();
   const Finished finished = simulate(sweep, options, catalogues);
-  if (finished.summary.scene.expects && !options.json && !options.quiet) {
-    say(stderr,
-        "slipbench: note: the scene's expect is not checked: `slipbench check`, which reads it, comes in a later version\n");
-  }
   if (options.json) {
     print_json(finished);
   } else if (!options.quiet && !finished.summary.interrupted) {
@@ -120,7 +116,8 @@ int simulate_and_print(const SweepOptions& sweep, const Options& options) {
 
 int run_command(const Options& options) {
   SweepOptions sweep = sweep_options(options);
-  sweep.limit = options.trials.value_or(1);
+  sweep.only = options.trial;
+  sweep.limit = options.trials.value_or(options.trial ? 0 : 1);
   return simulate_and_print(sweep, options);
 }
 

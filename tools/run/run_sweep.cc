@@ -23,27 +23,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A word as a shell would have to be given it.
-std::string quoted(const std::string& word) {
-  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || std::string_view("_-./=:,+%@").find(static_cast<char>(c)) != std::string_view::npos;
-  });
-  if (plain) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
-// What decides the bytes of a dataset, and nothing else: no --jobs, no -o.
-std::string canonical_command(const SweepOptions& options) {
-  std::string command = fmt::format("slipbench {} {}", options.verb, quoted(options.scene_path));
-  for (const Override& change : options.overrides) command += " --set " + quoted(change.path + "=" + change.value);
-  if (options.seed) command += fmt::format(" --seed {}", *options.seed);
-  if (options.trials > 0) command += fmt::format(" --trials {}", options.trials);
-  if (options.limit > 1) command += fmt::format(" --trials {}", options.limit);
-  return command;
-}
-
 // Whether a value given for `path` replaces all that was given for `earlier`. Below `sweep` the rest of a path is one key.
 bool replaces(const std::string& path, const std::string& earlier) {
   return earlier == path || (earlier.starts_with(path + '.') && !path.starts_with("sweep."));
@@ -153,17 +132,17 @@ Workforce workforce_for(const SweepOptions& options, std::size_t trials, double 
   return {static_cast<std::size_t>(threads), max_record_bytes / threads};
 }
 
-// Builds the first trial of every grid cell, so that a scene that contradicts itself, or whose records would not fit into memory,
-// is refused before anything is written.
+// Builds the first trial of every grid cell, or the only one that runs, so that a scene that contradicts itself, or whose records
+// would not fit into memory, is refused before anything is written.
 Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::size_t trials) {
-  const std::size_t checked = std::min(plan.size(), max_checked_cells * plan.draws());
-  std::size_t index = 0;
-  std::size_t largest = 0;  // trial of the largest record
+  const std::size_t end = options.only ? *options.only + 1 : std::min(plan.size(), max_checked_cells * plan.draws());
+  std::size_t index = options.only.value_or(0);
+  std::size_t largest = index;  // trial of the largest record
   double bytes = 0.0;
   try {
-    for (; index < checked; index += plan.draws()) {
+    for (; index < end; index += plan.draws()) {
       const Scene scene = plan.trial(index).scene;
-      if (scene.detector) check_run(*scene.detector, trials);
+      if (scene.detector) check_run(*scene.detector, options.only ? end : trials);
       const double size = check_trial(scene, index);
       if (options.output.empty() || size <= bytes) continue;
       largest = index;
@@ -178,13 +157,29 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
   }
 }
 
-OrderedWorkers<FinishedTrial>::Work make_work(const TrialPlan& plan, std::uint64_t seed, bool encode, double max_bytes) {
-  std::shared_ptr<TrialEncoder> encoder = encode ? std::make_shared<TrialEncoder>() : nullptr;
-  return [&plan, seed, encoder, max_bytes](std::size_t index) {
+// As run_one; a trial that fails gives an InputError with its number.
+FinishedTrial run_numbered(const TrialPlan& plan, std::uint64_t seed, std::size_t index, TrialEncoder* encoder,
+                           double max_bytes) {
+  try {
+    return run_one(plan, seed, index, encoder, max_bytes);
+  } catch (...) {
+    rethrow_of_trial(plan, index);
+  }
+}
+
+OrderedWorkers<FinishedTrial>::Work make_work(const TrialPlan& plan, const SweepOptions& options, std::uint64_t seed,
+                                              double max_bytes) {
+  std::shared_ptr<TrialEncoder> encoder = options.output.empty() ? nullptr : std::make_shared<TrialEncoder>();
+  return [&plan, seed, encoder, max_bytes, first = options.only.value_or(0), keep = options.keep_failed](std::size_t index) {
+    const std::size_t trial = first + index;
     try {
-      return run_one(plan, seed, index, encoder.get(), max_bytes);
-    } catch (...) {
-      rethrow_of_trial(plan, index);
+      return run_numbered(plan, seed, trial, encoder.get(), max_bytes);
+    } catch (const InputError& error) {
+      if (!keep) throw;
+      FinishedTrial failed;
+      failed.summary.trial = trial;
+      failed.summary.failure = error.what();
+      return failed;
     }
   };
 }
@@ -205,6 +200,26 @@ Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) 
 
 }  // namespace
 
+std::string shell_word(const std::string& word) {
+  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string_view("_-./=:,+%@").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+std::string canonical_command(const SweepOptions& options) {
+  std::string command = fmt::format("slipbench {} {}", options.verb, shell_word(options.scene_path));
+  for (const Override& change : options.overrides) command += " --set " + shell_word(change.path + "=" + change.value);
+  if (options.seed) command += fmt::format(" --seed {}", *options.seed);
+  if (options.trials > 0) command += fmt::format(" --trials {}", options.trials);
+  if (options.limit > 1) command += fmt::format(" --trials {}", options.limit);
+  if (options.only) command += fmt::format(" --trial {}", *options.only);
+  return command;
+}
+
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
   SceneFile file = SceneFile::load(options.scene_path);
   for (const Override& change : options.overrides) file.apply(change);
@@ -213,8 +228,12 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   summary.seed = options.seed ? *options.seed : parse_scene(file, catalogues).seed;
   summary.command = canonical_command(options);
   const TrialPlan plan = make_plan(file, catalogues, options, summary.seed);
-  summary.planned = options.limit == 0 ? plan.size() : options.limit;
-  summary.scene = plan.trial(0).scene;
+  const std::size_t asked = options.limit == 0 ? plan.size() : options.limit;
+  if (options.only && *options.only >= asked) {
+    throw InputError(fmt::format("{}: there is no trial {}; allowed: 0 to {}", options.scene_path, *options.only, asked - 1));
+  }
+  summary.planned = options.only ? 1 : asked;
+  summary.scene = plan.trial(options.only.value_or(0)).scene;
   summary.available = plan.size();
   const Workforce workforce = check_cells(plan, options, summary.planned);
   if (options.on_start) options.on_start();
@@ -232,7 +251,7 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
 
   const auto run_all = [&] {
     OrderedWorkers<FinishedTrial> workers(
-        summary.planned, workforce.threads, [&] { return make_work(plan, summary.seed, writer != nullptr, workforce.max_bytes); },
+        summary.planned, workforce.threads, [&] { return make_work(plan, options, summary.seed, workforce.max_bytes); },
         options.interrupt);
     while (std::optional<FinishedTrial> trial = workers.next()) {
       if (writer) writer->append(*trial->encoded);

@@ -25,8 +25,10 @@ struct SweepOptions {
   std::optional<std::uint64_t> seed;  // empty: the scene's
   std::size_t trials = 0;             // repetitions of each cell of the grid; 0: the scene's
   std::size_t limit = 0;              // run no more than the first so many trials, repeating cells as often as that needs; 0: all
-  std::size_t jobs = 0;               // worker threads; 0: as many as the machine has, or as their records have room for
-  std::string output;                 // dataset; empty: nothing is written
+  std::optional<std::size_t> only = {};  // run no other than this one of those trials; empty: all
+  bool keep_failed = false;  // a trial that fails is summed up by why it did, and the others run; nothing is written then
+  std::size_t jobs = 0;      // worker threads; 0: as many as the machine has, or as their records have room for
+  std::string output;        // dataset; empty: nothing is written
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
   const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials finish and no other starts
   std::function<void()> on_start;  // called once the scene is checked, before anything is written; may be empty
@@ -60,12 +62,13 @@ struct TrialSummary {
   std::vector<SensorSummary> sensors;
   std::optional<DetectorSummary> detector;  // empty: the scene has none
   std::string controller = {};              // "step_on_slip"; empty: the scene has none
+  std::string failure = {};                 // why the trial failed; empty: it did not
 };
 
 struct SweepSummary {
   std::uint64_t seed = 0;
   std::string command;               // canonical
-  Scene scene;                       // of trial 0
+  Scene scene;                       // of the first trial that runs
   std::size_t available = 0;         // trials that the scene's sweep has
   std::size_t planned = 0;           // trials asked for
   std::vector<TrialSummary> trials;  // finished, in order
@@ -75,7 +78,13 @@ struct SweepSummary {
   std::vector<std::string> files;  // written; those of the kept partial dataset when interrupted
 };
 
-// Runs the sweep. Throws InputError for a scene or a target that cannot be used, and when a trial fails ("trial 17: ..."): the
+// What decides the bytes of a dataset, as a shell would be given it: no --jobs, no -o.
+std::string canonical_command(const SweepOptions& options);
+
+// A word as a shell has to be given it.
+std::string shell_word(const std::string& word);
+
+// Runs the sweep. Throws InputError for a scene or a target that cannot be used, when options.only is none of its trials, and, but for options.keep_failed, when a trial fails ("trial 17: ..."): the
 // trials before it are kept under OUT.partial.h5, which the message names. What is written does not depend on `jobs`.
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 

@@ -101,6 +101,11 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:3: expect is '1 s'; allowed: a map of what must come out, such as 'gross_slip_by: 1.0 s'"},
         Case{"ExpectOfNothing", head + "expect:\n",
              "s.yaml:3: expect is nothing; allowed: a map of what must come out, such as 'gross_slip_by: 1.0 s'"},
+        Case{"ExpectationUnknown", head + "expect: {gros_slip_by: 1 s}\n",
+             "s.yaml:3: unknown key 'gros_slip_by' in expect; did you mean 'gross_slip_by'? allowed: confidence, control, "
+             "gross_slip_by"},
+        Case{"ExpectationSwept", head + "sweep: {expect.gross_slip_by: [1 s]}\n",
+             "s.yaml:3: 'expect.gross_slip_by' cannot be swept; allowed: any other key of the scene"},
         Case{"DescriptionAsMap", head + "description: {a: b}\n", "s.yaml:3: description is a map; allowed: text"},
         Case{"NoDuration", head + "duration: 0 s\n", "s.yaml:3: duration: '0 s' is out of range; allowed: > 0 s and <= 86400 s"},
         Case{"EndlessDuration", head + "duration: inf\n", "s.yaml:3: duration: 'inf' is infinite; allowed: a finite number"},

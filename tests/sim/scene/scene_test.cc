@@ -37,7 +37,7 @@ TEST(Scene, HasDefaultsForAllButItsSensors) {
   EXPECT_EQ(scene.sensors[0].parameters.number("rate"), 1000.0);
   EXPECT_TRUE(scene.sensors[0].electronics.empty());
   EXPECT_TRUE(scene.effects.empty());
-  EXPECT_FALSE(scene.expects);
+  EXPECT_TRUE(scene.expect.expectations.empty());
 }
 
 TEST(Scene, DetectorReadsItsSensor) {
@@ -137,7 +137,11 @@ expect: {gross_slip_by: 1.0 s}
   EXPECT_EQ(scene.effects[0].parameters.number("speed"), 0.001);
   EXPECT_EQ(scene.effects[1].name, "ageing");
   EXPECT_EQ(scene.effects[1].parameters.number("rate"), 0.1);
-  EXPECT_TRUE(scene.expects);
+  ASSERT_EQ(scene.expect.expectations.size(), 1u);
+  EXPECT_EQ(scene.expect.expectations[0].name, "gross_slip_by");
+  EXPECT_EQ(scene.expect.expectations[0].parameters.number("limit"), 1.0);
+  EXPECT_EQ(scene.expect.confidence, 0.95);
+  EXPECT_EQ(scene.expect.control, "");
 }
 
 TEST(Scene, TakesFrictionFromTheMaterialUnlessItGivesItsOwn) {

@@ -66,6 +66,8 @@ inline Catalogues test_catalogues() {
         spec("friction", number, Quantity::none, "0.5", {0.0, 100.0})}}};
   catalogues.detectors = {{"ratio", "a threshold", "", "", {spec("threshold", number, Quantity::none, "0.4", positive)}},
                           {"trained", "a classifier", "", "", {spec("memories", path, Quantity::none, "own")}}};
+  catalogues.expectations = {
+      {{"gross_slip_by", "all slip", "", "", {spec("limit", number, Quantity::time, "1 s", non_negative)}}}};
   return catalogues;
 }
 

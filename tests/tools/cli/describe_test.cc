@@ -225,6 +225,9 @@ detectors  scene key detector.type
 
 controllers  scene key controller.type
   (none)
+
+expectations  scene key expect
+  (none)
 )");
 }
 

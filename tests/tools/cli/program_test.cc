@@ -178,14 +178,36 @@ TEST(Program, DatasetsDoNotTakeThePlaceOfAStandardStream) {
   EXPECT_EQ(result.out, "/dev/null\n/dev/null\n/dev/null\n");
 }
 
-TEST(Program, WhatASceneExpectsIsLeftToLaterVersions) {
-  const std::string expect = "expect={gross_slip_by: 1.0 s}";
-  const ChildResult result = run_program_file({"run", stage, "--set", expect});
-  EXPECT_EQ(result.status, 0);
-  EXPECT_EQ(result.err,
-            "slipbench: note: the scene's expect is not checked: `slipbench check`, which reads it, comes in a later version\n");
-  EXPECT_EQ(run_program_file({"run", stage, "--set", expect, "--quiet"}).err, "");
-  json_of(run_program_file({"run", stage, "--set", expect, "--json"}));
+TEST(Program, Check) {
+  // The pad stands until 2 s.
+  const nlohmann::json good =
+      json_of(run_program_file({"check", stage, stage, "--set", "expect={gross_slip_by: 3 s}", "--json"}));
+  EXPECT_TRUE(good["passed"]);
+  EXPECT_EQ(good["scenes"].size(), 2U);
+  const TemporaryFolder folder;
+  const ChildResult failed = run_program_file(
+      {"check", stage, "--set", "expect={gross_slip_by: 1.0 s}", "-o", folder / "left", "--junit", folder / "j.xml"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.out, AllOf(HasSubstr("replay: slipbench run " + stage), HasSubstr("0 of 1 scenes passed, 1 failed")));
+  EXPECT_TRUE(std::filesystem::exists(folder / "left/stage/trial_0.html"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "j.xml"));
+  expect_refusal({"check", stage}, HasSubstr("no scene expects anything"));
+  expect_refusal({"check", stage, "--set", "expect={dropped: false}"}, HasSubstr("'dropped' in expect needs a gripper"));
+  expect_refusal({"check", stage, "--junit", stage}, HasSubstr("stage.yaml"));
+}
+
+TEST(Program, OneTrialOfASweepIsWhatItIsAmongAll) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> sweep{stage, "--set",
+                                       "sweep={motion.speed: {draw: uniform, min: 1 mm/s, max: 9 mm/s}, trials: 4}", "--json"};
+  std::vector<std::string> all{"sweep"}, one{"run", "--trial", "2"};
+  all.insert(all.end(), sweep.begin(), sweep.end());
+  one.insert(one.end(), sweep.begin(), sweep.end());
+  const nlohmann::json alone = json_of(run_program_file(one));
+  EXPECT_EQ(alone["planned"], 1);
+  EXPECT_EQ(alone["trials"][0], json_of(run_program_file(all))["trials"][2]);
+  one[2] = "4";
+  expect_refusal({one.begin(), one.end() - 1}, HasSubstr("stage.yaml: there is no trial 4; allowed: 0 to 3"));
 }
 
 TEST(Program, ListAndDescribe) {
