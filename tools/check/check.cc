@@ -80,7 +80,7 @@ std::size_t needed_of(const Named& expectation, std::size_t trials, double confi
         "expect." + expectation.name + ".reliability",
         fmt::format("{} cannot be shown by {} trials: with all of them kept the {} % interval begins at {:.4f}; "
                     "allowed: at most that, or more trials",
-                    reliability, trials, 100.0 * confidence, exact_interval(trials, trials, confidence).low));
+                    reliability, trials, 100.0 * confidence, clopper_pearson(trials, trials, confidence).low));
   }
   return std::max(share, shown);
 }
@@ -121,7 +121,7 @@ ExpectationResult result_of(const Named& expectation, const CheckOptions& option
   result.trials = summary.trials.size();
   result.kept = kept_by(expectation, summary.trials);
   result.needed = needed_of(expectation, result.trials, confidence);
-  result.rate = exact_interval(result.kept, result.trials, confidence);
+  result.rate = clopper_pearson(result.kept, result.trials, confidence);
 
   // A trial that fails to run is the worst; else that which does not keep it, then that of the worst value, then the earliest.
   std::vector<const TrialSummary*> order;

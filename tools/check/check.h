@@ -11,7 +11,7 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "tools/check/binomial.h"
+#include "tools/run/binomial.h"
 #include "tools/run/run_sweep.h"
 
 namespace slipbench {
@@ -40,7 +40,7 @@ struct ExpectationResult {
   std::size_t kept = 0;                     // trials
   std::size_t trials = 0;                   // at least 1
   std::size_t needed = 0;                   // of them, to pass
-  RateInterval rate;                        // of trials that keep it
+  Interval rate;                            // of trials that keep it
   double median = 0.0;                      // as ObservedValue::value; of an even number of trials the worse of the middle two
   ObservedValue worst;                      // the earliest such trial
   std::string median_text, worst_text;      // as a person reads them, in the limit's unit: "2.31 mm", "never"

@@ -26,7 +26,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string rate_text(const RateInterval& rate) { return fmt::format("{:.3f} to {:.3f}", rate.low, rate.high); }
+std::string rate_text(const Interval& rate) { return fmt::format("{:.3f} to {:.3f}", rate.low, rate.high); }
 
 std::string count_text(std::size_t count, std::size_t of) { return fmt::format("{} of {}", count, of); }
 

@@ -42,4 +42,18 @@ Interval clopper_pearson(std::size_t k, std::size_t n, double confidence) {
   return {lower_bound(k, n, outside), 1.0 - lower_bound(n - k, n, outside)};
 }
 
+std::size_t least_successes(std::size_t n, double rate, double confidence) {
+  std::size_t from = 0;
+  std::size_t to = n + 1;
+  while (from < to) {
+    const std::size_t middle = from + (to - from) / 2;
+    if (clopper_pearson(middle, n, confidence).low < rate) {
+      from = middle + 1;
+    } else {
+      to = middle;
+    }
+  }
+  return from;
+}
+
 }  // namespace slipbench

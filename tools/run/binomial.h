@@ -15,4 +15,7 @@ struct Interval {
 // std::logic_error where k > n or `confidence` is not within (0, 1).
 Interval clopper_pearson(std::size_t k, std::size_t n, double confidence = 0.95);
 
+// The fewest successes of n trials whose interval does not begin below `rate`; n + 1 where none does.
+std::size_t least_successes(std::size_t n, double rate, double confidence);
+
 }  // namespace slipbench

@@ -42,6 +42,33 @@ TEST(ClopperPearson, TailsAreAsDefined) {
   EXPECT_NEAR(1.0 - above, 0.025, 1e-12);
 }
 
+TEST(ClopperPearson, OfTwoOfThree) {
+  // P(X >= 2) = 3 p^2 - 2 p^3 at the lower end, P(X <= 2) = 1 - p^3 at the upper one
+  const Interval interval = clopper_pearson(2, 3, 0.9);
+  EXPECT_NEAR(3.0 * std::pow(interval.low, 2) - 2.0 * std::pow(interval.low, 3), 0.05, 1e-14);
+  EXPECT_NEAR(interval.high, std::cbrt(0.95), 1e-14);
+}
+
+TEST(ClopperPearson, OfAMillionNearsTheNormalOne) {
+  // p +- z sqrt(p (1-p)/n), z of 97.5 % 1.959964; skewness and continuity are of the order of 1/n.
+  const double half = 1.959964 * std::sqrt(0.9 * 0.1 / 1e6);
+  const Interval interval = clopper_pearson(900'000, 1'000'000, 0.95);
+  EXPECT_NEAR(interval.low, 0.9 - half, 3e-6);
+  EXPECT_NEAR(interval.high, 0.9 + half, 3e-6);
+}
+
+TEST(LeastSuccesses, BeginNoLowerThanAsked) {
+  // All of n show tail^(1/n): 0.85 by 0.025^(1/n) >= 0.85, n >= ln 0.025/ln 0.85 = 22.7
+  EXPECT_EQ(least_successes(22, 0.85, 0.95), 23U);  // no number of 22 does
+  EXPECT_EQ(least_successes(23, 0.85, 0.95), 23U);
+  EXPECT_EQ(least_successes(5, 0.0, 0.95), 0U);
+  for (const std::size_t n : {10U, 57U}) {
+    const std::size_t least = least_successes(n, 0.5, 0.95);
+    EXPECT_GE(clopper_pearson(least, n, 0.95).low, 0.5);
+    EXPECT_LT(clopper_pearson(least - 1, n, 0.95).low, 0.5);
+  }
+}
+
 TEST(ClopperPearson, WithoutTrialsEverythingIsPossible) {
   EXPECT_EQ(clopper_pearson(0, 0).low, 0.0);
   EXPECT_EQ(clopper_pearson(0, 0).high, 1.0);
