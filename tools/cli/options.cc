@@ -120,7 +120,8 @@ Without a name: what can be reproduced. With -o the table goes to FILE.html and 
 
 Examples:
   slipbench reproduce
-  slipbench reproduce hd-papillarray/table1 --data hexapod.h5 -o table1.html)";
+  slipbench reproduce hd-papillarray/table1 --data hexapod.h5 -o table1.html
+  slipbench reproduce hd-papillarray/table2 --trials 2 --only as_recorded,light,rubber,gst_hd,hold_preset)";
 
 constexpr std::string_view list_footer = R"(
 Examples:
@@ -316,6 +317,12 @@ void Parser::learning() {
   CLI::App* reproduce = command("reproduce", "Reproduce a table of a paper", reproduce_footer);
   reproduce->add_option("PAPER/TABLE", options.name, "What to reproduce (default: list what there is)")->option_text(" ");
   reproduce->add_option("-o,--output", output, "Write the page, and FILE.json beside it")->option_text("FILE.html");
+  reproduce->add_option("--trials", trials, "table2: trials of each row (default: 10)")->option_text("N");
+  reproduce->add_option("--only", options.only, "table2: protocols, boxes, surfaces and loops to keep")
+      ->option_text("NAME,...")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  reproduce->add_option("--memories", options.memories, "table2: folder of the published classifier")->option_text("DIR");
   reproduce->add_option("--data", options.data, "Use this dataset instead of a fresh one")->option_text("FILE.h5");
   reproduce->add_option("--seed", seed, "Seed of dataset, item memories and draws (default: 1)")->option_text("N");
   reproduce->add_option("--jobs", jobs, "Worker threads, 1 to 1024 (default: one a hardware thread)")->option_text("N");

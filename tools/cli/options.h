@@ -43,7 +43,7 @@ struct Options {
 
   // hd replay
   std::string vectors;                  // CSV file
-  std::string memories;                 // folder or the shipped classifier's name, of eval too
+  std::string memories;                 // folder or the shipped classifier's name, of eval too; reproduce: the published one
   std::optional<hd::Compat> hd_compat;  // of train too
   std::optional<hd::Ties> hd_ties;      // of train too
   std::string engine = "kernel";
@@ -53,8 +53,9 @@ struct Options {
   hd::Quantiser quantiser = hd::Quantiser::fixed_point;
 
   // reproduce
-  std::string data;         // a dataset; empty: a fresh one
-  bool synthesise = false;  // run the synthesis again
+  std::string data;               // a dataset; empty: a fresh one
+  bool synthesise = false;        // run the synthesis again
+  std::vector<std::string> only;  // rows to keep
 
   std::string name;  // list: a catalogue or empty; describe: the entry; reproduce: PAPER/TABLE or empty
 };

@@ -91,10 +91,13 @@ int list_reproductions(const Options& options) {
 
 // An option that this reproduction has no use for would be a misunderstanding.
 void check_reproduce_options(const Options& options, const reproduce::Reproduction& reproduction) {
-  const std::array<std::pair<const char*, bool>, 4> given{{{"--data", !options.data.empty()},
+  const std::array<std::pair<const char*, bool>, 7> given{{{"--data", !options.data.empty()},
                                                            {"--seed", options.seed.has_value()},
                                                            {"--jobs", options.jobs.has_value()},
-                                                           {"--synthesise", options.synthesise}}};
+                                                           {"--synthesise", options.synthesise},
+                                                           {"--trials", options.trials.has_value()},
+                                                           {"--only", !options.only.empty()},
+                                                           {"--memories", !options.memories.empty()}}};
   for (const auto& [name, there] : given) {
     const std::vector<std::string>& takes = reproduction.options;
     if (!there || std::find(takes.begin(), takes.end(), name) != takes.end()) continue;
@@ -165,6 +168,9 @@ int reproduce_command(const Options& options) {
   reproducing.seed = options.seed;
   reproducing.jobs = options.jobs.value_or(0);
   reproducing.synthesise = options.synthesise;
+  reproducing.trials = options.trials.value_or(0);
+  reproducing.only = options.only;
+  reproducing.memories = options.memories;
   if (!options.quiet && !options.json) {
     reproducing.say = [](const std::string& what) { say(stderr, fmt::format("slipbench: {}\n", what)); };
   }

@@ -18,6 +18,9 @@ struct ReproduceOptions {
   std::optional<std::uint64_t> seed;            // of datasets, item memories and draws
   std::size_t jobs = 0;                         // threads; 0: as many as the machine has
   bool synthesise = false;                      // run the synthesis again instead of reading its stored figures
+  std::size_t trials = 0;                       // of each row; 0: as many as is usual
+  std::vector<std::string> only;                // names of rows to keep; of an axis that none names, all
+  std::string memories;                         // folder of the published classifier; empty: the source tree's
   std::function<void(const std::string&)> say;  // told what is being done; may be empty
 };
 
@@ -30,7 +33,7 @@ class Interrupted : public std::runtime_error {
 struct Reproduction {
   std::string name;                  // PAPER/TABLE: "hd-papillarray/table1"
   std::string summary;               // a line
-  std::vector<std::string> options;  // of "--data", "--seed", "--jobs", "--synthesise": those that it takes
+  std::vector<std::string> options;  // "--data", "--seed": those that it takes
   Result (*run)(const ReproduceOptions& options);
 };
 
@@ -41,6 +44,7 @@ const std::vector<Reproduction>& reproductions();
 const Reproduction& find_reproduction(const std::string& name);
 
 Result hd_table1(const ReproduceOptions& options);
+Result hd_table2(const ReproduceOptions& options);
 Result hd_latency(const ReproduceOptions& options);
 Result hd_resources(const ReproduceOptions& options);
 

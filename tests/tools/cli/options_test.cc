@@ -150,6 +150,16 @@ TEST(Options, ReproduceTakesItsName) {
   EXPECT_EQ(options.output, "p.html");
 }
 
+// What follows the list is not one of its names.
+TEST(Options, ReproduceTakesAListOfRows) {
+  const Options options =
+      parse_options({"reproduce", "--trials", "3", "--memories", "m", "--only", "felt,light", "--only", "gst_hd", "table"});
+  EXPECT_THAT(options.only, ElementsAre("felt", "light", "gst_hd"));
+  EXPECT_EQ(options.name, "table");
+  EXPECT_EQ(options.trials, 3U);
+  EXPECT_EQ(options.memories, "m");
+}
+
 TEST(Options, HelpIsTextToPrint) {
   EXPECT_THAT(parse_options({}).help, HasSubstr("Usage: slipbench"));
   EXPECT_THAT(parse_options({"--help"}).help, HasSubstr("describe"));
