@@ -14,6 +14,7 @@
 #include "tools/dataset/guarded.h"
 #include "tools/dataset/output_file.h"
 #include "tools/dataset/reader.h"
+#include "tools/report/assumptions.h"
 #include "tools/report/grasp.h"
 #include "tools/report/json.h"
 #include "tools/report/page.h"
@@ -30,9 +31,15 @@ using report::Json;
 // Curve values embedded in all, so that the page stays below some 6 MB: six 4 s trials of nine pillars at 1 kHz fit in full.
 constexpr std::size_t curve_values_in_page = 4'000'000;
 
+constexpr std::size_t trials_in_page = 6;
+
+// A trial of a grasp is small, 18 kB where 9 pillars are sampled at 100 Hz for 5 s, and every one of a set of trials is worth a look.
+constexpr std::size_t grasps_in_page = 300;
+constexpr std::size_t curve_values_of_grasp = 100'000;
+
 // The trials whose curves go into the page: the one asked for and others at equal distances over the file.
-std::vector<std::size_t> embedded_trials(const std::vector<std::size_t>& trials, const ReportOptions& options) {
-  const std::size_t count = std::min(options.max_trials, trials.size());
+std::vector<std::size_t> embedded_trials(const std::vector<std::size_t>& trials, const ReportOptions& options, bool grasps) {
+  const std::size_t count = std::min(options.max_trials.value_or(grasps ? grasps_in_page : trials_in_page), trials.size());
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < count; ++i) {
     chosen.push_back(trials[count == 1 ? 0 : i * (trials.size() - 1) / (count - 1)]);
@@ -119,7 +126,10 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
     throw InputError(dataset_path + ": there is no trial " + std::to_string(*options.trial) +
                      "; allowed: " + std::to_string(trials.front()) + " to " + std::to_string(trials.back()));
   }
-  const std::vector<std::size_t> embedded = embedded_trials(trials, options);
+  const bool of_grasps = parse_outcome(dataset.info(trials.front()).outcome).grasp.has_value();
+  const std::vector<std::size_t> embedded = embedded_trials(trials, options, of_grasps);
+  const std::size_t curve_values =
+      std::max(curve_values_in_page / embedded.size(), of_grasps ? curve_values_of_grasp : std::size_t{0});
 
   const DatasetHeader& header = dataset.header();
   Json page = {{"file", std::filesystem::path(dataset_path).filename().string()},
@@ -142,14 +152,18 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
     const bool embed = std::find(embedded.begin(), embedded.end(), trial) != embedded.end();
     const TrialRecord record = dataset.read_trial(trial);
     check.add(record);
-    rows.push_back(trial_row(record, dataset_path, embed ? curve_values_in_page / embedded.size() : 0, curves, grasps));
+    rows.push_back(trial_row(record, dataset_path, embed ? curve_values : 0, curves, grasps));
     drawn.push_back(rows.back()["params"]);
   }
   check.finish();
   page["trials"] = std::move(rows);
   page["curves"] = std::move(curves);
-  if (!grasps.empty()) page["grasps"] = std::move(grasps);
   page["axes"] = report::axes(drawn);
+  if (!grasps.empty()) {
+    page["grasps"] = std::move(grasps);
+    page["grasp_parameters"] =
+        report::grasp_parameters(header.scene, page["overrides"], drawn.front(), dataset_path + ": attribute scene");
+  }
 
   const auto description = page["description"].get<std::string>();
   return report::compose_page(description.empty() ? page["file"].get<std::string>() : description, page);
@@ -158,7 +172,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
 }  // namespace
 
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options) {
-  if (options.max_trials == 0) throw std::logic_error("a report embeds at least one trial");
+  if (options.max_trials == std::size_t{0}) throw std::logic_error("a report embeds at least one trial");
   check_text_target(html_path, {dataset_path}, {"report", &report::begins_as_page});
   write_text_file(html_path, guarded(dataset_path, [&] { return page_of(dataset_path, options); }));
 }

@@ -9,7 +9,8 @@ namespace slipbench {
 
 struct ReportOptions {
   std::optional<std::size_t> trial;  // trial (k of demo_<k>) to open the page on; empty: the overview, or the only trial
-  std::size_t max_trials = 6;        // trials whose curves are embedded, spread over the file; at least 1
+  // Trials whose curves are embedded, spread over the file; at least 1. Empty: 6, of a grasp 300.
+  std::optional<std::size_t> max_trials = {};
 };
 
 // Reads the dataset at `dataset_path` (HDF5, tools/dataset) in a child process (tools/dataset/guarded.h) and writes the page to

@@ -122,6 +122,21 @@ TEST(GraspMotion, TrialsDifferAndRunThrough) {
   }
 }
 
+// What a picture of the trial needs beside the poses.
+TEST(GraspMotion, BoxAndSiliconePadSayTheirSize) {
+  GraspRig rig("surface: {material: rubber}\ngrip: {}\nscatter: {}\nmotion: {kind: lift}\n");
+  for (const NamedBody& body : rig->bodies()) {
+    if (body.name == "box") {
+      // 60 mm and up to a count more, as it was drawn.
+      EXPECT_EQ(body.size, (std::vector<double>{rig->grasp().box_size.x(), 0.06, 0.1}));
+    } else if (body.name == "second_pad") {
+      EXPECT_EQ(body.size, (std::vector<double>{0.022, 0.0375, 0.0}));
+    } else {
+      EXPECT_TRUE(body.size.empty()) << body.name;
+    }
+  }
+}
+
 TEST(GraspMotion, StepThatIsTooLongIsRefusedBeforeTheFirst) {
   const std::string message = refusal("grip: {}\ntime_step: 0.5 ms\n");
   EXPECT_NE(message.find("time_step: 0.5 ms is too long for explicit springs of the pads"), std::string::npos) << message;

@@ -21,6 +21,10 @@ using ::testing::HasSubstr;
 
 const char* const scene = "slipbench: 1\ndescription: 'A <press> and \"slide\"'\n";
 
+// A scene with a grasp, for its parameters.
+const char* const grasp_scene =
+    "slipbench: 1\nsurface: {material: felt}\nbox: {mass: 0.5 kg}\ngrip: {protocol: as_printed}\nmotion: {kind: lift}\n";
+
 std::string page_path(const std::string& name) { return (std::filesystem::path(::testing::TempDir()) / name).string(); }
 
 // The data inside a page.
@@ -141,11 +145,22 @@ TEST(Report, HoldsWhatTheLoopSaw) {
 }
 
 TEST(Report, HoldsAGrasp) {
-  write_report(write_dataset("report_grasp.h5", scene, {sample_grasp(0)}), page_path("report_grasp.html"));
+  write_report(write_dataset("report_grasp.h5", grasp_scene, {sample_grasp(0)}), page_path("report_grasp.html"));
   const Json data = data_of(page_path("report_grasp.html"));
   EXPECT_EQ(data.at("trials").at(0).at("grasp").at("ideal_force_N"), 2.0);
   EXPECT_EQ(data.at("grasps").at("0").at("lift_s"), 3e-3);
   EXPECT_THAT(read_text(page_path("report_grasp.html")), HasSubstr("class GraspView"));
+}
+
+// Every trial of a grasp is in the page, where of another 6 are.
+TEST(Report, HoldsEveryGraspOfASet) {
+  std::vector<TrialRecord> records;
+  for (std::size_t k = 0; k < 9; ++k) records.push_back(sample_grasp(k));
+  write_report(write_dataset("report_grasps.h5", grasp_scene, records), page_path("report_grasps.html"));
+  const Json data = data_of(page_path("report_grasps.html"));
+  EXPECT_EQ(embedded(data).size(), 9U);
+  EXPECT_EQ(data.at("grasps").size(), 9U);
+  EXPECT_FALSE(data.at("grasp_parameters").empty());
 }
 
 // What draws a grasp is not in the page of a dataset without one.

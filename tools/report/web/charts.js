@@ -168,6 +168,7 @@ class LineChart {
     this.node = sb.element('div.chart');
     this.plot = sb.element('div.plot', {style: 'height:' + options.height + 'px'});
     this.node.append(this.plot);
+    if (options.lines || options.marks || options.points) this.notes = sb.element('canvas.notes');
     parent.append(this.node);
     const factor = sb.factor(options.unit);
     const data = Array.from(options.rows, (t, row) => [t, ...options.columns.map(column => column[row] * factor)]);
@@ -193,8 +194,10 @@ class LineChart {
         x: {drawGrid: false, pixelsPerLabel: 56, axisLabelFormatter: t => sb.significant(+t.toFixed(5), 6) + ' s'},
         y: {axisLabelWidth: axisWidth - 4, pixelsPerLabel: 24, axisLabelFormatter: value => sb.significant(+value.toFixed(9), 4)},
       },
-      underlayCallback: (pen, area, graph) => this.drawBands(pen, area, graph),
+      underlayCallback: (pen, area) => this.drawBands(pen, area),
+      drawCallback: graph => this.notes && this.drawNotes(graph),
     });
+    if (this.notes) this.node.append(this.notes);
     attachTimeInput(this.node, timeline);
     attachCursor(this.node, timeline, this);
     timeline.on('window', () => this.graph.updateOptions({dateWindow: timeline.window.slice()}), this);
@@ -210,7 +213,7 @@ class LineChart {
     };
   }
 
-  drawBands(pen, area, graph) {
+  drawBands(pen, area) {
     const [from, to] = this.timeline.window;
     const x = t => area.x + (t - from) / (to - from) * area.w;
     const paint = (runs, top, height, colourOf) => {
@@ -227,25 +230,39 @@ class LineChart {
     if (this.options.strip) {
       paint(this.options.strip, area.y + area.h - 5, 5, state => stateColour(sb.states.unit[state].key));
     }
-    this.drawNotes(pen, area, x, graph);
   }
 
-  // Lines, marks and points of the options, each with its text.
-  drawNotes(pen, area, x, graph) {
+  // Lines, marks and points of the options, each with its text, over the grid.
+  drawNotes(graph) {
     const {lines = [], marks = [], points = [], unit} = this.options;
+    const area = graph.getArea();
+    const [from, to] = this.timeline.window;
     const [low, high] = graph.yAxisRange();
+    const ratio = Math.max(2, window.devicePixelRatio || 1);
+    this.notes.width = this.plot.clientWidth * ratio;
+    this.notes.height = this.plot.clientHeight * ratio;
+    const pen = this.notes.getContext('2d');
+    pen.scale(ratio, ratio);
+    const x = t => area.x + (t - from) / (to - from) * area.w;
     const y = value => area.y + area.h * (high - value * sb.factor(unit)) / (high - low);
-    const line = (from, to, colour, dash) => {
+    const line = (start, end, colour, dash) => {
       pen.strokeStyle = colour;
       pen.setLineDash(dash);
       pen.lineWidth = 1.3;
       pen.beginPath();
-      pen.moveTo(...from);
-      pen.lineTo(...to);
+      pen.moveTo(...start);
+      pen.lineTo(...end);
       pen.stroke();
       pen.setLineDash([]);
     };
-    pen.save();
+    const write = (text, left, top, colour, align) => {
+      pen.textAlign = align;
+      pen.strokeStyle = sb.colour('ground');
+      pen.lineWidth = 3;
+      pen.strokeText(text, left, top);
+      pen.fillStyle = colour;
+      pen.fillText(text, left, top);
+    };
     pen.beginPath();
     pen.rect(area.x, area.y, area.w, area.h);
     pen.clip();
@@ -253,15 +270,11 @@ class LineChart {
     for (const {time, text, colour} of marks) {
       const shade = sb.colour(colour || 'soft');
       line([x(time), area.y], [x(time), area.y + area.h], shade, [2, 3]);
-      pen.fillStyle = shade;
-      pen.textAlign = 'left';
-      pen.fillText(text, x(time) + 4, area.y + 10);
+      write(text, x(time) + 4, area.y + 10, shade, 'left');
     }
     for (const {value, text, colour} of lines) {
       line([area.x, y(value)], [area.x + area.w, y(value)], sb.colour(colour), [7, 4]);
-      pen.fillStyle = sb.colour(colour);
-      pen.textAlign = 'right';
-      pen.fillText(text, area.x + area.w - 4, y(value) + 12);
+      write(text, area.x + area.w - 4, y(value) + 13, sb.colour(colour), 'right');
     }
     for (const {time, value, text} of points) {
       pen.fillStyle = sb.colour('ink');
@@ -269,10 +282,8 @@ class LineChart {
       pen.arc(x(time), y(value), 3, 0, 2 * Math.PI);
       pen.fill();
       const left = x(time) < area.x + 0.75 * area.w;
-      pen.textAlign = left ? 'left' : 'right';
-      pen.fillText(text, x(time) + (left ? 6 : -6), y(value) - 4);
+      write(text, x(time) + (left ? 6 : -6), y(value) - 5, sb.colour('ink'), left ? 'left' : 'right');
     }
-    pen.restore();
   }
 }
 

@@ -48,7 +48,7 @@ function bar(x, y, radius, from, to) {
   return {points, faces: [ring.slice().reverse(), ring.map(i => sides + i), ...faces]};
 }
 
-// A solid in the world, ready to be sorted and drawn. `look`: {colour: name, alpha, dash of its edges, fine: faint edges}.
+// A solid in the world, ready to be sorted and drawn. `look`: {colour: name, alpha, dash of its edges, fine: edges that are dark in either theme}.
 function solid(shape, pose, look) {
   const points = shape.points.map(point => placed(pose, point));
   const faces = shape.faces.map(corners => {
@@ -145,7 +145,6 @@ function path(pen, points) {
 function drawSolid(pen, camera, {faces, look}) {
   const colour = sb.colour(look.colour);
   const edge = sb.colour('ink');
-  const faint = look.fine ? 0.22 : 0.45;
   pen.lineJoin = 'round';
   for (const {corners, normal, offset} of faces) {
     if (dot(normal, camera.eye) <= offset) continue;
@@ -155,7 +154,7 @@ function drawSolid(pen, camera, {faces, look}) {
     pen.fill();
     pen.setLineDash(look.dash || []);
     pen.lineWidth = look.dash ? 1.6 : 0.8;
-    pen.strokeStyle = lit(edge, 1, look.dash ? 0.9 : faint);
+    pen.strokeStyle = look.fine ? 'rgba(0,0,0,.3)' : lit(edge, 1, look.dash ? 0.9 : 0.45);
     pen.stroke();
   }
   pen.setLineDash([]);

@@ -47,10 +47,24 @@ function navigation() {
   const several = page.trials.length > 1;
   const embedded = page.trials.filter(trial => sb.isEmbedded(trial.index));
   const tab = (text, trial) => el('button', {'aria-current': String(view.trial === trial), onclick: () => show({trial})}, text);
+  // Many trials do not fit side by side.
+  const many = embedded.length > 12;
+  const place = embedded.findIndex(trial => trial.index === view.trial);
+  const beside = (text, title, at) => el(
+      'button', {title, disabled: embedded[at] ? null : '', onclick: () => show({trial: embedded[at].index})}, text);
+  const outcome = ({grasp}) => grasp ? (grasp.dropped ? ': dropped' : ': held') : '';
+  const picker = () => [
+    beside('‹', 'Trial before', place < 0 ? -1 : place - 1),
+    el('select', {'aria-label': 'Trial', onchange: event => show({trial: +event.target.value})},
+       place < 0 ? el('option', {value: '', selected: '', disabled: ''}, 'a trial …') : null,
+       embedded.map(trial => el('option', {value: trial.index, selected: trial.index === view.trial ? '' : null},
+                                'Trial ' + trial.index + outcome(trial)))),
+    beside('›', 'Trial after', place + 1)
+  ];
   const sensors = view.trial === null ? [] : Object.keys(page.trials.find(trial => trial.index === view.trial).sensors);
   if (!several && sensors.length < 2) return null;
   return el(
-      'nav.views', {}, several ? [tab('All trials', null), embedded.map(trial => tab('Trial ' + trial.index, trial.index))] : [],
+      'nav.views', {}, several ? [tab('All trials', null), many ? picker() : embedded.map(trial => tab('Trial ' + trial.index, trial.index))] : [],
       el('span.gap'),
       sensors.length < 2 ?
           null :

@@ -428,7 +428,8 @@ sb.showTrial = async (host, index, sensorName) => {
   host.replaceChildren(
       ...(grasp ? [...grasp.nodes, el('h2', {}, 'The sensor ' + recording.name)] : []), keyFigures(trial, summary),
       el('div.layout', {}, side, el('div', {}, thinned, whole.section, charts.section, onset.section, rules(summary),
-                                              recording.padRuns.seen ? sb.detectorSection([trial]) : null)));
+                                              recording.padRuns.seen ? sb.detectorSection([trial]) : null,
+                                              grasp ? sb.graspParameters() : null)));
   if (grasp) grasp.draw();
   whole.draw();
   charts.draw();

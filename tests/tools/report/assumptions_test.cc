@@ -1,0 +1,73 @@
+#include "tools/report/assumptions.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+
+namespace slipbench::report {
+namespace {
+
+const std::string scene =
+    "slipbench: 1\nsurface: {material: felt}\nbox: {mass: 0.5 kg, size: [50 mm, 60 mm, 90 mm]}\ngrip: {protocol: as_printed}\n"
+    "motion: {kind: lift, distance: 80 mm}\n";
+
+Json rows(const std::string& text = scene, const Json& overrides = Json::object(), const Json& swept = Json::object()) {
+  return grasp_parameters(text, overrides, swept, "lift.h5: attribute scene");
+}
+
+Json row(const Json& rows, const std::string& path) {
+  for (const Json& candidate : rows) {
+    if (candidate.at("path") == path) return candidate;
+  }
+  return nullptr;
+}
+
+void expect_row(const Json& found, const std::string& value, const std::string& by, bool assumed) {
+  ASSERT_FALSE(found.is_null());
+  EXPECT_EQ(found.at("value"), value) << found;
+  EXPECT_EQ(found.at("by"), by) << found;
+  EXPECT_EQ(found.at("assumed").get<bool>(), assumed) << found;
+}
+
+TEST(GraspParameters, SayWhoSetThemAndWhetherTheyAreAssumed) {
+  const Json all = rows();
+  expect_row(row(all, "box.mass"), "0.5 kg", "scene", true);
+  expect_row(row(all, "box.size"), "[50 mm, 60 mm, 90 mm]", "scene", true);
+  expect_row(row(all, "grip.stiffness"), "[8 N/mm, 15 N/mm, 15 N/mm]", "default", true);
+  expect_row(row(all, "grip.count"), "0.374 mm", "default", false);
+  expect_row(row(all, "grip.preset"), "1 N", "protocol", false);      // as the paper prints it
+  expect_row(row(all, "motion.speed"), "5 mm/s", "protocol", false);  // likewise
+  expect_row(row(all, "motion.distance"), "80 mm", "scene", false);   // recorded
+  expect_row(row(all, "surface.material"), "felt", "scene", true);
+}
+
+TEST(GraspParameters, ProtocolIsAsRecordedUnlessSaid) {
+  expect_row(row(rows("slipbench: 1\nbox: {mass: 0.2 kg}\nmotion: {kind: lift}\n"), "motion.speed"), "43 mm/s", "protocol",
+             false);
+}
+
+TEST(GraspParameters, CommandLineCountsAsTheScene) {
+  expect_row(row(rows(scene, {{"grip.latency", "40 ms"}}), "grip.latency"), "40 ms", "scene", true);
+}
+
+// Neither the scene's value nor the protocol's is that of every trial.
+TEST(GraspParameters, SweptValuesAreNotShown) {
+  const Json all = rows(scene, Json::object(), {{"box.size.0", 1}, {"grip.protocol", 1}});
+  expect_row(row(all, "box.size"), "", "sweep", true);
+  expect_row(row(all, "motion.speed"), "43 mm/s", "default", false);
+}
+
+TEST(GraspParameters, ScatterIsThereWhenTheSceneHasIt) {
+  EXPECT_TRUE(row(rows(), "scatter.yaw").is_null());
+  expect_row(row(rows(scene + "scatter: {}\n"), "scatter.yaw"), "1 deg", "default", true);
+}
+
+TEST(GraspParameters, RefusesOverridesThatDoNotFit) {
+  EXPECT_THROW(rows(scene, {{"slipbench.a", "1"}}), InputError);
+  EXPECT_THROW(rows(scene, {{"box.mass", 1}}), InputError);
+}
+
+}  // namespace
+}  // namespace slipbench::report

@@ -1,0 +1,104 @@
+#include "tools/report/assumptions.h"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "sim/core/error.h"
+#include "sim/grasp/grasp_catalogue.h"
+#include "sim/motion/motion.h"
+#include "sim/scene/materials.h"
+#include "sim/scene/parser.h"
+
+namespace slipbench::report {
+
+namespace {
+
+// As a scene writes it, on one line.
+std::string text_of(const YamlNode& node) {
+  if (node.kind != YamlNode::Kind::sequence) return node.text;
+  std::string text;
+  for (const YamlNode& item : node.children) text += (text.empty() ? "" : ", ") + text_of(item);
+  return "[" + text + "]";
+}
+
+bool is_assumed(const std::string& source) { return source.find("assumed") != std::string::npos; }
+
+class ParameterRows {
+ public:
+  ParameterRows(const YamlNode& root, const Json& swept) : root_(root), swept_(swept) {
+    const YamlNode* named = at({"grip", "protocol"});
+    const std::string name = named == nullptr ? "as_recorded" : named->text;
+    const auto found = std::ranges::find(protocol_catalogue(), name, &Protocol::name);
+    if (found != protocol_catalogue().end() && !swept.contains("grip.protocol")) protocol_ = &*found;
+  }
+
+  void add(const std::string& key, const Entry& entry) {
+    for (const ParameterSpec& spec : entry.parameters) {
+      add(key + "." + spec.name, at({key, spec.name}), spec.default_text, spec.doc, spec.source);
+    }
+  }
+
+  void add_material() {
+    const YamlNode* material = at({"surface", "material"});
+    if (material == nullptr && !swept_.contains("surface.material")) return;
+    const std::vector<Material> table = material_table();
+    const auto found = material == nullptr ? table.end() : std::ranges::find(table, material->text, &Material::name);
+    add("surface.material", material, "", "friction of the pads on the box",
+        found == table.end() ? "assumed: see slipbench describe materials" : found->source);
+  }
+
+  [[nodiscard]] const YamlNode* at(const std::vector<std::string>& path) const { return node_at(root_, path); }
+  [[nodiscard]] Json rows() && { return std::move(rows_); }
+
+ private:
+  void add(const std::string& path, const YamlNode* written, const std::string& default_text, const std::string& doc,
+           const std::string& source) {
+    std::string value = default_text;
+    const char* by = "default";
+    if (protocol_ != nullptr && protocol_->defaults.contains(path)) {
+      value = protocol_->defaults.at(path);
+      by = "protocol";
+    }
+    if (written != nullptr) {
+      value = text_of(*written);
+      by = "scene";
+    }
+    // A swept vector may be named entry by entry: "box.size.0".
+    const bool swept = std::ranges::any_of(swept_.items(), [&](const auto& item) {
+      const std::string& name = item.key();
+      return name == path || name.starts_with(path + ".");
+    });
+    if (swept) {
+      value.clear();
+      by = "sweep";
+    }
+    rows_.push_back(
+        {{"path", path}, {"value", value}, {"by", by}, {"doc", doc}, {"source", source}, {"assumed", is_assumed(source)}});
+  }
+
+  const YamlNode& root_;
+  const Json& swept_;
+  const Protocol* protocol_ = nullptr;
+  Json rows_ = Json::array();
+};
+
+}  // namespace
+
+Json grasp_parameters(const std::string& scene, const Json& overrides, const Json& swept, const std::string& place) {
+  SceneFile file = SceneFile::from_text(scene, place);
+  for (const auto& [path, value] : overrides.items()) {
+    if (!value.is_string()) throw InputError(place + ": attribute overrides holds no text for " + path);
+    file.apply({path, value.get<std::string>()});
+  }
+  ParameterRows rows(file.root(), swept);
+  for (const Entry& entry : grasp_catalogue()) {
+    if (entry.name != "scatter" || rows.at({"scatter"}) != nullptr) rows.add(entry.name, entry);
+  }
+  const auto lift = std::ranges::find_if(motion_catalogue(), [](const MotionKind& kind) { return kind.about.name == "lift"; });
+  if (lift != motion_catalogue().end()) rows.add("motion", lift->about);
+  rows.add_material();
+  return std::move(rows).rows();
+}
+
+}  // namespace slipbench::report
