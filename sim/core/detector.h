@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/core/pad_state.h"
@@ -28,7 +29,12 @@ struct FrameSource {
   std::vector<Channel> channels;                              // what a frame holds
   std::uint64_t trial = 0;                                    // of the dataset
   double duration = std::numeric_limits<double>::infinity();  // s, of the trial
+  std::uint64_t seed = 0;                                     // of the dataset
 };
+
+// What a scene names as its detector to get the truth in a detector's place (tools/catalogue/oracle.h). Wherever a person reads, it is called
+// an oracle.
+inline constexpr std::string_view oracle_type = "truth";
 
 class Detector {
  public:

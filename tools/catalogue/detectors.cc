@@ -1,11 +1,13 @@
 #include "tools/catalogue/detectors.h"
 
+#include "detectors/flip.h"
 #include "detectors/force_ratio.h"
 #include "detectors/hd/hd_detector.h"
 #include "detectors/shear_rate.h"
 #include "detectors/stuck_fraction.h"
 #include "rtl/verilated/rtl_detector.h"
 #include "sim/core/error.h"
+#include "tools/catalogue/oracle.h"
 
 namespace slipbench {
 namespace {
@@ -13,7 +15,7 @@ namespace {
 // A detector that a scene may name.
 struct DetectorKind {
   Entry about;
-  std::unique_ptr<Detector> (*create)(const Parameters& parameters, const FrameSource& source);
+  std::unique_ptr<Detector> (*create)(const Parameters& parameters, const FrameSource& source);  // none: the oracle
   void (*check_run)(const Parameters& parameters, std::uint64_t trials) = nullptr;  // none: it asks nothing of the run
 };
 
@@ -25,6 +27,7 @@ const std::vector<DetectorKind>& detector_catalogue() {
       {shear_rate_entry(), make_shear_rate},
       {gst_hd_entry(), make_gst_hd},
       {gst_hd_rtl_entry(), make_gst_hd_rtl, check_waveform_trial},
+      {oracle_entry(), nullptr},
   };
   return kinds;
 }
@@ -33,13 +36,19 @@ const std::vector<DetectorKind>& detector_catalogue() {
 
 std::vector<Entry> detector_entries() {
   std::vector<Entry> entries;
-  for (const DetectorKind& kind : detector_catalogue()) entries.push_back(kind.about);
+  for (const DetectorKind& kind : detector_catalogue()) {
+    entries.push_back(kind.about);
+    entries.back().parameters.push_back(flip_spec());
+  }
   return entries;
 }
 
-std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source) {
+std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source, const Bench& bench) {
   for (const DetectorKind& kind : detector_catalogue()) {
-    if (kind.about.name == scene.type) return kind.create(scene.parameters, source);
+    if (kind.about.name != scene.type) continue;
+    std::unique_ptr<Detector> detector =
+        kind.create == nullptr ? make_oracle(scene.parameters, bench, scene.sensor) : kind.create(scene.parameters, source);
+    return with_flips(std::move(detector), scene.parameters.number("flip"), source);
   }
   throw InputError("detector: unknown type " + quote(scene.type));
 }

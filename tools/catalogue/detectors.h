@@ -8,15 +8,16 @@
 #include "sim/core/detector.h"
 #include "sim/core/parameters.h"
 #include "sim/scene/scene.h"
+#include "sim/testbench/bench.h"
 
 namespace slipbench {
 
-// What a scene may name as detector.type, beside none.
+// What a scene may name as detector.type, beside none: the oracle among them. Every one has the parameter flip.
 std::vector<Entry> detector_entries();
 
-// The detector that `scene` describes, for the frames that `source` says. Throws InputError for a type that the catalogue does not
-// have, and what the detector itself refuses.
-std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source);
+// The detector that `scene` describes, for the frames that `source` says; flipped as the scene asks. `bench` is for the oracle alone, and must
+// outlive it. Throws InputError for a type that the catalogue does not have, and what the detector itself refuses.
+std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source, const Bench& bench);
 
 // Throws SceneValueError where `scene` names a trial that is not among the first `trials`, at least one.
 void check_run(const DetectorScene& scene, std::uint64_t trials);

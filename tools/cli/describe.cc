@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "tools/cli/suggestion.h"
 
@@ -21,6 +22,7 @@ constexpr CatalogueKind motions{"motions", "motion", "motion.kind"};
 constexpr CatalogueKind electronics{"electronics", "electronics part", "sensors.<name>.electronics"};
 constexpr CatalogueKind grasp{"grasp", "part of a grasp", "box, grip, scatter"};
 constexpr CatalogueKind detectors{"detectors", "detector", "detector.type"};
+constexpr CatalogueKind oracle{detectors.plural, "oracle", detectors.use};
 constexpr CatalogueKind controllers{"controllers", "controller", "controller.type"};
 constexpr CatalogueKind expectations{"expectations", "expectation", "expect"};
 constexpr std::array kinds{effects,     sensors, surfaces,  bodies,      materials,   motions,
@@ -140,7 +142,10 @@ std::span<const CatalogueKind> catalogue_kinds() { return kinds; }
 std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
   std::vector<CatalogueItem> items;
   const auto add_all = [&items](const CatalogueKind& kind, const std::vector<Entry>& entries) {
-    for (const Entry& entry : entries) items.push_back({kind, entry, std::nullopt});
+    for (const Entry& entry : entries) {
+      const bool is_oracle = kind.plural == detectors.plural && entry.name == oracle_type;
+      items.push_back({is_oracle ? oracle : kind, entry, std::nullopt});
+    }
   };
   add_all(effects, catalogues.effects);
   add_all(sensors, catalogues.sensors);

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/detector.h"
 #include "sim/core/sensor.h"
 #include "tools/catalogue/sensors.h"
 #include "tools/cli/progress.h"
@@ -121,6 +122,9 @@ std::string accuracy_text(const Confusion& confusion) {
   return std::isnan(share) ? "nothing ever touches" : fmt::format("right in {:.1f} % of the time in contact", 100.0 * share);
 }
 
+// What stands before its figures: "force_ratio", "oracle (truth)".
+std::string detector_title(const std::string& type) { return type == oracle_type ? fmt::format("oracle ({})", type) : type; }
+
 // Whether the detector's sensor slipped: a slip too short for its samples shows by its detection alone.
 bool slipped(const TrialSummary& trial) {
   const Confusion& confusion = trial.detector->confusion;
@@ -214,7 +218,7 @@ std::string grasps_text(const std::vector<GraspRow>& rows, const Style& style) {
 // When one trial's detector saw slip, against when it began.
 std::string detector_text(const TrialSummary& trial, const Style& style) {
   const TrialOutcome& outcome = trial.outcome;
-  std::string text = fmt::format("  {} on {}: ", style.bold(trial.detector->type), trial.detector->sensor);
+  std::string text = fmt::format("  {} on {}: ", style.bold(detector_title(trial.detector->type)), trial.detector->sensor);
   if (!slipped(trial)) {
     text += "no slip to see";
   } else if (std::isnan(outcome.detection_time)) {
@@ -244,7 +248,8 @@ std::string detectors_text(const std::string& type, const std::vector<TrialSumma
     }
   }
   std::sort(delays.begin(), delays.end());
-  std::string text = fmt::format("  {}: slip seen in {} of {} trials that slip", style.bold(type), delays.size(), slips);
+  std::string text =
+      fmt::format("  {}: slip seen in {} of {} trials that slip", style.bold(detector_title(type)), delays.size(), slips);
   if (!delays.empty()) {
     text += fmt::format(", {:.1f} ms after it began (median; at worst {:.1f} ms)", 1e3 * median(delays), 1e3 * delays.back());
   }

@@ -9,6 +9,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "tools/dataset/content_check.h"
 #include "tools/dataset/guarded.h"
@@ -103,6 +104,7 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
   if (record.control && !record.control->controller.empty()) row["controller"] = record.control->controller;
   if (record.control && !record.control->detector.empty()) {
     row["detector"] = {{"type", record.control->detector},
+                       {"oracle", record.control->detector == oracle_type},
                        {"sensor", record.control->sensor},
                        {"confusion", record.control->confusion},
                        {"detection_s", report::number_or_null(record.outcome.detection_time)},

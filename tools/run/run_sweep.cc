@@ -296,8 +296,10 @@ std::string summary_json(const SweepSummary& summary) {
                  {"outcome", Json::parse(outcome_json(trial.outcome))},
                  {"sensors", std::move(sensors)}};
     if (trial.detector) {
-      json["detector"] = {
-          {"type", trial.detector->type}, {"sensor", trial.detector->sensor}, {"confusion", trial.detector->confusion}};
+      json["detector"] = {{"type", trial.detector->type},
+                          {"oracle", trial.detector->type == oracle_type},
+                          {"sensor", trial.detector->sensor},
+                          {"confusion", trial.detector->confusion}};
     }
     if (!trial.controller.empty()) json["controller"] = trial.controller;
     trials.push_back(std::move(json));

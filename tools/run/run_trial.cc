@@ -62,16 +62,18 @@ std::unique_ptr<Bench> make_bench(const Scene& scene, const Sensors& sensors, st
   return std::make_unique<Testbench>(scene, pads, rates, trial);
 }
 
-DetectorLoop make_loop(const DetectorScene& detector, const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
+DetectorLoop make_loop(const DetectorScene& detector, const Scene& scene, const Sensors& sensors, const Bench& bench,
+                       std::uint64_t trial) {
   const SensorScene& about = scene.sensors[detector.sensor];
   const Sensor& sensor = *sensors[detector.sensor];
-  return {make_detector(detector, {about.name, about.type, sensor.rate(), sensor.channels(), trial, scene.duration}),
+  return {make_detector(detector, {about.name, about.type, sensor.rate(), sensor.channels(), trial, scene.duration, scene.seed},
+                        bench),
           detector.sensor};
 }
 
 GripLoop make_grip_loop(Bench& bench, const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
   std::optional<DetectorLoop> detector;
-  if (scene.detector) detector = make_loop(*scene.detector, scene, sensors, trial);
+  if (scene.detector) detector = make_loop(*scene.detector, scene, sensors, bench, trial);
   std::unique_ptr<Controller> controller;
   if (scene.controller) {
     controller = make_controller(*scene.controller, {.channels = sensors.front()->channels(),
@@ -119,7 +121,7 @@ double check_trial(const Scene& scene, std::uint64_t trial) {
   if (bench->held_box() != nullptr) {
     static_cast<void>(make_grip_loop(*bench, scene, sensors, trial));
   } else if (scene.detector) {
-    static_cast<void>(make_loop(*scene.detector, scene, sensors, trial));
+    static_cast<void>(make_loop(*scene.detector, scene, sensors, *bench, trial));
   }
   return record_bytes(scene, sensors, *bench);
 }
@@ -132,7 +134,7 @@ TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recordi
     GripLoop loop = make_grip_loop(*bench, scene, sensors, trial);
     run(*bench, sensors, recorder, loop);
   } else if (scene.detector) {
-    DetectorLoop loop = make_loop(*scene.detector, scene, sensors, trial);
+    DetectorLoop loop = make_loop(*scene.detector, scene, sensors, *bench, trial);
     run(*bench, sensors, recorder, loop);
   } else {
     OpenLoop loop;

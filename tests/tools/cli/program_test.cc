@@ -218,6 +218,13 @@ TEST(Program, ListAndDescribe) {
   EXPECT_EQ(json_of(run_program_file({"list", "sensors", "--json"})).size(), 1U);
   const nlohmann::json entry = json_of(run_program_file({"describe", "papillarray", "--json"}))["entries"].at(0);
   EXPECT_EQ(entry["kind"], "sensor");
+  EXPECT_EQ(json_of(run_program_file({"describe", "truth", "--json"}))["entries"].at(0)["kind"], "oracle");
+  // A detector and a controller of one name.
+  const nlohmann::json both = json_of(run_program_file({"describe", "stuck_fraction", "--json"}))["entries"];
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_EQ(both[0]["kind"], "detector");
+  EXPECT_EQ(both[1]["kind"], "controller");
+  EXPECT_EQ(both[0]["parameters"].back()["name"], "flip");
   const ChildResult page = run_program_file({"describe", "papillarray"});
   EXPECT_EQ(page.status, 0);
   for (const nlohmann::json& parameter : entry["parameters"]) {

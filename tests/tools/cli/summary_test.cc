@@ -81,6 +81,15 @@ TEST(Summary, TrialSaysWhenTheDetectorSawSlip) {
   EXPECT_THAT(trial_text(trial, sensors, Style(false)), HasSubstr("\n  ratio on pad: no slip to see; nothing ever touches\n"));
 }
 
+TEST(Summary, CallsTheOracleWhatItIs) {
+  SweepSummary summary;
+  summary.trials.assign(1, small_trial());
+  summary.trials[0].detector = small_detector();
+  summary.trials[0].detector->type = "truth";
+  EXPECT_THAT(trial_text(summary.trials[0], sensors, Style(false)), HasSubstr("\n  oracle (truth) on pad: slip not seen"));
+  EXPECT_THAT(sweep_text(summary, Style(false)), HasSubstr("\n  oracle (truth): slip seen in 0 of 1 trials"));
+}
+
 // Four trials with `ratio`: two see their slip, after 10 and 30 ms, one misses it, one does not slip; one false alarm. One trial with
 // another detector.
 TEST(Summary, SweepSaysSoOfEachDetector) {

@@ -1,4 +1,5 @@
 // Detectors inside whole trials.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numeric>
@@ -12,8 +13,6 @@
 #include "sim/scene/parser.h"
 #include "tests/tools/dataset/test_records.h"
 #include "tools/catalogue/catalogues.h"
-#include "tools/catalogue/detectors.h"
-#include "tools/catalogue/sensors.h"
 #include "tools/dataset/reader.h"
 #include "tools/run/run_sweep.h"
 #include "tools/run/run_trial.h"
@@ -108,25 +107,19 @@ TEST(DetectorInTrial, CountsInTheSizeOfTheRecord) {
   EXPECT_EQ(check_trial(ratio_scene("0.3"), 0) - check_trial(stage_scene({}), 0), 4000.0 * 9.0);
 }
 
-// A detector's answer follows from the frames alone: a second one, which is shown the recorded frames and nothing else, says the same.
-TEST(DetectorInTrial, SeesFramesAndNothingElse) {
-  for (const std::string& about :
-       {std::string("{type: force_ratio, ratio: 0.3}"), "{type: gst_hd, compat: published_core, memories: " + published + "}"}) {
-    const Scene scene = stage_scene({{"detector", about}, {"sensors.pad.electronics", "typical"}});
+// A slip is told when the rate over the window of 20 ms has fallen to half: 10 ms after it began, in the first tick after that. That of the last
+// pillar stuck_fraction tells when no tip has 0.5 mm/s of the surface's 4 mm/s any more, 17.5 ms after.
+TEST(DetectorInTrial, ThatGoesByRatesTellsASlipWhenItsLawSays) {
+  for (const auto& [type, gross] : {std::pair("stuck_fraction", 17.5e-3), std::pair("shear_rate", 10e-3)}) {
+    const Scene scene = stage_scene({{"motion.acceleration", "1 m/s2"}, {"detector", std::string("{type: ") + type + "}"}});
     const TrialRecord record = run_trial(scene, 0, Recording::full).record;
-    const SensorRecord& sensor = record.sensors[0];
-    const std::unique_ptr<Sensor> device = make_sensor(scene.sensors[0], scene.seed, 0);
-    const auto detector = make_detector(*scene.detector, {"pad", "papillarray", device->rate(), device->channels(), 0});
-    std::vector<float> values;
-    for (std::size_t row = 0; row < sensor.time.size(); ++row) {
-      values.clear();
-      for (const SensorColumn& channel : sensor.channels) {
-        values.insert(values.end(), channel.values.begin() + static_cast<std::ptrdiff_t>(27 * row),
-                      channel.values.begin() + static_cast<std::ptrdiff_t>(27 * (row + 1)));
-      }
-      ASSERT_EQ(static_cast<std::uint8_t>(detector->update({sensor.time[row], values}).state),
-                record.control->detector_class[row]);
-    }
+    EXPECT_NEAR(record.outcome.detection_time, tick_after(record.outcome.first_slip_time + 10e-3), 1e-9) << type;
+    EXPECT_TRUE(std::isnan(record.outcome.false_alarm_time)) << type;
+    const std::vector<std::uint8_t>& classes = record.control->detector_class;
+    const auto first = std::ranges::find(classes, 3) - classes.begin();
+    ASSERT_LT(first, std::ssize(classes));
+    EXPECT_NEAR(1e-3 * static_cast<double>(first), tick_after(record.outcome.gross_slip_time + gross), 1e-9) << type;
+    EXPECT_EQ(std::count(classes.begin() + first, classes.end(), 3), std::ssize(classes) - first) << "and it stays";
   }
 }
 

@@ -1,0 +1,69 @@
+#include "detectors/flip.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "detectors/specs.h"
+#include "sim/core/random.h"
+
+namespace slipbench {
+namespace {
+
+// A class in contact, and the stuck fraction that goes with it.
+struct ContactClass {
+  PadState state;
+  double stuck_fraction;
+};
+constexpr std::array<ContactClass, 3> classes{{{PadState::non_slip, 1.0}, {PadState::incipient, 0.5}, {PadState::gross, 0.0}}};
+
+class Flipped final : public Detector {
+ public:
+  Flipped(std::unique_ptr<Detector> detector, double probability, const FrameSource& source)
+      : detector_(std::move(detector)), probability_(probability), stream_(source.seed, source.trial, "detector.flip") {
+    told_.time = std::numeric_limits<double>::quiet_NaN();  // none yet
+  }
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    const SlipEstimate& right = detector_->update(frame);
+    if (right.state == PadState::no_contact) return right;
+    if (right.time != told_.time) {
+      told_ = right;
+      const double draw = stream_.uniform();
+      if (draw < probability_) replace(draw < 0.5 * probability_ ? 1 : 2);
+    }
+    return told_;
+  }
+
+ private:
+  // By the class that stands `further` places after the told one, in a circle.
+  void replace(std::size_t further) {
+    std::size_t place = 0;
+    while (classes[place].state != told_.state) ++place;
+    const ContactClass& other = classes[(place + further) % classes.size()];
+    told_.state = other.state;
+    if (!std::isnan(told_.stuck_fraction)) told_.stuck_fraction = other.stuck_fraction;
+  }
+
+  std::unique_ptr<Detector> detector_;
+  double probability_;
+  RandomStream stream_;
+  SlipEstimate told_;
+};
+
+}  // namespace
+
+ParameterSpec flip_spec() {
+  return number_spec("flip", Quantity::none, "0", fraction,
+                     "Probability with which a new class in contact is replaced by one of the other two; 0: nothing is drawn.",
+                     "free: to see how a loop fares with a detector that is wrong so often");
+}
+
+std::unique_ptr<Detector> with_flips(std::unique_ptr<Detector> detector, double probability, const FrameSource& source) {
+  if (probability == 0.0) return detector;
+  return std::make_unique<Flipped>(std::move(detector), probability, source);
+}
+
+}  // namespace slipbench

@@ -1,0 +1,146 @@
+// Who sees the truth: the oracle does, no detector does.
+#include "tools/catalogue/oracle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/scene/parser.h"
+#include "sim/testbench/testbench.h"
+#include "tools/catalogue/catalogues.h"
+#include "tools/catalogue/detectors.h"
+#include "tools/catalogue/sensors.h"
+#include "tools/dataset/encoder.h"
+#include "tools/run/detector_loop.h"
+#include "tools/run/run_trial.h"
+
+namespace slipbench {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::Contains;
+
+// The published press-and-slide at 4 mm/s, sampled every tick, with noise.
+Scene scene_with(const std::string& detector) {
+  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml");
+  file.apply({"sensors.pad.electronics", "typical"});
+  file.apply({"detector", detector});
+  return parse_scene(file, program_catalogues());
+}
+
+TrialRecord run(const std::string& detector) { return run_trial(scene_with(detector), 0, Recording::full).record; }
+
+// A bench all of whose labels are wrong; what a sensor feels, forces and displacements, is right.
+class Liar final : public Bench {
+ public:
+  explicit Liar(Bench& honest) : honest_(honest) {}
+
+  [[nodiscard]] std::size_t ticks() const override { return honest_.ticks(); }
+  [[nodiscard]] double time_step() const override { return honest_.time_step(); }
+  [[nodiscard]] std::size_t stride(std::size_t pad) const override { return honest_.stride(pad); }
+  [[nodiscard]] const ContactFrame& contact(std::size_t) const override { return lie_; }
+  [[nodiscard]] const std::vector<NamedBody>& bodies() const override { return honest_.bodies(); }
+  [[nodiscard]] bool rotating() const override { return honest_.rotating(); }
+
+  void step() override {
+    honest_.step();
+    lie_ = honest_.contact(0);
+    const auto other = [](PadState state) { return static_cast<PadState>((static_cast<int>(state) + 1) % 4); };
+    lie_.state = other(lie_.state);
+    lie_.state_micro = other(lie_.state_micro);
+    lie_.stuck_fraction = 1.0 - lie_.stuck_fraction;
+    std::ranges::reverse(lie_.unit_state);
+    for (UnitState& state : lie_.unit_state) state = static_cast<UnitState>((static_cast<int>(state) + 1) % 4);
+    lie_.slip_velocity = (-1.0 - lie_.slip_velocity).eval();
+    lie_.slip_distance = (1.0 + lie_.slip_distance.reverse()).eval();
+    lie_.margin = (1.0 - lie_.margin.reverse()).eval();
+    lie_.slip_direction += 1.0;
+    lie_.slip_centre += 1.0;
+    lie_.slip_angle += 1.0;
+    lie_.events.clear();
+  }
+
+ private:
+  Bench& honest_;
+  ContactFrame lie_;
+};
+
+// The truth behind the labels does not matter to what a loop sees of a detector: classes as in the trial, estimates to the last bit as beside
+// an honest bench. Of the oracle both follow the labels.
+TEST(Truth, IsSeenByTheOracleAlone) {
+  for (const Entry& entry : detector_entries()) {
+    const Scene scene = scene_with("{type: " + entry.name + "}");
+    const std::vector<std::uint8_t> classes = run_trial(scene, 0, Recording::full).record.control->detector_class;
+    EXPECT_THAT(classes, Contains(AnyOf(2, 3))) << entry.name << " sees nothing: this would test nothing";
+
+    const auto device = make_sensor(scene.sensors[0], scene.seed, 0);
+    const auto misled_device = make_sensor(scene.sensors[0], scene.seed, 0);
+    const PadLayout* const pads[] = {&device->layout()};
+    const double rates[] = {device->rate()};
+    Testbench bench(scene, pads, rates, 0);
+    Liar liar(bench);
+    const FrameSource source{"pad", "papillarray", device->rate(), device->channels(), 0, scene.duration, scene.seed};
+    DetectorLoop loop(make_detector(*scene.detector, source, bench), 0);
+    DetectorLoop misled(make_detector(*scene.detector, source, liar), 0);
+    std::size_t differ = 0;
+    for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
+      liar.step();
+      const double time = bench.contact(0).time;
+      loop.sample(0, device->measure(bench.contact(0)));
+      misled.sample(0, misled_device->measure(liar.contact(0)));
+      const SlipEstimate one = loop.seen_at(time);
+      const SlipEstimate other = misled.seen_at(time);
+      ASSERT_EQ(static_cast<std::uint8_t>(one.state), classes[tick]) << entry.name << " at " << time << " s";
+      const bool same = one.state == other.state && one.time == other.time && one.latency == other.latency &&
+                        std::memcmp(&one.stuck_fraction, &other.stuck_fraction, sizeof(double)) == 0;
+      if (!same) ++differ;
+    }
+    EXPECT_EQ(differ, entry.name == oracle_type ? bench.ticks() : 0) << entry.name;
+  }
+}
+
+TEST(Oracle, SaysTheTrueClassAtEverySample) {
+  const TrialRecord record = run("{type: truth}");
+  EXPECT_EQ(record.control->detector, "truth");
+  EXPECT_EQ(record.control->detector_class, record.sensors[0].labels.state);
+  // The first tick at or after the onset.
+  EXPECT_GE(record.outcome.detection_delay, 0.0);
+  EXPECT_LT(record.outcome.detection_delay, 1e-3);
+  EXPECT_TRUE(std::isnan(record.outcome.false_alarm_time));
+}
+
+TEST(Oracle, IsLateByItsLatency) {
+  std::vector<std::uint8_t> late = run("{type: truth}").sensors[0].labels.state;
+  late.insert(late.begin(), 20, 0);
+  late.resize(late.size() - 20);
+  EXPECT_EQ(run("{type: truth, latency: 20 ms}").control->detector_class, late);
+}
+
+// In n samples in contact the oracle is wrong n p times, with the standard deviation sqrt(n p (1 - p)): six of them happen once in 5e8.
+TEST(FlippedOracle, IsWrongAsOftenAsTheSceneSays) {
+  const Confusion confusion = run("{type: truth, flip: 0.2}").control->confusion;
+  double n = 0.0, wrong = 0.0;
+  for (std::size_t truth = 1; truth < 4; ++truth) {
+    EXPECT_EQ(confusion[truth][0], 0U);
+    for (std::size_t seen = 1; seen < 4; ++seen) {
+      n += static_cast<double>(confusion[truth][seen]);
+      if (truth != seen) wrong += static_cast<double>(confusion[truth][seen]);
+    }
+  }
+  EXPECT_GT(n, 3000.0);
+  EXPECT_NEAR(wrong, 0.2 * n, 6.0 * std::sqrt(n * 0.2 * 0.8));
+}
+
+TEST(FlippedDetector, WithProbabilityZeroIsThePlainOneToTheByte) {
+  for (const Entry& entry : detector_entries()) {
+    const std::string type = "{type: " + entry.name;
+    EXPECT_EQ(trial_digest(run(type + ", flip: 0}")), trial_digest(run(type + "}"))) << entry.name;
+    EXPECT_NE(trial_digest(run(type + ", flip: 0.5}")), trial_digest(run(type + "}"))) << entry.name;
+  }
+}
+
+}  // namespace
+}  // namespace slipbench
