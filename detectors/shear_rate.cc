@@ -1,6 +1,7 @@
 #include "detectors/shear_rate.h"
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,18 +17,22 @@ class ShearRate final : public Detector {
  public:
   ShearRate(const Parameters& parameters, const FrameSource& source)
       : force_(vector_channel(source, "force", "shear_rate")),
-        window_(parameters.number("window"), force_.units, source, "shear_rate"),
+        window_(parameters.number("window"), 2 * force_.units, source, "shear_rate"),
         loading_(parameters.number("loading") / parameters.number("window")),
         following_(parameters.number("following")),
         release_(parameters.number("release")),
         least_(parameters.number("least_friction")),
         touch_(parameters.number("touch")),
-        shear_(force_.units),
+        loads_(2 * force_.units),
         units_(force_.units) {}
 
   const SlipEstimate& update(const SensorFrame& frame) override {
-    for (std::size_t i = 0; i < units_.size(); ++i) shear_[i] = force_at(frame, force_, i).tangential;
-    const std::span<const double> rates = window_.rates(shear_);
+    for (std::size_t i = 0; i < units_.size(); ++i) {
+      const UnitForce force = force_at(frame, force_, i);
+      loads_[2 * i] = force.tangential;
+      loads_[2 * i + 1] = force.normal >= touch_ ? force.tangential / force.normal : std::numeric_limits<double>::quiet_NaN();
+    }
+    const std::span<const double> rates = window_.rates(loads_);
     UnitCounts counts;
     for (std::size_t i = 0; i < units_.size(); ++i) {
       const UnitForce force = force_at(frame, force_, i);
@@ -35,7 +40,7 @@ class ShearRate final : public Detector {
         units_[i] = {};
         continue;
       }
-      follow(units_[i], force, rates[i]);
+      follow(units_[i], force, rates[2 * i], rates[2 * i + 1] > 0.0);
       ++counts.touching;
       if (units_[i].slips) ++counts.slipping;
     }
@@ -44,13 +49,14 @@ class ShearRate final : public Detector {
 
  private:
   struct Unit {
-    double peak = 0.0;   // N/s, largest shear rate since its loading began
+    double peak = 0.0;   // N/s, largest shear rate on the way to its cone since its loading began
     double ratio = 0.0;  // f_t/f_n at which it was found to slip
     bool slips = false;
   };
 
-  void follow(Unit& unit, const UnitForce& force, double rate) const {
-    unit.peak = std::max(unit.peak, rate);
+  // `nearer`: f_t/f_n has grown over the window. Not so of a shear that the closing grip brings with it.
+  void follow(Unit& unit, const UnitForce& force, double rate, bool nearer) const {
+    if (nearer) unit.peak = std::max(unit.peak, rate);
     if (unit.peak >= loading_ && rate >= following_ * unit.peak) {
       unit.slips = false;
     } else if (unit.slips) {
@@ -69,7 +75,7 @@ class ShearRate final : public Detector {
   Window window_;
   double loading_;  // N/s
   double following_, release_, least_, touch_;
-  std::vector<double> shear_;  // [units] N
+  std::vector<double> loads_;  // [units][f_t N, f_t/f_n]; the ratio is NaN without touch
   std::vector<Unit> units_;
   SlipEstimate estimate_;
 };
@@ -81,7 +87,9 @@ Entry shear_rate_entry() {
       .name = "shear_rate",
       .summary = "a unit slips when its shear force no longer grows as it did; no training",
       .law =
-          "r = change of f_t over window / window, p: largest r since the unit's loading began, of the units with f_n >= touch\n"
+          "r = change of f_t over window / window, of the units with f_n >= touch; p: largest r while f_t/f_n grew too, since "
+          "the unit's loading "
+          "began\n"
           "a unit that has loaded, p >= loading / window, slips from when r < following p, unless f_t < least_friction f_n: then "
           "its loading has "
           "ended\n"

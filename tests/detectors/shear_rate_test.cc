@@ -96,6 +96,19 @@ TEST(ShearRate, ALoadThatStopsGrowingIsTakenForASlipAboveTheLeastFriction) {
   }
 }
 
+// f_n from 2 N to 4 N over 40 frames takes f_t along from 0.6 N to 0.9 N, 150 mN a window, and both stop: f_t/f_n went from 0.3 to 0.225, away
+// from any cone. With f_n as it was the same is a slip.
+TEST(ShearRate, ShearThatAClosingGripBringsIsNoLoad) {
+  for (const auto& [growth, state] : {std::pair(2.0F, PadState::non_slip), std::pair(0.0F, PadState::gross)}) {
+    const auto one = detector(vector_source({"force"}, 1, 1000.0));
+    Told told(*one);
+    const auto at = [growth](float share) { return std::vector<float>{0.6F + 0.3F * share, 0.0F, 2.0F + growth * share}; };
+    EXPECT_EQ(told.after(40, at(0.0F)), PadState::non_slip);
+    for (int tick = 1; tick <= 40; ++tick) ASSERT_EQ(told.next(at(static_cast<float>(tick) / 40.0F)).state, PadState::non_slip);
+    EXPECT_EQ(told.after(40, at(1.0F)), state);
+  }
+}
+
 // 20 mN a window is the least that counts as loading; 0.9 mN a frame are 18 mN.
 TEST(ShearRate, AnUnloadedUnitDoesNotSlip) {
   const CoulombPad pad{.normal = {0.06}};
