@@ -125,7 +125,7 @@ bool joined(const mjModel* m, int pad_body, int object_body) {
   return false;
 }
 
-std::string name_of(const mjModel* m, int body) {
+std::string body_name(const mjModel* m, int body) {
   if (const char* name = mj_id2name(m, mjOBJ_BODY, body); name != nullptr) return name;
   return "number " + std::to_string(body);
 }
@@ -164,8 +164,8 @@ std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads
   if ((m->opt.enableflags & mjENBL_SLEEP) != 0) return who + "does not work with the flag sleep";
   for (const ImplicitPad& pad : pads) {
     if (!joined(m, pad.pad_body, pad.object_body)) {
-      return who + "needs a tendon between a site on body " + name_of(m, pad.pad_body) + " and a site on body " +
-             name_of(m, pad.object_body) +
+      return who + "needs a tendon between a site on body " + body_name(m, pad.pad_body) + " and a site on body " +
+             body_name(m, pad.object_body) +
              ": <spatial damping=\"1e-9\"><site site=\"...\"/><site site=\"...\"/></spatial> in <tendon>; without it MuJoCo "
              "leaves the field out of its solver";
     }

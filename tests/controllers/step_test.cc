@@ -7,7 +7,7 @@
 
 #include "tests/controllers/rig.h"
 
-namespace slipbench::controllers {
+namespace slipbench::controllers::step_test {
 namespace {
 
 using testing::ElementsAre;
@@ -167,4 +167,4 @@ TEST(StepControllers, StayClosedAtTheLastPosition) {
 }
 
 }  // namespace
-}  // namespace slipbench::controllers
+}  // namespace slipbench::controllers::step_test

@@ -9,7 +9,7 @@
 #include "tests/oracle/effect_field.h"
 #include "tests/oracle/pads.h"
 
-namespace slipbench::oracle {
+namespace slipbench::oracle::anisotropic_cone_test {
 namespace {
 
 constexpr double k_n = 7100.0, compression = 1e-3, mu = 0.5, ratio = 0.6;
@@ -58,4 +58,4 @@ TEST(AnisotropicCone, OnsetAlongAndAcrossTheGrain) {
 }
 
 }  // namespace
-}  // namespace slipbench::oracle
+}  // namespace slipbench::oracle::anisotropic_cone_test

@@ -8,7 +8,7 @@
 
 #include "tests/oracle/pads.h"
 
-namespace slipbench::oracle {
+namespace slipbench::oracle::rotation_test {
 namespace {
 
 constexpr double k_n = 7100.0, k_t = 3900.0, compression = 1e-3;
@@ -116,4 +116,4 @@ TEST(Rotation, CombinedSlideStaysInsideTheLimitSurface) {
 }
 
 }  // namespace
-}  // namespace slipbench::oracle
+}  // namespace slipbench::oracle::rotation_test

@@ -9,7 +9,7 @@
 
 #include "tests/oracle/pads.h"
 
-namespace slipbench::oracle {
+namespace slipbench::oracle::slide_onset_test {
 namespace {
 
 constexpr double k_n = 7100.0, k_t = 3900.0, compression = 1e-3;
@@ -151,4 +151,4 @@ TEST(SlideOnset, SlippedDistanceIsTheWayBeyondTheOnset) {
 }
 
 }  // namespace
-}  // namespace slipbench::oracle
+}  // namespace slipbench::oracle::slide_onset_test

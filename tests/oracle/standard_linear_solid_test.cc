@@ -9,7 +9,7 @@
 #include "tests/oracle/effect_field.h"
 #include "tests/oracle/pads.h"
 
-namespace slipbench::oracle {
+namespace slipbench::oracle::standard_linear_solid_test {
 namespace {
 
 constexpr double k_n = 7100.0, k_t = 3900.0, compression = 1e-3, g = 0.3, tau = 0.5;
@@ -87,4 +87,4 @@ TEST(StandardLinearSolid, CreepsAtConstantForce) {
 }
 
 }  // namespace
-}  // namespace slipbench::oracle
+}  // namespace slipbench::oracle::standard_linear_solid_test

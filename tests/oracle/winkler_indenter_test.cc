@@ -9,7 +9,7 @@
 
 #include "tests/oracle/pads.h"
 
-namespace slipbench::oracle {
+namespace slipbench::oracle::winkler_indenter_test {
 namespace {
 
 struct Stuck {
@@ -62,4 +62,4 @@ TEST(WinklerIndenter, ExponentIsNotThatOfAHalfSpace) {
 }
 
 }  // namespace
-}  // namespace slipbench::oracle
+}  // namespace slipbench::oracle::winkler_indenter_test

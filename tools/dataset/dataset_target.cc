@@ -20,8 +20,6 @@
 namespace slipbench {
 namespace {
 
-using Json = nlohmann::json;
-
 // What stands under a name.
 struct Found {
   enum class Kind {
@@ -49,16 +47,16 @@ bool begins_as_hdf5(const std::string& path) {
 std::string found_text(const std::string& path) {
   try {
     const std::optional<FileAbout> about = file_about(path);
-    if (!about) return Json{{"kind", Found::Kind::other}}.dump();
+    if (!about) return nlohmann::json{{"kind", Found::Kind::other}}.dump();
     const DatasetHeader& header = about->header;
-    return Json{{"kind", Found::Kind::dataset},
-                {"shard", about->shard},
-                {"shards", about->shards.value_or(0)},
-                {"complete", about->complete},
-                {"dataset", fmt::format("{}\n{}\n{}", header.seed, header.command, header.scene)}}
-        .dump(-1, ' ', false, Json::error_handler_t::replace);
+    return nlohmann::json{{"kind", Found::Kind::dataset},
+                          {"shard", about->shard},
+                          {"shards", about->shards.value_or(0)},
+                          {"complete", about->complete},
+                          {"dataset", fmt::format("{}\n{}\n{}", header.seed, header.command, header.scene)}}
+        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   } catch (const std::exception&) {
-    return Json{{"kind", Found::Kind::damaged}}.dump();
+    return nlohmann::json{{"kind", Found::Kind::damaged}}.dump();
   }
 }
 
@@ -77,7 +75,7 @@ Found found_at(const std::string& path) {
   if (std::filesystem::file_size(path, error) == 0) return {Found::Kind::empty};
   if (!begins_as_hdf5(path)) return {Found::Kind::other};
   try {
-    const Json json = Json::parse(guarded(path, [&] { return found_text(path); }));
+    const nlohmann::json json = nlohmann::json::parse(guarded(path, [&] { return found_text(path); }));
     return {json.at("kind").get<Found::Kind>(), json.value("shard", std::uint64_t{0}), json.value("shards", std::uint64_t{0}),
             json.value("complete", false), json.value("dataset", "")};
   } catch (const InputError&) {

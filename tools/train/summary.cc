@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<const char*, PadState>, 3> classes{
+constexpr std::array<std::pair<const char*, PadState>, 3> named_classes{
     {{"non_slip", PadState::non_slip}, {"incipient", PadState::incipient}, {"gross", PadState::gross}}};
 
 Json number(double value) { return std::isnan(value) ? Json(nullptr) : Json(value); }
@@ -19,9 +19,9 @@ Json number(double value) { return std::isnan(value) ? Json(nullptr) : Json(valu
 Json confusion_json(const ConfusionMatrix& confusion) {
   Json recall;
   Json counts;
-  for (const auto& [name, truth] : classes) {
+  for (const auto& [name, truth] : named_classes) {
     recall[name] = number(confusion.recall(truth));
-    for (const auto& [called_name, called] : classes) counts[name][called_name] = confusion.count(truth, called);
+    for (const auto& [called_name, called] : named_classes) counts[name][called_name] = confusion.count(truth, called);
   }
   return {{"frames", confusion.total()},
           {"accuracy", number(confusion.accuracy())},

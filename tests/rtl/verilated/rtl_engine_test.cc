@@ -11,7 +11,7 @@
 #include "sim/core/error.h"
 #include "tests/detectors/hd/published.h"
 
-namespace slipbench::hd {
+namespace slipbench::hd::rtl_engine_test {
 namespace {
 
 constexpr std::array unrollings{Unrolling::fastest, Unrolling::middle, Unrolling::smallest};
@@ -140,4 +140,4 @@ TEST(RtlEngine, WritesAWaveformOfTheChosenUpdates) {
 }
 
 }  // namespace
-}  // namespace slipbench::hd
+}  // namespace slipbench::hd::rtl_engine_test

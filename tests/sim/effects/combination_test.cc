@@ -10,7 +10,7 @@
 #include "tests/sim/effects/effect_rig.h"
 #include "tests/sim/field/random_case.h"
 
-namespace slipbench::testing_effects {
+namespace slipbench::testing_effects::combination_test {
 namespace {
 
 TEST(EffectCombination, RelaxingDampedElementsStayOnAnEllipticCone) {
@@ -123,4 +123,4 @@ TEST(EffectCatalogue, EffectWithoutStrengthChangesNothing) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_effects
+}  // namespace slipbench::testing_effects::combination_test

@@ -10,7 +10,7 @@
 #include "sim/field/contact_labels.h"
 #include "tests/sim/effects/effect_rig.h"
 
-namespace slipbench::testing_effects {
+namespace slipbench::testing_effects::friction_effects_test {
 namespace {
 
 constexpr double k_n = 1000.0, k_t = 600.0, depth = 1e-3, load = k_n * depth;
@@ -164,4 +164,4 @@ TEST(FrictionEffects, TwoOfThemMultiply) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_effects
+}  // namespace slipbench::testing_effects::friction_effects_test

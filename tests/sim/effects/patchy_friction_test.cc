@@ -11,7 +11,7 @@
 #include "tests/oracle/pads.h"
 #include "tests/sim/effects/effect_rig.h"
 
-namespace slipbench::testing_effects {
+namespace slipbench::testing_effects::patchy_friction_test {
 namespace {
 
 constexpr double shortest = 2e-3, longest = 5e-3, sd = 0.3;
@@ -180,4 +180,4 @@ TEST(PatchyFriction, EveryFaceOfABoxHasPatchesAlongBothItsDirections) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_effects
+}  // namespace slipbench::testing_effects::patchy_friction_test

@@ -4,7 +4,7 @@
 #include "tests/sim/effects/effect_rig.h"
 #include "tests/sim/field/same_field.h"
 
-namespace slipbench::testing_effects {
+namespace slipbench::testing_effects::state_test {
 namespace {
 
 // The field with these effects, saved in the middle and loaded into a new one, as well as into one that has stepped elsewhere.
@@ -53,4 +53,4 @@ TEST(EffectState, EveryEffectGoesOnFromASavedState) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_effects
+}  // namespace slipbench::testing_effects::state_test

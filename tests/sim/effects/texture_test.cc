@@ -10,7 +10,7 @@
 #include "sim/core/error.h"
 #include "tests/sim/effects/effect_rig.h"
 
-namespace slipbench::testing_effects {
+namespace slipbench::testing_effects::texture_test {
 namespace {
 
 constexpr double k_n = 1000.0, k_t = 600.0, depth = 1e-3, height = 30e-6, wavelength = 4e-3, pi = std::numbers::pi;
@@ -76,4 +76,4 @@ TEST(Texture, RefusesCurvedSurfaces) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_effects
+}  // namespace slipbench::testing_effects::texture_test

@@ -11,7 +11,7 @@
 #include "tests/oracle/pads.h"
 #include "tests/sim/field/random_case.h"
 
-namespace slipbench::testing_field {
+namespace slipbench::testing_field::contact_labels_test {
 namespace {
 
 constexpr double k_n = 7100.0, k_t = 3900.0, compression = 1e-3, pi = std::numbers::pi;
@@ -386,4 +386,4 @@ TEST(ContactLabels, SlippedDistanceIsTheMeanOfAUnitsElements) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_field
+}  // namespace slipbench::testing_field::contact_labels_test

@@ -10,7 +10,7 @@
 
 #include "tests/sim/field/random_case.h"
 
-namespace slipbench::testing_field {
+namespace slipbench::testing_field::energy_test {
 namespace {
 
 using Vector = Eigen::Vector3d;
@@ -241,4 +241,4 @@ TEST(FieldEnergy, AFrictionlessFieldNeverGivesMoreThanItTook) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_field
+}  // namespace slipbench::testing_field::energy_test

@@ -9,7 +9,7 @@
 #include "tests/oracle/pads.h"
 #include "tests/sim/field/random_case.h"
 
-namespace slipbench::testing_field {
+namespace slipbench::testing_field::field_law_test {
 namespace {
 
 constexpr double k_n = 1000.0, k_t = 600.0;
@@ -211,4 +211,4 @@ TEST(FieldLaw, ElementThatLooksAwayNeverTouches) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_field
+}  // namespace slipbench::testing_field::field_law_test

@@ -5,7 +5,7 @@
 
 #include "tests/sim/field/random_case.h"
 
-namespace slipbench::testing_field {
+namespace slipbench::testing_field::field_property_test {
 namespace {
 
 // A force is the product and sum of a few rounded numbers: 1e-12 is some thousand roundings.
@@ -228,4 +228,4 @@ TEST(FieldProperty, MovedFieldGoesOnAsIfItHadStayed) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_field
+}  // namespace slipbench::testing_field::field_property_test

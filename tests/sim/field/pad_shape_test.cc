@@ -9,7 +9,7 @@
 #include "tests/oracle/pads.h"
 #include "tests/sim/field/random_case.h"
 
-namespace slipbench::testing_field {
+namespace slipbench::testing_field::pad_shape_test {
 namespace {
 
 // `count` elements of equal area on the cap of height `cap` of a sphere of radius `radius` (Fibonacci lattice: equal steps in
@@ -274,4 +274,4 @@ TEST(SurfaceShape, SphereDistanceIsRadial) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_field
+}  // namespace slipbench::testing_field::pad_shape_test

@@ -11,7 +11,7 @@
 #include "tests/oracle/pads.h"
 #include "tests/sim/field/random_case.h"
 
-namespace slipbench::testing_field {
+namespace slipbench::testing_field::refusal_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -94,4 +94,4 @@ TEST(FieldRefusal, FrictionOutOfOrder) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_field
+}  // namespace slipbench::testing_field::refusal_test

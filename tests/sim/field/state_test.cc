@@ -6,7 +6,7 @@
 #include "sim/field/contact_labels.h"
 #include "tests/sim/field/same_field.h"
 
-namespace slipbench::testing_field {
+namespace slipbench::testing_field::state_test {
 namespace {
 
 TEST(FieldState, LoadedIntoANewFieldGoesOnToTheSameBits) {
@@ -114,4 +114,4 @@ TEST(FieldState, DampedWrenchIsThatOfEveryElementByItself) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_field
+}  // namespace slipbench::testing_field::state_test

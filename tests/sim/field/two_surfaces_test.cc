@@ -6,7 +6,7 @@
 #include "sim/field/contact_labels.h"
 #include "tests/sim/field/random_case.h"
 
-namespace slipbench::testing_field {
+namespace slipbench::testing_field::two_surfaces_test {
 namespace {
 
 // Three units of two elements: over the left box, over both, over the right one. Each box has its top at z = 0 and its edge at x
@@ -77,4 +77,4 @@ TEST(TwoSurfaces, PadOverTheirEdgeReadsAsOnOnePlane) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing_field
+}  // namespace slipbench::testing_field::two_surfaces_test

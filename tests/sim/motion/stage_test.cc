@@ -15,7 +15,7 @@
 #include "sim/core/random.h"
 #include "sim/motion/motion.h"
 
-namespace slipbench {
+namespace slipbench::stage_test {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity(), pi = std::numbers::pi;
@@ -213,4 +213,4 @@ TEST(Stage, RefusesTimesOutOfOrder) {
 }
 
 }  // namespace
-}  // namespace slipbench
+}  // namespace slipbench::stage_test

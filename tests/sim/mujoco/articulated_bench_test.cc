@@ -21,7 +21,7 @@
 #include "sim/mujoco/articulated_bench.h"
 #include "tests/oracle/pads.h"
 
-namespace slipbench {
+namespace slipbench::articulated_bench_test {
 namespace {
 
 constexpr double mu = 0.5, depth = 1.5e-3, early = 85e-6, ringing = 5e-3, late = 0.3;
@@ -331,4 +331,4 @@ TEST(ArticulatedBench, AWarningOfMuJoCoEndsTheRunWithItsTextTimeAndBody) {
 }
 
 }  // namespace
-}  // namespace slipbench
+}  // namespace slipbench::articulated_bench_test

@@ -7,7 +7,7 @@
 
 #include "tests/sim/mujoco/grasp_rig.h"
 
-namespace slipbench {
+namespace slipbench::grasp_statics_test {
 namespace {
 
 constexpr double gravity = 9.81;                       // m/s2
@@ -133,4 +133,4 @@ TEST(GraspStatics, CentreOfMassTurnsTheBoxAgainstTheFingers) {
 }
 
 }  // namespace
-}  // namespace slipbench
+}  // namespace slipbench::grasp_statics_test

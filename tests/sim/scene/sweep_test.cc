@@ -11,7 +11,7 @@
 #include "sim/scene/parser.h"
 #include "tests/sim/scene/test_catalogues.h"
 
-namespace slipbench {
+namespace slipbench::sweep_test {
 namespace {
 
 const std::string head = "slipbench: 1\nsensors: {pad: {type: papillarray}}\n";
@@ -223,4 +223,4 @@ TEST_F(SweepTest, EveryCellOfTheGridIsChecked) {
 }
 
 }  // namespace
-}  // namespace slipbench
+}  // namespace slipbench::sweep_test

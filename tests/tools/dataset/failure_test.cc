@@ -18,7 +18,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/writer.h"
 
-namespace slipbench::testing {
+namespace slipbench::testing::failure_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -318,4 +318,4 @@ TEST_F(FailureTest, FullDiskKeepsTheTrialsThatFitted) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing
+}  // namespace slipbench::testing::failure_test

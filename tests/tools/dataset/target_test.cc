@@ -11,7 +11,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/writer.h"
 
-namespace slipbench::testing {
+namespace slipbench::testing::target_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -197,4 +197,4 @@ TEST_F(TargetTest, TextDoesNotFollowALinkThatCameMeanwhile) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing
+}  // namespace slipbench::testing::target_test

@@ -130,7 +130,7 @@ TEST(OrderedWorkers, ThreadsThatCannotBeStartedAreRefused) {
     }
   }
   EXPECT_THAT(message,
-              testing::MatchesRegex("only [1-3] of 8 worker threads could be started \\(.*\\); allowed: fewer, with --jobs"));
+              ::testing::MatchesRegex("only [1-3] of 8 worker threads could be started \\(.*\\); allowed: fewer, with --jobs"));
   EXPECT_EQ(begun, 0U);
 }
 

@@ -12,7 +12,7 @@
 #include "tests/tools/train/small_dataset.h"
 #include "tools/train/summary.h"
 
-namespace slipbench::testing {
+namespace slipbench::testing::train_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -290,4 +290,4 @@ TEST_F(TrainTest, RefusesItsTargetBeforeItReads) {
 }
 
 }  // namespace
-}  // namespace slipbench::testing
+}  // namespace slipbench::testing::train_test
