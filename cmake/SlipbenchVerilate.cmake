@@ -7,6 +7,7 @@ function(slipbench_verilate)
   if(NOT TARGET ${target})
     add_library(${target} OBJECT)
     target_compile_options(${target} PRIVATE -w -fno-sanitize=all)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)  # Verilator splits so that files compile side by side
   endif()
   file(STRINGS ${PROJECT_SOURCE_DIR}/rtl/hd/hd.f sources)
   list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/rtl/hd/)
