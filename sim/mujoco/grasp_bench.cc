@@ -240,7 +240,8 @@ void GraspBench::State::observe(double time) {
   truth.slip = in_arm.position - taken.position;
   truth.rotation = Eigen::AngleAxisd(Eigen::Matrix3d(in_arm.rotation * taken.rotation.transpose())).angle();
   const bool let_go = std::min(truth.pad_force[0], truth.pad_force[1]) == 0.0;
-  truth.dropped = truth.dropped || let_go || (time >= lift.end && truth.table_force > 0.0);
+  const bool on_table = truth.table_force > 0.0;
+  truth.dropped = truth.dropped || (on_table ? time >= lift.end : let_go);
 }
 
 GraspBench::GraspBench(const Scene& scene, const PadLayout& pad, double rate, std::uint64_t trial,

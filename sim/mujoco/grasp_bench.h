@@ -23,8 +23,8 @@ namespace slipbench {
 // controller asked, when its write is due the command is written. What is written acts from the gripper's own instant on (gripper.h), so that the result does not
 // depend on the tick at which it was asked.
 //
-// Dropped: after the lift has begun, at the first tick at which a pad no longer touches the box; or, once the arm has risen, at which the
-// table still carries it.
+// Dropped: after the lift has begun, at the first tick at which the table does not carry the box and a pad does not touch it; or, once the
+// arm has risen, at which the table carries it. While the box stands, a pad that is off may come back: nothing is lost yet.
 //
 // Besides the rules of watch.h a run is ended when a pad presses harder than the fingers can make it: beyond twice the largest force that a
 // finger's spring has had, as a mass that falls onto a spring, and what stops a finger that closes at the fastest speed, v sqrt(k m).

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 
 // Not scattered, so that a trial is what its figures say.
 Scene grasp_scene(const std::string& more) {
-  return parse_scene(SceneFile::from_text("slipbench: 1\nsurface: {material: ptfe}\nbox: {mass: 0.2 kg}\nduration: 3 s\n"
+  return parse_scene(SceneFile::from_text("slipbench: 1\nsurface: {material: ptfe}\nbox: {mass: 0.2 kg}\nduration: 5 s\n"
                                           "sensors: {pad: {type: papillarray, rate: 100 Hz}}\n" +
                                               more,
                                           "scene.yaml"),
@@ -41,7 +41,7 @@ TEST(Grasp, RecordsWhatWasWrittenReadAndPressed) {
   EXPECT_EQ(control.controller, "step_on_slip");
   EXPECT_EQ(control.sensor, "pad");
   const std::size_t rows = control.time.size();
-  EXPECT_EQ(rows, 300U);
+  EXPECT_EQ(rows, 500U);
   ASSERT_EQ(control.grip.command.size(), 3 * rows);
   ASSERT_EQ(control.grip.measured_position.size(), rows);
   ASSERT_EQ(control.grip.grip_force.size(), rows);
