@@ -151,15 +151,4 @@ Json summarise(const SensorRecord& sensor) {
             {"micro", number_or_null(disagreement(labels.state, labels.state_micro))}}}};
 }
 
-Json grasp_summary(const GraspOutcome& outcome) {
-  return {{"dropped", outcome.dropped},
-          {"drop_s", number_or_null(outcome.drop_time)},
-          {"slip_m", number_or_null(outcome.slip_translation)},
-          {"rotation_rad", number_or_null(outcome.slip_rotation)},
-          {"max_force_N", number_or_null(outcome.max_grip_force)},
-          {"final_force_N", number_or_null(outcome.final_grip_force)},
-          {"ideal_force_N", number_or_null(outcome.ideal_grip_force)},
-          {"reaction_s", number_or_null(outcome.reaction_time)}};
-}
-
 }  // namespace slipbench::report

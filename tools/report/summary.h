@@ -31,8 +31,4 @@ double motion_start(const TrialRecord& trial, double from);
 // null stands for never.
 Json summarise(const SensorRecord& sensor);
 
-// {"dropped", "drop_s", "slip_m", "rotation_rad" (null: dropped), "max_force_N", "final_force_N", "ideal_force_N", "reaction_s"}, null for what
-// never happened or does not apply.
-Json grasp_summary(const GraspOutcome& outcome);
-
 }  // namespace slipbench::report
