@@ -117,13 +117,13 @@ struct Cell {
   [[nodiscard]] std::string name() const {
     return fmt::format("{}, {}, {}, {}", protocol.name, box.name, surface.name, loop.name);
   }
-  // What runs the first `trials` trials of it.
-  [[nodiscard]] std::string command(std::uint64_t seed, std::size_t trials) const {
+  // What runs it; an option that says which trials is to follow.
+  [[nodiscard]] std::string command(std::uint64_t seed) const {
     std::string text = fmt::format("slipbench run {}", scene);
     for (const Choice* choice : {&protocol, &box, &surface, &loop}) {
       for (const Override& change : choice->overrides) text += fmt::format(" --set '{}={}'", change.path, change.value);
     }
-    return fmt::format("{} --seed {} --trials {}", text, seed, trials);
+    return fmt::format("{} --seed {}", text, seed);
   }
 };
 
@@ -246,8 +246,8 @@ std::vector<Trials> run_cells(const std::vector<Cell>& cells, std::size_t trials
       lift.seed = seed;
       return figures_of(lift, run_trial(lift, trial, Recording::full).record);
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}, trial {}: {}; the same: {}", cells[cell].name(), trial, error.what(),
-                                   cells[cell].command(seed, trial + 1)));
+      throw InputError(fmt::format("{}, trial {}: {}; the same: {} --trial {}", cells[cell].name(), trial, error.what(),
+                                   cells[cell].command(seed), trial));
     }
   };
   const std::size_t total = usable.size() * trials;
@@ -403,7 +403,7 @@ Json cell_json(const Cell& cell, const Trials& trials, std::uint64_t seed) {
   entry["max_over_ideal_by_paper"] = spread_json(spread_of(trials, &TrialFigures::estimated_ratio));
   entry["max_over_ideal_rows_of_a_frame"] = spread_json(spread_of(trials, &TrialFigures::frame_ratio));
   entry["counts"] = spread_json(spread_of(trials, &TrialFigures::counts));
-  entry["command"] = cell.command(seed, trials.size());
+  entry["command"] = fmt::format("{} --trials {}", cell.command(seed), trials.size());
   return entry;
 }
 
@@ -457,7 +457,7 @@ std::vector<std::string> remarks_on(const std::vector<Cell>& cells, const std::v
     if (cell.loop.name != "oracle" || cell.box.name != "light") continue;
     light += results[i].size();
     for (std::size_t k = 0; k < results[i].size(); ++k) {
-      if (results[i][k].dropped) lost.push_back(fmt::format("trial {} of {}", k, cell.command(seed, k + 1)));
+      if (results[i][k].dropped) lost.push_back(fmt::format("{} --trial {}", cell.command(seed), k));
     }
   }
   if (light > 0) {
