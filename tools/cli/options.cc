@@ -38,7 +38,8 @@ Examples:
 
 constexpr std::string_view sweep_footer = R"(
 All trials of the scene's sweep: every cell of its grid, times the number of random draws of each cell. --trials N sets the number
-of draws of each cell (otherwise the scene's sweep.trials, or 1). Without -o the trials are simulated and summed up, and nothing is written.
+of draws of each cell (otherwise the scene's sweep.trials, or 1). Without -o the trials are simulated and summed up, and nothing is written. With --record outcome FILE.h5 holds what was swept and how each
+trial ended, a few kB a trial: enough for the report's maps and curves, not for training.
 
 FILE.h5 is written under a temporary name and renamed at the end; a file of that name is replaced. Above 1 GB it is split into
 FILE.h5, FILE-0001.h5, ... Ctrl-C: running trials finish, all finished ones are kept in FILE.partial.h5, the exit status is 130;
@@ -161,6 +162,9 @@ Integer parse_integer(const std::string& command, const std::string& option, con
   return value;
 }
 
+constexpr std::array record_words{hd::Word<Recording>{"full", Recording::full},
+                                  hd::Word<Recording>{"outcome", Recording::outcome}};
+
 // Reads one of the words of a table.
 template <class Words>
 auto parse_word(const std::string& command, const std::string& option, const std::string& text, const Words& words) {
@@ -221,7 +225,7 @@ std::vector<std::string> repeat_set(const std::vector<std::string>& arguments) {
 struct Parser {
   Options options;
   std::vector<std::string> sets;
-  std::optional<std::string> seed, trials, jobs, trial, output, junit, format, slip_rule, label_speed, compat, ties;
+  std::optional<std::string> seed, trials, jobs, trial, output, junit, format, slip_rule, label_speed, compat, ties, record;
   std::optional<std::string> encoder, dimension, window, quantiser;
   bool context = false;
   bool no_context = false;
@@ -264,6 +268,8 @@ CLI::App* Parser::simulation(const char* name, const char* summary, std::string_
   sub->add_option("SCENE", options.scene, "Scene file (YAML)")->required()->option_text(" ");
   choices(sub, trials_help);
   sub->add_option("-o,--output", output, "Write the dataset (HDF5)")->option_text("FILE.h5");
+  sub->add_option("--record", record, "What -o writes: everything (full, the default), or outcomes alone (outcome)")
+      ->option_text("NAME");
   return sub;
 }
 
@@ -498,6 +504,10 @@ Options parse_options(const std::vector<std::string>& arguments) {
   if (parser.output) options.output = *parser.output;
   if (parser.junit && parser.junit->empty()) throw InputError(command + ": --junit needs a file name");
   if (parser.junit) options.junit = *parser.junit;
+  if (parser.record) {
+    options.record = parse_word(command, "--record", *parser.record, record_words);
+    if (options.output.empty()) throw InputError(command + ": --record says what -o writes; allowed: with -o");
+  }
   // Asked for here and not by CLI11, so that a wrong format is named first.
   if ((command == "export" || command == "train") && options.output.empty()) throw InputError(command + ": --output is required");
   if (command == "train" || command == "eval") options.slip_rule = SlipRule::paper;

@@ -11,6 +11,7 @@
 #include "detectors/hd/model.h"
 #include "sim/scene/parser.h"
 #include "tools/export/export.h"
+#include "tools/run/run_trial.h"
 
 namespace slipbench {
 
@@ -28,6 +29,7 @@ struct Options {
   std::optional<std::uint64_t> seed;
   std::optional<std::size_t> trials;
   std::optional<std::size_t> jobs;
+  Recording record = Recording::full;  // what `output` holds
 
   std::string output;  // run, sweep: dataset; report, reproduce: HTML file; export, train, check: folder. Empty: not given
   std::string junit;   // check: XML file. Empty: not given

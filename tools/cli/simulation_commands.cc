@@ -30,6 +30,7 @@ SweepOptions sweep_options(const Options& options) {
   sweep.seed = options.seed;
   sweep.jobs = options.jobs.value_or(0);
   sweep.output = options.output;
+  sweep.recording = options.record;
   return sweep;
 }
 

@@ -91,7 +91,7 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
       arrays.push_back(view_of(truth + name, unit, record.body_time.size(), tail, column));
     });
   }
-  if (record.control) {
+  if (record.control && !record.sensors.empty()) {
     const std::string control = std::string(control_group) + "/";
     const std::size_t rows = record.control->time.size();
     arrays.push_back(view_of(control + "t", "s", rows, {}, record.control->time));
@@ -103,6 +103,12 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
   }
   std::sort(arrays.begin(), arrays.end(), [](const ArrayView& a, const ArrayView& b) { return a.path < b.path; });
   return arrays;
+}
+
+EncodedAttribute::Doubles confusion_matrix(const Confusion& confusion) {
+  EncodedAttribute::Doubles matrix{{confusion.size(), confusion.size()}, {}};
+  for (const StateCounts& truth : confusion) matrix.values.insert(matrix.values.end(), truth.begin(), truth.end());
+  return matrix;
 }
 
 std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
@@ -138,6 +144,7 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
     attributes.push_back({control_group, "controller", record.control->controller});
     attributes.push_back({control_group, "sensor", record.control->sensor});
     attributes.push_back({control_group, "rate_hz", record.control->rate});
+    if (record.sensors.empty()) attributes.push_back({control_group, "confusion", confusion_matrix(record.control->confusion)});
   }
   return attributes;
 }

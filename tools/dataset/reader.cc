@@ -240,6 +240,15 @@ StateCounts count_states(const Place& place, const std::vector<std::uint8_t>& st
   return counts;
 }
 
+// Counts, where they are not to be had from the recording.
+Confusion read_confusion(const Place& place, const Handle& group) {
+  const Array<std::uint64_t> counts = read_numbers<std::uint64_t>(place, group, "confusion");
+  Confusion confusion{};
+  if (counts.shape != Extents{confusion.size(), confusion.size()}) place.fail("attribute 'confusion' does not fit 4 states");
+  for (std::size_t i = 0; i < counts.values.size(); ++i) confusion[i / confusion.size()][i % confusion.size()] = counts.values[i];
+  return confusion;
+}
+
 // Channel extents as a sensor's array has them: the axes after the first.
 Extents tail_of(const std::vector<std::size_t>& shape) {
   return shape.empty() ? Extents{} : Extents(shape.begin() + 1, shape.end());
@@ -332,6 +341,10 @@ struct DatasetReader::State {
     if (H5Aexists(group.get(), "controller") > 0) control.controller = read_text(place, group, "controller");
     control.sensor = read_text(place, group, "sensor");
     control.rate = read_number<double>(place, group, "rate_hz");
+    if (sensors.empty()) {
+      control.confusion = read_confusion(place, group);
+      return control;
+    }
     control.time = read_array<double>(place.below("t")).values;
     const auto read = [&]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
       column = read_column<T>(place.below(name), control.time.size(), tail);
@@ -428,10 +441,19 @@ DemoInfo DatasetReader::info(std::size_t trial) const {
 }
 
 std::vector<std::string> DatasetReader::sensors(std::size_t trial) const {
+  if (info(trial).num_samples == 0) return {};
   return members_of(state_->demo(trial).below("sensors"));
 }
 
-std::vector<std::string> DatasetReader::bodies(std::size_t trial) const { return members_of(state_->demo(trial).below("truth")); }
+std::vector<std::string> DatasetReader::bodies(std::size_t trial) const {
+  if (info(trial).num_samples == 0) return {};
+  return members_of(state_->demo(trial).below("truth"));
+}
+
+void DatasetReader::check_recorded(std::size_t trial) const {
+  if (info(trial).num_samples > 0) return;
+  state_->demo(trial).fail("has no recording, only its outcome; allowed: a dataset written without --record outcome");
+}
 
 std::string DatasetReader::sensor_type(std::size_t trial, const std::string& sensor) const {
   const Place place = state_->demo(trial).below(sensor_group(sensor));

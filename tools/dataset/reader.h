@@ -59,8 +59,11 @@ class DatasetReader {
   [[nodiscard]] std::vector<std::size_t> mask(const std::string& split) const;
 
   [[nodiscard]] DemoInfo info(std::size_t trial) const;
+  // Both are empty where only the outcome was recorded.
   [[nodiscard]] std::vector<std::string> sensors(std::size_t trial) const;
   [[nodiscard]] std::vector<std::string> bodies(std::size_t trial) const;
+  // Throws InputError where only the outcome was recorded.
+  void check_recorded(std::size_t trial) const;
 
   // Everything of one trial. `material` is not stored a trial and stays empty.
   [[nodiscard]] TrialRecord read_trial(std::size_t trial) const;

@@ -149,8 +149,8 @@ struct TrialRecord {
   std::string params = "{}";      // JSON object: path -> value of what was swept
   std::string model_sha256 = {};  // of the scene's model file, 64 hexadecimal digits; empty: it has none. Not read back
   TrialOutcome outcome;
-  std::vector<SensorRecord> sensors;
-  std::vector<double> body_time;  // [T] s, samples of the fastest sensor
+  std::vector<SensorRecord> sensors;  // empty, as are the bodies: only the outcome was recorded
+  std::vector<double> body_time;      // [T] s, samples of the fastest sensor
   std::vector<BodyRecord> bodies;
   std::optional<ControlRecord> control;  // empty: the scene has no detector and no controller
 

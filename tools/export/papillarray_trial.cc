@@ -82,6 +82,7 @@ std::array<double, 3> PapillarraySamples::tip(std::size_t pillar) const {
 }
 
 std::vector<std::string> papillarrays_of(const DatasetReader& reader, std::size_t trial) {
+  reader.check_recorded(trial);
   std::vector<std::string> names;
   for (const std::string& name : reader.sensors(trial)) {
     if (reader.sensor_type(trial, name) == "papillarray") names.push_back(name);

@@ -100,7 +100,6 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
           report::trial_payload(sensor, record.control ? &*record.control : nullptr, curve_values / record.sensors.size()));
     }
   }
-  if (record.outcome.grasp) row["grasp"] = report::grasp_summary(*record.outcome.grasp);
   if (record.control && !record.control->controller.empty()) row["controller"] = record.control->controller;
   if (record.control && !record.control->detector.empty()) {
     row["detector"] = {{"type", record.control->detector},
@@ -113,7 +112,7 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
   }
   if (record.outcome.grasp) {
     row["grasp"] = report::grasp_summary(*record.outcome.grasp);
-    if (curve_values > 0) grasps[std::to_string(record.trial)] = report::grasp_payload(record, curve_values, subject);
+    if (curve_values > 0 && !record.sensors.empty()) grasps[std::to_string(record.trial)] = report::grasp_payload(record, curve_values, subject);
   }
   row["motion_start_s"] = report::number_or_null(report::motion_start(record, first_touch));
   return row;
@@ -128,6 +127,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
     throw InputError(dataset_path + ": there is no trial " + std::to_string(*options.trial) +
                      "; allowed: " + std::to_string(trials.front()) + " to " + std::to_string(trials.back()));
   }
+  if (options.trial) dataset.check_recorded(*options.trial);
   const bool of_grasps = parse_outcome(dataset.info(trials.front()).outcome).grasp.has_value();
   const std::vector<std::size_t> embedded = embedded_trials(trials, options, of_grasps);
   const std::size_t curve_values =

@@ -23,6 +23,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// What is kept of a trial; without a dataset nothing has to be.
+Recording recording_of(const SweepOptions& options) { return options.output.empty() ? Recording::outcome : options.recording; }
+
 // Whether a value given for `path` replaces all that was given for `earlier`. Below `sweep` the rest of a path is one key.
 bool replaces(const std::string& path, const std::string& earlier) {
   return earlier == path || (earlier.starts_with(path + '.') && !path.starts_with("sweep."));
@@ -74,15 +77,30 @@ TrialSummary summary_of(TrialResult& result) {
   return summary;
 }
 
-// `max_bytes`: limit of the trial's record.
-FinishedTrial run_one(const TrialPlan& plan, std::uint64_t seed, std::size_t index, TrialEncoder* encoder, double max_bytes) {
-  TrialPlan::Trial trial = plan.trial(index);
-  trial.scene.seed = seed;
+// Takes away what is not there without a recording: empty columns.
+void keep_outcome(TrialRecord& record) {
+  record.sensors.clear();
+  record.body_time.clear();
+  record.bodies.clear();
+}
+
+// How the trials are run and kept.
+struct WorkPlan {
+  const TrialPlan& trials;
+  std::uint64_t seed = 0;
+  Recording recording = Recording::full;
+  double max_bytes = max_record_bytes;  // of a trial's record
+};
+
+FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
+  TrialPlan::Trial trial = plan.trials.trial(index);
+  trial.scene.seed = plan.seed;
   const auto start = std::chrono::steady_clock::now();
-  TrialResult result = run_trial(trial.scene, index, encoder != nullptr ? Recording::full : Recording::outcome, max_bytes);
+  TrialResult result = run_trial(trial.scene, index, plan.recording, plan.max_bytes);
   const std::chrono::duration<double> computed = std::chrono::steady_clock::now() - start;
   result.record.params = params_json(trial.drawn);
   FinishedTrial finished{summary_of(result), trial.scene.duration, computed.count(), std::nullopt};
+  if (plan.recording == Recording::outcome) keep_outcome(result.record);
   if (encoder != nullptr) finished.encoded = encoder->encode(result.record);
   return finished;
 }
@@ -144,7 +162,7 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
       const Scene scene = plan.trial(index).scene;
       if (scene.detector) check_run(*scene.detector, options.only ? end : trials);
       const double size = check_trial(scene, index);
-      if (options.output.empty() || size <= bytes) continue;
+      if (recording_of(options) == Recording::outcome || size <= bytes) continue;
       largest = index;
       bytes = size;
     }
@@ -158,22 +176,20 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
 }
 
 // As run_one; a trial that fails gives an InputError with its number.
-FinishedTrial run_numbered(const TrialPlan& plan, std::uint64_t seed, std::size_t index, TrialEncoder* encoder,
-                           double max_bytes) {
+FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
   try {
-    return run_one(plan, seed, index, encoder, max_bytes);
+    return run_one(plan, index, encoder);
   } catch (...) {
-    rethrow_of_trial(plan, index);
+    rethrow_of_trial(plan.trials, index);
   }
 }
 
-OrderedWorkers<FinishedTrial>::Work make_work(const TrialPlan& plan, const SweepOptions& options, std::uint64_t seed,
-                                              double max_bytes) {
+OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepOptions& options) {
   std::shared_ptr<TrialEncoder> encoder = options.output.empty() ? nullptr : std::make_shared<TrialEncoder>();
-  return [&plan, seed, encoder, max_bytes, first = options.only.value_or(0), keep = options.keep_failed](std::size_t index) {
+  return [plan, encoder, first = options.only.value_or(0), keep = options.keep_failed](std::size_t index) {
     const std::size_t trial = first + index;
     try {
-      return run_numbered(plan, seed, trial, encoder.get(), max_bytes);
+      return run_numbered(plan, trial, encoder.get());
     } catch (const InputError& error) {
       if (!keep) throw;
       FinishedTrial failed;
@@ -216,6 +232,7 @@ std::string canonical_command(const SweepOptions& options) {
   if (options.seed) command += fmt::format(" --seed {}", *options.seed);
   if (options.trials > 0) command += fmt::format(" --trials {}", options.trials);
   if (options.limit > 1) command += fmt::format(" --trials {}", options.limit);
+  if (options.recording == Recording::outcome) command += " --record outcome";
   if (options.only) command += fmt::format(" --trial {}", *options.only);
   return command;
 }
@@ -251,7 +268,10 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
 
   const auto run_all = [&] {
     OrderedWorkers<FinishedTrial> workers(
-        summary.planned, workforce.threads, [&] { return make_work(plan, options, summary.seed, workforce.max_bytes); },
+        summary.planned, workforce.threads,
+        [&] {
+          return make_work({plan, summary.seed, recording_of(options), workforce.max_bytes}, options);
+        },
         options.interrupt);
     while (std::optional<FinishedTrial> trial = workers.next()) {
       if (writer) writer->append(*trial->encoded);

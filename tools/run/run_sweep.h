@@ -29,6 +29,7 @@ struct SweepOptions {
   bool keep_failed = false;  // a trial that fails is summed up by why it did, and the others run; nothing is written then
   std::size_t jobs = 0;      // worker threads; 0: as many as the machine has, or as their records have room for
   std::string output;        // dataset; empty: nothing is written
+  Recording recording = Recording::full;  // what the dataset holds of a trial: its outcome alone takes some kB
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
   const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials finish and no other starts
   std::function<void()> on_start;  // called once the scene is checked, before anything is written; may be empty

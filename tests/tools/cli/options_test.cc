@@ -44,6 +44,14 @@ TEST(Options, RunTakesEverything) {
   EXPECT_FALSE(options.json);
 }
 
+TEST(Options, RecordSaysWhatIsWritten) {
+  EXPECT_EQ(parse_options({"sweep", "s.yaml", "-o", "out.h5"}).record, Recording::full);
+  EXPECT_EQ(parse_options({"sweep", "s.yaml", "-o", "out.h5", "--record", "outcome"}).record, Recording::outcome);
+  EXPECT_EQ(refusal({"sweep", "s.yaml", "-o", "out.h5", "--record", "outcom"}),
+            "sweep: --record is 'outcom'; did you mean 'outcome'? allowed: full, outcome");
+  EXPECT_EQ(refusal({"run", "s.yaml", "--record", "outcome"}), "run: --record says what -o writes; allowed: with -o");
+}
+
 TEST(Options, WhatIsNotGivenIsEmpty) {
   const Options options = parse_options({"sweep", "s.yaml"});
   EXPECT_EQ(options.command, "sweep");
@@ -205,7 +213,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{{"run", "s.yaml", "--job", "2"},
                 "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --trials, --jobs, "
-                "--output, --quiet"},
+                "--output, --record, --quiet"},
         Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
         Refusal{
             {"cost", "s.yaml"},

@@ -219,6 +219,28 @@ TEST(Report, SaysHowGraspsEnded) {
   EXPECT_EQ(rows.at(1).at("params").at("detector.ratio").at("value"), 0.3);
 }
 
+TEST(Report, IsMadeOfOutcomesAlone) {
+  TrialRecord trial = sample_trial(0, "{}");
+  trial.sensors.clear();
+  trial.bodies.clear();
+  trial.body_time.clear();
+  trial.outcome.grasp.emplace();
+  trial.control.emplace();
+  trial.control->detector = "ratio";
+  trial.control->sensor = "pad";
+  trial.control->confusion = {{{5, 1, 0, 0}, {0, 4, 2, 0}, {0, 0, 3, 0}, {0, 1, 0, 7}}};
+  const std::string dataset = write_dataset("report_outcomes.h5", scene, {trial});
+  write_report(dataset, page_path("report_outcomes.html"));
+  const Json data = data_of(page_path("report_outcomes.html"));
+  EXPECT_TRUE(data.at("curves").empty());
+  const Json& row = data.at("trials").at(0);
+  EXPECT_EQ(row.at("samples"), 0);
+  EXPECT_TRUE(row.at("sensors").empty());
+  EXPECT_EQ(row.at("detector").at("confusion"), Json::parse("[[5,1,0,0],[0,4,2,0],[0,0,3,0],[0,1,0,7]]"));
+  EXPECT_THAT(refusal(dataset, page_path("report_outcomes.html"), {.trial = 0}),
+              HasSubstr("/data/demo_0: has no recording, only its outcome; allowed: a dataset written without --record outcome"));
+}
+
 TEST(Report, EmbedsTheTrialAskedFor) {
   const std::string dataset = write_dataset("report_ask.h5", scene, trials(11));
   write_report(dataset, page_path("report_ask.html"), {.trial = 7, .max_trials = 3});

@@ -101,6 +101,36 @@ TEST_F(SweepTest, BytesDependOnNeitherJobsNorRun) {
   EXPECT_TRUE(bytes == bytes_of(path("five.h5")));
 }
 
+// What the recording would give by counting stands in the file instead.
+TEST_F(SweepTest, OutcomesAloneAreThoseOfARecording) {
+  SweepOptions full = options("full.h5");
+  full.overrides = {{"detector", "{type: force_ratio}"}};
+  SweepOptions alone = full;
+  alone.output = path("alone.h5");
+  alone.recording = Recording::outcome;
+  const SweepSummary summary = run(full);
+  EXPECT_EQ(run(alone).command, summary.command + " --record outcome");
+  const DatasetReader recorded(path("full.h5"));
+  const DatasetReader outcomes(path("alone.h5"));
+  ASSERT_EQ(outcomes.trials(), recorded.trials());
+  for (const std::size_t trial : recorded.trials()) {
+    EXPECT_EQ(outcomes.info(trial).outcome, recorded.info(trial).outcome);
+    EXPECT_EQ(outcomes.info(trial).params, recorded.info(trial).params);
+    const TrialRecord record = outcomes.read_trial(trial);
+    EXPECT_THAT(record.sensors, IsEmpty());
+    EXPECT_THAT(record.bodies, IsEmpty());
+    EXPECT_EQ(record.control->detector, "force_ratio");
+    EXPECT_EQ(record.control->confusion, recorded.read_trial(trial).control->confusion);
+    EXPECT_THROW(outcomes.check_recorded(trial), InputError);
+  }
+  // Twelve trials of 300 samples of nine pillars against a few attributes each.
+  EXPECT_LT(bytes_of(path("alone.h5")).size() * 4, bytes_of(path("full.h5")).size());
+  alone.output = path("other.h5");
+  alone.jobs = 1;
+  run(alone);
+  EXPECT_TRUE(bytes_of(path("alone.h5")) == bytes_of(path("other.h5")));
+}
+
 TEST_F(SweepTest, SeedChangesTheContent) {
   run(options("seven.h5"));
   SweepOptions eight = options("eight.h5");

@@ -34,9 +34,17 @@ const interval = (k, n) => [lowerBound(k, n), 1 - lowerBound(n - k, n)];
 
 const medianOf = values => values.length ? d3.median(values) : null;
 const known = (trials, value) => trials.map(value).filter(found => found !== null && found !== undefined);
-// What a set of trials comes to. `high` and `low`: of the interval, or the quartiles.
+const ratioOf = ({grasp}) => grasp.ideal_force_N === null ? null : grasp.max_force_N / grasp.ideal_force_N;
+const gentle = 2;  // largest grip force over the ideal one
+// What a set of trials comes to: the share of those that are `good` (null: nobody knows), or the median of `one`.
 const quantities = [
-  {key: 'held', name: 'share held', unit: '%', of: trials => 100 * held(trials) / trials.length},
+  {key: 'held', name: 'share held', unit: '%', good: ({grasp}) => !grasp.dropped},
+  {
+    key: 'gentle',
+    name: 'share held, force ≤ ' + gentle + ' × ideal',
+    unit: '%',
+    good: trial => ratioOf(trial) === null ? null : !trial.grasp.dropped && ratioOf(trial) <= gentle
+  },
   {key: 'slip', name: 'median slip of the held', unit: 'mm', one: ({grasp}) => grasp.slip_m === null ? null : 1e3 * grasp.slip_m},
   {
     key: 'turn',
@@ -44,12 +52,7 @@ const quantities = [
     unit: '°',
     one: ({grasp}) => grasp.rotation_rad === null ? null : 180 / Math.PI * grasp.rotation_rad
   },
-  {
-    key: 'ratio',
-    name: 'median of largest over ideal force',
-    unit: '',
-    one: ({grasp}) => grasp.ideal_force_N === null ? null : grasp.max_force_N / grasp.ideal_force_N
-  },
+  {key: 'ratio', name: 'median of largest over ideal force', unit: '', one: ratioOf},
   {
     key: 'reaction',
     name: 'median time to react',
@@ -58,11 +61,20 @@ const quantities = [
   },
 ];
 const held = trials => trials.filter(trial => !trial.grasp.dropped).length;
-const valueIn = (quantity, trials) => !trials.length ? null :
-    quantity.of                                      ? quantity.of(trials) :
-                                                       medianOf(known(trials, quantity.one));
+const medians = quantities.filter(quantity => quantity.one);
+// A share's number of good trials and of all.
+const countOf = (quantity, trials) => {
+  const judged = known(trials, quantity.good);
+  return [judged.filter(good => good).length, judged.length];
+};
+const valueIn = (quantity, trials) => {
+  if (!quantity.good) return medianOf(known(trials, quantity.one));
+  const [good, all] = countOf(quantity, trials);
+  return all ? 100 * good / all : null;
+};
+// The interval of a share, the quartiles around a median.
 const rangeIn = (quantity, trials) => {
-  if (quantity.of) return interval(held(trials), trials.length).map(share => 100 * share);
+  if (quantity.good) return interval(...countOf(quantity, trials)).map(share => 100 * share);
   const values = known(trials, quantity.one).sort(d3.ascending);
   return [d3.quantile(values, 0.25), d3.quantile(values, 0.75)];
 };
@@ -198,8 +210,9 @@ sb.contour = (grid, level) => {
 
 // The command that runs one trial again, from the one that ran all.
 sb.replayCommand = trial => {
-  const one = page.command.replace(/^slipbench sweep /, 'slipbench run ');
-  const same = one === page.command ? one : one.replace(/ --trials (\d+)$/, ' --set sweep.trials=$1');
+  const recorded = page.command.replace(/ --record outcome$/, '');
+  const one = recorded.replace(/^slipbench sweep /, 'slipbench run ');
+  const same = one === recorded ? one : one.replace(/ --trials (\d+)$/, ' --set sweep.trials=$1');
   return same + ' --only ' + trial.index + ' -o trial-' + trial.index + '.h5';
 };
 
@@ -213,7 +226,7 @@ function overview(swept) {
         'tr', {}, el('td.text', {}, el('b', {}, name), control ? ' · negative control' : ''),
         el('td', {}, held(trials) + ' of ' + trials.length), el('td', {}, sb.fixed(100 * held(trials) / trials.length, 0) + ' %'),
         el('td', {}, sb.fixed(100 * low, 1) + ' to ' + sb.fixed(100 * high, 1) + ' %'),
-        quantities.slice(1).map(quantity => el('td', {}, sb.significant(valueIn(quantity, trials), 3))),
+        medians.map(quantity => el('td', {}, sb.significant(valueIn(quantity, trials), 3))),
         el('td', {}, control ? '–' : sb.percent(accuracyOf(trials))));
   });
   return el(
@@ -227,6 +240,7 @@ function overview(swept) {
 
 sb.grasps = {
   quantities,
+  medians,
   held,
   valueIn,
   rangeIn,

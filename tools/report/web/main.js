@@ -98,7 +98,7 @@ function firstView() {
   if (match && sb.isEmbedded(+match[1])) return {trial: +match[1]};
   if (location.hash === '#all' && page.trials.length > 1) return {trial: null};
   if (page.open !== null) return {trial: page.open};
-  return {trial: page.trials.length === 1 ? page.trials[0].index : null};
+  return {trial: page.trials.length === 1 && sb.isEmbedded(page.trials[0].index) ? page.trials[0].index : null};
 }
 
 const dark = window.matchMedia('(prefers-color-scheme: dark)');

@@ -2,7 +2,7 @@
 (function(sb) {
 'use strict';
 const el = sb.element;
-const {quantities, held, valueIn, rangeIn, withUnit, heldText, accuracyOf} = sb.grasps;
+const {quantities, medians, held, valueIn, rangeIn, withUnit, heldText, accuracyOf} = sb.grasps;
 
 const hues = ['#2f78b7', '#d99500', '#0a7d66', '#a5559b', '#cc4b1c', '#5b6570', '#59b3d8', '#8a7a00'];
 const shapes = ['circle', 'square', 'triangle-up', 'diamond', 'cross', 'triangle-down'];
@@ -60,10 +60,10 @@ class Maps {
                                  path => {
                                    this.y = byPath(path);
                                  }),
-        this.choose(
-            this.y ? 'colour' : 'quantity', quantities.map(quantity => [quantity.key, quantity.name]), this.quantity.key, key => {
-              this.quantity = quantities.find(quantity => quantity.key === key);
-            }));
+        !this.y ? '' :
+                  this.choose('colour', quantities.map(quantity => [quantity.key, quantity.name]), this.quantity.key, key => {
+                    this.quantity = quantities.find(quantity => quantity.key === key);
+                  }));
     this.host.replaceChildren();
     this.detail.replaceChildren();
     this.section.querySelector('h2').textContent = this.y ? 'Success maps' : 'Success curve';
@@ -111,13 +111,13 @@ class Maps {
   // A cell's paint: how far from half of the trials held, or how much of another quantity.
   paint(value, range) {
     if (value === null) return ['none', 0];
-    if (this.quantity.of) return [value >= 50 ? 'var(--stick)' : 'var(--slip)', 0.66 * Math.abs(value - 50) / 50];
+    if (this.quantity.good) return [value >= 50 ? 'var(--stick)' : 'var(--slip)', 0.66 * Math.abs(value - 50) / 50];
     const [low, high] = range;
     return ['var(--stick)', 0.04 + 0.62 * (high > low ? (value - low) / (high - low) : 1)];
   }
 
   drawMapLegend(range, hasControl) {
-    const samples = this.quantity.of ? [0, 25, 50, 75, 100] : d3.range(5).map(i => range[0] + (range[1] - range[0]) * i / 4);
+    const samples = this.quantity.good ? [0, 25, 50, 75, 100] : d3.range(5).map(i => range[0] + (range[1] - range[0]) * i / 4);
     const swatch = value => {
       const item = el('span');
       const [fill, opacity] = this.paint(value, range);
@@ -297,7 +297,7 @@ class Maps {
         trial =>
             el('tr', {}, el('td', {}, String(trial.index)),
                el('td.text', {}, trial.grasp.dropped ? 'dropped at ' + sb.seconds(trial.grasp.drop_s) : 'held'),
-               quantities.slice(1).map(quantity => el('td', {}, sb.significant(quantity.one(trial), 3))),
+               medians.map(quantity => el('td', {}, sb.significant(quantity.one(trial), 3))),
                el('td.text', {},
                   sb.isEmbedded(trial.index) ? el('button.link', {onclick: () => this.open(trial.index)}, 'open') :
                       trial.samples ? el('button.link', {onclick: event => sb.copy(event.target, sb.reportCommand(trial))},
@@ -315,24 +315,19 @@ class Maps {
            el('table', {},
               el('thead', {}, el('tr', {}, head.map((text, i) => el([1, 6, 7].includes(i) ? 'th.text' : 'th', {}, text)))),
               el('tbody', {}, rows))));
+    this.detail.scrollIntoView({block: 'nearest', behavior: 'smooth'});
   }
 
   drawCurves() {
     const levels = this.swept.levels(this.x);
-    const all = this.swept.series([this.x])
-                    .slice(0, mostMaps)
-                    .map(series => ({
-                           series,
-                           points: levels
-                                       .map(level => ({
-                                              level,
-                                              trials: series.trials.filter(
-                                                  trial => levels[this.swept.levelOf(levels, this.x, trial)] === level)
-                                            }))
-                                       .filter(point => point.trials.length)
-                         }));
-    const quantity = this.quantity;
-    this.note.textContent = (quantity.of ? 'Bars: the exact 95 % interval. ' : 'Bars: the quartiles. ') +
+    const pointsOf = series =>
+        levels
+            .map(
+                level =>
+                    ({level, trials: series.trials.filter(trial => levels[this.swept.levelOf(levels, this.x, trial)] === level)}))
+            .filter(point => point.trials.length);
+    const all = this.swept.series([this.x]).slice(0, mostMaps).map(series => ({series, points: pointsOf(series)}));
+    this.note.textContent = 'Bars: the exact 95 % interval of a share, the quartiles around a median. ' +
         'Click a point for its trials and the command that replays one.' +
         (isFinite(levels[levels.length - 1].at) ?
              '' :
@@ -350,32 +345,24 @@ class Maps {
       item.append(series.name + (series.control ? ' · negative control' : ''));
       return item;
     }));
-    this.drawCurve(all, pick, {
+    const chart = (quantity, more) => this.drawCurve(all, pick, {
       title: quantity.name + (quantity.unit ? ', ' + quantity.unit : ''),
       across: this.x,
       at: point => point.level.at * sb.factor(this.x.unit),
       value: point => valueIn(quantity, point.trials),
       range: point => rangeIn(quantity, point.trials),
-      percent: Boolean(quantity.of)
+      percent: Boolean(quantity.good),
+      ...more
     });
-    if (this.x.path !== 'detector.flip') return;
+    const [share, ...others] = quantities;
     const accuracy = point => accuracyOf(point.trials) === null ? null : 100 * accuracyOf(point.trials);
-    this.drawCurve(all, pick, {
-      title: 'detector right, %',
-      across: this.x,
-      at: point => point.level.at,
-      value: accuracy,
-      range: () => null,
-      percent: true
-    });
-    this.drawCurve(all, pick, {
-      title: quantity.name + (quantity.unit ? ', ' + quantity.unit : ''),
-      across: null,
-      at: accuracy,
-      value: point => valueIn(quantity, point.trials),
-      range: point => rangeIn(quantity, point.trials),
-      percent: Boolean(quantity.of)
-    });
+    chart(share);
+    if (this.x.path === 'detector.flip') {
+      chart(share, {title: 'detector right, %', value: accuracy, range: () => null});
+      chart(share, {across: null, at: accuracy});
+      chart(others[0], {across: null, at: accuracy});
+    }
+    for (const quantity of others) chart(quantity);
   }
 
   // One chart of all series. `across`: the axis that stands below, or null where it is the detector's accuracy.
