@@ -112,16 +112,34 @@ TEST_F(CheckScene, OutcomeDependsOnNeitherJobsNorOrder) {
   EXPECT_EQ(one.expectations[0].median, three.expectations[0].median);
 }
 
+// A start that comes before the pad is down is refused when the trial is made: the bench's refusals count, they do not pass.
+TEST_F(CheckScene, TrialsThatCannotRunAreNotKept) {
+  const std::string starts = "sweep: {motion.start: {draw: choice, values: [1 ms, 0.3 s]}, trials: 16}\nseed: 1\n";
+  const SceneCheck check_of = check(starts + "expect: {no_slip_before: {limit: 0.3 s, pass: 0.01}, max_unit_slip: 1 m}\n");
+  const std::size_t refused = check_of.failures.size();
+  ASSERT_GT(refused, 0U);
+  ASSERT_LT(refused, 16U);
+  EXPECT_THAT(check_of.failures.front(), HasSubstr("motion.start"));
+  for (const ExpectationResult& result : check_of.expectations) {
+    EXPECT_EQ(result.kept, 16U - refused);
+    EXPECT_EQ(result.worst_text, "failed to run");
+  }
+  EXPECT_TRUE(check_of.expectations[0].passed());
+  EXPECT_FALSE(check_of.expectations[1].passed());
+  EXPECT_EQ(check_of.verdict, Verdict::failed);
+}
+
 TEST_F(CheckScene, LeavesTheTrialThatFailsMost) {
-  // Both expectations fail in trials 1 (no speed: never) alone, the first in 0 and 1.
-  const SceneCheck failed = check(
-      "sweep: {motion.speed: [20 mm/s, 0 mm/s, 40 mm/s]}\nexpect: {gross_slip_by: 0.305 s, max_unit_slip: 20 mm, false_alarm: "
-      "false}\n"
-      "detector: {type: force_ratio}\n",
-      {.folder = folder_ / "left"});
-  EXPECT_EQ(failed.replayed, 1U);
-  EXPECT_THAT(failed.files, ElementsAre(folder_ / "left/trial_1.h5", folder_ / "left/trial_1.html"));
+  // None is all loose 5 ms after the start: a pillar pressed 1 mm deep holds for far more than 5 ms of 40 mm/s. Only trial 2 is dragged
+  // for more than 8 mm: 12 mm, and less than 6 mm the others.
+  const SceneCheck failed =
+      check("sweep: {motion.speed: [20 mm/s, 0 mm/s, 40 mm/s]}\nexpect: {gross_slip_by: 0.305 s, max_unit_slip: 8 mm}\n",
+            {.folder = folder_ / "left"});
+  EXPECT_EQ(failed.replayed, 2U);
+  EXPECT_THAT(failed.files, ElementsAre(folder_ / "left/trial_2.h5", folder_ / "left/trial_2.html"));
   for (const std::string& file : failed.files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
+  EXPECT_EQ(failed.expectations[0].worst.trial, 1U);  // never
+  EXPECT_EQ(failed.expectations[1].worst.trial, 2U);
 }
 
 TEST_F(CheckScene, Refusals) {
@@ -133,7 +151,7 @@ TEST_F(CheckScene, Refusals) {
               HasSubstr("s.yaml:5: unknown key 'gross_slip_bye' in expect; did you mean 'gross_slip_by'? allowed: confidence, "
                         "control, dropped,"));
   EXPECT_EQ(refusal("expect: {gross_slip_by: 1 mm}\n"),
-            "s.yaml:5: expect.gross_slip_by: unknown unit 'mm' of a time in '1 mm'; allowed: s, ms, us, min");
+            "s.yaml:5: expect.gross_slip_by: unknown unit 'mm' of a time in '1 mm'; did you mean 'ms'? allowed: s, ms, us, min");
   EXPECT_EQ(refusal("expect: {gross_slip_by: {pass: 0.9}}\n"),
             "s.yaml:5: no key 'limit' in expect.gross_slip_by; it says what is allowed, such as 'limit: 1 s'");
   EXPECT_EQ(refusal("expect: {gross_slip_by: {limit: 1 s, pass: 1.5}}\n"),

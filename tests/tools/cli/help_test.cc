@@ -41,10 +41,13 @@ TEST(Help, EveryExampleWorks) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "scenes/papillarray");
   std::filesystem::copy(scenes + "stage.yaml", folder / "scenes/papillarray/stage.yaml");
+  // One scene for all of its folder.
+  std::filesystem::create_directories(folder / "scenes/grasp");
+  std::filesystem::copy(SLIPBENCH_SOURCE_DIR "/scenes/grasp/check_ptfe.yaml", folder / "scenes/grasp/check_ptfe.yaml");
   const std::string whole = text_of(scenes + "hexapod.yaml");
   ASSERT_NE(shortened(whole), whole);
   std::ofstream(folder / "scenes/papillarray/hexapod.yaml") << shortened(whole);
-  for (const char* command : {"run", "sweep", "report", "export", "train", "eval", "reproduce", "list", "describe"}) {
+  for (const char* command : {"run", "sweep", "check", "report", "export", "train", "eval", "reproduce", "list", "describe"}) {
     const std::vector<std::string> examples = examples_of(command);
     EXPECT_FALSE(examples.empty()) << command;
     for (const std::string& example : examples) {
