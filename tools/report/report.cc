@@ -112,7 +112,8 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
   }
   if (record.outcome.grasp) {
     row["grasp"] = report::grasp_summary(*record.outcome.grasp);
-    if (curve_values > 0 && !record.sensors.empty()) grasps[std::to_string(record.trial)] = report::grasp_payload(record, curve_values, subject);
+    if (curve_values > 0 && !record.sensors.empty())
+      grasps[std::to_string(record.trial)] = report::grasp_payload(record, curve_values, subject);
   }
   row["motion_start_s"] = report::number_or_null(report::motion_start(record, first_touch));
   return row;
