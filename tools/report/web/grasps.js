@@ -213,7 +213,7 @@ sb.replayCommand = trial => {
   const recorded = page.command.replace(/ --record outcome$/, '');
   const one = recorded.replace(/^slipbench sweep /, 'slipbench run ');
   const same = one === recorded ? one : one.replace(/ --trials (\d+)$/, ' --set sweep.trials=$1');
-  return same + ' --only ' + trial.index + ' -o trial-' + trial.index + '.h5';
+  return same + ' --trial ' + trial.index + ' -o trial-' + trial.index + '.h5';
 };
 
 // How each series ended, in a table.
