@@ -31,7 +31,7 @@ constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", Slip
                                                                  {"has_slipped", SlipRule::has_slipped}}};
 
 template <class Table>
-std::vector<std::string> names_of(const Table& table) {
+std::vector<std::string> words_of(const Table& table) {
   std::vector<std::string> names;
   for (const auto& [name, value] : table) names.emplace_back(name);
   return names;
@@ -42,7 +42,7 @@ auto parse_name(const Table& table, const std::string& name, const char* what) {
   for (const auto& [known, value] : table) {
     if (name == known) return value;
   }
-  throw InputError(fmt::format("unknown {} '{}'{}", what, name, allowed_names(name, names_of(table))));
+  throw InputError(fmt::format("unknown {} '{}'{}", what, name, allowed_names(name, words_of(table))));
 }
 
 void make_folder(const std::string& path) {
@@ -127,8 +127,8 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
 
 ExportFormat parse_export_format(const std::string& name) { return parse_name(formats, name, "format"); }
 SlipRule parse_slip_rule(const std::string& name) { return parse_name(rules, name, "slip rule"); }
-std::vector<std::string> export_format_names() { return names_of(formats); }
-std::vector<std::string> slip_rule_names() { return names_of(rules); }
+std::vector<std::string> export_format_names() { return words_of(formats); }
+std::vector<std::string> slip_rule_names() { return words_of(rules); }
 std::string slip_rule_name(SlipRule rule) {
   return std::find_if(rules.begin(), rules.end(), [&](const auto& known) { return known.second == rule; })->first;
 }

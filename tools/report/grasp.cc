@@ -20,7 +20,6 @@ namespace {
 
 constexpr double frames_per_second = 60.0;  // more the eye does not see
 constexpr std::size_t pose_values = 7;
-constexpr float at_rest = 1e-6F;  // m/s or rad/s: below this a prescribed motion only rounds
 
 struct GraspCurve {
   const char* key;

@@ -16,7 +16,6 @@ namespace slipbench::report {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr float at_rest = 1e-6F;  // m/s or rad/s: below this a prescribed motion only rounds
 
 double earliest(const std::vector<double>& times) {
   double first = nan;

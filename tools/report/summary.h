@@ -9,6 +9,8 @@
 
 namespace slipbench::report {
 
+inline constexpr float at_rest = 1e-6F;  // m/s or rad/s: below this a prescribed motion only rounds
+
 // A number, or null when it is not finite.
 Json number_or_null(double value);
 Json numbers_or_null(const std::vector<double>& values);

@@ -232,8 +232,8 @@ std::string canonical_command(const SweepOptions& options) {
   if (options.seed) command += fmt::format(" --seed {}", *options.seed);
   if (options.trials > 0) command += fmt::format(" --trials {}", options.trials);
   if (options.limit > 1) command += fmt::format(" --trials {}", options.limit);
-  if (options.recording == Recording::outcome) command += " --record outcome";
   if (options.only) command += fmt::format(" --trial {}", *options.only);
+  if (options.recording == Recording::outcome) command += " --record outcome";
   return command;
 }
 
