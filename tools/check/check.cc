@@ -204,6 +204,10 @@ std::string verdict_text(Verdict verdict) {
   throw std::logic_error("no such verdict");
 }
 
+bool expects_anything(const CheckOptions& options, const Catalogues& catalogues) {
+  return !parse_scene(load_scene(options), catalogues).expect.expectations.empty();
+}
+
 SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
   const SceneFile file = load_scene(options);
   const std::uint64_t seed = options.seed ? *options.seed : parse_scene(file, catalogues).seed;

@@ -17,14 +17,14 @@
 namespace slipbench {
 
 struct CheckOptions {
-  std::string scene_path;
-  std::vector<Override> overrides;
-  std::optional<std::uint64_t> seed;  // empty: the scene's
-  std::size_t trials = 0;             // of each cell of the grid; 0: the scene's sweep.trials, or 1
-  std::size_t jobs = 0;               // worker threads; 0: one a hardware thread. What comes out does not depend on it
-  std::string folder;                 // for what a failed check leaves; made where it is missing; empty: nothing is left
+  std::string scene_path = {};
+  std::vector<Override> overrides = {};
+  std::optional<std::uint64_t> seed = {};  // empty: the scene's
+  std::size_t trials = 0;                  // of each cell of the grid; 0: the scene's sweep.trials, or 1
+  std::size_t jobs = 0;                    // worker threads; 0: one a hardware thread. What comes out does not depend on it
+  std::string folder = {};                 // for what a failed check leaves; made where it is missing; empty: nothing is left
   const std::atomic<bool>* interrupt = nullptr;
-  std::function<void()> on_start;  // called once the scene is checked; may be empty
+  std::function<void()> on_start = {};  // called once the scene is checked; may be empty
 };
 
 // One trial's value of what an expectation is about.
@@ -73,6 +73,9 @@ struct SceneCheck {
   std::optional<std::size_t> replayed;  // trial that the files below hold: it fails most of the expectations that failed
   std::vector<std::string> files;       // dataset, then report
 };
+
+// Whether the scene expects anything. Throws InputError for a scene that cannot be read.
+bool expects_anything(const CheckOptions& options, const Catalogues& catalogues);
 
 // Runs the scene's trials and holds each expectation against them. A trial that fails keeps none. Throws InputError for a scene that
 // cannot be run, for a reliability that so many trials cannot show, and where the files of a failed check cannot be written.

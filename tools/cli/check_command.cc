@@ -105,41 +105,63 @@ void print_total(const std::vector<SceneCheck>& checks, const Style& style) {
   fmt::print("{}\n", std::ranges::all_of(checks, good) ? style.good(text) : style.error(text));
 }
 
-}  // namespace
-
-int check_command(const Options& options) {
-  const Catalogues catalogues = program_catalogues();
-  const Style style = style_for(stdout);
-  const bool prints = !options.json && !options.quiet;
-  const std::string parent = options.output.empty() ? "slipbench-check" : options.output;
+// What to check, with a folder of its own for each scene. Throws InputError before anything runs: for a scene that cannot be read, where none
+// expects anything, and for a JUnit file that cannot be written.
+std::vector<CheckOptions> plan_checks(const Options& options, const Catalogues& catalogues) {
   if (!options.junit.empty()) check_text_target(options.junit, options.scenes, junit_kind);
-  // Until the first scene is checked there is nothing to keep: a signal ends the program as usual.
-  std::optional<InterruptGuard> guard;
+  const std::string parent = options.output.empty() ? "slipbench-check" : options.output;
   std::set<std::string> taken;
-  std::vector<SceneCheck> checks;
+  std::vector<CheckOptions> planned;
+  bool any = false;
   for (const std::string& scene : options.scenes) {
-    CheckOptions check{.scene_path = scene,
+    planned.push_back({.scene_path = scene,
                        .overrides = options.overrides,
                        .seed = options.seed,
                        .trials = options.trials.value_or(0),
                        .jobs = options.jobs.value_or(0),
                        .folder = folder_of(scene, parent, taken),
                        .interrupt = &InterruptGuard::flag(),
-                       .on_start = [&guard] {
-                         if (!guard) guard.emplace();
-                       }};
-    Progress progress = Progress::for_stream(stderr, options.quiet || options.json);
-    try {
-      checks.push_back(check_scene(check, catalogues, [&progress](const SweepProgress& state) {
-        progress.update(state.done, state.total, state.simulated);
-      }));
-    } catch (...) {
-      progress.clear();  // the message that follows starts on a line of its own
-      throw;
-    }
+                       .on_start = {}});
+    any = expects_anything(planned.back(), catalogues) || any;
+  }
+  if (!any) {
+    throw InputError(
+        "check: no scene expects anything; allowed: at least one with a key 'expect', such as 'expect: {gross_slip_by: 1 s}'");
+  }
+  return planned;
+}
+
+SceneCheck check_with_progress(const CheckOptions& check, const Catalogues& catalogues, bool quiet) {
+  Progress progress = Progress::for_stream(stderr, quiet);
+  try {
+    SceneCheck result = check_scene(check, catalogues, [&progress](const SweepProgress& state) {
+      progress.update(state.done, state.total, state.simulated);
+    });
     progress.clear();
+    return result;
+  } catch (...) {
+    progress.clear();  // the message that follows starts on a line of its own
+    throw;
+  }
+}
+
+}  // namespace
+
+int check_command(const Options& options) {
+  const Catalogues catalogues = program_catalogues();
+  const Style style = style_for(stdout);
+  const bool prints = !options.json && !options.quiet;
+  std::vector<CheckOptions> planned = plan_checks(options, catalogues);
+  // Until the first scene is checked there is nothing to keep: a signal ends the program as usual.
+  std::optional<InterruptGuard> guard;
+  std::vector<SceneCheck> checks;
+  for (CheckOptions& check : planned) {
+    check.on_start = [&guard] {
+      if (!guard) guard.emplace();
+    };
+    checks.push_back(check_with_progress(check, catalogues, options.quiet || options.json));
     if (checks.back().interrupted) {
-      say(stderr, fmt::format("slipbench: interrupted: {} of {} scenes checked\n", checks.size() - 1, options.scenes.size()));
+      say(stderr, fmt::format("slipbench: interrupted: {} of {} scenes checked\n", checks.size() - 1, planned.size()));
       return exit_interrupted;
     }
     if (prints) {
@@ -147,10 +169,6 @@ int check_command(const Options& options) {
       std::fflush(stdout);
     }
   }
-  const bool any = std::ranges::any_of(checks, [](const SceneCheck& check) { return check.verdict != Verdict::not_checked; });
-  if (!any)
-    throw InputError(
-        "check: no scene expects anything; allowed: at least one with a key 'expect', such as 'expect: {dropped: false}'");
   if (!options.junit.empty()) write_text_file(options.junit, junit_xml(checks));
   const bool passed = std::ranges::all_of(checks, good);
   if (options.json) {

@@ -254,7 +254,7 @@ TEST(List, UnknownCatalogueGetsTheNearestOne) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
                  "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, "
-                 "materials, motions, electronics, grasp, detectors, controllers");
+                 "materials, motions, electronics, grasp, detectors, controllers, expectations");
   }
 }
 

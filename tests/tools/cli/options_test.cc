@@ -52,6 +52,19 @@ TEST(Options, RecordSaysWhatIsWritten) {
   EXPECT_EQ(refusal({"run", "s.yaml", "--record", "outcome"}), "run: --record says what -o writes; allowed: with -o");
 }
 
+TEST(Options, CheckTakesSeveralScenes) {
+  const Options options = parse_options(
+      {"check", "a.yaml", "b.yaml", "--set", "seed=3", "c.yaml", "--trials", "5", "--junit", "j.xml", "-o", "left", "--quiet"});
+  EXPECT_THAT(options.scenes, ElementsAre("a.yaml", "b.yaml", "c.yaml"));
+  EXPECT_THAT(paths(options), ElementsAre("seed -> 3"));
+  EXPECT_EQ(options.trials, 5U);
+  EXPECT_EQ(options.junit, "j.xml");
+  EXPECT_EQ(options.output, "left");
+  EXPECT_EQ(parse_options({"run", "s.yaml", "--trial", "7"}).trial, 7U);
+  EXPECT_EQ(refusal({"check", "a.yaml", "--junit", ""}), "check: --junit needs a file name");
+  EXPECT_EQ(refusal({"check", "a.yaml", "-o", ""}), "check: -o needs a folder name");
+}
+
 TEST(Options, WhatIsNotGivenIsEmpty) {
   const Options options = parse_options({"sweep", "s.yaml"});
   EXPECT_EQ(options.command, "sweep");
@@ -196,30 +209,32 @@ INSTANTIATE_TEST_SUITE_P(
     All, OptionsRefusal,
     ::testing::Values(
         Refusal{{"swep", "s.yaml"},
-                "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, report, export, hd, train, eval, reproduce, "
+                "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, hd, train, eval, "
+                "reproduce, "
                 "list, "
                 "describe, doctor, plugin-path"},
-        Refusal{{"xyzzy"},
-                "unknown command 'xyzzy'; commands: run, sweep, report, export, hd, train, eval, reproduce, list, describe, "
-                "doctor, plugin-path"},
         Refusal{
-            {"--json", "lst"},
-            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, report, export, hd, train, eval, reproduce, list, "
-            "describe, doctor, plugin-path"},
+            {"xyzzy"},
+            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, list, describe, "
+            "doctor, plugin-path"},
+        Refusal{{"--json", "lst"},
+                "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, hd, train, eval, "
+                "reproduce, list, "
+                "describe, doctor, plugin-path"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
         Refusal{{"--json"},
-                "no command given; commands: run, sweep, report, export, hd, train, eval, reproduce, list, describe, "
+                "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, list, describe, "
                 "doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{{"run", "s.yaml", "--job", "2"},
                 "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --trials, --jobs, "
-                "--output, --record, --quiet"},
+                "--quiet, --output, --record, --trial"},
         Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
-        Refusal{
-            {"cost", "s.yaml"},
-            "command 'cost' is not available in this version; available: run, sweep, report, export, hd, train, eval, reproduce, "
-            "list, "
-            "describe, doctor, plugin-path"},
+        Refusal{{"cost", "s.yaml"},
+                "command 'cost' is not available in this version; available: run, sweep, check, report, export, hd, train, eval, "
+                "reproduce, "
+                "list, "
+                "describe, doctor, plugin-path"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
         Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
         Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},

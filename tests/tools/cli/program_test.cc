@@ -57,7 +57,7 @@ TEST(Program, HelpAndVersion) {
 }
 
 TEST(Program, UnknownCommand) {
-  expect_refusal({"swep"}, HasSubstr("unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, report"));
+  expect_refusal({"swep"}, HasSubstr("unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report"));
 }
 
 TEST(Program, UnknownOption) {
