@@ -9,11 +9,11 @@
 namespace slipbench::report {
 namespace {
 
-const std::string scene =
+const std::string lift_text =
     "slipbench: 1\nsurface: {material: felt}\nbox: {mass: 0.5 kg, size: [50 mm, 60 mm, 90 mm]}\ngrip: {protocol: as_printed}\n"
     "motion: {kind: lift, distance: 80 mm}\n";
 
-Json rows(const std::string& text = scene, const Json& overrides = Json::object(), const Json& swept = Json::object()) {
+Json rows(const std::string& text = lift_text, const Json& overrides = Json::object(), const Json& swept = Json::object()) {
   return grasp_parameters(text, overrides, swept, "lift.h5: attribute scene");
 }
 
@@ -49,24 +49,24 @@ TEST(GraspParameters, ProtocolIsAsRecordedUnlessSaid) {
 }
 
 TEST(GraspParameters, CommandLineCountsAsTheScene) {
-  expect_row(row(rows(scene, {{"grip.latency", "40 ms"}}), "grip.latency"), "40 ms", "scene", true);
+  expect_row(row(rows(lift_text, {{"grip.latency", "40 ms"}}), "grip.latency"), "40 ms", "scene", true);
 }
 
 // Neither the scene's value nor the protocol's is that of every trial.
 TEST(GraspParameters, SweptValuesAreNotShown) {
-  const Json all = rows(scene, Json::object(), {{"box.size.0", 1}, {"grip.protocol", 1}});
+  const Json all = rows(lift_text, Json::object(), {{"box.size.0", 1}, {"grip.protocol", 1}});
   expect_row(row(all, "box.size"), "", "sweep", true);
   expect_row(row(all, "motion.speed"), "43 mm/s", "default", false);
 }
 
 TEST(GraspParameters, ScatterIsThereWhenTheSceneHasIt) {
   EXPECT_TRUE(row(rows(), "scatter.yaw").is_null());
-  expect_row(row(rows(scene + "scatter: {}\n"), "scatter.yaw"), "1 deg", "default", true);
+  expect_row(row(rows(lift_text + "scatter: {}\n"), "scatter.yaw"), "1 deg", "default", true);
 }
 
 TEST(GraspParameters, RefusesOverridesThatDoNotFit) {
-  EXPECT_THROW(rows(scene, {{"slipbench.a", "1"}}), InputError);
-  EXPECT_THROW(rows(scene, {{"box.mass", 1}}), InputError);
+  EXPECT_THROW(rows(lift_text, {{"slipbench.a", "1"}}), InputError);
+  EXPECT_THROW(rows(lift_text, {{"box.mass", 1}}), InputError);
 }
 
 }  // namespace
