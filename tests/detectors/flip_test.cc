@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipbench {
+namespace slipbench::flip_test {
 namespace {
 
 constexpr double untold = std::numeric_limits<double>::quiet_NaN();
@@ -122,4 +122,4 @@ TEST(Flip, TellsTheStuckFractionOfTheNewClass) {
 }
 
 }  // namespace
-}  // namespace slipbench
+}  // namespace slipbench::flip_test

@@ -9,7 +9,7 @@
 #include "sim/core/error.h"
 #include "tests/detectors/frames.h"
 
-namespace slipbench {
+namespace slipbench::shear_rate_test {
 namespace {
 
 // A window of 20 frames. 0.525 lies between what two frames tell, so that rounding decides nothing.
@@ -127,4 +127,4 @@ TEST(ShearRate, ReadsForcesAlone) {
 }
 
 }  // namespace
-}  // namespace slipbench
+}  // namespace slipbench::shear_rate_test

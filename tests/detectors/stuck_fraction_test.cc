@@ -8,7 +8,7 @@
 #include "sim/core/error.h"
 #include "tests/detectors/frames.h"
 
-namespace slipbench {
+namespace slipbench::stuck_fraction_test {
 namespace {
 
 // A window of 20 frames. The shares and speeds lie between what two frames tell, so that rounding decides nothing.
@@ -108,4 +108,4 @@ TEST(StuckFraction, RefusesWhatItCannotRead) {
 }
 
 }  // namespace
-}  // namespace slipbench
+}  // namespace slipbench::stuck_fraction_test

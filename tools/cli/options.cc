@@ -436,7 +436,7 @@ std::pair<const CLI::App*, std::string> chosen_command(const CLI::App& app) {
 // Of the command line's fixed part: later versions have them.
 constexpr std::array<std::string_view, 3> later_commands{"cost", "import", "view"};
 
-void check_command(const std::vector<std::string>& arguments) {
+void refuse_unknown_command(const std::vector<std::string>& arguments) {
   const auto word = std::find_if(arguments.begin(), arguments.end(), [](const std::string& a) { return a.rfind('-', 0) != 0; });
   const std::vector<std::string> names = command_names();
   if (word == arguments.end() || std::find(names.begin(), names.end(), *word) != names.end()) return;
@@ -454,7 +454,7 @@ std::vector<std::string> command_names() {
 }
 
 Options parse_options(const std::vector<std::string>& arguments) {
-  check_command(arguments);
+  refuse_unknown_command(arguments);
   Parser parser;
   Options& options = parser.options;
   if (arguments.empty()) {

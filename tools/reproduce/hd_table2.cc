@@ -24,7 +24,7 @@
 namespace slipbench::reproduce {
 namespace {
 
-constexpr const char* scene = "scenes/grasp/lift.yaml";
+constexpr const char* lift_scene = "scenes/grasp/lift.yaml";
 constexpr const char* published_memories = "tests/detectors/hd/data/published";
 constexpr std::size_t default_trials = 10;
 // Rows of the published log: four of them are 0.6 s in the paper, 15 frames of its 100 Hz each.
@@ -89,7 +89,7 @@ std::vector<Choice> loops(const std::string& memories) {
 }
 
 // The paper's row, and what its recordings have beside it.
-struct Published {
+struct PublishedGrasp {
   const char* surface;
   const char* box;
   double slip_median;  // mm
@@ -98,8 +98,8 @@ struct Published {
   MeanSd spin;
   std::optional<MeanSd> ratio;
 };
-const std::vector<Published>& published() {
-  static const std::vector<Published> all{
+const std::vector<PublishedGrasp>& published_grasps() {
+  static const std::vector<PublishedGrasp> all{
       {"ptfe", "light", 2.54, {3.56, 2.65}, 0.68, {1.36, 2.18}, MeanSd{1.48, 0.29}},
       {"rubber", "light", 0.25, {1.34, 3.35}, 0.44, {0.51, 0.22}, MeanSd{1.36, 0.36}},
       {"felt", "light", 0.27, {0.44, 0.41}, 0.28, {0.64, 0.68}, MeanSd{1.25, 0.27}},
@@ -119,7 +119,7 @@ struct Cell {
   }
   // What runs it; an option that says which trials is to follow.
   [[nodiscard]] std::string command(std::uint64_t seed) const {
-    std::string text = fmt::format("slipbench run {}", scene);
+    std::string text = fmt::format("slipbench run {}", lift_scene);
     for (const Choice* choice : {&protocol, &box, &surface, &loop}) {
       for (const Override& change : choice->overrides) text += fmt::format(" --set '{}={}'", change.path, change.value);
     }
@@ -198,7 +198,7 @@ void check_names(const std::vector<std::string>& only, const std::vector<Choice>
 }
 
 SceneFile scene_file(const Cell& cell) {
-  SceneFile file = SceneFile::load(project_file(scene));
+  SceneFile file = SceneFile::load(project_file(lift_scene));
   for (const Choice* choice : {&cell.protocol, &cell.box, &cell.surface, &cell.loop}) {
     for (const Override& change : choice->overrides) file.apply(change);
   }
@@ -291,7 +291,7 @@ void add_rows(ResultTable& table, std::span<const Cell> cells, std::span<const T
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Cell& cell = cells[i];
     if (i == 0 || cells[i - 1].surface.name != cell.surface.name) {
-      for (const Published& row : published()) {
+      for (const PublishedGrasp& row : published_grasps()) {
         if (row.surface == cell.surface.name && row.box == cell.box.name) published_row(row);
       }
     }
@@ -323,7 +323,7 @@ ResultTable displacement_table(const std::string& title, std::span<const Cell> c
                 "mean +- SD"};
   add_rows(
       table, cells, results,
-      [&](const Published& row) {
+      [&](const PublishedGrasp& row) {
         table.rows.push_back({std::string(row.surface) + ": published", "0 of 10", "0 to 31 %", "-", "-", "-",
                               number(row.slip_median), text_of(row.slip), "-", "-", number(row.spin_median), text_of(row.spin)});
       },
@@ -352,7 +352,7 @@ ResultTable force_table(const std::string& title, std::span<const Cell> cells, s
       "n", "rows of a frame, median", "mean +- SD", "n",          "counts"};
   add_rows(
       table, cells, results,
-      [&](const Published& row) {
+      [&](const PublishedGrasp& row) {
         if (!row.ratio) return;
         table.rows.push_back({std::string(row.surface) + ": published", "-", "-", "-", "-", "-", "-", text_of(*row.ratio), "-",
                               "-", "-", "-", "-"});
@@ -422,7 +422,7 @@ std::vector<std::string> setup_lines(std::size_t trials, std::uint64_t seed) {
       fmt::format("{}, seed {}, {} trials a row; nothing else differs between rows than what they name. Trial k has "
                   "the same box, place and loop phase in every row. No parameter was fitted to the published "
                   "figures.",
-                  scene, seed, trials),
+                  lift_scene, seed, trials),
       "Rows of detectors have the controller step_on_slip. constant_force, controller force_ratio, force_pid and "
       "hold_preset ask no detector: gst_hd with the shipped memory looks on for the paper's estimate. Controller "
       "stuck_fraction has the detector stuck_fraction.",
@@ -430,7 +430,7 @@ std::vector<std::string> setup_lines(std::size_t trials, std::uint64_t seed) {
                   "0.6 s in the paper. The script asks for three slips of four, the paper's words for half. With a "
                   "row a frame it finds more.",
                   row_stride),
-      "Published: Table II (light boxes; the script gives the same means and SDs from the recordings), and the "
+      "PublishedGrasp: Table II (light boxes; the script gives the same means and SDs from the recordings), and the "
       "medians, the heavy boxes and the drops of the recordings, "
       "github.com/JT2106/Hyperdimensional-computing-tactile-sensing, data/grip force control.",
       "Assumed, felt: anisotropic_friction 0.6 with its grain level, so that the box hangs by the lesser friction; "
@@ -472,10 +472,10 @@ std::vector<std::string> remarks_on(const std::vector<Cell>& cells, const std::v
                     fmt::join(idle, "; ")));
   }
   remarks.insert(remarks.end(),
-                 {"Published means stand on outliers: rubber is nine trials of 0.15 to 0.41 mm and one of 10.86 mm; "
+                 {"PublishedGrasp means stand on outliers: rubber is nine trials of 0.15 to 0.41 mm and one of 10.86 mm; "
                   "of PTFE the largest, 8.49 mm, is a jump of the gripper's marker (median without it 2.24 mm), and "
                   "another moves long after the lift. Compare medians.",
-                  "Published rotations are the angle of a line of 135 mm between two markers: 1 to 2 mm of play "
+                  "PublishedGrasp rotations are the angle of a line of 135 mm between two markers: 1 to 2 mm of play "
                   "sideways make 0.4 to 0.9 deg.",
                   "max/ideal by the paper is nearly the last force over the least force at a row called incipient: "
                   "sum f_t/mean(f_t/f_n) is sum f_n when all ratios are alike. It says little about m g/(2 mu).",
