@@ -246,8 +246,8 @@ std::vector<Trials> run_cells(const std::vector<Cell>& cells, std::size_t trials
       lift.seed = seed;
       return figures_of(lift, run_trial(lift, trial, Recording::full).record);
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}, trial {}: {}; the same: {} --trial {}", cells[cell].name(), trial, error.what(),
-                                   cells[cell].command(seed), trial));
+      throw InputError(fmt::format("{}, trial {}: {}; the same: {} --trials {} --trial {}", cells[cell].name(), trial,
+                                   error.what(), cells[cell].command(seed), trial + 1, trial));
     }
   };
   const std::size_t total = usable.size() * trials;
@@ -457,7 +457,7 @@ std::vector<std::string> remarks_on(const std::vector<Cell>& cells, const std::v
     if (cell.loop.name != "oracle" || cell.box.name != "light") continue;
     light += results[i].size();
     for (std::size_t k = 0; k < results[i].size(); ++k) {
-      if (results[i][k].dropped) lost.push_back(fmt::format("{} --trial {}", cell.command(seed), k));
+      if (results[i][k].dropped) lost.push_back(fmt::format("{} --trials {} --trial {}", cell.command(seed), k + 1, k));
     }
   }
   if (light > 0) {
