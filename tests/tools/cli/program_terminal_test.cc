@@ -6,7 +6,7 @@
 
 #include "tests/tools/cli/child_process.h"
 
-namespace slipbench {
+namespace slipbench::program_terminal_test {
 namespace {
 
 using ::testing::AllOf;
@@ -45,4 +45,4 @@ TEST(ProgramOnATerminal, NoBarWithJsonOrQuiet) {
 }
 
 }  // namespace
-}  // namespace slipbench
+}  // namespace slipbench::program_terminal_test
