@@ -26,7 +26,8 @@ class HeldBox {
   [[nodiscard]] virtual Gripper& gripper() = 0;
   // At the tick last stepped to.
   [[nodiscard]] virtual const GraspTruth& truth() const = 0;
-  // The least force of either pad that could hold the trial's box [N]; infinite without friction.
+  // The least force of either pad that could hold the trial's box [N]: m g/(2 mu_s), mu_s the trial's, upwards, without what effects add to
+  // it in time and place; infinite without friction.
   [[nodiscard]] virtual double ideal_force() const = 0;
   // When the lift begins [s].
   [[nodiscard]] virtual double lift_start() const = 0;

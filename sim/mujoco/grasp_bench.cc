@@ -135,7 +135,9 @@ struct GraspBench::State {
       const std::vector<double>& face = grip.vector("pad_size");
       std::ranges::find(bodies, second_pad_name, &NamedBody::name)->size = {face[0], face[1], 0.0};
     }
-    ideal = ideal_grip_force(scene, grasp.friction_scale, -m->opt.gravity[2]);
+    // Where the scene's friction depends on the direction, that of the weight counts.
+    const double reach = fingers[0].pad->fields().front().cone_gauge(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), 1.0);
+    ideal = reach * ideal_grip_force(scene, grasp.friction_scale, -m->opt.gravity[2]);
     start_height = grasp.box_position.z();
   }
 

@@ -113,7 +113,7 @@ struct GraspOutcome {
   // True grip forces, the mean of both pads' normal forces.
   double max_grip_force = 0.0;    // N, at any tick
   double final_grip_force = 0.0;  // N, at the last tick
-  // N, m g/(2 mu_s): the least that could hold the box; NaN where no force could.
+  // N, m g/(2 mu_s), mu_s upwards: the least that could hold the box (HeldBox::ideal_force()); NaN where no force could.
   double ideal_grip_force = std::numeric_limits<double>::quiet_NaN();
   // s, from the first tick of the lift at which a unit of the sensor's pad truly slips to the first from then on at which the drive closes.
   double reaction_time = std::numeric_limits<double>::quiet_NaN();

@@ -368,8 +368,8 @@ ResultTable force_table(const std::string& title, std::span<const Cell> cells, s
                                number(spread_of(trials, &TrialFigures::counts).median)});
       });
   table.note =
-      "Of the boxes that were not dropped. Least: m g/(2 mu_s), mu_s that of the trial without the surface's "
-      "effects. By the paper: largest force up to 10 N over the least sum f_t/mean(f_t/f_n) of the rows called "
+      "Of the boxes that were not dropped. Least: m g/(2 mu_s), mu_s that of the trial, upwards, without patches. "
+      "By the paper: largest force up to 10 N over the least sum f_t/mean(f_t/f_n) of the rows called "
       "incipient; n: trials that have such rows. Counts: by which the gripper closed after the lift had begun, "
       "median.";
   return table;

@@ -73,11 +73,11 @@ TEST(GraspStatics, ForceOfACountIsThatOfAllSpringsInSeries) {
 }
 
 // A box in two equal pads, lifted so gently that it weighs 1e-4 more, with the friction that makes the grip force `ratio` times m g/(2 mu).
-GraspRig held_at(double ratio, double grip_force) {
+GraspRig held_at(double ratio, double grip_force, const std::string& more = "") {
   return GraspRig(
       fmt::format("friction: {{static: {}}}\ngrip: {{second_pad: same}}\n"
-                  "motion: {{kind: lift, settle: 1 s, speed: 2 mm/s, acceleration: 1 mm/s2, distance: 5 mm}}\nduration: 8 s\n",
-                  ratio * weight / (2.0 * grip_force)));
+                  "motion: {{kind: lift, settle: 1 s, speed: 2 mm/s, acceleration: 1 mm/s2, distance: 5 mm}}\nduration: 8 s\n{}",
+                  ratio * weight / (2.0 * grip_force), more));
 }
 
 TEST(GraspStatics, HoldsAboveTheIdealForceAndDropsBelow) {
@@ -95,6 +95,23 @@ TEST(GraspStatics, HoldsAboveTheIdealForceAndDropsBelow) {
 
   // 0.001 g for some 5 s: 0.5 x 9.81e-3 x 5^2 = 0.12 m, more than the 37 mm that the pads have below them.
   GraspRig drops = held_at(0.999, force);
+  drops.run();
+  EXPECT_TRUE(drops->truth().dropped);
+}
+
+// Across a level grain mu is half of that along it, so the box needs twice the force.
+TEST(GraspStatics, IdealForceIsThatAgainstTheWeight) {
+  const std::string across = "effects: [{anisotropic_friction: {ratio: 0.5}}]\n";
+  GraspRig firm_box = held_at(4.0, 4.5, across);
+  firm_box.run_to(5.0);
+  const double force = firm_box->truth().grip_force;
+  EXPECT_NEAR(firm_box->ideal_force(), 4.5 / 2.0, 1e-9);
+
+  GraspRig holds = held_at(2.002, force, across);
+  holds.run();
+  EXPECT_FALSE(holds->truth().dropped);
+  EXPECT_NEAR(holds->ideal_force(), force / 1.001, 1e-9);
+  GraspRig drops = held_at(1.998, force, across);
   drops.run();
   EXPECT_TRUE(drops->truth().dropped);
 }
