@@ -1,5 +1,6 @@
 #include <dlfcn.h>
 
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -57,7 +58,7 @@ class Plugin final : public Controller {
     for (const Channel& channel : source.channels) {
       announced.push_back({channel.name.c_str(), channel.unit.c_str(), channel.shape.data(), channel.shape.size()});
     }
-    controller_ = make(announced.data(), announced.size());
+    controller_ = guarded([&] { return make(announced.data(), announced.size()); });
     if (controller_.update == nullptr) {
       destroy();
       refuse(library_.name() + " makes no controller for this sensor; allowed: a sensor with channels that it can work with");
@@ -83,11 +84,23 @@ class Plugin final : public Controller {
         .stopped = input.gripper.stopped ? 1 : 0,
         .preset = preset_,
     };
-    const slipbench_grip_command command = controller_.update(controller_.self, &handed);
+    const slipbench_grip_command command = guarded([&] { return controller_.update(controller_.self, &handed); });
     return {.position = command.position, .speed = command.speed, .force = command.force};
   }
 
  private:
+  // What a library throws against the rule is its fault, not the program's.
+  template <class Call>
+  auto guarded(Call&& call) const -> decltype(call()) {
+    try {
+      return call();
+    } catch (const std::exception& error) {
+      throw InputError("controller plugin: " + library_.name() + " threw '" + error.what() + "'; allowed: no exceptions");
+    } catch (...) {
+      throw InputError("controller plugin: " + library_.name() + " threw an exception; allowed: none");
+    }
+  }
+
   void destroy() {
     if (controller_.destroy != nullptr) controller_.destroy(controller_.self);
   }

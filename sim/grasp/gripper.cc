@@ -47,7 +47,13 @@ Gripper::Gripper(const Parameters& grip, double opening, double phase)
       wrap_(grip.flag("wrap")),
       position_(std::clamp(std::floor(closed_at_ - opening / count_ + same_count), open_at_, closed_at_)),
       target_(position_.at(0.0).position),
-      force_limit_(weakest_) {}
+      force_limit_(weakest_) {
+  if (write_after_ >= period_) {
+    throw SceneValueError("grip.write_after", format_quantity(write_after_, Quantity::time) +
+                                                  " after its read comes the next read; allowed: less than the period of " +
+                                                  format_quantity(period_, Quantity::time));
+  }
+}
 
 GripperStatus Gripper::read() {
   const double time = next_read();

@@ -23,7 +23,7 @@ namespace slipbench {
 class Gripper {
  public:
   // `grip`: parameters of the entry `grip` (grasp_catalogue.h). It begins at rest, open by `opening` [m] or the next whole count more, as far
-  // as its stops allow. `phase` [s]: the first read.
+  // as its stops allow. `phase` [s]: the first read. Throws SceneValueError where a write would come no earlier than the next read.
   Gripper(const Parameters& grip, double opening, double phase);
 
   // ---- The loop. Every read and write is to be done once, in order of time; a tick after the instant is soon enough, since the instants
@@ -37,6 +37,7 @@ class Gripper {
   // Sends a command with the write that is due, and returns it as it was sent. Throws InputError when a value is no byte, unless the
   // parameter `wrap` asks for the low byte to be taken, as a driver that does not look would.
   GripCommand write(const GripCommand& command);
+  [[nodiscard]] double latency() const { return latency_; }  // s, from a write to when it begins to act
 
   // ---- The drive.
   // To be called at every tick, in order of time, before anything below is asked for that time: commands begin to act, and the motor stops

@@ -34,7 +34,7 @@ Entry about_lift() {
       "shared GRASP.md; integrated exactly",
       {number("settle", Quantity::time, "1.5 s", non_negative, "how long the arm waits while the gripper takes the box",
               "assumed"),
-       number("distance", Quantity::length, "100 mm", {0.0, 2.0}, "how far it lifts", recorded),
+       number("distance", Quantity::length, "100 mm", {0.0, 2.0, true}, "how far it lifts", recorded),
        number("speed", Quantity::speed, "43 mm/s", arm_speed, "of the lift and of the way sideways; protocol as_printed: 5 mm/s",
               recorded),
        number("acceleration", Quantity::acceleration, "400 mm/s2", positive, "of both; protocol as_printed: 50 mm/s2", recorded),

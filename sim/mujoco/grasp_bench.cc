@@ -261,6 +261,7 @@ bool GraspBench::rotating() const { return state_->motion->turns(); }
 Gripper& GraspBench::gripper() { return state_->gripper; }
 const GraspTruth& GraspBench::truth() const { return state_->truth; }
 const Grasp& GraspBench::grasp() const { return state_->grasp; }
+double GraspBench::friction_scale() const { return state_->grasp.friction_scale; }
 double GraspBench::ideal_force() const { return state_->ideal; }
 double GraspBench::lift_start() const { return state_->lift.start; }
 DynamicBench& GraspBench::dynamics() { return *state_->bench; }

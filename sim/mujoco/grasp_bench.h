@@ -44,6 +44,7 @@ class GraspBench final : public Bench, public HeldBox {
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
   [[nodiscard]] bool rotating() const override;
 
+  [[nodiscard]] double friction_scale() const override;
   [[nodiscard]] HeldBox* held_box() override { return this; }
 
   [[nodiscard]] Gripper& gripper() override;

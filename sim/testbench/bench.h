@@ -37,6 +37,8 @@ class Bench {
   [[nodiscard]] virtual const std::vector<NamedBody>& bodies() const = 0;
   // Whether the scene's motion turns the pads that ride on it.
   [[nodiscard]] virtual bool rotating() const = 0;
+  // What the trial multiplies the scene's friction by.
+  [[nodiscard]] virtual double friction_scale() const { return 1.0; }
   // The gripper and its box; null on a bench without.
   [[nodiscard]] virtual HeldBox* held_box() { return nullptr; }
 

@@ -27,18 +27,20 @@ std::string refused(const std::string& path) {
 // One count on slip, and no other before the measured position has followed: a gripper that takes three updates moves a count each three.
 TEST(Plugin, RunsTheExample) {
   const auto controller = load(file("step_and_wait"));
-  const PillarFrame frame;
+  const PillarFrame frame = PillarFrame::of_forces(4.1);
   EXPECT_EQ(controller->update(input_of(frame, 20, PadState::non_slip)).position, 20);
   EXPECT_EQ(controller->update(input_of(frame, 20, PadState::incipient)).position, 21);
   EXPECT_EQ(controller->update(input_of(frame, 20, PadState::gross)).position, 21);
   EXPECT_EQ(controller->update(input_of(frame, 21, PadState::gross)).position, 22);
   EXPECT_EQ(controller->update(input_of(frame, 21, PadState::non_slip)).position, 22);
+  EXPECT_EQ(controller->update(input_of(frame, 22, PadState::non_slip)).position, 22);
+  EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(3.9), 22)).position, 23) << "below the preset of 4 N";
 }
 
 TEST(Plugin, MakesAControllerOfItsOwnEachTime) {
   const auto one = load(file("step_and_wait"));
   const auto other = load(file("step_and_wait"));
-  const PillarFrame frame;
+  const PillarFrame frame = PillarFrame::of_forces(4.1);
   EXPECT_EQ(one->update(input_of(frame, 20, PadState::gross)).position, 21);
   EXPECT_EQ(other->update(input_of(frame, 30, PadState::gross)).position, 31);
   EXPECT_EQ(one->update(input_of(frame, 20)).position, 21);

@@ -71,6 +71,11 @@ ExpectationKind of_grasp(ExpectationKind kind) {
   return kind;
 }
 
+ExpectationKind of_box(ExpectationKind kind) {
+  kind.of_box = true;
+  return of_grasp(std::move(kind));
+}
+
 ExpectationKind of_detector(ExpectationKind kind) {
   kind.about.of_detector = true;
   return kind;
@@ -117,16 +122,15 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
                          "From the first slip of a whole unit to the detector's first word of it. A trial without slip fails.",
                          "detection_delay_s", [](const TrialOutcome& o) { return o.detection_delay; })),
 
-      of_grasp(flag("dropped", "Whether the box falls.", "dropped",
-                    [](const TrialOutcome& o) { return grasp_of(o).dropped ? 1.0 : 0.0; })),
-      of_grasp(
-          number("max_slip", at_most, length, "3 mm",
-                 "Slip displacement: of the box's middle in the hand, from the lift's beginning to the trial's end. A dropped "
-                 "box fails.",
-                 "slip_translation_m", [](const TrialOutcome& o) { return grasp_of(o).slip_translation; })),
-      of_grasp(number("max_rotation", at_most, angle, "5 deg",
-                      "Slip rotation: of the box in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
-                      "slip_rotation_rad", [](const TrialOutcome& o) { return grasp_of(o).slip_rotation; })),
+      of_box(flag("dropped", "Whether the box falls.", "dropped",
+                  [](const TrialOutcome& o) { return grasp_of(o).dropped ? 1.0 : 0.0; })),
+      of_box(number("max_slip", at_most, length, "3 mm",
+                    "Slip displacement: of the box's middle in the hand, from the lift's beginning to the trial's end. A dropped "
+                    "box fails.",
+                    "slip_translation_m", [](const TrialOutcome& o) { return grasp_of(o).slip_translation; })),
+      of_box(number("max_rotation", at_most, angle, "5 deg",
+                    "Slip rotation: of the box in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
+                    "slip_rotation_rad", [](const TrialOutcome& o) { return grasp_of(o).slip_rotation; })),
       of_grasp(number("max_grip_force", at_most, force, "12 N",
                       "Peak grip force at any tick, the mean of both pads' normal forces: what the object is not damaged by.",
                       "max_grip_force_N", [](const TrialOutcome& o) { return grasp_of(o).max_grip_force; })),

@@ -20,6 +20,7 @@ struct ExpectationKind {
   ExpectationEntry about;
   Comparison comparison = Comparison::at_most;
   double (*observed)(const TrialOutcome&) = nullptr;  // SI, a flag as 0 or 1; NaN: it never happened, or has no value
+  bool of_box = false;                                // what becomes of the box, not how it is gripped
 
   // Whether a trial keeps the expectation. `limit`: SI, a flag as 0 or 1.
   [[nodiscard]] bool kept(double observed, double limit) const;

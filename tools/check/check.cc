@@ -68,11 +68,15 @@ std::size_t kept_by(const Named& expectation, const std::vector<TrialSummary>& t
       std::ranges::count_if(trials, [&](const TrialSummary& trial) { return keeps(expectation, trial); }));
 }
 
-// How many of the trials must keep an expectation.
-std::size_t needed_of(const Named& expectation, std::size_t trials, double confidence) {
+// How many of the trials must keep an expectation for its `pass` alone, at least one.
+std::size_t share_of(const Named& expectation, std::size_t trials) {
   constexpr double rounding = 1e-9;  // 0.95 of 20 are 19, whatever 0.95 is as a double
-  const auto share =
-      static_cast<std::size_t>(std::ceil(expectation.parameters.number("pass") * static_cast<double>(trials) - rounding));
+  const double share = std::ceil(expectation.parameters.number("pass") * static_cast<double>(trials) - rounding);
+  return static_cast<std::size_t>(std::max(1.0, share));
+}
+
+// The same with its `reliability`.
+std::size_t needed_of(const Named& expectation, std::size_t trials, double confidence) {
   const double reliability = expectation.parameters.number("reliability");
   const std::size_t shown = least_successes(trials, reliability, confidence);
   if (shown > trials) {
@@ -82,7 +86,7 @@ std::size_t needed_of(const Named& expectation, std::size_t trials, double confi
                     "allowed: at most that, or more trials",
                     reliability, trials, 100.0 * confidence, clopper_pearson(trials, trials, confidence).low));
   }
-  return std::max(share, shown);
+  return std::max(share_of(expectation, trials), shown);
 }
 
 SweepOptions sweep_of(const CheckOptions& options) {
@@ -132,22 +136,27 @@ ExpectationResult result_of(const Named& expectation, const CheckOptions& option
   std::ranges::stable_sort(order, {}, rank);
   result.worst = {order.front()->trial, observed_in(kind, *order.front())};
   result.worst_text = order.front()->failure.empty() ? value_text(kind, result.worst.value, limit) : "failed to run";
+  // Of an even number the mean of the middle two, or the worse one where they have none.
   const TrialSummary& middle = *order[(order.size() - 1) / 2];
+  const double other = observed_in(kind, *order[order.size() / 2]);
   result.median = observed_in(kind, middle);
+  if (kind.comparison != Comparison::equal && !std::isnan(other)) result.median = 0.5 * (result.median + other);
   result.median_text = middle.failure.empty() ? value_text(kind, result.median, limit) : "failed to run";
   result.replay = canonical_command(replay_of(options, summary.seed, result.worst.trial));
   return result;
 }
 
-// The trial that misses most of the expectations that failed; the earliest of those alike. Trials that fail to run leave nothing to
-// look at: one of them only where there is no other.
-std::size_t most_telling(const std::vector<TrialSummary>& trials, const std::vector<Named>& failed) {
+// The trial that misses most of the expectations that failed; of those alike `worst`, else the earliest. Trials that fail to run leave
+// nothing to look at: one of them only where there is no other.
+std::size_t most_telling(const std::vector<TrialSummary>& trials, const std::vector<Named>& failed, std::size_t worst) {
   const auto missed = [&](const TrialSummary& trial) {
     return std::ranges::count_if(failed, [&](const Named& expectation) { return !keeps(expectation, trial); });
   };
-  return std::ranges::max_element(
-             trials, {},
-             [&](const TrialSummary& trial) { return std::pair(missed(trial) > 0 && trial.failure.empty(), missed(trial)); })
+  return std::ranges::max_element(trials, {},
+                                  [&](const TrialSummary& trial) {
+                                    return std::tuple(missed(trial) > 0 && trial.failure.empty(), missed(trial),
+                                                      trial.trial == worst);
+                                  })
       ->trial;
 }
 
@@ -240,20 +249,26 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
     check.interrupted = control.interrupted;
     if (check.interrupted) return check;
     check.control_trials = control.trials.size();
+    // A control that does not tighten fails what is asked of its reaction; that it keeps the box shows that the scene needs none.
+    const bool about_box = std::ranges::any_of(expectations, [](const Named& asked) { return kind_of(asked.name).of_box; });
     for (std::size_t i = 0; i < expectations.size(); ++i) {
       const std::size_t kept = kept_by(expectations[i], control.trials);
       check.expectations[i].control_kept = kept;
-      control_fails = control_fails || kept < needed_of(expectations[i], check.control_trials, check.confidence);
+      const bool counts = !about_box || kind_of(expectations[i].name).of_box;
+      control_fails = control_fails || (counts && kept < share_of(expectations[i], check.control_trials));
     }
   }
 
   std::vector<Named> failed;
-  for (std::size_t i = 0; i < expectations.size(); ++i) {
-    if (!check.expectations[i].passed()) failed.push_back(expectations[i]);
+  std::size_t worst = 0;  // of the first that failed
+  for (std::size_t i = expectations.size(); i-- > 0;) {
+    if (check.expectations[i].passed()) continue;
+    failed.push_back(expectations[i]);
+    worst = check.expectations[i].worst.trial;
   }
   check.verdict = !failed.empty() ? Verdict::failed : control_fails ? Verdict::passed : Verdict::tests_nothing;
   if (failed.empty()) return check;
-  check.replayed = most_telling(summary.trials, failed);
+  check.replayed = most_telling(summary.trials, failed, worst);
   const bool runs = std::ranges::find(summary.trials, *check.replayed, &TrialSummary::trial)->failure.empty();
   if (runs && !options.folder.empty()) {
     check.files = leave_trial(replay_of(options, summary.seed, *check.replayed), options.folder, catalogues);

@@ -49,7 +49,7 @@ std::string check_text(const SceneCheck& check, const Style& style) {
   }
   for (const std::string& failure : check.failures) text += "  " + failure + '\n';
   if (check.verdict == Verdict::tests_nothing) text += fmt::format("  {} {}\n", style.error("FAIL"), tests_nothing_text(check));
-  if (!check.files.empty()) text += fmt::format("  trial {}: {}\n", *check.replayed, fmt::join(check.files, ", "));
+  if (!check.files.empty()) text += fmt::format("  left behind, trial {}: {}\n", *check.replayed, fmt::join(check.files, ", "));
   return text;
 }
 

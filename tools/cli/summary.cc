@@ -160,7 +160,7 @@ std::string with_parameters(const std::string& type, const std::string& key, con
                                                      : value.dump();
     values += fmt::format("{}{} {}", values.empty() ? "" : ", ", path.substr(key.size() + 1), text);
   }
-  return values.empty() ? type : fmt::format("{} ({})", type, values);
+  return values.empty() ? detector_title(type) : fmt::format("{} ({})", detector_title(type), values);
 }
 
 // What decides the row of a grasp.

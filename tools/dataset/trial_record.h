@@ -115,7 +115,8 @@ struct GraspOutcome {
   double final_grip_force = 0.0;  // N, at the last tick
   // N, m g/(2 mu_s), mu_s upwards: the least that could hold the box (HeldBox::ideal_force()); NaN where no force could.
   double ideal_grip_force = std::numeric_limits<double>::quiet_NaN();
-  // s, from the first tick of the lift at which a unit of the sensor's pad truly slips to the first from then on at which the drive closes.
+  // s, from the first tick of the lift at which a unit of the sensor's pad truly slips until a command that follows from a later read, and
+  // closes further, begins to act; NaN: none before the drop.
   double reaction_time = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -127,7 +128,8 @@ struct TrialOutcome {
   double gross_slip_time = std::numeric_limits<double>::quiet_NaN();        // s, all touching units slip
   double max_slip_distance = 0.0;                                           // m, of any unit
 
-  // Of the detector. Slip is that of the sensor that it reads, by the rule strict: it begins when a first unit slips as a whole.
+  // Of the detector. Slip is that of the sensor that it reads, by the rule strict: it begins when a first unit slips as a whole. In a grasp
+  // only what is between the lift's beginning and a drop counts.
   double false_alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, first tick before slip that shows incipient or gross
   double detection_time = std::numeric_limits<double>::quiet_NaN();    // s, first tick after it began that does
   double detection_delay = std::numeric_limits<double>::quiet_NaN();   // s, from when it began to detection_time

@@ -45,7 +45,7 @@ class ParameterRows {
     const std::vector<Material> table = material_table();
     const auto found = material == nullptr ? table.end() : std::ranges::find(table, material->text, &Material::name);
     add("surface.material", material, "", "friction of the pads on the box",
-        found == table.end() ? "assumed: see slipbench describe materials" : found->source);
+        found == table.end() ? "assumed: see slipbench list materials" : found->source);
   }
 
   [[nodiscard]] const YamlNode* at(const std::vector<std::string>& path) const { return node_at(root_, path); }

@@ -111,6 +111,12 @@ Json grasp_summary(const GraspOutcome& outcome) {
           {"reaction_s", number_or_null(outcome.reaction_time)}};
 }
 
+double lift_time(const TrialRecord& record) {
+  const auto arm = std::ranges::find(record.bodies, "arm", &BodyRecord::name);
+  return arm == record.bodies.end() ? std::numeric_limits<double>::quiet_NaN()
+                                    : record.body_time[lift_row(*arm, record.num_samples())];
+}
+
 Json grasp_payload(const TrialRecord& record, std::size_t curve_values, const std::string& place) {
   const BodyRecord& arm = body_named(record, "arm", place);
   const BodyRecord& box = body_named(record, "box", place);

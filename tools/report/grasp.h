@@ -13,6 +13,9 @@ namespace slipbench::report {
 // it does not apply. A row of the overview has it under "grasp".
 Json grasp_summary(const GraspOutcome& outcome);
 
+// Time [s] of the last sample before the arm first moves; NaN without a recorded arm.
+double lift_time(const TrialRecord& record);
+
 // The curves and the poses of a grasp:
 // {"lift_s": time of the last sample before the arm first moves, "detector", "controller": "" without one,
 //  "time": packed, "stride": row r of a curve belongs to time[r * stride], "curves": {key: {"unit", "components", "data"}},

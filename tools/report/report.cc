@@ -115,7 +115,8 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
     if (curve_values > 0 && !record.sensors.empty())
       grasps[std::to_string(record.trial)] = report::grasp_payload(record, curve_values, subject);
   }
-  row["motion_start_s"] = report::number_or_null(report::motion_start(record, first_touch));
+  row["motion_start_s"] =
+      report::number_or_null(record.outcome.grasp ? report::lift_time(record) : report::motion_start(record, first_touch));
   return row;
 }
 

@@ -430,7 +430,7 @@ std::vector<std::string> setup_lines(std::size_t trials, std::uint64_t seed) {
                   "0.6 s in the paper. The script asks for three slips of four, the paper's words for half. With a "
                   "row a frame it finds more.",
                   row_stride),
-      "PublishedGrasp: Table II (light boxes; the script gives the same means and SDs from the recordings), and the "
+      "Published: Table II (light boxes; the script gives the same means and SDs from the recordings), and the "
       "medians, the heavy boxes and the drops of the recordings, "
       "github.com/JT2106/Hyperdimensional-computing-tactile-sensing, data/grip force control.",
       "Assumed, felt: anisotropic_friction 0.6 with its grain level, so that the box hangs by the lesser friction; "
@@ -472,10 +472,10 @@ std::vector<std::string> remarks_on(const std::vector<Cell>& cells, const std::v
                     fmt::join(idle, "; ")));
   }
   remarks.insert(remarks.end(),
-                 {"PublishedGrasp means stand on outliers: rubber is nine trials of 0.15 to 0.41 mm and one of 10.86 mm; "
+                 {"Published means stand on outliers: rubber is nine trials of 0.15 to 0.41 mm and one of 10.86 mm; "
                   "of PTFE the largest, 8.49 mm, is a jump of the gripper's marker (median without it 2.24 mm), and "
                   "another moves long after the lift. Compare medians.",
-                  "PublishedGrasp rotations are the angle of a line of 135 mm between two markers: 1 to 2 mm of play "
+                  "Published rotations are the angle of a line of 135 mm between two markers: 1 to 2 mm of play "
                   "sideways make 0.4 to 0.9 deg.",
                   "max/ideal by the paper is nearly the last force over the least force at a row called incipient: "
                   "sum f_t/mean(f_t/f_n) is sum f_n when all ratios are alike. It says little about m g/(2 mu).",

@@ -1,5 +1,6 @@
 #include "tools/run/grip_loop.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace slipbench {
@@ -20,7 +21,9 @@ void GripLoop::act(double time) {
       input_.gripper = gripper.read();
       next_ = controller_->update(input_);
     } else {
-      written_ = gripper.write(next_);
+      const double acts = gripper.next_write() + gripper.latency();
+      const GripCommand before = std::exchange(written_, gripper.write(next_));
+      if (written_.position > std::max(before.position, input_.gripper.position)) tightening_ = {input_.gripper.time, acts};
     }
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -33,6 +34,12 @@ class GripLoop {
   [[nodiscard]] PadState seen() const { return input_.slip.state; }
   // Registers as written last; before the first write the position at which the fingers stand.
   [[nodiscard]] const GripCommand& written() const { return written_; }
+  // The latest write that closed the fingers further than they were measured and told before.
+  struct Tightening {
+    double read = std::numeric_limits<double>::quiet_NaN();  // s, when what it follows from was read; NaN: there was none yet
+    double acts = std::numeric_limits<double>::quiet_NaN();  // s, when it begins to act
+  };
+  [[nodiscard]] const Tightening& tightening() const { return tightening_; }
   // Counts, of the latest read; before the first where the fingers stand.
   [[nodiscard]] int measured_position() const { return input_.gripper.position; }
 
@@ -43,6 +50,7 @@ class GripLoop {
   SensorFrame frame_;
   ControlInput input_;
   GripCommand next_, written_;
+  Tightening tightening_;
 };
 
 }  // namespace slipbench

@@ -27,7 +27,8 @@ void keep_earliest(double& time, double candidate) {
 
 std::size_t samples_of(std::size_t ticks, std::size_t stride) { return (ticks + stride - 1) / stride; }
 
-void describe_units(const PadLayout& layout, const FrictionScene& friction, LabelRecord& labels) {
+// `scale`: of the trial's friction.
+void describe_units(const PadLayout& layout, const FrictionScene& friction, double scale, LabelRecord& labels) {
   for (const UnitRange& unit : layout.units) {
     Eigen::Vector3d tip = Eigen::Vector3d::Zero();
     double k_normal = 0.0;
@@ -42,8 +43,8 @@ void describe_units(const PadLayout& layout, const FrictionScene& friction, Labe
     labels.k_normal.push_back(k_normal);
     labels.k_tangential.push_back(k_tangential);
   }
-  labels.mu_static.assign(layout.units.size(), friction.static_coefficient);
-  labels.mu_kinetic.assign(layout.units.size(), friction.kinetic_coefficient);
+  labels.mu_static.assign(layout.units.size(), scale * friction.static_coefficient);
+  labels.mu_kinetic.assign(layout.units.size(), scale * friction.kinetic_coefficient);
   labels.onset_time.assign(layout.units.size(), never);
   labels.micro_onset_time.assign(layout.units.size(), never);
 }
@@ -139,7 +140,7 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
   record_.sensors.resize(sensors.size());
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
     record_.sensors[pad].name = scene.sensors[pad].name;
-    describe_units(sensors[pad]->layout(), scene.friction, record_.sensors[pad].labels);
+    describe_units(sensors[pad]->layout(), scene.friction, bench.friction_scale(), record_.sensors[pad].labels);
     units_.emplace_back(sensors[pad]->layout().units.size());
   }
   if (const auto pad = control_pad(scene)) {
@@ -255,9 +256,10 @@ void TrialRecorder::write_sample(std::size_t pad, const ContactFrame& truth, con
 void TrialRecorder::loop(std::size_t tick, const ContactFrame& truth, PadState seen) {
   TrialOutcome& outcome = record_.outcome;
   for (const ContactEvent& event : truth.events) {
-    if (event.kind == EventKind::slip) keep_earliest(slip_began_, event.time);
+    if (event.kind == EventKind::slip && event.time >= lift_start_) keep_earliest(slip_began_, event.time);
   }
-  if (seen == PadState::incipient || seen == PadState::gross) {
+  const bool judged = truth.time >= lift_start_ && !(outcome.grasp && outcome.grasp->dropped);
+  if (judged && (seen == PadState::incipient || seen == PadState::gross)) {
     double& first = std::isnan(slip_began_) ? outcome.false_alarm_time : outcome.detection_time;
     if (std::isnan(first)) first = truth.time;
   }
@@ -269,8 +271,7 @@ void TrialRecorder::loop(std::size_t tick, const ContactFrame& truth, PadState s
   control.detector_class.push_back(static_cast<std::uint8_t>(seen));
 }
 
-void TrialRecorder::grip(std::size_t tick, const ContactFrame& truth, HeldBox& box, const GripCommand& written,
-                         int measured_position) {
+void TrialRecorder::grip(std::size_t tick, const ContactFrame& truth, const HeldBox& box, const GripLoop& loop) {
   const GraspTruth& now = box.truth();
   if (!record_.outcome.grasp) {
     record_.outcome.grasp.emplace();
@@ -285,16 +286,19 @@ void TrialRecorder::grip(std::size_t tick, const ContactFrame& truth, HeldBox& b
   grasp.slip_rotation = grasp.dropped ? never : now.rotation;
   grasp.max_grip_force = std::max(grasp.max_grip_force, now.grip_force);
   grasp.final_grip_force = now.grip_force;
+  lift_start_ = box.lift_start();
   const bool slips = truth.state == PadState::incipient || truth.state == PadState::gross;
-  if (now.time >= box.lift_start() && slips) keep_earliest(true_slip_, now.time);
-  if (!std::isnan(true_slip_) && box.gripper().opening_speed(now.time) < 0.0) {
-    keep_earliest(grasp.reaction_time, now.time - true_slip_);
+  if (now.time >= lift_start_ && slips) keep_earliest(true_slip_, now.time);
+  if (std::isnan(grasp.reaction_time) && !grasp.dropped && loop.tightening().read >= true_slip_) {
+    grasp.reaction_time = loop.tightening().acts - true_slip_;
   }
   if (!record_.control || recording_ == Recording::outcome || tick % bench_.stride(*control_pad(scene_)) != 0) return;
   GripRecord& rows = record_.control->grip;
-  for (const int value : {written.position, written.speed, written.force})
+  const GripCommand& written = loop.written();
+  for (const int value : {written.position, written.speed, written.force}) {
     rows.command.push_back(static_cast<std::uint8_t>(value));
-  rows.measured_position.push_back(static_cast<std::uint8_t>(measured_position));
+  }
+  rows.measured_position.push_back(static_cast<std::uint8_t>(loop.measured_position()));
   rows.grip_force.push_back(static_cast<float>(now.grip_force));
 }
 

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "sim/core/contact_frame.h"
-#include "sim/core/gripper.h"
 #include "sim/core/sensor.h"
 #include "sim/grasp/held_box.h"
 #include "sim/scene/scene.h"
 #include "sim/testbench/bench.h"
 #include "tools/dataset/trial_record.h"
+#include "tools/run/grip_loop.h"
 #include "tools/run/run_trial.h"
 
 namespace slipbench {
@@ -49,9 +49,8 @@ class TrialRecorder {
   // Called every tick after the pads where the scene has a detector or a controller: the truth of the pad whose sensor it reads, and what
   // the loop sees.
   void loop(std::size_t tick, const ContactFrame& truth, PadState seen);
-  // Called every tick of a grasp after the pads: the truth of the sensor's pad, the box, the registers written last and the position read
-  // last [counts].
-  void grip(std::size_t tick, const ContactFrame& truth, HeldBox& box, const GripCommand& written, int measured_position);
+  // Called every tick of a grasp after the pads: the truth of the sensor's pad, the box, and what its loop has done.
+  void grip(std::size_t tick, const ContactFrame& truth, const HeldBox& box, const GripLoop& loop);
   // Called every tick after the pads.
   void bodies(std::size_t tick, double time, const std::vector<NamedBody>& bodies) {
     if (recording_ == Recording::full && tick % body_stride_ == 0) write_bodies(time, bodies);
@@ -75,6 +74,7 @@ class TrialRecorder {
   double bytes_ = 0.0;  // that the record takes so far
   std::size_t body_stride_ = 1;
   std::size_t body_row_ = 0;
+  double lift_start_ = -std::numeric_limits<double>::infinity();  // s, of a grasp
   double true_slip_ =
       std::numeric_limits<double>::quiet_NaN();  // s, first tick of a grasp's lift at which a unit of its pad slips
   double slip_began_ = std::numeric_limits<double>::quiet_NaN();  // s, a first unit of the detector's pad slips as a whole

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
 #include "sim/testbench/testbench.h"
 #include "tools/catalogue/controllers.h"
 #include "tools/catalogue/detectors.h"
@@ -19,8 +21,6 @@
 #include "sim/mujoco/dynamic_bench.h"
 #include "sim/mujoco/grasp_bench.h"
 #include "sim/mujoco/register_plugin.h"
-#else
-#include "sim/core/error.h"
 #endif
 
 namespace slipbench {
@@ -72,6 +72,10 @@ DetectorLoop make_loop(const DetectorScene& detector, const Scene& scene, const 
 }
 
 GripLoop make_grip_loop(Bench& bench, const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
+  if (const double start = bench.held_box()->lift_start(); scene.duration <= start) {
+    throw SceneValueError("duration",
+                          "ends before the box is lifted; allowed: more than " + format_quantity(start, Quantity::time));
+  }
   std::optional<DetectorLoop> detector;
   if (scene.detector) detector = make_loop(*scene.detector, scene, sensors, bench, trial);
   std::unique_ptr<Controller> controller;
@@ -91,7 +95,7 @@ void close_loop(TrialRecorder& recorder, std::size_t tick, const Bench& bench, D
 void close_loop(TrialRecorder& recorder, std::size_t tick, Bench& bench, GripLoop& loop) {
   const ContactFrame& truth = bench.contact(0);
   loop.act(truth.time);
-  recorder.grip(tick, truth, *bench.held_box(), loop.written(), loop.measured_position());
+  recorder.grip(tick, truth, *bench.held_box(), loop);
   if (loop.closed()) recorder.loop(tick, truth, loop.seen());
 }
 

@@ -155,7 +155,7 @@ TEST(Summary, SweepShowsTheGraspsByDetectorAndController) {
       sweep_text(summary, Style(false)),
       HasSubstr("\ngrasps: medians; slip and turn of the held\n"
                 "                                       held             95 %     slip      turn  max/ideal force  reaction\n"
-                "  truth, step_on_slip              10 of 10  69.2 to 100.0 %  1.25 mm  1.00 deg             1.50     40 ms\n"
+                "  oracle (truth), step_on_slip     10 of 10  69.2 to 100.0 %  1.25 mm  1.00 deg             1.50     40 ms\n"
                 "  ratio (ratio 0.3), step_on_slip    1 of 2    1.3 to 98.7 %  1.25 mm  1.00 deg             1.75         -\n"));
   const std::vector<GraspRow> rows = grasp_rows(summary);
   ASSERT_EQ(rows.size(), 2U);

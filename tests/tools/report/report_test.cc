@@ -188,25 +188,15 @@ TEST(Report, ListsEveryTrialOfADataset) {
 }
 
 TEST(Report, SaysHowGraspsEnded) {
-  TrialRecord held = sample_trial(0, R"({"detector.type": "truth", "detector.ratio": null})");
-  held.outcome.grasp.emplace();
-  held.outcome.grasp->slip_translation = 1e-3;
-  held.outcome.grasp->slip_rotation = 0.25;
-  held.outcome.grasp->max_grip_force = 6.0;
-  held.outcome.grasp->final_grip_force = 5.0;
-  held.outcome.grasp->ideal_grip_force = 4.0;
-  held.control.emplace();
+  TrialRecord held = sample_grasp(0);
+  held.params = R"({"detector.type": "truth", "detector.ratio": null})";
+  held.outcome.grasp = GraspOutcome{
+      .slip_translation = 1e-3, .slip_rotation = 0.25, .max_grip_force = 6.0, .final_grip_force = 5.0, .ideal_grip_force = 4.0};
+  held.control->detector = "";
   held.control->controller = "hold_preset";
-  held.control->sensor = "pad";
-  held.control->time = held.sensors[0].time;
-  held.control->detector_class.assign(8, 0);
-  held.control->grip.command.assign(24, 0);
-  held.control->grip.measured_position.assign(8, 0);
-  held.control->grip.grip_force.assign(8, 0.0F);
-  TrialRecord dropped = sample_trial(1, R"({"detector.type": "force_ratio", "detector.ratio": 0.3})");
-  dropped.outcome.grasp.emplace();
-  dropped.outcome.grasp->dropped = true;
-  dropped.outcome.grasp->drop_time = 3e-3;
+  TrialRecord dropped = sample_grasp(1);
+  dropped.params = R"({"detector.type": "force_ratio", "detector.ratio": 0.3})";
+  dropped.outcome.grasp = GraspOutcome{.dropped = true, .drop_time = 3e-3};
   write_report(write_dataset("report_grasps.h5", scene, {held, dropped}), page_path("report_grasps.html"));
   const Json rows = data_of(page_path("report_grasps.html")).at("trials");
   EXPECT_EQ(rows.at(0).at("grasp"), Json::parse(R"({"dropped": false, "drop_s": null, "slip_m": 0.001, "rotation_rad": 0.25,

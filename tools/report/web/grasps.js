@@ -112,7 +112,7 @@ class Swept {
 
   part(trial, part) {
     const type =
-        part === 'detector' ? (trial.detector ? trial.detector.type : 'no detector') : trial.controller || 'no controller';
+        part === 'detector' ? (trial.detector ? sb.detectorName(trial.detector.type) : 'no detector') : trial.controller || 'no controller';
     const values =
         this.folded.filter(axis => axis.path.startsWith(part + '.') && !axis.path.endsWith('.type') && axis.path in trial.params)
             .map(axis => axis.path.slice(part.length + 1) + ' ' + sb.parameter(trial.params[axis.path], 3));

@@ -130,7 +130,7 @@ sb.definitions = [
     'slip speed', 'Speed of the slipping tip over the surface, mean over the step; a unit that slips in part counts by that part.'
   ],
   ['slip centre', 'The point of the pad about which the slip turns at that instant; the slip angle is its accumulated rotation.'],
-  ['motion start', 'The first sample after the first touch at which a body moves sideways or turns.'],
+  ['motion start', 'The first sample after the first touch at which a body moves sideways or turns; of a grasp the last one before the arm lifts.'],
 ];
 
 // DOM in one expression: element('p.note', {title: 'x'}, 'text', child). Text is never parsed as HTML.
