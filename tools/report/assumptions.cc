@@ -4,11 +4,15 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "sim/core/error.h"
 #include "sim/grasp/grasp_catalogue.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/materials.h"
 #include "sim/scene/parser.h"
+#include "sim/scene/scene_values.h"
+#include "tools/catalogue/catalogues.h"
 
 namespace slipbench::report {
 
@@ -33,9 +37,38 @@ class ParameterRows {
     if (found != protocol_catalogue().end() && !swept.contains("grip.protocol")) protocol_ = &*found;
   }
 
-  void add(const std::string& key, const Entry& entry) {
-    for (const ParameterSpec& spec : entry.parameters) {
-      add(key + "." + spec.name, at({key, spec.name}), spec.default_text, spec.doc, spec.source);
+  // `path`: of the map that holds the entry's parameters.
+  void add(const std::vector<std::string>& path, const Entry& entry) {
+    for (const ParameterSpec& spec : entry.parameters) add(path, spec);
+  }
+  void add(std::vector<std::string> path, const ParameterSpec& spec) {
+    path.push_back(spec.name);
+    add(fmt::format("{}", fmt::join(path, ".")), at(path), spec.default_text, spec.doc, spec.source);
+  }
+
+  // The entry that `path`.type names, unless that is swept, or names none.
+  void add_typed(const std::vector<std::string>& path, const std::vector<Entry>& entries) {
+    std::vector<std::string> type = path;
+    type.emplace_back("type");
+    const YamlNode* node = at(type);
+    if (node == nullptr || swept_.contains(fmt::format("{}", fmt::join(type, ".")))) return;
+    add_named(path, entries, node->text);
+  }
+
+  void add_effects(const std::vector<Entry>& entries) {
+    const YamlNode* list = at({"effects"});
+    if (list == nullptr) return;
+    for (std::size_t i = 0; i < list->children.size(); ++i) {
+      const YamlNode& item = list->children[i];
+      const std::string& name =
+          item.kind == YamlNode::Kind::map && !item.children.empty() ? item.children.front().key : item.text;
+      add_named({"effects", std::to_string(i), name}, entries, name);
+    }
+  }
+
+  void add_friction(const char* key, const char* doc) {
+    if (const YamlNode* written = at({"friction", key})) {
+      add(std::string("friction.") + key, written, "", doc, "assumed: the scene's own, in the material's place");
     }
   }
 
@@ -52,6 +85,11 @@ class ParameterRows {
   [[nodiscard]] Json rows() && { return std::move(rows_); }
 
  private:
+  void add_named(const std::vector<std::string>& path, const std::vector<Entry>& entries, const std::string& name) {
+    const auto found = std::ranges::find(entries, name, &Entry::name);
+    if (found != entries.end()) add(path, *found);
+  }
+
   void add(const std::string& path, const YamlNode* written, const std::string& default_text, const std::string& doc,
            const std::string& source) {
     std::string value = default_text;
@@ -93,11 +131,24 @@ Json grasp_parameters(const std::string& scene, const Json& overrides, const Jso
   }
   ParameterRows rows(file.root(), swept);
   for (const Entry& entry : grasp_catalogue()) {
-    if (entry.name != "scatter" || rows.at({"scatter"}) != nullptr) rows.add(entry.name, entry);
+    if (entry.name != "scatter" || rows.at({"scatter"}) != nullptr) rows.add({entry.name}, entry);
   }
   const auto lift = std::ranges::find_if(motion_catalogue(), [](const MotionKind& kind) { return kind.about.name == "lift"; });
-  if (lift != motion_catalogue().end()) rows.add("motion", lift->about);
+  if (lift != motion_catalogue().end()) rows.add({"motion"}, lift->about);
   rows.add_material();
+  rows.add_friction("static", "friction coefficient");
+  rows.add_friction("kinetic", "friction coefficient of what slides");
+  rows.add_friction("scale", "multiplies both coefficients");
+  const Catalogues catalogues = program_catalogues();
+  rows.add_effects(catalogues.effects);
+  if (const YamlNode* sensors = rows.at({"sensors"})) {
+    for (const YamlNode& sensor : sensors->children) {
+      rows.add_typed({"sensors", sensor.key}, catalogues.sensors);
+      rows.add({"sensors", sensor.key}, damping_spec);
+    }
+  }
+  rows.add_typed({"detector"}, catalogues.detectors);
+  rows.add_typed({"controller"}, catalogues.controllers);
   return std::move(rows).rows();
 }
 

@@ -64,6 +64,20 @@ TEST(GraspParameters, ScatterIsThereWhenTheSceneHasIt) {
   expect_row(row(rows(lift_text + "scatter: {}\n"), "scatter.yaw"), "1 deg", "default", true);
 }
 
+TEST(GraspParameters, AreThoseOfEverythingThatTheSceneNames) {
+  const Json all = rows(lift_text +
+                        "friction: {static: 0.3}\neffects: [{anisotropic_friction: {ratio: 0.7}}, patchy_friction]\n"
+                        "sensors: {left: {type: papillarray}}\ndetector: {type: force_ratio, ratio: 0.2}\n"
+                        "controller: {type: step_on_slip}\n");
+  expect_row(row(all, "friction.static"), "0.3", "scene", true);
+  expect_row(row(all, "effects.0.anisotropic_friction.ratio"), "0.7", "scene", true);
+  EXPECT_FALSE(row(all, "effects.1.patchy_friction.sd").is_null());
+  expect_row(row(all, "sensors.left.damping"), "1 ms", "default", true);
+  EXPECT_FALSE(row(all, "sensors.left.bristles").is_null());
+  expect_row(row(all, "detector.ratio"), "0.2", "scene", true);
+  expect_row(row(all, "controller.force_per_count"), "1.6 N", "default", true);
+}
+
 TEST(GraspParameters, RefusesOverridesThatDoNotFit) {
   EXPECT_THROW(rows(lift_text, {{"slipbench.a", "1"}}), InputError);
   EXPECT_THROW(rows(lift_text, {{"box.mass", 1}}), InputError);
