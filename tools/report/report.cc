@@ -163,8 +163,8 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   page["trials"] = std::move(rows);
   page["curves"] = std::move(curves);
   page["axes"] = report::axes(drawn);
-  if (!grasps.empty()) {
-    page["grasps"] = std::move(grasps);
+  if (!grasps.empty()) page["grasps"] = std::move(grasps);
+  if (of_grasps) {
     page["grasp_parameters"] =
         report::grasp_parameters(header.scene, page["overrides"], drawn.front(), dataset_path + ": attribute scene");
   }

@@ -544,7 +544,8 @@ sb.showDataset = (host, open) => {
                      sensors.map(name => el('option', {value: name, selected: name === sensor ? '' : null}, name))))),
         swept(), ...sb.graspSections(page.trials, open),
         ...(sensor ? [el('div.two', {}, balance(sensor), durations(sensor))] : []), ...sb.detectorSections(page.trials),
-        ...(sensor ? [scatter(sensor, open)] : []), table(sensor, open));
+        ...(sensor ? [scatter(sensor, open)] : []), table(sensor, open),
+        ...(page.grasp_parameters ? [sb.graspParameters()] : []));
   };
   draw(sensors[0]);
 };

@@ -167,25 +167,6 @@ function charts(trial, grasp, recording, timeline) {
   return {node: host, draw};
 }
 
-// What the grasp was computed with, assumed values marked.
-sb.graspParameters = () => {
-  const rows = sb.page.grasp_parameters;
-  const assumed = rows.filter(row => row.assumed).length;
-  const origin = {scene: 'scene', sweep: 'differs by trial', protocol: 'protocol', default: 'default'};
-  return el(
-      'section', {}, el('h2', {}, 'What the grasp was computed with'),
-      el('p.note', {}, assumed + ' of ' + rows.length + ' parameters are assumed: nobody has measured or published them.'),
-      el('details.parameters', {}, el('summary', {}, 'All parameters'),
-         el('div.scroll', {},
-            el('table', {},
-               el('thead', {}, el('tr', {}, ['parameter', 'value', 'said by', 'what it does', 'source'].map(text => el('th.text', {}, text)))),
-               el('tbody', {}, rows.map(row => el(
-                   'tr', {}, el('td.text', {}, el('b', {}, row.path)), el('td.text', {}, row.value || '–'),
-                   el('td.text', {}, origin[row.by]), el('td.text.long', {}, row.doc),
-                   el('td.text.long', {}, row.assumed ? el('span.assumed', {}, 'assumed') : null,
-                      row.source.replace(/^assumed[:;]? ?/, ' ')))))))));
-};
-
 // The section of a grasp: {nodes, draw(), update(sample)}, and where the page opens [s]. `player`: of the trial's page.
 sb.graspSection = (trial, grasp, recording, timeline, player) => {
   timeline.rate = 1;

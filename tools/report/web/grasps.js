@@ -256,4 +256,23 @@ sb.graspSections = (trials, open) => {
   const swept = new Swept(grasps);
   return [overview(swept), ...(swept.numbers.length ? [sb.successMaps(swept, open)] : [])];
 };
+
+// What the grasp was computed with, assumed values marked.
+sb.graspParameters = () => {
+  const rows = page.grasp_parameters;
+  const assumed = rows.filter(row => row.assumed).length;
+  const origin = {scene: 'scene', sweep: 'differs by trial', protocol: 'protocol', default: 'default'};
+  return el(
+      'section', {}, el('h2', {}, 'What the grasp was computed with'),
+      el('p.note', {}, assumed + ' of ' + rows.length + ' parameters are assumed: nobody has measured or published them.'),
+      el('details.parameters', {}, el('summary', {}, 'All parameters'),
+         el('div.scroll', {},
+            el('table', {},
+               el('thead', {}, el('tr', {}, ['parameter', 'value', 'said by', 'what it does', 'source'].map(text => el('th.text', {}, text)))),
+               el('tbody', {}, rows.map(row => el(
+                   'tr', {}, el('td.text', {}, el('b', {}, row.path)), el('td.text', {}, row.value || '–'),
+                   el('td.text', {}, origin[row.by]), el('td.text.long', {}, row.doc),
+                   el('td.text.long', {}, row.assumed ? el('span.assumed', {}, 'assumed') : null,
+                      row.source.replace(/^assumed[:;]? ?/, ' ')))))))));
+};
 })(window.slipbench);
