@@ -120,7 +120,7 @@ TEST(Program, Reproductions) {
   EXPECT_EQ(list.status, 0);
   EXPECT_EQ(nlohmann::json::parse(list.out)["reproductions"][0]["name"], "hd-papillarray/table1");
   EXPECT_THAT(run_program_file({"reproduce", "list"}).out, HasSubstr("hd-papillarray/latency"));
-  expect_refusal({"reproduce", "hd-papillarray/table2"}, HasSubstr("did you mean 'hd-papillarray/table1'?"));
+  expect_refusal({"reproduce", "hd-papillarray/latence"}, HasSubstr("did you mean 'hd-papillarray/latency'?"));
   expect_refusal({"reproduce", "hd-papillarray/latency", "--data", "a.h5"},
                  HasSubstr("hd-papillarray/latency does not take --data"));
   expect_refusal({"reproduce", "hd-papillarray/latency", "-o", "page.txt"}, HasSubstr("a name that ends in .html"));
