@@ -43,6 +43,10 @@ Grasp draw_grasp(const GraspScene& scene, std::uint64_t seed, std::uint64_t tria
 
   grasp.opening = grasp.box_size.x() + 2.0 * (grip.number("clearance") + std::abs(grasp.box_position.x()));
   const double widest = static_cast<double>(grip.integer("closed_at") - grip.integer("open_at")) * grip.number("count");
+  if (widest <= 0.0) {
+    throw SceneValueError("grip.open_at", fmt::format("{} is not open: the fingers are closed at {}; allowed: less than that",
+                                                      grip.integer("open_at"), grip.integer("closed_at")));
+  }
   if (grasp.opening > widest) {
     throw SceneValueError(
         "box.size",

@@ -90,5 +90,15 @@ TEST(Plugin, MayRefuseASensor) {
                 "' makes no controller for this sensor; allowed: a sensor with channels that it can work with");
 }
 
+TEST(Plugin, ThatThrowsIsAtFault) {
+  const std::string threw = "controller plugin: '" + file("throws") + "' threw ";
+  const auto controller = load(file("throws"));
+  EXPECT_EQ(refusal([&] { (void)controller->update(input_of(PillarFrame(), 20)); }),
+            threw + "'out of ideas'; allowed: no exceptions");
+  EXPECT_EQ(refusal([&] { (void)controller->update(input_of(PillarFrame(), 0)); }), threw + "an exception; allowed: none");
+  EXPECT_EQ(refused(file("throws_at_once")),
+            "controller plugin: '" + file("throws_at_once") + "' threw 'no controller today'; allowed: no exceptions");
+}
+
 }  // namespace
 }  // namespace slipbench::controllers

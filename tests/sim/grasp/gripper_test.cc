@@ -171,6 +171,13 @@ TEST(Gripper, LatencyIsThatOfTheScene) {
   }
 }
 
+// The loop has one command on its way: a write that came with the next read or after it would not be the one that its read led to.
+TEST(Gripper, RefusesAWriteNoEarlierThanTheNextRead) {
+  EXPECT_NO_THROW(at_100({{"write_after", 0.0199}}));
+  for (const double write_after : {0.02, 0.03})
+    EXPECT_THROW(at_100({{"write_after", write_after}}), SceneValueError) << write_after;
+}
+
 TEST(Gripper, RefusesWhatIsNoByte) {
   for (const GripCommand& command :
        {GripCommand{256, 0, 0}, GripCommand{-1, 0, 0}, GripCommand{0, 256, 0}, GripCommand{0, 0, -7}}) {

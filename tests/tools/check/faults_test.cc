@@ -124,11 +124,20 @@ TEST(NegativeControl, ThatPassesIsReported) {
                                        "--trials",
                                        "2",
                                        "--junit",
-                                       folder / "j.xml"};
+                                       folder / "j.xml",
+                                       "-o",
+                                       folder / "left"};
   const ChildResult result = run_program_file(words);
   EXPECT_EQ(result.status, 1) << result.err;
   EXPECT_THAT(result.out, HasSubstr("tests nothing"));
   EXPECT_THAT(bytes_of(folder / "j.xml"), HasSubstr("<failure message=\"tests nothing\""));
+  // A reaction time or a force ratio that a controller which never tightens cannot keep does not make the box a test.
+  std::vector<std::string> light = words;
+  light[3] = "box.mass=200 g";
+  light.erase(light.begin() + 4);
+  const ChildResult kept = run_program_file(light);
+  EXPECT_EQ(kept.status, 1) << kept.err;
+  EXPECT_THAT(kept.out, HasSubstr("tests nothing"));
   std::vector<std::string> without = words;
   without[4] = "expect={dropped: false, control: none}";
   EXPECT_EQ(run_program_file(without).status, 0);

@@ -142,11 +142,37 @@ TEST(Grasp, OracleIsAnsweredAfterTheLoopsDelays) {
   }
 }
 
+// m g/(2 mu_s) with the mu_s of the labels, which is the trial's own: 10 % scatter makes no two alike.
+TEST(Grasp, LabelsHoldTheTrialsOwnFriction) {
+  const Scene scene = grasp_scene("scatter: {}\ncontroller: {type: constant_force}\n");
+  double last = 0.35;  // ptfe's
+  for (const std::uint64_t trial : {0U, 1U, 2U}) {
+    const TrialRecord record = run_trial(scene, trial, Recording::outcome).record;
+    const std::vector<double>& mu = record.sensors.front().labels.mu_static;
+    EXPECT_THAT(mu, Each(mu.front()));
+    EXPECT_NE(mu.front(), last);
+    EXPECT_NEAR(record.outcome.grasp->ideal_grip_force, 0.2 * 9.81 / (2.0 * mu.front()), 1e-9);
+    last = mu.front();
+  }
+}
+
+// Slips and is lost; what the fingers do to the air afterwards is no reaction, and what the detector says of it no detection.
+TEST(Grasp, NothingIsJudgedAfterTheDrop) {
+  const Scene scene =
+      grasp_scene("friction: {scale: 0.2}\ndetector: {type: truth, latency: 3 s}\ncontroller: {type: hold_preset}\n");
+  const TrialOutcome outcome = run_trial(scene, 0, Recording::outcome).record.outcome;
+  ASSERT_TRUE(outcome.grasp->dropped);
+  EXPECT_FALSE(std::isnan(outcome.first_slip_time));
+  EXPECT_TRUE(std::isnan(outcome.detection_time)) << outcome.detection_time;
+}
+
 TEST(Grasp, RefusesALoopThatCannotBe) {
   const auto refusal = [](const std::string& text) {
     return message_of<InputError>([&] { static_cast<void>(check_trial(grasp_scene(text), 0)); });
   };
   EXPECT_THAT(refusal("controller: {type: step_on_slip}\n"), HasSubstr("step_on_slip needs what a detector says"));
+  EXPECT_THAT(refusal("motion: {kind: lift, settle: 5 s}\n"), HasSubstr("ends before the box is lifted; allowed: more than 5 s"));
+  EXPECT_THAT(refusal("grip: {open_at: 240}\n"), HasSubstr("240 is not open: the fingers are closed at 230; allowed: less"));
   EXPECT_THAT(message_of<InputError>([] {
                 static_cast<void>(parse_scene(SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray}}\n"
                                                                    "controller: {type: constant_force}\n",

@@ -98,6 +98,9 @@ TEST(GripLoop, DelaysAreThoseOfTheScene) {
   EXPECT_LE(moved, 33.1e-3 + step);
   EXPECT_EQ(loop.written().position, start + 1);
   EXPECT_EQ(loop.measured_position(), handed.back().position);
+  // The second read still measures the start, so that its command is the first one's again and tightens nothing.
+  EXPECT_NEAR(loop.tightening().read, 3.1e-3, 1e-12);
+  EXPECT_NEAR(loop.tightening().acts, 33.1e-3, 1e-12);
 }
 
 TEST(GripLoop, WithoutAControllerNothingMoves) {
