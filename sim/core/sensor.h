@@ -18,9 +18,12 @@ class Sensor {
   [[nodiscard]] virtual const PadLayout& layout() const = 0;
   // Samples a second [Hz].
   [[nodiscard]] virtual double rate() const = 0;
+  // How many readings make a sample: more than one where a multiplexed sensor reads its values at different instants.
+  [[nodiscard]] virtual std::size_t scans() const { return 1; }
   // What a sample holds.
   [[nodiscard]] virtual const std::vector<Channel>& channels() const = 0;
-  // Reads the contact. Called once a sample, in order of time, at the sensor's own rate.
+  // Reads the contact. Called rate() scans() times a second, in order of time, from the trial's beginning on. Of the scans() calls of a
+  // sample the last completes it: its frame is the sample. Before, the frame holds what has been read so far.
   virtual const SensorFrame& measure(const ContactFrame& truth) = 0;
   // All that the sensor carries from one sample to the next, to be saved and overwritten by whoever keeps a bench's state. The spans stay
   // where they are as long as the sensor lives. Empty: it has no memory.

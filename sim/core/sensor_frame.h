@@ -15,6 +15,12 @@ struct Channel {
   std::vector<std::size_t> shape;          // {9, 3}
   std::vector<std::string> channel_names;  // one a value, in C order: "P0_FX", ...
 
+  // Of a channel that does not keep pace with its sensor's samples; in the dataset it then has a time of its own, `name`_t.
+  std::size_t every = 1;  // its values are new in the last of every so many samples and stand still in between
+  double age = 0.0;       // s, how long before the frame's time they were read, in the mean
+
+  [[nodiscard]] bool has_own_time() const { return every != 1 || age != 0.0; }
+
   [[nodiscard]] std::size_t size() const {
     std::size_t product = 1;
     for (const std::size_t extent : shape) product *= extent;

@@ -131,7 +131,7 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
       sensor_memory_(sensor_->memory()),
       labels_(sensor_->layout()),
       step_(model->opt.timestep),
-      sample_time_(sensor_->rate() > 0.0 ? 1.0 / sensor_->rate() : 0.0) {
+      sample_time_(sensor_->rate() > 0.0 ? 1.0 / (sensor_->rate() * static_cast<double>(sensor_->scans())) : 0.0) {
   const PadLayout layout = without_dashpots(sensor_->layout());
   for (const int geom : config_.geoms) {
     const GeomSurface surface = surface_of_geom(model, geom);

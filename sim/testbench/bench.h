@@ -25,7 +25,7 @@ class Bench {
 
   [[nodiscard]] virtual std::size_t ticks() const = 0;                  // duration / time_step
   [[nodiscard]] virtual double time_step() const = 0;                   // s
-  [[nodiscard]] virtual std::size_t stride(std::size_t pad) const = 0;  // ticks between samples of this pad's sensor
+  [[nodiscard]] virtual std::size_t stride(std::size_t pad) const = 0;  // ticks between readings of this pad's sensor
 
   // Advances to the next tick. The first call evaluates t = 0; call k (from 0) evaluates t = k * time_step.
   // Throws InputError when the run has gone wrong and cannot be gone on with.

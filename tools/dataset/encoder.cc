@@ -71,7 +71,9 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
     const std::string samples = sensor_group(sensor.name) + "/";
     arrays.push_back(view_of(samples + "t", "s", rows, {}, sensor.time));
     for (const SensorColumn& channel : sensor.channels) {
-      arrays.push_back(view_of(samples + channel.name, channel.unit, rows, channel.shape, channel.values));
+      const std::size_t channel_rows = channel.time ? channel.time->size() : rows;
+      arrays.push_back(view_of(samples + channel.name, channel.unit, channel_rows, channel.shape, channel.values));
+      if (channel.time) arrays.push_back(view_of(own_time_path(samples + channel.name), "s", channel_rows, {}, *channel.time));
     }
     const std::string labels = label_group(sensor.name) + "/";
     arrays.push_back(view_of(labels + "t", "s", rows, {}, sensor.time));

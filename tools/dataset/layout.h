@@ -76,6 +76,8 @@ void for_each_grip_column(Grip& grip, Visit&& visit) {
 
 inline constexpr const char* control_group = "control";
 inline std::string sensor_group(const std::string& sensor) { return "sensors/" + sensor; }
+// Where the time of a channel stands that has one of its own.
+inline std::string own_time_path(const std::string& channel) { return channel + "_t"; }
 inline std::string label_group(const std::string& sensor) { return "labels/" + sensor; }
 inline std::string body_group(const std::string& body) { return "truth/" + body; }
 

@@ -474,9 +474,13 @@ SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& se
   for (const std::string& name : read_texts(place, group, "channels")) {
     const Place channel = place.below(name);
     Array<float> array = read_array<float>(channel);
-    if (array.shape.empty() || array.shape[0] != record.time.size()) channel.fail("has not one row a sample");
+    const std::string own_time = own_time_path(name);
+    std::optional<std::vector<double>> time;
+    if (H5Lexists(group.get(), own_time.c_str(), H5P_DEFAULT) > 0) time = read_array<double>(place.below(own_time)).values;
+    const std::size_t rows = time ? time->size() : record.time.size();
+    if (array.shape.empty() || array.shape[0] != rows) channel.fail("has not one row a sample");
     record.channels.push_back(
-        {name, read_text(channel, open_object(channel), "unit"), tail_of(array.shape), std::move(array.values)});
+        {name, read_text(channel, open_object(channel), "unit"), tail_of(array.shape), std::move(array.values), std::move(time)});
   }
   record.labels = state_->read_labels(demo.below(label_group(sensor)), record.time);
   return record;

@@ -13,12 +13,14 @@
 
 namespace slipbench {
 
-// One channel of a sensor: T samples of `shape` values each, in C order.
+// One channel of a sensor: T rows of `shape` values each, in C order.
 struct SensorColumn {
   std::string name;  // "force"
   std::string unit;  // "N"
   std::vector<std::size_t> shape;
   std::vector<float> values;  // [T, shape...]
+  std::optional<std::vector<double>> time =
+      {};  // [T] s, of a channel with a time of its own (Channel); empty: the sensor's samples
 };
 
 // Number of samples in each PadState.

@@ -46,7 +46,8 @@ std::vector<Curve> sensor_curves(const SensorRecord& sensor) {
   for (const SensorColumn& channel : sensor.channels) {
     std::size_t size = 1;
     for (const std::size_t extent : channel.shape) size *= extent;
-    const bool per_unit = size == units || (!channel.shape.empty() && channel.shape[0] == units);
+    const bool of_units = size == units || (!channel.shape.empty() && channel.shape[0] == units);
+    const bool per_unit = of_units && !channel.time;
     if (per_unit) {
       std::vector<std::string> components;
       for (std::size_t i = 0; i < size / units; ++i) components.push_back(component_name(sensor.channel_names.at(offset + i)));

@@ -25,7 +25,10 @@ void keep_earliest(double& time, double candidate) {
   if (!(time <= candidate)) time = candidate;
 }
 
-std::size_t samples_of(std::size_t ticks, std::size_t stride) { return (ticks + stride - 1) / stride; }
+Sampling sampling_of(const Sensor& sensor, const Bench& bench, std::size_t pad) { return {bench.stride(pad), sensor.scans()}; }
+
+// Rows that a channel has of `samples` samples of its sensor.
+std::size_t rows_of(const Channel& channel, std::size_t samples) { return samples / channel.every; }
 
 // `scale`: of the trial's friction.
 void describe_units(const PadLayout& layout, const FrictionScene& friction, double scale, LabelRecord& labels) {
@@ -87,12 +90,15 @@ double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>>
   double bytes = 0.0;
   std::size_t most_rows = 0;
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
+    const std::size_t rows = sampling_of(*sensors[pad], bench, pad).samples(bench.ticks());
+    for (const Channel& channel : sensors[pad]->channels()) {
+      const std::size_t row = channel.size() * sizeof(float) + (channel.has_own_time() ? sizeof(double) : 0);
+      bytes += static_cast<double>(row) * static_cast<double>(rows_of(channel, rows));
+    }
     std::size_t row = sizeof(double);  // the time
-    for (const Channel& channel : sensors[pad]->channels()) row += channel.size() * sizeof(float);
     const LabelRecord labels;
     for_each_label(labels, sensors[pad]->layout().units.size(),
                    [&row](const char*, const char*, const Extents& tail, const auto& column) { row += row_bytes(tail, column); });
-    const std::size_t rows = samples_of(bench.ticks(), bench.stride(pad));
     most_rows = std::max(most_rows, rows);
     bytes += static_cast<double>(row) * static_cast<double>(rows);
   }
@@ -104,7 +110,7 @@ double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>>
     };
     for_each_control_column(control, add);
     if (scene.grasp) for_each_grip_column(control.grip, add);
-    bytes += static_cast<double>(row) * static_cast<double>(samples_of(bench.ticks(), bench.stride(*pad)));
+    bytes += static_cast<double>(row) * static_cast<double>(sampling_of(*sensors[*pad], bench, *pad).samples(bench.ticks()));
   }
   std::size_t body_row = sizeof(double);
   for (const NamedBody& body : bench.bodies()) {
@@ -142,6 +148,13 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
     record_.sensors[pad].name = scene.sensors[pad].name;
     describe_units(sensors[pad]->layout(), scene.friction, bench.friction_scale(), record_.sensors[pad].labels);
     units_.emplace_back(sensors[pad]->layout().units.size());
+    sampling_.push_back(sampling_of(*sensors[pad], bench, pad));
+    if (sampling_[pad].samples(bench.ticks()) == 0) {
+      throw SceneValueError(
+          "duration",
+          fmt::format("ends before the first sample of sensor '{}' is complete; allowed: {} or longer", scene.sensors[pad].name,
+                      format_quantity(static_cast<double>(sampling_[pad].ticks()) * bench.time_step(), Quantity::time)));
+    }
   }
   if (const auto pad = control_pad(scene)) {
     record_.control.emplace();
@@ -156,17 +169,18 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
 void TrialRecorder::allocate() {
   bytes_ = record_bytes(scene_, sensors_, bench_);
   check_record_size(scene_, bytes_, max_bytes_);
-  body_stride_ = bench_.ticks();
+  body_sampling_ = *std::ranges::min_element(sampling_, {}, &Sampling::ticks);
   for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
     SensorRecord& sensor = record_.sensors[pad];
-    const std::size_t rows = samples_of(bench_.ticks(), bench_.stride(pad));
-    body_stride_ = std::min(body_stride_, bench_.stride(pad));
+    const std::size_t rows = sampling_[pad].samples(bench_.ticks());
     sensor.type = scene_.sensors[pad].type;
     sensor.rate = sensors_[pad]->rate();
     sensor.frame = pad_frame_text;
     sensor.time.resize(rows);
     for (const Channel& channel : sensors_[pad]->channels()) {
-      sensor.channels.push_back({channel.name, channel.unit, channel.shape, std::vector<float>(rows * channel.size())});
+      const std::size_t channel_rows = rows_of(channel, rows);
+      sensor.channels.push_back({channel.name, channel.unit, channel.shape, std::vector<float>(channel_rows * channel.size())});
+      if (channel.has_own_time()) sensor.channels.back().time.emplace(channel_rows);
       sensor.channel_names.insert(sensor.channel_names.end(), channel.channel_names.begin(), channel.channel_names.end());
     }
     for_each_label(sensor.labels, sensor.labels.units(), [rows](const char*, const char*, const Extents& tail, auto& column) {
@@ -176,7 +190,7 @@ void TrialRecorder::allocate() {
     });
   }
   if (const auto pad = control_pad(scene_)) {
-    const std::size_t rows = samples_of(bench_.ticks(), bench_.stride(*pad));
+    const std::size_t rows = sampling_[*pad].samples(bench_.ticks());
     record_.control->time.reserve(rows);
     record_.control->detector_class.reserve(rows);
     if (scene_.grasp) {
@@ -186,7 +200,7 @@ void TrialRecorder::allocate() {
       grip.grip_force.reserve(rows);
     }
   }
-  record_.body_time.resize(samples_of(bench_.ticks(), body_stride_));
+  record_.body_time.resize(body_sampling_.samples(bench_.ticks()));
 }
 
 void TrialRecorder::note_events(std::size_t pad, const ContactFrame& truth) {
@@ -232,9 +246,13 @@ void TrialRecorder::write_sample(std::size_t pad, const ContactFrame& truth, con
   sensor.time[row] = frame.time;
   const float* values = frame.values.data();
   for (std::size_t c = 0; c < sensor.channels.size(); ++c) {
-    const std::size_t size = sensors_[pad]->channels()[c].size();
-    std::copy_n(values, size, sensor.channels[c].values.data() + row * size);
-    values += size;
+    const Channel& about = sensors_[pad]->channels()[c];
+    if ((row + 1) % about.every == 0) {
+      const std::size_t channel_row = row / about.every;
+      std::copy_n(values, about.size(), sensor.channels[c].values.data() + channel_row * about.size());
+      if (about.has_own_time()) (*sensor.channels[c].time)[channel_row] = frame.time - about.age;
+    }
+    values += about.size();
   }
 
   for (std::size_t unit = 0; unit < units; ++unit) {
@@ -263,7 +281,7 @@ void TrialRecorder::loop(std::size_t tick, const ContactFrame& truth, PadState s
     double& first = std::isnan(slip_began_) ? outcome.false_alarm_time : outcome.detection_time;
     if (std::isnan(first)) first = truth.time;
   }
-  if (tick % bench_.stride(*control_pad(scene_)) != 0) return;
+  if (!sampling_[*control_pad(scene_)].completes_at(tick)) return;
   ControlRecord& control = *record_.control;
   if (scene_.detector) ++control.confusion[static_cast<std::size_t>(truth.state)][static_cast<std::size_t>(seen)];
   if (recording_ == Recording::outcome) return;
@@ -292,7 +310,7 @@ void TrialRecorder::grip(std::size_t tick, const ContactFrame& truth, const Held
   if (std::isnan(grasp.reaction_time) && !grasp.dropped && loop.tightening().read >= true_slip_) {
     grasp.reaction_time = loop.tightening().acts - true_slip_;
   }
-  if (!record_.control || recording_ == Recording::outcome || tick % bench_.stride(*control_pad(scene_)) != 0) return;
+  if (!record_.control || recording_ == Recording::outcome || !sampling_[*control_pad(scene_)].completes_at(tick)) return;
   GripRecord& rows = record_.control->grip;
   const GripCommand& written = loop.written();
   for (const int value : {written.position, written.speed, written.force}) {

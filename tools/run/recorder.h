@@ -17,6 +17,7 @@
 #include "tools/dataset/trial_record.h"
 #include "tools/run/grip_loop.h"
 #include "tools/run/run_trial.h"
+#include "tools/run/sampling.h"
 
 namespace slipbench {
 
@@ -29,16 +30,20 @@ void check_record_size(const Scene& scene, double bytes, double max_bytes);
 // Columns are allocated whole before the run; a sample is written in place.
 class TrialRecorder {
  public:
-  // All must outlive the recorder. Throws SceneValueError when the record would take more than `max_bytes`.
+  // All must outlive the recorder. Throws SceneValueError when the record would take more than `max_bytes`, or the trial ends before a
+  // sensor's first sample is complete.
   TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench, std::uint64_t trial,
                 Recording recording, double max_bytes);
+
+  // When the pad's sensor reads and samples.
+  [[nodiscard]] const Sampling& sampling(std::size_t pad) const { return sampling_[pad]; }
 
   // Called every tick for every pad: events and onsets. Throws SceneValueError when the events outgrow the record's limit.
   void observe(std::size_t pad, const ContactFrame& truth) {
     if (!truth.events.empty()) note_events(pad, truth);
     if (truth.state == PadState::gross && std::isnan(record_.outcome.gross_slip_time)) note_gross_slip(truth);
   }
-  // Called when the pad's sensor has sampled.
+  // Called when a sample of the pad's sensor is complete.
   void sample(std::size_t pad, const ContactFrame& truth, const SensorFrame& frame) {
     LabelRecord& labels = record_.sensors[pad].labels;
     ++labels.state_count[static_cast<std::size_t>(truth.state)];
@@ -53,7 +58,7 @@ class TrialRecorder {
   void grip(std::size_t tick, const ContactFrame& truth, const HeldBox& box, const GripLoop& loop);
   // Called every tick after the pads.
   void bodies(std::size_t tick, double time, const std::vector<NamedBody>& bodies) {
-    if (recording_ == Recording::full && tick % body_stride_ == 0) write_bodies(time, bodies);
+    if (recording_ == Recording::full && body_sampling_.completes_at(tick)) write_bodies(time, bodies);
   }
 
   // The result; the recorder is spent. Throws InputError as run_trial does.
@@ -71,8 +76,9 @@ class TrialRecorder {
   const Bench& bench_;
   Recording recording_;
   double max_bytes_;
-  double bytes_ = 0.0;  // that the record takes so far
-  std::size_t body_stride_ = 1;
+  double bytes_ = 0.0;              // that the record takes so far
+  std::vector<Sampling> sampling_;  // by pad
+  Sampling body_sampling_;          // of the fastest sensor
   std::size_t body_row_ = 0;
   double lift_start_ = -std::numeric_limits<double>::infinity();  // s, of a grasp
   double true_slip_ =

@@ -56,7 +56,7 @@ std::unique_ptr<Bench> make_bench(const Scene& scene, const Sensors& sensors, st
   std::vector<double> rates;
   for (const auto& sensor : sensors) {
     pads.push_back(&sensor->layout());
-    rates.push_back(sensor->rate());
+    rates.push_back(sensor->rate() * static_cast<double>(sensor->scans()));
   }
   if (scene.dynamic() || scene.fidelity == "articulated") return make_mujoco_bench(scene, pads, rates, trial);
   return std::make_unique<Testbench>(scene, pads, rates, trial);
@@ -106,11 +106,12 @@ void run(Bench& bench, const Sensors& sensors, TrialRecorder& recorder, Loop& lo
     for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
       const ContactFrame& truth = bench.contact(pad);
       recorder.observe(pad, truth);
-      if (tick % bench.stride(pad) == 0) {
-        const SensorFrame& frame = sensors[pad]->measure(truth);
-        recorder.sample(pad, truth, frame);
-        loop.sample(pad, frame);
-      }
+      const Sampling& sampling = recorder.sampling(pad);
+      if (!sampling.reads_at(tick)) continue;
+      const SensorFrame& frame = sensors[pad]->measure(truth);
+      if (!sampling.completes_at(tick)) continue;
+      recorder.sample(pad, truth, frame);
+      loop.sample(pad, frame);
     }
     close_loop(recorder, tick, bench, loop);
     recorder.bodies(tick, bench.contact(0).time, bench.bodies());

@@ -116,17 +116,9 @@ TEST(FailedCheck, IsReplayedByItsCommand) {
 TEST(NegativeControl, ThatPassesIsReported) {
   // 4 N hold up to 2 * 0.35 * 4/9.81 = 0.285 kg.
   const TemporaryFolder folder;
-  const std::vector<std::string> words{"check",
-                                       scenes + "check_ptfe.yaml",
-                                       "--set",
-                                       "box.mass=100 g",
-                                       "expect={dropped: false}",
-                                       "--trials",
-                                       "2",
-                                       "--junit",
-                                       folder / "j.xml",
-                                       "-o",
-                                       folder / "left"};
+  const std::vector<std::string> words{
+      "check",   scenes + "check_ptfe.yaml", "--set", "box.mass=100 g", "expect={dropped: false}", "--trials", "2",
+      "--junit", folder / "j.xml",           "-o",    folder / "left"};
   const ChildResult result = run_program_file(words);
   EXPECT_EQ(result.status, 1) << result.err;
   EXPECT_THAT(result.out, HasSubstr("tests nothing"));

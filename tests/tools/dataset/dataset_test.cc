@@ -148,6 +148,28 @@ TEST_F(DatasetTest, GripperComesBackAsItWasWritten) {
   EXPECT_THAT(found.bodies.at(0).size, ElementsAre(0.0625, 0.05, 0.1));
 }
 
+// A channel that is slower than its sensor's samples, also one that never had a row.
+TEST_F(DatasetTest, ChannelWithATimeOfItsOwnComesBackAsItWasWritten) {
+  TrialRecord record = make_record(0, 7);
+  SensorRecord& sensor = record.sensors[0];
+  sensor.channels.push_back({"image", "1", {2}, ramp(6, 50.0F), std::vector<double>{2e-3, 4e-3, 6e-3}});
+  sensor.channels.push_back({"late", "1", {}, {}, std::vector<double>{}});
+  sensor.channel_names.insert(sensor.channel_names.end(), {"I0", "I1", "L"});
+  {
+    DatasetWriter writer(path("a.h5"), header, 1);
+    writer.append(TrialEncoder().encode(record));
+    writer.commit();
+  }
+  const SensorRecord read = DatasetReader(path("a.h5")).read_trial(0).sensors[0];
+  ASSERT_EQ(read.channels.size(), 4U);
+  EXPECT_FALSE(read.channels[0].time.has_value());
+  for (const std::size_t c : {2U, 3U}) {
+    EXPECT_EQ(read.channels[c].time, sensor.channels[c].time);
+    EXPECT_EQ(read.channels[c].values, sensor.channels[c].values);
+    EXPECT_EQ(read.channels[c].shape, sensor.channels[c].shape);
+  }
+}
+
 TEST_F(DatasetTest, DetectorThatDoesNotFitItsTrialIsRefused) {
   const auto refusal = [&](const auto& damage) {
     TrialRecord record = make_controlled_record(0, 8);
