@@ -11,9 +11,10 @@ namespace slipbench {
 
 // What a controller works with.
 struct GripSource {
-  std::vector<Channel> channels;  // what the frames hold that update() will be handed
-  double preset = 0.0;            // N, the force with which the box is taken: the scene's grip.preset
-  bool detected = true;           // the scene has a detector; without one every estimate is that of no contact
+  std::vector<Channel> channels;    // what the frames hold that update() will be handed
+  double preset = 0.0;              // N, the force with which the box is taken: the scene's grip.preset
+  bool detected = true;             // the scene has a detector; without one every estimate is that of no contact
+  std::vector<Feature> features{};  // what the estimates hold that update() will be handed: Detector::features()
 };
 
 // A controller that a scene may name.

@@ -37,6 +37,8 @@ class Flipped final : public Detector {
     return told_;
   }
 
+  [[nodiscard]] const std::vector<Feature>& features() const override { return detector_->features(); }
+
  private:
   // By the class that stands `further` places after the told one, in a circle.
   void replace(std::size_t further) {

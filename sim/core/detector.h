@@ -13,12 +13,19 @@
 
 namespace slipbench {
 
+// A number that a detector works with and hands on, beside the class that it says: a magnitude in a band, a force that it has calibrated.
+struct Feature {
+  std::string name;  // "fr_0_6"
+  std::string unit;  // "counts"
+};
+
 // What a detector makes of the frames so far.
 struct SlipEstimate {
   double time = 0.0;                      // s, of the frame it was made from
   double latency = 0.0;                   // s, from that frame until the estimate is there; the loop sees it no earlier
   PadState state = PadState::no_contact;  // no_contact: nothing touches, or the detector has seen too little to say
   double stuck_fraction = std::numeric_limits<double>::quiet_NaN();  // touching units that stick, 0 to 1; NaN: not estimated
+  std::vector<double> features{};  // one value for each of Detector::features(), in that order; NaN: not known yet
 };
 
 // Whose frames a detector gets.
@@ -42,6 +49,12 @@ class Detector {
 
   // Takes the next frame of its sensor, in order of time, at the sensor's own rate. Valid until the next update().
   virtual const SlipEstimate& update(const SensorFrame& frame) = 0;
+  // What SlipEstimate::features holds from the first update() on; the same as long as the detector lives. Empty: it hands on none. Before
+  // that first estimate whoever listens sees none at all.
+  [[nodiscard]] virtual const std::vector<Feature>& features() const {
+    static const std::vector<Feature> none;
+    return none;
+  }
 };
 
 }  // namespace slipbench

@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "sim/core/detector.h"
 
@@ -16,6 +17,7 @@ class DetectorLoop {
   DetectorLoop(std::unique_ptr<Detector> detector, std::size_t pad) : detector_(std::move(detector)), pad_(pad) {}
 
   [[nodiscard]] std::size_t pad() const { return pad_; }
+  [[nodiscard]] const std::vector<Feature>& features() const { return detector_->features(); }
 
   // A frame of any pad's sensor; those of others are passed over. Throws std::logic_error when the detector's estimate is older than
   // its last one, or has a latency that is negative or no number.

@@ -82,7 +82,8 @@ GripLoop make_grip_loop(Bench& bench, const Scene& scene, const Sensors& sensors
   if (scene.controller) {
     controller = make_controller(*scene.controller, {.channels = sensors.front()->channels(),
                                                      .preset = scene.grasp->grip.number("preset"),
-                                                     .detected = scene.detector.has_value()});
+                                                     .detected = detector.has_value(),
+                                                     .features = detector ? detector->features() : std::vector<Feature>{}});
   }
   return {*bench.held_box(), std::move(controller), std::move(detector)};
 }

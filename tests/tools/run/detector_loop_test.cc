@@ -55,6 +55,40 @@ TEST(DetectorLoop, SeesAnEstimateAtTheFirstTickAfterItsLatency) {
   }
 }
 
+// Hands on the number of its frame, of which it keeps one copy: an estimate under way must hold its own.
+class Numbering final : public Detector {
+ public:
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    estimate_.time = frame.time;
+    estimate_.latency = 2.5e-3;
+    estimate_.features = {static_cast<double>(frames_++)};
+    return estimate_;
+  }
+  [[nodiscard]] const std::vector<Feature>& features() const override { return features_; }
+
+ private:
+  std::vector<Feature> features_{{"number", "frames"}};
+  SlipEstimate estimate_;
+  std::size_t frames_ = 0;
+};
+
+// 2.5 ms late, frames and ticks a millisecond apart: at tick k the number k - 3.
+TEST(DetectorLoop, FeaturesAreThoseOfTheEstimateThatIsSeen) {
+  DetectorLoop loop(std::make_unique<Numbering>(), 0);
+  ASSERT_EQ(loop.features().size(), 1U);
+  EXPECT_EQ(loop.features().front().name, "number");
+  for (std::size_t tick = 0; tick < 20; ++tick) {
+    const double time = 1e-3 * static_cast<double>(tick);
+    loop.sample(0, {time, {}});
+    const std::vector<double>& seen = loop.seen_at(time).features;
+    if (tick < 3) {
+      EXPECT_TRUE(seen.empty());
+    } else {
+      EXPECT_EQ(seen, std::vector<double>{static_cast<double>(tick - 3)});
+    }
+  }
+}
+
 // The sensor samples every fourth tick: the same estimate is seen until the next one is there.
 TEST(DetectorLoop, KeepsTheLatestEstimateBetweenSamples) {
   DetectorLoop loop = loop_with({2.5e-3});
