@@ -1,0 +1,148 @@
+#include "detectors/nib/features.h"
+
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "detectors/specs.h"
+#include "sim/core/error.h"
+
+namespace slipbench::nib {
+namespace {
+
+constexpr double slow_band = 6.0, fast_band = 8.0;  // Hz, ends of the paper's two bands
+
+// Where the channel `name` of these extents begins in a frame.
+std::size_t place_of(const FrameSource& source, const std::string& name, const std::vector<std::size_t>& shape,
+                     const std::string& detector, std::size_t& every) {
+  std::size_t first = 0;
+  for (const Channel& channel : source.channels) {
+    if (channel.name == name && channel.shape == shape) {
+      every = channel.every;
+      return first;
+    }
+    first += channel.size();
+  }
+  throw SceneValueError("detector.sensor", fmt::format("{} reads the channel '{}' of a nib pad, which the {} {} does not have; "
+                                                       "allowed: a nib_pad",
+                                                       detector, name, source.type, quote(source.sensor)));
+}
+
+// `length` [s] in frames.
+std::size_t frames_of(const Parameters& parameters, const char* name, std::size_t least, const FrameSource& source) {
+  const double length = parameters.number(name), frames = std::round(length * source.rate);
+  if (std::abs(frames - length * source.rate) > 1e-9 * frames || frames < static_cast<double>(least)) {
+    throw SceneValueError(
+        fmt::format("detector.{}", name),
+        fmt::format("{} is no whole number of the sensor's frames of {}, or fewer than {}; allowed: a multiple",
+                    format_quantity(length, Quantity::time), format_quantity(1.0 / source.rate, Quantity::time), least));
+  }
+  return static_cast<std::size_t>(frames);
+}
+
+SlidingSpectrum spectrum_for(const Parameters& parameters, const FrameSource& source) {
+  const std::size_t window = frames_of(parameters, "window", 4, source);
+  if (source.rate < 2.0 * fast_band) {
+    throw SceneValueError("detector.sensor",
+                          fmt::format("its frames come at {}; allowed: at least twice the band's end of {:g} Hz",
+                                      format_quantity(source.rate, Quantity::frequency), fast_band));
+  }
+  if (source.rate / static_cast<double>(window) > fast_band - slow_band) {
+    throw SceneValueError("detector.window", fmt::format("{} has bins wider than the band of 6 to 8 Hz; allowed: at least 0.5 s",
+                                                         format_quantity(parameters.number("window"), Quantity::time)));
+  }
+  return {window, frames_of(parameters, "hop", 1, source), source.rate};
+}
+
+}  // namespace
+
+std::vector<ParameterSpec> feature_specs() {
+  return {
+      number_spec("window", Quantity::time, "500 ms", positive, "Stretch of a spectrum.", "paper, section IV-B"),
+      number_spec("hop", Quantity::time, "100 ms", positive, "From one spectrum to the next.",
+                  "paper, section IV-B: windows of 500 ms overlap by 400 ms (its \"close to 8 Hz\" would be 125 ms)"),
+      number_spec("tare", Quantity::time, "300 ms", positive,
+                  "How long the unloaded pad's counts are averaged; nothing may touch it meanwhile.",
+                  "assumed: ten images of 30 ms"),
+      number_spec("touch", Quantity::none, "30", positive,
+                  "Sum of the changes of all 36 electrodes from which on the pad touches [counts].",
+                  "assumed: three times its noise, half a newton of normal force"),
+      number_spec(
+          "normal_gain", Quantity::none, "57.4", positive,
+          "Counts of all 36 electrodes together a newton of normal force: 4 C0/(g0 k_post), C0 the counts of a nib's electrode.",
+          "assumed: small loads, C0 0.045 pF at 850 counts/pF, gap 0.254 mm, post 10.4 N/mm"),
+      number_spec("shear_gain", Quantity::none, "455", positive,
+                  "Counts of N - S (E - W) of all taxels together a newton of shear: 2 C0 r/(L g0 k_t).",
+                  "assumed: small loads, r 1.1 mm, L 3.65 mm, k_t 0.2 N/mm, the rest as normal_gain"),
+      number_spec("pitch", Quantity::length, "7.6 mm", positive, "Distance of taxels.",
+                  "paper, section II: two nibs 3.8 mm apart"),
+  };
+}
+
+const std::vector<Feature>& handed_on() {
+  static const std::vector<Feature> all{{"fl_0_6", "counts"}, {"fl_6_8", "counts"}, {"fr_0_6", "counts"}, {"fr_6_8", "counts"},
+                                        {"curl", ""},         {"normal", "N"},      {"shear", "N"},       {"moment", "N m"}};
+  return all;
+}
+
+FeatureReader::FeatureReader(const Parameters& parameters, const FrameSource& source, const std::string& detector)
+    : touch_(parameters.number("touch")),
+      normal_gain_(parameters.number("normal_gain")),
+      shear_gain_(parameters.number("shear_gain")),
+      pitch_(parameters.number("pitch")),
+      linear_spectrum_(spectrum_for(parameters, source)),
+      rotational_spectrum_(spectrum_for(parameters, source)) {
+  std::size_t every = 1, image_every = 1;
+  image_ = place_of(source, "si", {taxels, electrodes}, detector, image_every);
+  linear_ = place_of(source, "fl", {2}, detector, every);
+  rotational_ = place_of(source, "fr", {2}, detector, every);
+  skipped_ = image_every - 1;
+  tare_end_ = skipped_ + frames_of(parameters, "tare", 1, source);
+}
+
+bool FeatureReader::update(const SensorFrame& frame) {
+  ++frames_;
+  read_image(frame);
+  const auto difference = [&](std::size_t place) { return double{frame.values[place]} - double{frame.values[place + 1]}; };
+  const bool due = linear_spectrum_.push(difference(linear_));
+  rotational_spectrum_.push(difference(rotational_));
+  if (!due) return false;
+  transformed_ = true;
+  features_.fl = linear_spectrum_.band_mean(0.0, slow_band);
+  features_.fl_fast = linear_spectrum_.band_mean(slow_band, fast_band);
+  features_.fr = rotational_spectrum_.band_mean(0.0, slow_band);
+  features_.fr_fast = rotational_spectrum_.band_mean(slow_band, fast_band);
+  return true;
+}
+
+void FeatureReader::read_image(const SensorFrame& frame) {
+  if (frames_ <= skipped_) return;
+  const std::span<const float> image = frame.values.subspan(image_, values);
+  if (!tared_) {
+    for (std::size_t i = 0; i < values; ++i) tare_[i] += image[i];
+    tared_ = frames_ == tare_end_;
+    if (tared_) {
+      for (double& value : tare_) value /= static_cast<double>(tare_end_ - skipped_);
+    }
+    return;
+  }
+  std::array<double, values> change;
+  for (std::size_t i = 0; i < values; ++i) change[i] = image[i] - tare_[i];
+  const ShearField field = shear_field(change);
+  features_.normal = field.total_normal();
+  features_.shear = field.total_shear();
+  features_.curl = normalised_curl(field);
+  features_.turn = curl(field);
+}
+
+void FeatureReader::hand_on(std::vector<double>& out) const {
+  const Features& f = features_;
+  out = {f.fl, f.fl_fast, f.fr, f.fr_fast, f.curl, normal_force(), shear_force().norm(), moment()};
+  constexpr std::size_t magnitudes = 4;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (!(i < magnitudes ? transformed_ : tared_)) out[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+}  // namespace slipbench::nib

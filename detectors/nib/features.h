@@ -1,0 +1,73 @@
+// What the nib pad's slip detection looks at: spectra of its two fast modes, and normal load, shear and curl of its image.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "detectors/nib/shear_field.h"
+#include "detectors/nib/stft.h"
+#include "sim/core/detector.h"
+#include "sim/core/parameters.h"
+
+namespace slipbench::nib {
+
+// Magnitudes are means over the bins of a band, of D = C_1 - C_2 of a mode (stft.h) [counts]; 0 until the first window is full. The rest is 0
+// until the pad is tared.
+struct Features {
+  double fl = 0.0, fl_fast = 0.0;   // linear mode: 0 to 6 Hz, 6 to 8 Hz
+  double fr = 0.0, fr_fast = 0.0;   // rotational mode: likewise
+  double curl = 0.0;                // normalised_curl(), of the image at hand
+  double turn = 0.0;                // curl(), counts
+  double normal = 0.0;              // counts, sum of all taxels' W + N + E + S
+  Eigen::Vector2d shear{0.0, 0.0};  // counts, sum of all taxels' (E - W, N - S)
+};
+
+// The declarations that every detector of the nib pad has: window, hop, tare, touch, normal_gain, shear_gain, pitch.
+std::vector<ParameterSpec> feature_specs();
+
+// What every detector of the nib pad hands on (SlipEstimate::features), in this order: fl_0_6, fl_6_8, fr_0_6, fr_6_8 [counts], curl, normal and
+// shear [N], moment [N m].
+const std::vector<Feature>& handed_on();
+
+// Makes features of frames, one after the other.
+class FeatureReader {
+ public:
+  // `source` must have the channels si {9,4}, fl {2} and fr {2} [counts]. `detector` names who asks. Throws SceneValueError where it has
+  // not, where window or hop are no whole number of its frames, or where `window` has fewer than four of them, or its bins end below 8 Hz.
+  FeatureReader(const Parameters& parameters, const FrameSource& source, const std::string& detector);
+
+  // Takes the next frame. Whether there are new spectra.
+  bool update(const SensorFrame& frame);
+
+  [[nodiscard]] const Features& features() const { return features_; }
+  // Whether the pad has been tared and feels more than `touch`.
+  [[nodiscard]] bool touching() const { return tared_ && features_.normal >= touch_; }
+
+  // Loads by the gains: those of small ones, so that what bends the nibs' law shows in them.
+  [[nodiscard]] double normal_force() const { return features_.normal / normal_gain_; }        // N
+  [[nodiscard]] Eigen::Vector2d shear_force() const { return features_.shear / shear_gain_; }  // N
+  // N m, about the pad's normal through the centre taxel, of the taxels' shear at their middles. What the nibs of a taxel turn about its
+  // middle is not in it: 3 in 35 of what a rigid rotation does.
+  [[nodiscard]] double moment() const { return 6.0 * pitch_ * features_.turn / shear_gain_; }
+
+  // Writes the values of handed_on(); NaN where they are not known yet.
+  void hand_on(std::vector<double>& values) const;
+
+ private:
+  static constexpr std::size_t values = taxels * electrodes;
+  void read_image(const SensorFrame& frame);
+
+  std::size_t image_, linear_, rotational_;  // places in a frame
+  double touch_, normal_gain_, shear_gain_, pitch_;
+  SlidingSpectrum linear_spectrum_, rotational_spectrum_;
+  std::size_t frames_ = 0, skipped_, tare_end_;  // frames seen; those before the first whole image; the last that the tare takes
+  bool tared_ = false, transformed_ = false;
+  std::array<double, values> tare_{};  // counts; while it is being taken, their sum
+  Features features_;
+};
+
+}  // namespace slipbench::nib

@@ -1,0 +1,97 @@
+// Algorithm 1, replayed by hand, and the detector around it.
+#include "detectors/nib/linear_slip.h"
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/detectors/nib/nib_frames.h"
+
+namespace slipbench::nib {
+namespace {
+
+// M 4, alpha 10, TIME_THRES 0.25 s.
+constexpr FlagCounter::Settings by_hand{40.0, 4.0, 10.0, 0.25};
+
+TEST(FlagCounter, CountsAsAlgorithmOneDoes) {
+  FlagCounter counter(by_hand);
+  struct Row {
+    double time, magnitude, ratio;
+    int count;
+    bool detected;
+  };
+  for (const Row& row : {
+           Row{0.1, 50.0, 0.1, 1, false},   // a flag; the limit is 3
+           Row{0.2, 40.0, 0.1, 1, false},   // not above the threshold; the last flag is 0.1 s ago
+           Row{0.3, 10.0, 0.1, 1, false},   // 0.2 s ago
+           Row{0.4, 10.0, 0.1, 0, false},   // 0.3 s ago: one off
+           Row{0.5, 10.0, 0.9, 0, false},   // not below 0; the limit is not below 1, or this were slip
+           Row{0.6, 50.0, 0.1, 1, false},   //
+           Row{0.7, 50.0, 0.1, 2, false},   //
+           Row{0.8, 50.0, 0.05, 3, false},  // the limit is 3.5
+           Row{0.9, 10.0, 0.1, 3, true},    // no flag, but the limit has come down to 3
+           Row{2.0, 10.0, 0.0, 2, true},    // detected once, and that was it
+       }) {
+    EXPECT_EQ(counter.update(row.time, row.magnitude, row.ratio), row.detected) << row.time;
+    EXPECT_EQ(counter.count(), row.count) << row.time;
+  }
+}
+
+std::unique_ptr<Detector> detector(const char* ratio) {
+  Parameters parameters = defaults_of(nib_linear_slip_entry().parameters);
+  parameters.set("ratio", std::string(ratio));
+  parameters.set("normal_gain", 2.0);
+  parameters.set("shear_gain", 6.0);
+  return make_nib_linear_slip(parameters, nib_source());
+}
+
+// The frame in which slip is first told of a pad that vibrates with `amplitude` counts and is loaded when the tare has ended, at frame 91.
+int detection(Detector& detector, double amplitude, const std::array<float, electrodes>& load) {
+  NibFrames frames;
+  frames.vibrate(amplitude, 0.0);
+  for (int n = 0; n < 600; ++n) {
+    if (n == 91) frames.load(load);
+    const SlipEstimate& estimate = detector.update(frames.next());
+    EXPECT_EQ(estimate.state == PadState::no_contact, n < 91 || load[0] == 0.0F) << n;
+    if (estimate.state == PadState::gross) return frames.frames();
+  }
+  return 0;
+}
+
+// 4 counts at 4 Hz are a mean of 75, above 40. Spectra end at frames 150, 180, ...; the k-th flag so at 150 + 30 (k - 1).
+TEST(LinearSlip, WaitsForAsManyFlagsAsTheRatioAsks) {
+  // No shear: nine flags.
+  EXPECT_EQ(detection(*detector("forces"), 4.0, {10, 10, 10, 10}), 150 + 30 * 8);
+  // Counts 9*(18 - 2) along y over 9*40: 0.4, which leaves 5. In newtons a third of it, 0.1333: 7.67, so 8.
+  EXPECT_EQ(detection(*detector("counts"), 4.0, {10, 18, 10, 2}), 150 + 30 * 4);
+  EXPECT_EQ(detection(*detector("forces"), 4.0, {10, 18, 10, 2}), 150 + 30 * 7);
+  // The pull may be either way.
+  EXPECT_EQ(detection(*detector("counts"), 4.0, {10, 2, 10, 18}), 150 + 30 * 4);
+  // Shear across the pull does not count.
+  EXPECT_EQ(detection(*detector("counts"), 4.0, {2, 10, 18, 10}), 150 + 30 * 8);
+  // 2 counts are a mean of 37.5: no flag.
+  EXPECT_EQ(detection(*detector("forces"), 2.0, {10, 10, 10, 10}), 0);
+  // A pad that touches nothing slips on nothing.
+  EXPECT_EQ(detection(*detector("forces"), 4.0, {0, 0, 0, 0}), 0);
+}
+
+TEST(LinearSlip, BeginsAnewWhenThePadHasLetGo) {
+  const auto told = detector("forces");
+  NibFrames frames;
+  const auto state = [&] { return told->update(frames.next()).state; };
+  for (int n = 0; n < 99; ++n) state();
+  frames.vibrate(4.0, 0.0);
+  frames.load({10, 10, 10, 10});
+  EXPECT_EQ(state(), PadState::non_slip);
+  for (int n = 0; n < 400; ++n) state();
+  EXPECT_EQ(state(), PadState::gross);
+  frames.load({0, 0, 0, 0});
+  EXPECT_EQ(state(), PadState::no_contact);
+  frames.load({10, 10, 10, 10});
+  EXPECT_EQ(state(), PadState::non_slip);
+}
+
+}  // namespace
+}  // namespace slipbench::nib
