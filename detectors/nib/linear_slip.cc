@@ -46,7 +46,7 @@ class LinearSlip final : public Detector {
   SlipEstimate estimate_;
 };
 
-std::vector<ParameterSpec> specs() {
+std::vector<ParameterSpec> flag_specs() {
   std::vector<ParameterSpec> all = feature_specs();
   const std::vector<ParameterSpec> own{
       number_spec("threshold", Quantity::none, "40", positive,
@@ -99,7 +99,7 @@ Entry nib_linear_slip_entry() {
               "slip: counter >= max(1, counter_max - weight |F_S,y|/F_N), F_S,y: sum of N - S, F_N: sum of W + N + E + S\n"
               "gross from then on while the pad touches",
           .source = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, sections IV-B and V, Algorithm 1",
-          .parameters = nib::specs()};
+          .parameters = nib::flag_specs()};
 }
 
 std::unique_ptr<Detector> make_nib_linear_slip(const Parameters& parameters, const FrameSource& source) {

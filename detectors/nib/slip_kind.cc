@@ -41,7 +41,7 @@ class SlipKindDetector final : public Detector {
   SlipEstimate estimate_;
 };
 
-std::vector<ParameterSpec> specs() {
+std::vector<ParameterSpec> kind_specs() {
   std::vector<ParameterSpec> all = feature_specs();
   const std::vector<ParameterSpec> own{
       number_spec("fl", Quantity::none, "40", positive, "Magnitude of the linear mode above which the pad slips [counts].",
@@ -74,7 +74,7 @@ Entry nib_slip_kind_entry() {
           "squares over "
           "the nine taxels, their distance as unit length, over the mean |F_S,i|",
       .source = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, section IV; the bounds are not in the paper",
-      .parameters = nib::specs()};
+      .parameters = nib::kind_specs()};
 }
 
 std::unique_ptr<Detector> make_nib_slip_kind(const Parameters& parameters, const FrameSource& source) {

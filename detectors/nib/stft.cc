@@ -17,13 +17,13 @@ std::mutex& planner() {
   return mutex;
 }
 
-struct FreeFftw {
-  void operator()(void* block) const { fftw_free(block); }
-};
-
 }  // namespace
 
 struct WindowSpectrum::Plan {
+  struct Free {
+    void operator()(void* block) const { fftw_free(block); }
+  };
+
   Plan(std::size_t samples, double samples_a_second)
       : size(samples),
         bins(samples / 2 + 1),
@@ -49,8 +49,8 @@ struct WindowSpectrum::Plan {
 
   std::size_t size, bins;
   double rate;  // Hz
-  std::unique_ptr<double, FreeFftw> in;
-  std::unique_ptr<fftw_complex, FreeFftw> out;
+  std::unique_ptr<double, Free> in;
+  std::unique_ptr<fftw_complex, Free> out;
   std::vector<double> window, magnitudes;
   fftw_plan plan = nullptr;
 };

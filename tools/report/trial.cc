@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/report/pack.h"
+#include "tools/report/spectra.h"
 #include "tools/report/summary.h"
 
 namespace slipbench::report {
@@ -38,24 +39,58 @@ std::string component_name(const std::string& channel_name) {
   return underscore == std::string::npos ? channel_name : channel_name.substr(underscore + 1);
 }
 
+std::size_t row_size(const SensorColumn& channel) {
+  std::size_t size = 1;
+  for (const std::size_t extent : channel.shape) size *= extent;
+  return size;
+}
+
+// Every how many-th of the rows is kept so that `values` of them in all become at most `most`.
+std::size_t stride_for(std::size_t values, std::size_t most) { return values <= most ? 1 : (values + most - 1) / most; }
+
 // A channel belongs to the units when its first extent counts them, or when it has one value for each.
+bool per_unit(const SensorColumn& channel, std::size_t units) {
+  return !channel.time && (row_size(channel) == units || (!channel.shape.empty() && channel.shape[0] == units));
+}
+
+std::string shown_unit(const std::string& unit) { return unit == "1" ? "" : unit; }
+
 std::vector<Curve> sensor_curves(const SensorRecord& sensor) {
   const std::size_t units = sensor.labels.units();
   std::vector<Curve> curves;
   std::size_t offset = 0;  // of the channel's first value in channel_names
   for (const SensorColumn& channel : sensor.channels) {
-    std::size_t size = 1;
-    for (const std::size_t extent : channel.shape) size *= extent;
-    const bool of_units = size == units || (!channel.shape.empty() && channel.shape[0] == units);
-    const bool per_unit = of_units && !channel.time;
-    if (per_unit) {
+    const std::size_t size = row_size(channel);
+    if (per_unit(channel, units)) {
       std::vector<std::string> components;
       for (std::size_t i = 0; i < size / units; ++i) components.push_back(component_name(sensor.channel_names.at(offset + i)));
-      curves.push_back({channel.name, "sensor", channel.unit == "1" ? "" : channel.unit, components, true, channel.values});
+      curves.push_back({channel.name, "sensor", shown_unit(channel.unit), components, true, channel.values});
     }
     offset += size;
   }
   return curves;
+}
+
+// Channels of the sensor as a whole, or of parts of it that are no units.
+Json whole_channels(const SensorRecord& sensor, std::size_t most_values) {
+  Json channels = Json::array();
+  auto name = sensor.channel_names.begin();
+  for (const SensorColumn& channel : sensor.channels) {
+    const std::size_t size = row_size(channel);
+    const std::vector<std::string> names(name, name + static_cast<std::ptrdiff_t>(size));
+    name += static_cast<std::ptrdiff_t>(size);
+    if (per_unit(channel, sensor.labels.units())) continue;
+    const std::size_t stride = stride_for(channel.values.size(), most_values);
+    std::vector<double> kept;
+    const std::vector<double>& time = channel.time ? *channel.time : sensor.time;
+    for (std::size_t row = 0; row < time.size(); row += stride) kept.push_back(time[row]);
+    channels.push_back({{"key", channel.name},
+                        {"unit", shown_unit(channel.unit)},
+                        {"names", names},
+                        {"time", pack_times(kept)},
+                        {"data", pack_curves(channel.values, size, stride)}});
+  }
+  return channels;
 }
 
 }  // namespace
@@ -67,7 +102,7 @@ Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std
   for (Curve& curve : sensor_curves(sensor)) curves.push_back(std::move(curve));
   std::size_t total = 0;
   for (const Curve& curve : curves) total += curve.values.size();
-  const std::size_t stride = total <= curve_values ? 1 : (total + curve_values - 1) / curve_values;
+  const std::size_t stride = stride_for(total, curve_values);
 
   Json payload = {{"name", sensor.name},
                   {"type", sensor.type},
@@ -94,6 +129,8 @@ Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std
                                  {"per_unit", curve.per_unit},
                                  {"data", pack_curves(curve.values, columns, stride)}});
   }
+  payload["channels"] = whole_channels(sensor, curve_values);
+  payload["spectra"] = spectra_of(sensor, curve_values);
   payload["states"] = {{"unit", pack_bytes(labels.unit_state, units)},
                        {"strict", pack_bytes(labels.state, 1)},
                        {"micro", pack_bytes(labels.state_micro, 1)},

@@ -307,6 +307,10 @@ sb.stateLegend = kinds => sb.element(
             state =>
                 sb.element('span', {}, sb.stateSwatch(state.key), state.name + (state.meaning ? ': ' + state.meaning : ''))));
 
+sb.axisWidth = axisWidth;
+sb.rightGap = rightGap;
+sb.attachTimeInput = attachTimeInput;
+sb.attachCursor = attachCursor;
 sb.StateRows = StateRows;
 sb.LineChart = LineChart;
 })(window.slipbench);

@@ -45,6 +45,20 @@ function runsOf(states, time) {
   return runs;
 }
 
+// Row at or just before t of ascending times; 0 where all are later.
+function rowAt(time, t) {
+  let low = 0, high = time.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (time[middle] <= t + 1e-9)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  return low;
+}
+sb.rowAt = rowAt;
+
 // One sensor of one trial.
 class Recording {
   static async load(trial, payload) {
@@ -58,6 +72,9 @@ class Recording {
     for (const curve of payload.curves) {
       recording.curves[curve.origin + '/' + curve.key] = Object.assign({}, curve, {columns: await unpack(curve.data)});
     }
+    const rows = async held => Object.assign({}, held, {time: (await unpack(held.time))[0], columns: await unpack(held.data)});
+    recording.channels = await Promise.all(payload.channels.map(rows));
+    recording.spectra = await Promise.all(payload.spectra.map(rows));
     recording.unitStates = await unpack(payload.states.unit);
     recording.unitRuns = recording.unitStates.map(states => runsOf(states, recording.time));
     recording.padStates = {};
@@ -89,15 +106,12 @@ class Recording {
 
   // Sample at or just before a time.
   sampleAt(t) {
-    let low = 0, high = this.time.length - 1;
-    while (low < high) {
-      const middle = (low + high + 1) >> 1;
-      if (this.time[middle] <= t + 1e-9)
-        low = middle;
-      else
-        high = middle - 1;
-    }
-    return low;
+    return rowAt(this.time, t);
+  }
+
+  // A channel that is no unit's curve, by its name; undefined where there is none.
+  channel(key) {
+    return this.channels.find(channel => channel.key === key);
   }
 
   largest(key, from, to) {

@@ -33,9 +33,9 @@ class Pad {
     };
     const pitch = Math.min(92, 250 / Math.max(1, Math.max(extent(0), extent(1)) / spacing));  // px between neighbours
     this.scale = pitch / spacing;                                                             // px a metre
-    // Screen right is +Y, screen up is +X: the vendor's drawing, +Z points away from the reader into the sensor.
-    this.x = p => p[1] * this.scale;
-    this.y = p => -p[0] * this.scale;
+    this.view = sb.padView(recording.type);
+    this.x = p => p[this.view.right] * this.scale;
+    this.y = p => -p[this.view.up] * this.scale;
     const xs = positions.map(this.x), ys = positions.map(this.y);
     const margin = Math.max(30, 0.67 * pitch);
     const left = Math.min(...xs) - margin, right = Math.max(...xs) + margin;
@@ -51,6 +51,7 @@ class Pad {
                     .attr('aria-label', 'The pad at the cursor, seen from the surface it touches');
     this.arrowHeads(svg.append('defs'), Math.min(8, 0.4 * pitch));
     this.drawFrame(svg);
+    this.electrodes = recording.type === 'nib_pad' && recording.channel('si') && new sb.NibElectrodes(svg, this, pitch);
     const unit = svg.selectAll('g.unit')
                      .data(d3.range(recording.units))
                      .enter()
@@ -135,8 +136,8 @@ class Pad {
         .style('stroke', 'var(--line)');
     const axes = svg.append('g').attr('transform', 'translate(' + (left + 12) + ',' + (bottom - 12) + ')');
     axes.append('path').attr('d', 'M0,-18V0H18').attr('fill', 'none').style('stroke', 'var(--faint)');
-    axes.append('text').attr('class', 'dim').attr('x', -3).attr('y', -22).text('X');
-    axes.append('text').attr('class', 'dim').attr('x', 22).attr('y', 4).text('Y');
+    axes.append('text').attr('class', 'dim').attr('x', -3).attr('y', -22).text('XY'[this.view.up]);
+    axes.append('text').attr('class', 'dim').attr('x', 22).attr('y', 4).text('XY'[this.view.right]);
   }
 
   // What the arrows' lengths mean.
@@ -186,6 +187,7 @@ class Pad {
     if (this.labels) {
       this.loads.text(i => key(i) === 'detached' ? '' : sb.fixed(recording.at('labels/force', i, 2, sample), 2) + ' N');
     }
+    if (this.electrodes) this.electrodes.update(recording.time[sample]);
     this.placeArrows(this.forces, 'labels/force', this.forceLength, sample);
     this.placeArrows(this.slips, 'labels/slip_velocity', this.slipLength, sample);
     this.placeLabels(sample);
@@ -195,9 +197,9 @@ class Pad {
     this.centre.style('display', inside ? null : 'none').attr('transform', inside ? 'translate(' + x + ',' + y + ')' : null);
   }
 
-  // A vector of a unit in px along X and Y of the pad.
+  // A vector of a unit in px, upwards and to the right.
   vector(curve, length, i, sample) {
-    return [0, 1].map(c => (this.recording.at(curve, i, c, sample) || 0) * length);
+    return [this.view.up, this.view.right].map(c => (this.recording.at(curve, i, c, sample) || 0) * length);
   }
 
   // Each label stands above its unit, beside the arrow that points up there. Arrows are too short to reach a neighbour's.

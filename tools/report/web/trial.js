@@ -172,14 +172,15 @@ const componentColours = ['fx', 'fy', 'fz'];
 
 // Unit indices in rows and columns as the pad shows them; null when they do not form a small grid.
 function gridOf(recording) {
+  const {right, up} = sb.padView(recording.type);
   const unique = axis => [...new Set(recording.positions.map(p => Math.round(p[axis] * 1e5)))];
-  const rows = unique(0).sort((a, b) => b - a), columns = unique(1).sort((a, b) => a - b);
+  const rows = unique(up).sort((a, b) => b - a), columns = unique(right).sort((a, b) => a - b);
   if (rows.length * columns.length > 20 || rows.length * columns.length > 2 * recording.units) return null;
   return {
     columns: columns.length,
     place: unit => ({
-      row: rows.indexOf(Math.round(recording.positions[unit][0] * 1e5)) + 1,
-      column: columns.indexOf(Math.round(recording.positions[unit][1] * 1e5)) + 1
+      row: rows.indexOf(Math.round(recording.positions[unit][up] * 1e5)) + 1,
+      column: columns.indexOf(Math.round(recording.positions[unit][right] * 1e5)) + 1
     })
   };
 }
@@ -417,21 +418,24 @@ sb.showTrial = async (host, index, sensorName) => {
   side.append(
       sb.stateLegend(sb.states.unit),
       el('p.note', {},
-         'The pad seen from the surface it touches; +Z points away from the reader, into the sensor. Above each ' + word +
-             ': its name and normal force. Arrows: true tangential force of the object on the ' + word +
+         'The pad ' + sb.padView(recording.type).note + '. ' +
+             (pad.labels ? 'Above each ' + word + ': its name and normal force. ' : '') +
+             (pad.electrodes ? 'Behind each taxel its four electrodes: what SI reads there above its first image. ' : '') + 'Arrows: true tangential force of the object on the ' + word +
              ' (solid) and slip velocity of its tip (dashed). ⊕ marks the slip centre where it lies within the picture.'));
   const whole = wholeSensor(trial, recording, timeline);
+  const channels = sb.channelSection(recording, timeline);
   const onset = onsets(recording, timeline);
   const thinned = recording.stride === 1 ?
       null :
       el('p.note', {}, 'Curves show one sample in ' + recording.stride + '. States and onsets are complete.');
   host.replaceChildren(
       ...(grasp ? [...grasp.nodes, el('h2', {}, 'The sensor ' + recording.name)] : []), keyFigures(trial, summary),
-      el('div.layout', {}, side, el('div', {}, thinned, whole.section, charts.section, onset.section, rules(summary),
+      el('div.layout', {}, side, el('div', {}, thinned, whole.section, channels && channels.section, charts.section, onset.section, rules(summary),
                                               recording.padRuns.seen ? sb.detectorSection([trial]) : null,
                                               grasp ? sb.graspParameters() : null)));
   if (grasp) grasp.draw();
   whole.draw();
+  if (channels) channels.draw();
   charts.draw();
 
   const update = () => {

@@ -35,6 +35,23 @@ const unitWords = {
 sb.unitWord = type => (unitWords[type] || ['unit', 'U'])[0];
 sb.unitName = (type, index) => (unitWords[type] || ['unit', 'U'])[1] + index;
 
+// How a pad is drawn: which axis points right and which up, and where the eye is.
+const fromBelow = {right: 1, up: 0, note: 'seen from the surface it touches; +Z points away from the reader, into the sensor'};
+const padViews = {
+  nib_pad: {right: 0, up: 1, note: 'seen through the sensor from behind, so that east is right and north is up; +Z points towards the reader'},
+};
+sb.padView = type => padViews[type] || fromBelow;
+
+// Channels of a sensor as a whole.
+const channelWords = {
+  nib_pad: {
+    fl: {name: 'FL: clusters N and S', note: 'all nine north electrodes and all nine south electrodes together, 300 Hz'},
+    fr: {name: 'FR: clusters + and −', note: 'tangential electrodes of the eight outer taxels, counter-clockwise and clockwise, 300 Hz'},
+    si: {name: 'SI: electrodes of one taxel', note: 'one image is read within nine samples'},
+  },
+};
+sb.channelWord = (type, key) => (channelWords[type] || {})[key] || {name: key, note: ''};
+
 // SI symbol -> factor and symbol shown.
 const shown = {
   'm': [1e3, 'mm'],
