@@ -1,7 +1,9 @@
 #include "sensors/electronics/electronics.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sensors/electronics/part_kind.h"
@@ -12,7 +14,8 @@ namespace slipbench {
 namespace {
 
 const std::vector<PartKind>& part_kinds() {
-  static const std::vector<PartKind> kinds{coupling_part(), gain_part(), offset_part(), drift_part(), noise_part()};
+  static const std::vector<PartKind> kinds{coupling_part(), gain_part(),  offset_part(),
+                                           drift_part(),    noise_part(), quantisation_part()};
   return kinds;
 }
 
@@ -70,6 +73,25 @@ std::vector<std::span<double>> Electronics::memory() const {
 std::vector<Entry> electronics_entries() {
   std::vector<Entry> entries;
   for (const PartKind& kind : part_kinds()) entries.push_back(kind.entry);
+  return entries;
+}
+
+std::vector<Entry> electronics_of(const std::string& device, const std::vector<PartFigures>& figures) {
+  std::vector<Entry> entries;
+  for (const PartFigures& own : figures) {
+    const auto kind = std::ranges::find(part_kinds(), own.part, [](const PartKind& known) { return known.entry.name; });
+    if (kind == part_kinds().end()) throw std::logic_error(device + ": no part " + own.part + " of the electronics");
+    Entry entry = kind->entry;
+    entry.source = device + ": " + own.source + ". General: " + entry.source;
+    for (const PartFigures::Default& value : own.defaults) {
+      const auto spec = std::ranges::find(entry.parameters, value.parameter, &ParameterSpec::name);
+      if (spec == entry.parameters.end())
+        throw std::logic_error(device + ": no parameter " + value.parameter + " of " + own.part);
+      spec->default_text = value.text;
+      spec->source = value.source;
+    }
+    entries.push_back(std::move(entry));
+  }
   return entries;
 }
 

@@ -26,6 +26,12 @@ struct Coupling {
   double limit;  // unit of `to` over unit of `from`
 };
 
+// What the converter of a value spans, in the value's unit.
+struct ConverterRange {
+  double lowest;   // of code 0
+  double highest;  // of the last code
+};
+
 // How large the disturbances of a sensor are. V values a sample, in the order of SensorFrame::values. Values that are computed
 // from one another share a source: noise, offset and drift are drawn once a source and scaled for each of its values.
 struct SignalModel {
@@ -37,6 +43,7 @@ struct SignalModel {
   std::vector<double> drift_sd;     // [V] standard deviation of the drift's slope, in the value's unit over s
   std::vector<double> gain_sd;      // [V] standard deviation of the gain about 1; 0: the value has no gain error
   std::vector<Coupling> couplings;
+  std::vector<ConverterRange> converter = {};  // [V]; empty: the sensor has no part `quantisation`
 };
 
 // What keys the random streams of a sensor's electronics.
@@ -77,5 +84,21 @@ class Electronics {
 
 // All parts, in the order of the signal path.
 std::vector<Entry> electronics_entries();
+
+// What a sensor says of one part of its electronics.
+struct PartFigures {
+  // A default in which the sensor differs from the part's own.
+  struct Default {
+    std::string parameter, text, source;
+  };
+  std::string part;
+  std::string source;  // where its figures in the SignalModel come from
+  std::vector<Default> defaults = {};
+};
+
+// The parts that a sensor has, in the order of `figures`, which is the one in which they are applied as `typical`: each with the
+// sensor's source before the part's own, and with the sensor's defaults. `device`: what it is called in the source, "PapillArray".
+// Throws std::logic_error for a part or a parameter that there is not.
+std::vector<Entry> electronics_of(const std::string& device, const std::vector<PartFigures>& figures);
 
 }  // namespace slipbench

@@ -12,15 +12,16 @@ namespace {
 // White noise through two equal poles at w: the stationary process with autocorrelation exp(-w|tau|)*(1 + w|tau|). With the state
 // (x, u = x'/w), both of variance 1 and uncorrelated at any one instant, a step of a = w*h is
 //   [x; u] <- F [x; u] + G [z1; z2],   F = exp(-a) [1+a, a; -a, 1-a],   G G^T = I - F F^T (Cholesky),
-// which is exact: the statistics at the samples depend on neither the rate nor the sample's number.
+// which is exact: the statistics at the samples depend on neither the rate nor the sample's number. With w = inf it is white.
 class Noise final : public ElectronicsStage {
  public:
   Noise(const Parameters& parameters, const SignalModel& model, RandomStream stream)
       : memory_(2 * model.sources + 1), source_(model.source), stream_(stream) {
     for (const double sd : model.noise_sd) sd_.push_back(parameters.number("scale") * sd);
 
-    const double a = 2.0 * std::numbers::pi * parameters.number("corner") / model.rate;
-    const double decay = std::exp(-a);
+    const double w_h = 2.0 * std::numbers::pi * parameters.number("corner") / model.rate;
+    const double decay = std::exp(-w_h);
+    const double a = std::isinf(w_h) ? 0.0 : w_h;  // nothing is left of the state: not 0 times infinity
     xx_ = decay * (1.0 + a);
     xu_ = decay * a;
     uu_ = decay * (1.0 - a);
@@ -84,10 +85,10 @@ PartKind noise_part() {
                                 .quantity = Quantity::frequency,
                                 .default_text = "16 Hz",
                                 // Far below, the covariance of a step would be lost to rounding.
-                                .range = {.min = 0.1, .max = 1000.0, .open_min = false},
+                                .range = {.min = 0.1, .open_min = false, .infinite = true},
                                 .choices = {},
                                 .size = 1,
-                                .doc = "Frequency of the two equal poles.",
+                                .doc = "Frequency of the two equal poles; inf: white noise.",
                                 .source = "fitted to the spectrum of 13 unloaded stretches of PapillArray recordings"}}},
       .drawn_per = DrawnPer::trial,
       .make = &make};

@@ -24,8 +24,9 @@ PartKind gain_part();
 PartKind offset_part();
 PartKind drift_part();
 PartKind noise_part();
+PartKind quantisation_part();
 
-// The parameter that every part has: a factor on the device's own figure.
+// The parameter that every part with a random disturbance has: a factor on the device's own figure.
 ParameterSpec scale_parameter();
 
 }  // namespace slipbench

@@ -15,8 +15,8 @@ namespace slipbench {
 // The catalogue's entry: the parameters of a PapillArray.
 Entry papillarray_entry();
 
-// The parts of the electronics, with the figures that were measured on a PapillArray.
-std::vector<Entry> papillarray_electronics_entries();
+// The parts of its electronics, with the figures that were measured on a PapillArray.
+std::vector<Entry> papillarray_electronics();
 
 // A PapillArray with channels "force" {9,3} [N] and "displacement" {9,3} [m], pillars P0 to P8, axes x, y, z of the pad frame P
 // (+X up, +Y right, +Z into the sensor, connector at the bottom; origin at the undeformed tip of the centre pillar).

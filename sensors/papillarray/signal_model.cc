@@ -1,10 +1,7 @@
 #include "sensors/papillarray/signal_model.h"
 
-#include <algorithm>
 #include <array>
-#include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "sensors/papillarray/papillarray.h"
@@ -24,30 +21,12 @@ constexpr Figures drift_figures{{0.24e-3, 0.43e-3, 0.91e-3}, {0.07e-6, 0.12e-6, 
 constexpr std::array<double, axes> gain_figures{0.18, 0.18, 0.093};  // force only
 constexpr double coupling_figure = 0.042;                            // N lateral over N normal
 
-struct Source {
-  std::string_view part;
-  std::string_view text;
-};
-constexpr std::string_view recordings =
-    " (public gripper recordings, Contactile_Data_Viz, 2022, stiffness profile gripper; force in proportion to the stiffness "
-    "otherwise,"
-    " assumed since the device computes force from displacement)";
-constexpr std::array<Source, 5> electronics_sources{{
-    {"coupling", "FX and FY gain 0 to 0.3 N/mm of DZ, at 7.1 N/mm: limit 0.042 of FZ; sign and distribution assumed"},
-    {"gain",
-     "ratio of reported force to reported displacement over the pillars of two devices: sd 9.3 % for FZ, 18 % for FX and FY, "
-     "which"
-     " includes the error of the fits and whatever stiffness really differs; displacement has none"},
-    {"offset", "at the start of 45 recordings: sd FZ 20 mN, DZ 3 um; x and y assumed in proportion to their noise"},
-    {"drift",
-     "90 % of slopes within 5 s below 1.5 mN/s FZ and 0.4 um/s DZ: sd 0.91 mN/s, 0.24 um/s; x and y assumed in proportion to "
-     "their"
-     " noise"},
-    {"noise",
-     "unloaded pillars over 5 s, less a linear trend: sd FX 1.4, FY 2.5, FZ 5.3 mN, DX 0.4, DY 0.7, DZ 1.4 um; the rise below 3 "
-     "Hz is"
-     " counted in the sd but has no pole of its own"},
-}};
+std::string recorded(const std::string& figures) {
+  return figures +
+         " (public gripper recordings, Contactile_Data_Viz, 2022, stiffness profile gripper; force in proportion to the "
+         "stiffness "
+         "otherwise, assumed since the device computes force from displacement)";
+}
 
 }  // namespace
 
@@ -82,17 +61,22 @@ SignalModel signal_model(const PillarStiffness& stiffness, double rate) {
 
 }  // namespace papillarray
 
-std::vector<Entry> papillarray_electronics_entries() {
-  std::vector<Entry> entries = electronics_entries();
-  for (Entry& entry : entries) {
-    const auto source = std::find_if(papillarray::electronics_sources.begin(), papillarray::electronics_sources.end(),
-                                     [&](const papillarray::Source& candidate) { return candidate.part == entry.name; });
-    if (source == papillarray::electronics_sources.end())
-      throw std::logic_error("the PapillArray has no figures for the part " + entry.name);
-    entry.source =
-        "PapillArray: " + std::string(source->text) + std::string(papillarray::recordings) + ". General: " + entry.source;
-  }
-  return entries;
+std::vector<Entry> papillarray_electronics() {
+  using papillarray::recorded;
+  return electronics_of(
+      "PapillArray",
+      {{"coupling",
+        recorded("FX and FY gain 0 to 0.3 N/mm of DZ, at 7.1 N/mm: limit 0.042 of FZ; sign and distribution assumed")},
+       {"gain",
+        recorded("ratio of reported force to reported displacement over the pillars of two devices: sd 9.3 % for FZ, 18 % for FX "
+                 "and FY, which includes the error of the fits and whatever stiffness really differs; displacement has none")},
+       {"offset", recorded("at the start of 45 recordings: sd FZ 20 mN, DZ 3 um; x and y assumed in proportion to their noise")},
+       {"drift",
+        recorded("90 % of slopes within 5 s below 1.5 mN/s FZ and 0.4 um/s DZ: sd 0.91 mN/s, 0.24 um/s; x and y assumed in "
+                 "proportion to their noise")},
+       {"noise",
+        recorded("unloaded pillars over 5 s, less a linear trend: sd FX 1.4, FY 2.5, FZ 5.3 mN, DX 0.4, DY 0.7, DZ 1.4 um; the "
+                 "rise below 3 Hz is counted in the sd but has no pole of its own")}});
 }
 
 }  // namespace slipbench

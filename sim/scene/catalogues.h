@@ -32,10 +32,11 @@ struct ExpectationEntry : Entry {
 // The catalogues, by the scene key that draws from them.
 struct Catalogues {
   std::vector<Material> materials;
-  std::vector<Entry> surfaces;                 // surface.shape
-  std::vector<Entry> motions;                  // motion.kind
-  std::vector<Entry> sensors;                  // sensors.*.type
-  std::vector<Entry> electronics;              // sensors.*.electronics
+  std::vector<Entry> surfaces;  // surface.shape
+  std::vector<Entry> motions;   // motion.kind
+  std::vector<Entry> sensors;   // sensors.*.type
+  std::map<std::string, std::vector<Entry>>
+      electronics;                             // sensors.*.electronics: by type the parts that it has, those of `typical`
   std::vector<Entry> effects;                  // effects
   std::vector<Entry> bodies;                   // bodies.*.shape
   std::vector<Entry> grasp;                    // box, grip, scatter: one entry each

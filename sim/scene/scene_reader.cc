@@ -162,7 +162,7 @@ class SceneReader : EntryReader {
     const Entry& entry = named(catalogues_.sensors, sensor.type, type->origin, "sensor");
     record(path + ".type", sensor.type);
     sensor.parameters = parameters(&node, path, path, entry, {"damping", "electronics", "site", "touches", "type"});
-    sensor.electronics = read_electronics(node.find("electronics"), path + ".electronics");
+    sensor.electronics = read_electronics(node.find("electronics"), sensor.type, path + ".electronics");
     return sensor;
   }
 
@@ -410,10 +410,11 @@ class SceneReader : EntryReader {
     return result;
   }
 
-  std::vector<Named> read_electronics(const YamlNode* node, const std::string& path) {
-    if (node != nullptr && node->kind == YamlNode::Kind::sequence) {
-      return read_list(node, path, catalogues_.electronics, "part of the electronics");
-    }
+  std::vector<Named> read_electronics(const YamlNode* node, const std::string& sensor, const std::string& path) {
+    static const std::vector<Entry> none;
+    const auto found = catalogues_.electronics.find(sensor);
+    const std::vector<Entry>& parts = found == catalogues_.electronics.end() ? none : found->second;
+    if (node != nullptr && node->kind == YamlNode::Kind::sequence) return read_list(node, path, parts, "part of the electronics");
     const std::string& choice = node == nullptr ? ideal_ : text_of(*node, path, "ideal, typical, or a sequence of parts");
     record(path, choice);
     if (choice == ideal_) return {};
@@ -421,11 +422,11 @@ class SceneReader : EntryReader {
       const std::array<std::string_view, 2> allowed{"ideal", "typical"};
       fail(node->origin, path + ": unknown value " + quote(choice) + allowed_names(choice, allowed) + ", or a sequence of parts");
     }
-    std::vector<Named> parts;
-    for (const Entry& entry : catalogues_.electronics) {
-      parts.push_back({entry.name, parameters(nullptr, path + "." + entry.name, path, entry, {})});
+    std::vector<Named> typical;
+    for (const Entry& entry : parts) {
+      typical.push_back({entry.name, parameters(nullptr, path + "." + entry.name, path, entry, {})});
     }
-    return parts;
+    return typical;
   }
 
   const Catalogues& catalogues_;

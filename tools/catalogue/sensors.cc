@@ -19,6 +19,7 @@ std::vector<ElectronicsPart> parts_of(const SensorScene& scene) {
 // A sensor that a scene may name.
 struct SensorKind {
   Entry about;
+  std::vector<Entry> electronics;  // the parts that it has
   std::unique_ptr<Sensor> (*create)(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
                                     std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name);
 };
@@ -26,7 +27,7 @@ struct SensorKind {
 // All sensors, one line each.
 const std::vector<SensorKind>& sensor_catalogue() {
   static const std::vector<SensorKind> kinds{
-      {papillarray_entry(), make_papillarray},
+      {papillarray_entry(), papillarray_electronics(), make_papillarray},
   };
   return kinds;
 }
@@ -36,8 +37,10 @@ const std::vector<SensorKind>& sensor_catalogue() {
 Catalogues pad_catalogues() {
   Catalogues catalogues;
   add_sim_catalogues(catalogues);
-  for (const SensorKind& kind : sensor_catalogue()) catalogues.sensors.push_back(kind.about);
-  catalogues.electronics = papillarray_electronics_entries();
+  for (const SensorKind& kind : sensor_catalogue()) {
+    catalogues.sensors.push_back(kind.about);
+    catalogues.electronics[kind.about.name] = kind.electronics;
+  }
   return catalogues;
 }
 

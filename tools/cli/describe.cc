@@ -129,6 +129,16 @@ std::vector<std::string> item_names(const std::vector<CatalogueItem>& items) {
   return names;
 }
 
+// Those of `kind`, each name once.
+std::vector<CatalogueItem> items_of(const std::vector<CatalogueItem>& items, const CatalogueKind& kind) {
+  std::vector<CatalogueItem> found;
+  for (const CatalogueItem& item : items) {
+    const auto same = [&](const CatalogueItem& other) { return other.entry.name == item.entry.name; };
+    if (item.kind.plural == kind.plural && std::ranges::none_of(found, same)) found.push_back(item);
+  }
+  return found;
+}
+
 std::vector<std::string> kind_names() {
   std::vector<std::string> names;
   for (const CatalogueKind& kind : kinds) names.emplace_back(kind.plural);
@@ -144,7 +154,7 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
   const auto add_all = [&items](const CatalogueKind& kind, const std::vector<Entry>& entries) {
     for (const Entry& entry : entries) {
       const bool is_oracle = kind.plural == detectors.plural && entry.name == oracle_type;
-      items.push_back({is_oracle ? oracle : kind, entry, std::nullopt});
+      items.push_back({is_oracle ? oracle : kind, entry});
     }
   };
   add_all(effects, catalogues.effects);
@@ -153,11 +163,14 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
   add_all(bodies, catalogues.bodies);
   for (const Material& material : catalogues.materials) items.push_back(material_item(material));
   add_all(motions, catalogues.motions);
-  add_all(electronics, catalogues.electronics);
+  for (const Entry& sensor : catalogues.sensors) {
+    if (!catalogues.electronics.contains(sensor.name)) continue;
+    for (const Entry& part : catalogues.electronics.at(sensor.name)) items.push_back({electronics, part, {}, sensor.name});
+  }
   add_all(grasp, catalogues.grasp);
   add_all(detectors, catalogues.detectors);
   add_all(controllers, catalogues.controllers);
-  for (const ExpectationEntry& entry : catalogues.expectations) items.push_back({expectations, entry, std::nullopt});
+  for (const ExpectationEntry& entry : catalogues.expectations) items.push_back({expectations, entry});
   return items;
 }
 
@@ -214,13 +227,13 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
     const std::string arm = entry.name == "lift" ? "grip: {}\n" : "";
     return arm + fmt::format("motion:\n  kind: {}\n", entry.name) + parameter_lines(entry, 2);
   }
-  const std::string sensor = catalogues.sensors.empty() ? "papillarray" : catalogues.sensors.front().name;
-  return fmt::format("sensors:\n  pad:\n    type: {}\n    electronics:\n", sensor) + list_item(entry, 6);
+  return fmt::format("sensors:\n  pad:\n    type: {}\n    electronics:\n", item.sensor) + list_item(entry, 6);
 }
 
 std::string describe_text(const CatalogueItem& item, const Catalogues& catalogues, const Style& style, std::size_t width) {
   const Entry& entry = item.entry;
-  std::string text = fmt::format("{}  {}\n", style.heading(entry.name), style.dim(item.kind.singular));
+  const std::string kind = std::string(item.kind.singular) + (item.sensor.empty() ? "" : " of " + item.sensor);
+  std::string text = fmt::format("{}  {}\n", style.heading(entry.name), style.dim(kind));
   text += wrap_text(entry.summary, width, 2);
   if (item.material) {
     text += fmt::format("\n{}\n", style.bold("Friction against the pad's silicone"));
@@ -246,6 +259,7 @@ nlohmann::ordered_json describe_json(const CatalogueItem& item, const Catalogues
                               {"summary", entry.summary},
                               {"law", entry.law},
                               {"source", entry.source}};
+  if (!item.sensor.empty()) json["sensor"] = item.sensor;
   if (item.material) {
     json["mu_static"] = item.material->mu_static;
     json["mu_kinetic"] = item.material->mu_kinetic;
@@ -265,16 +279,14 @@ std::string list_text(const std::vector<CatalogueItem>& items, std::span<const C
   for (const CatalogueKind& kind : shown) {
     if (!text.empty()) text += '\n';
     text += fmt::format("{}  {}\n", style.heading(kind.plural), style.dim(fmt::format("scene key {}", kind.use)));
-    bool empty = true;
-    for (const CatalogueItem& item : items) {
-      if (item.kind.plural != kind.plural) continue;
-      empty = false;
+    const std::vector<CatalogueItem> listed = items_of(items, kind);
+    for (const CatalogueItem& item : listed) {
       std::string summary = wrap_text(item.entry.summary, width, column + 4);
       // The name takes the place of the first line's margin.
       summary.replace(0, column + 4, fmt::format("  {}{}  ", item.entry.name, std::string(column - item.entry.name.size(), ' ')));
       text += summary;
     }
-    if (empty) text += "  (none)\n";
+    if (listed.empty()) text += "  (none)\n";
   }
   return text;
 }
@@ -283,8 +295,8 @@ nlohmann::ordered_json list_json(const std::vector<CatalogueItem>& items, std::s
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const CatalogueKind& kind : shown) {
     nlohmann::ordered_json& list = json[std::string(kind.plural)] = nlohmann::ordered_json::array();
-    for (const CatalogueItem& item : items) {
-      if (item.kind.plural == kind.plural) list.push_back({{"name", item.entry.name}, {"summary", item.entry.summary}});
+    for (const CatalogueItem& item : items_of(items, kind)) {
+      list.push_back({{"name", item.entry.name}, {"summary", item.entry.summary}});
     }
   }
   return json;

@@ -26,17 +26,18 @@ inline SignalModel two_values_a_source(std::size_t sources, double rate = 1000.0
       model.offset_sd.push_back(size);
       model.drift_sd.push_back(size);
       model.gain_sd.push_back(0.1 * size);
+      model.converter.push_back({-2.0 * size, 2.0 * size});
     }
   }
   return model;
 }
 
-// A part at its defaults but for `scale`.
+// A part at its defaults, but for `scale` where it has one.
 inline ElectronicsPart part(const std::string& name, double scale = 1.0) {
   const std::vector<Entry> entries = electronics_entries();
   const auto entry = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.name == name; });
   ElectronicsPart result{name, entry == entries.end() ? Parameters{} : defaults_of(entry->parameters)};
-  result.parameters.set("scale", scale);
+  if (result.parameters.values().contains("scale")) result.parameters.set("scale", scale);
   return result;
 }
 

@@ -45,8 +45,8 @@ inline Catalogues test_catalogues() {
         spec("bristle_spread", number, Quantity::none, "0.4", fraction),
         spec("profile", choice, Quantity::none, "gripper", any_value, {"gripper", "hexapod"}),
         spec("bias", flag, Quantity::none, "true")}}};
-  catalogues.electronics = {{"noise", "noise", "", "", {spec("scale", number, Quantity::none, "1", non_negative)}},
-                            {"drift", "drift", "", "", {spec("slope", number, Quantity::force, "1 mN")}}};
+  catalogues.electronics["papillarray"] = {{"noise", "noise", "", "", {spec("scale", number, Quantity::none, "1", non_negative)}},
+                                           {"drift", "drift", "", "", {spec("slope", number, Quantity::force, "1 mN")}}};
   catalogues.effects = {{"ageing", "ageing", "", "", {spec("rate", number, Quantity::none, "0.03", non_negative)}},
                         {"stribeck", "stribeck", "", "", {spec("speed", number, Quantity::speed, "1 mm/s", positive)}}};
   catalogues.bodies = {

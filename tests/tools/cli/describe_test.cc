@@ -60,7 +60,7 @@ Catalogues small_catalogues() {
   Entry hum;
   hum.name = "hum";
   hum.summary = "Mains hum.";
-  catalogues.electronics = {hum};
+  catalogues.electronics["pad"] = {hum};
   catalogues.materials = {{"glass", 0.4, 0.3, "assumed: smooth"}};
   Entry threshold;
   threshold.name = "limit";
