@@ -21,6 +21,10 @@ struct ChannelPlace {
 // Throws SceneValueError at detector.sensor where the sensor has no such channel.
 ChannelPlace vector_channel(const FrameSource& source, std::string_view name, const std::string& detector);
 
+// Index into SensorFrame::values of the channel `name`, which must hold one value: extents {1}. `detector` names who asks. Throws
+// SceneValueError at detector.sensor where the sensor has no such channel.
+std::size_t scalar_channel(const FrameSource& source, std::string_view name, const std::string& detector);
+
 // The three values (x, y, z of the pad frame) of `unit` in `frame`.
 inline std::span<const float, 3> vector_at(const SensorFrame& frame, const ChannelPlace& place, std::size_t unit) {
   return frame.values.subspan(place.first + 3 * unit).first<3>();

@@ -4,6 +4,7 @@
 #include "detectors/force_ratio.h"
 #include "detectors/hd/hd_detector.h"
 #include "detectors/shear_rate.h"
+#include "detectors/spectral/band_energy.h"
 #include "detectors/stuck_fraction.h"
 #include "rtl/verilated/rtl_detector.h"
 #include "sim/core/error.h"
@@ -25,6 +26,7 @@ const std::vector<DetectorKind>& detector_catalogue() {
       {force_ratio_entry(), make_force_ratio},
       {stuck_fraction_entry(), make_stuck_fraction},
       {shear_rate_entry(), make_shear_rate},
+      {band_energy_entry(), make_band_energy},
       {gst_hd_entry(), make_gst_hd},
       {gst_hd_rtl_entry(), make_gst_hd_rtl, check_waveform_trial},
       {oracle_entry(), nullptr},

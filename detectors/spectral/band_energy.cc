@@ -1,0 +1,108 @@
+#include "detectors/spectral/band_energy.h"
+
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "detectors/channel.h"
+#include "detectors/specs.h"
+#include "detectors/spectral/spectral_features.h"
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+// A length [s] in samples of `source`.
+std::size_t whole_samples(double length, const std::string& key, const FrameSource& source) {
+  constexpr double rounding = 1e-9;  // of a decimal length times a decimal rate
+  constexpr double most = 1e6;       // samples a transform: beyond any use
+  const double samples = length * source.rate;
+  const double whole = std::round(samples);
+  if (whole < 1.0 || whole > most || std::abs(samples - whole) > rounding * whole) {
+    throw SceneValueError("detector." + key, format_quantity(length, Quantity::time) +
+                                                 " is no whole number of the samples that sensors." + source.sensor +
+                                                 " takes at " + format_quantity(source.rate, Quantity::frequency) +
+                                                 "; allowed: 1 to 1,000,000 of them");
+  }
+  return static_cast<std::size_t>(whole);
+}
+
+SpectralLayout layout_of(const Parameters& parameters, const FrameSource& source) {
+  SpectralLayout layout{.rate = source.rate,
+                        .window = whole_samples(parameters.number("window"), "window", source),
+                        .hop = whole_samples(parameters.number("hop"), "hop", source),
+                        .low = parameters.number("low"),
+                        .high = parameters.number("high")};
+  const double width = source.rate / static_cast<double>(layout.window);
+  if (std::floor(std::min(layout.high, 0.5 * source.rate) / width) < std::ceil(layout.low / width)) {
+    throw SceneValueError("detector.high",
+                          "no bin of the spectrum lies between " + format_quantity(layout.low, Quantity::frequency) + " and " +
+                              format_quantity(layout.high, Quantity::frequency) + "; allowed: a band that holds a multiple of " +
+                              format_quantity(width, Quantity::frequency) + ", up to half the sensor's rate");
+  }
+  return layout;
+}
+
+class BandEnergy final : public Detector {
+ public:
+  BandEnergy(const Parameters& parameters, const FrameSource& source)
+      : place_(scalar_channel(source, "signal", "band_energy")),
+        features_(layout_of(parameters, source)),
+        threshold_(parameters.number("threshold")),
+        release_(parameters.number("release") * threshold_) {}
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    estimate_.time = frame.time;
+    if (!features_.push(frame.values[place_])) return estimate_;
+    const auto density = features_.density();
+    const double rms = std::sqrt(features_.bin_width() * std::accumulate(density.begin(), density.end(), 0.0));
+    slips_ = rms >= (slips_ ? release_ : threshold_);
+    estimate_.state = slips_ ? PadState::gross : PadState::non_slip;
+    return estimate_;
+  }
+
+ private:
+  std::size_t place_;
+  SpectralFeatures features_;
+  double threshold_, release_;  // in the channel's unit, rms
+  bool slips_ = false;
+  SlipEstimate estimate_;
+};
+
+}  // namespace
+
+Entry band_energy_entry() {
+  return {
+      .name = "band_energy",
+      .summary = "the pad slips when its signal's power in a band of frequencies is above a threshold; no training",
+      .law =
+          "r^2 = rate/window sum_k S_k over the bins k within [low, high], S the power spectral density of a window less its "
+          "mean:\n"
+          "the mean square of the signal in the band\n"
+          "slip from the first window with r >= threshold until the first with r < release threshold\n"
+          "gross: slip; non-slip: none, which stands for no contact too: a signal without a static part cannot tell them apart",
+      .source =
+          "friction vibration of a piezoelectric skin: FFT-GRU slip detection, sections IV-A and V-B (20 ms windows every 10 ms, "
+          "50 to 600 Hz); threshold and hysteresis: assumed",
+      .parameters = {
+          number_spec("window", Quantity::time, "20 ms", positive, "Length of the signal that a spectrum is taken of.",
+                      "FFT-GRU slip detection, section IV-A"),
+          number_spec("hop", Quantity::time, "10 ms", positive, "Time from one window to the next.",
+                      "FFT-GRU slip detection, section IV-A"),
+          number_spec("low", Quantity::frequency, "50 Hz", non_negative, "Lower end of the band.",
+                      "FFT-GRU slip detection, table II: slip begins at 50 Hz"),
+          number_spec("high", Quantity::frequency, "600 Hz", positive, "Upper end of the band.",
+                      "FFT-GRU slip detection, table II: the range of its other experiments"),
+          number_spec("threshold", Quantity::none, "8", positive,
+                      "Root mean square of the signal in the band from which on it is a slip, in the unit of the channel.",
+                      "assumed: several times the noise of the piezo_skin in the band"),
+          number_spec("release", Quantity::none, "0.7", share_range, "Share of the threshold below which a slip has ended.",
+                      "assumed"),
+      }};
+}
+
+std::unique_ptr<Detector> make_band_energy(const Parameters& parameters, const FrameSource& source) {
+  return std::make_unique<BandEnergy>(parameters, source);
+}
+
+}  // namespace slipbench

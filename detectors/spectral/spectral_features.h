@@ -1,0 +1,51 @@
+// The spectrogram of a signal as it comes in, one power spectrum a frame.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "detectors/spectral/real_fft.h"
+
+namespace slipbench {
+
+// How a signal is cut into frames, and which bins of them are kept.
+struct SpectralLayout {
+  double rate = 10e3;        // Hz, of the signal
+  std::size_t window = 200;  // samples a frame
+  std::size_t hop = 100;     // samples from one frame to the next
+  double low = 50.0;         // Hz, of the first bin kept
+  double high = 600.0;       // Hz, of the last
+};
+
+// The power spectral density of each window less its mean. At the defaults these are the published features of the piezoelectric skin (FFT-GRU
+// slip detection, section IV-A): windows of 20 ms every 10 ms at 10 kHz, twelve bins of 50 Hz. The window is rectangular: the paper names none.
+class SpectralFeatures {
+ public:
+  // Keeps the bins k rate/window within [low, high], both included. Throws std::logic_error for an empty window or hop, and where no bin is
+  // left.
+  explicit SpectralFeatures(const SpectralLayout& layout);
+
+  // Takes the next sample. True when a frame is complete with it: the first after `window` samples, then one every `hop`.
+  bool push(float value);
+  // Of the last complete frame, one-sided: 2 |X_k|^2/(rate window) [unit^2/Hz], so that the sum over all bins above 0 times rate/window is
+  // the variance of the window. (The bin at rate/2, which has no mirror image, counts once.) [bins()]
+  [[nodiscard]] std::span<const double> density() const { return density_; }
+
+  [[nodiscard]] std::size_t bins() const { return density_.size(); }
+  [[nodiscard]] double frequency(std::size_t bin) const { return static_cast<double>(first_bin_ + bin) * width_; }  // Hz
+  [[nodiscard]] double bin_width() const { return width_; }                                                         // Hz
+
+ private:
+  void transform();
+
+  SpectralLayout layout_;
+  double width_;
+  std::size_t first_bin_;
+  RealFft fft_;
+  std::vector<double> past_;  // [window], a ring
+  std::size_t seen_ = 0;
+  std::vector<double> density_;
+};
+
+}  // namespace slipbench
