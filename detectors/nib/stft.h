@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <vector>
+
+#include "detectors/spectral/real_fft.h"
 
 namespace slipbench::nib {
 
@@ -12,24 +13,22 @@ namespace slipbench::nib {
 //   X_k = sum_n w_n (d_n - l_n) exp(-2 pi i k n/N),  k = 0 to N/2
 // l: the straight line of least squares through d; w_n = 0.54 - 0.46 cos(2 pi n/N), Hamming's window with period N, whose sum is 0.54 N exactly.
 // Nothing is divided by: |X_k| is in the samples' own unit, and a sine of amplitude A at the middle of a bin has |X_k| = 0.54 N A/2, less
-// what the line takes from it. FFTW's plan is made without measuring, so that the same samples give the same bytes on one machine.
+// what the line takes from it.
 class WindowSpectrum {
  public:
   // `size`: N, at least 4; `rate` [Hz] of the samples.
   WindowSpectrum(std::size_t size, double rate);
-  ~WindowSpectrum();
-  WindowSpectrum(WindowSpectrum&&) noexcept;
-  WindowSpectrum& operator=(WindowSpectrum&&) noexcept;
 
-  [[nodiscard]] std::size_t size() const;
-  [[nodiscard]] double bin_width() const;  // Hz, rate/N
+  [[nodiscard]] std::size_t size() const { return window_.size(); }
+  [[nodiscard]] double bin_width() const { return rate_ / static_cast<double>(size()); }  // Hz, rate/N
 
   // |X_k| of `samples`, which must be N: [N/2 + 1]. Valid until the next call.
   std::span<const double> magnitudes(std::span<const double> samples);
 
  private:
-  struct Plan;
-  std::unique_ptr<Plan> plan_;
+  double rate_;  // Hz
+  RealFft fft_;
+  std::vector<double> window_, magnitudes_;
 };
 
 // Spectra of a signal as it comes in: one of the last `window`, a `hop` after the other.
