@@ -13,7 +13,7 @@ namespace slipbench {
 struct ElementColumns {
   std::size_t count;
   double dt;                   // s, 0 in the first step
-  const double *x, *y, *z;     // contact point [m]
+  const double *x, *y, *z;     // where the tip meets the surface [m], see SurfaceEffect
   const double *nx, *ny, *nz;  // unit outward normal of the surface
   const double* penetration;   // m, >= 0
   const double* normal_force;  // N
@@ -32,6 +32,12 @@ class Effect {
 };
 
 // Changes where the surface is: texture, waviness.
+//
+// It is met where the tip is, and so are patches of friction. A tip that sticks stays where it is to the bit, however its root moves: it is
+// silent. One that slips trails its root by the stretch that it had after the step before, or stays if the root has come nearer than
+// that: exact in a steady slide, else behind by what the stretch changes within one step. What its own ridges do to the stretch of a
+// sliding tip settles while mu k_n/k_t times their slope is less than 1; beyond that a tip without mass has no one place. In the step of
+// a touch the tip is still under its root, in that of an onset where it stuck.
 class SurfaceEffect : public Effect {
  public:
   // Adds to `gap` [m] at the points (x, y) [m] of S; a bump lowers the gap. Only where the normal is +Z (nz = 1): sides are smooth.

@@ -86,8 +86,8 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   check(layout, friction);
   if (auto dashpots = make_dashpots(layout_)) effects_.rheology.push_back(std::move(dashpots));
 
-  const bool extended = !effects_.friction.empty() || has_memory();
-  const std::size_t columns = extended ? all_columns : plain_columns;
+  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || has_memory();
+  const std::size_t columns = extended_ ? all_columns : plain_columns;
   // A stride of whole pages would put the same row of all columns into one set of the L1 cache.
   const std::size_t stride = padded_ + (padded_ % 512 == 0 ? kernel::lanes : 0);
   const std::size_t bytes = columns * stride * sizeof(double);
@@ -108,7 +108,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     columns_[mu_static][i] = friction.mu_static;
     columns_[mu_kinetic][i] = friction.mu_kinetic;
   }
-  if (extended) {
+  if (extended_) {
     std::copy_n(columns_[k_normal], count_, columns_[k_normal_spring]);
     std::copy_n(columns_[k_tangential], count_, columns_[k_tangential_spring]);
     std::copy_n(columns_[mu_static], count_, columns_[mu_static_surface]);
@@ -119,7 +119,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
                           [&](const Element& e) { return e.axis == layout_.elements.front().axis; });
   state_size_ = 1 + (kept.size() + (on_plane() ? 0 : kept_of_faces.size())) * count_;
   for_each_memory([this](std::span<double> memory) { state_size_ += memory.size(); });
-  plain_ = on_plane() && flat_pad_ && !extended && effects_.surface.empty() && !effects_.cone;
+  plain_ = on_plane() && flat_pad_ && !extended_ && !effects_.cone;
 }
 
 void Field::save_state(std::span<double> state) {
@@ -171,8 +171,9 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
 
 void Field::step_in_stages(double dt, const Twist* motion) {
   find_contact_points();
+  if (extended_) place_tips();
   for (const auto& effect : effects_.surface) {
-    effect->displace(count_, columns_[contact_x], columns_[contact_y], columns_[normal_z], columns_[gap]);
+    effect->displace(count_, columns_[place_x], columns_[place_y], columns_[normal_z], columns_[gap]);
   }
   if (!on_plane()) keep_energy();
   if (has_memory()) prepare_rheology(dt);
@@ -181,7 +182,7 @@ void Field::step_in_stages(double dt, const Twist* motion) {
   if (effects_.cone) {
     for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(i);
   } else {
-    kernel::map(columns_, on_plane(), has_memory(), padded_);
+    kernel::map(columns_, on_plane(), extended_, padded_);
   }
 }
 
@@ -225,6 +226,21 @@ void Field::meet(const Shape& shape) {
   }
 }
 
+// Where the tips meet effects. One that has come to another face will be anchored there anew, under its root (keep_energy).
+void Field::place_tips() {
+  kernel::place_tips(columns_, padded_);
+  if (on_plane() || kernel::all_keep_faces(columns_, padded_)) return;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (share_face(i)) continue;
+    for (const std::size_t k : {0U, 1U, 2U}) columns_[place_x + k][i] = columns_[contact_x + k][i];
+  }
+}
+
+// Whether a face that element i meets is one that it met before.
+bool Field::share_face(std::size_t i) const {
+  return (static_cast<unsigned>(columns_[faces][i]) & static_cast<unsigned>(columns_[faces_before][i])) != 0;
+}
+
 // The s of field.h. k_n delta^2/2 is a function of the tip's position as long as an element meets one face with one s, and does not
 // grow when either changes: a frictionless field gives no work, whatever the way.
 void Field::keep_energy() {
@@ -236,7 +252,7 @@ void Field::keep_energy() {
     if (s == 0.0 && (!(depth > 0.0) || now == before)) continue;
     if (!placed_) {
       s = 0.0;
-    } else if (!(depth > 0.0) || (static_cast<unsigned>(now) & static_cast<unsigned>(before)) != 0) {
+    } else if (!(depth > 0.0) || share_face(i)) {
       s = std::min(s, std::max(0.0, depth));
     } else {
       s = std::max(0.0, depth - std::max(0.0, -c[kernel::gap_before][i]));
@@ -326,7 +342,8 @@ void Field::map_to_effect_cone(std::size_t i) {
   const Eigen::Vector3d force(mapped.fx, mapped.fy, mapped.fz);
   Eigen::Vector3d slip(0.0, 0.0, 0.0);
   if (mapped.slides) slip = (trial - force) * columns_[compliance][i];
-  const Eigen::Vector3d anchor = contact - (u - slip);
+  const bool stays = !mapped.slides && on_plane();  // c - (c - a) is a up to rounding only
+  const Eigen::Vector3d anchor = stays ? vector(anchor_x, i) : Eigen::Vector3d(contact - (u - slip));
   for (int c = 0; c < 3; ++c) {
     const auto at = static_cast<std::size_t>(c);
     columns_[slip_x + at][i] = slip[c];
@@ -389,9 +406,9 @@ void Field::resolve_events() {
 ElementColumns Field::view(double dt) const {
   return {count_,
           dt,
-          columns_[contact_x],
-          columns_[contact_y],
-          columns_[contact_z],
+          columns_[place_x],
+          columns_[place_y],
+          columns_[place_z],
           columns_[normal_x],
           columns_[normal_y],
           columns_[normal_z],

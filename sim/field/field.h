@@ -151,6 +151,8 @@ class Field {
   void find_contact_points();
   template <class Shape>
   void meet(const Shape& shape);
+  void place_tips();
+  [[nodiscard]] bool share_face(std::size_t i) const;
   void keep_energy();
   [[nodiscard]] bool looks_at_plane() const;
   void prepare_rheology(double dt);
@@ -187,7 +189,8 @@ class Field {
   std::vector<ElementEvent> events_;
   Pose pose_;
   bool flat_pad_;
-  bool plain_;  // springs on a plane, and no effect: one pass does it all
+  bool extended_;  // the columns from plain_columns on are there
+  bool plain_;     // springs on a plane, and no effect: one pass does it all
   bool placed_ = false;
   std::size_t touching_ = 0, slipping_ = 0;
 };

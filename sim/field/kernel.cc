@@ -37,14 +37,20 @@ SLIPBENCH_INLINE void put(const Columns& c, Column column, std::size_t i, const 
 
 SLIPBENCH_INLINE double total(const Lanes& sums) { return (sums[0] + sums[1]) + (sums[2] + sums[3]); }
 
+SLIPBENCH_INLINE Lanes root(const Lanes& values) {
+  Lanes roots;
+  for (std::size_t lane = 0; lane < lanes; ++lane) roots[lane] = std::sqrt(values[lane]);
+  return roots;
+}
+
 // Row `row` of a turned vector, in the order in which Eigen adds up a product: the same to the bit wherever it is worked out.
 SLIPBENCH_INLINE Lanes turned(const Eigen::Matrix3d& r, int row, const Lanes& x, const Lanes& y, const Lanes& z) {
   return row < 2 ? r(row, 0) * x + r(row, 1) * y + r(row, 2) * z : r(row, 0) * x + (r(row, 1) * y + r(row, 2) * z);
 }
 
-template <bool kPlane, bool kMemory>
+template <bool kPlane, bool kExtended>
 SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
-  const double raw = raw_press(c[gap][i], c[k_normal][i], kMemory ? c[h_normal][i] : 0.0);
+  const double raw = raw_press(c[gap][i], c[k_normal][i], kExtended ? c[h_normal][i] : 0.0);
   const double f_n = 0.5 * (raw + std::abs(raw));  // max(0, raw), exactly; a select here would be threaded into jumps
   const double k = c[k_tangential][i], softness = c[compliance][i];
   const bool touches = f_n > 0.0;
@@ -61,7 +67,7 @@ SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
     uz -= along * c[normal_z][i];
   }
   double tx = k * ux, ty = k * uy, tz = kPlane ? 0.0 : k * uz;
-  if constexpr (kMemory) {
+  if constexpr (kExtended) {
     double hx = c[h_x][i], hy = c[h_y][i];
     if constexpr (!kPlane) {  // the history was made in an earlier tangent plane
       double hz = c[h_z][i];
@@ -96,8 +102,9 @@ SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
   c[press][i] = raw;
   c[slip_x][i] = sx;
   c[slip_y][i] = sy;
-  c[anchor_x][i] = c[contact_x][i] - vx;
-  c[anchor_y][i] = c[contact_y][i] - vy;
+  const bool stays = kPlane && kExtended && touches && !slides;  // c - (c - a) is a up to rounding only
+  c[anchor_x][i] = stays ? c[anchor_x][i] : c[contact_x][i] - vx;
+  c[anchor_y][i] = stays ? c[anchor_y][i] : c[contact_y][i] - vy;
   c[force_x][i] = fx;
   c[force_y][i] = fy;
   if constexpr (!kPlane) {
@@ -112,16 +119,16 @@ SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
   c[mode][i] = touches ? moving : 0.0;
 }
 
-template <bool kPlane, bool kMemory>
+template <bool kPlane, bool kExtended>
 SLIPBENCH_INLINE void map_all(const Columns& c, std::size_t count) {
   SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) map_element<kPlane, kMemory>(c, i);
+  for (std::size_t i = 0; i < count; ++i) map_element<kPlane, kExtended>(c, i);
 }
 
 SLIPBENCH_DISPATCHED void map_on_plane(const Columns& c, std::size_t count) { map_all<true, false>(c, count); }
-SLIPBENCH_DISPATCHED void map_on_plane_with_memory(const Columns& c, std::size_t count) { map_all<true, true>(c, count); }
+SLIPBENCH_DISPATCHED void map_on_plane_extended(const Columns& c, std::size_t count) { map_all<true, true>(c, count); }
 SLIPBENCH_DISPATCHED void map_on_curve(const Columns& c, std::size_t count) { map_all<false, false>(c, count); }
-SLIPBENCH_DISPATCHED void map_on_curve_with_memory(const Columns& c, std::size_t count) { map_all<false, true>(c, count); }
+SLIPBENCH_DISPATCHED void map_on_curve_extended(const Columns& c, std::size_t count) { map_all<false, true>(c, count); }
 
 SLIPBENCH_INLINE void locate_element(const Columns& c, const Pose& pose, std::size_t i) {
   const Eigen::Matrix3d& r = pose.rotation;
@@ -165,6 +172,29 @@ SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose&
     put(c, contact_y, i, tip[1] - met.gap * met.ny);
     put(c, contact_z, i, tip[2] - met.gap * met.nz);
     put(c, faces, i, met.faces);
+  }
+}
+
+SLIPBENCH_DISPATCHED void place_tips(const Columns& c, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Lanes x = at(c, contact_x, i), y = at(c, contact_y, i), z = at(c, contact_z, i);
+    const Lanes ax = at(c, anchor_x, i), ay = at(c, anchor_y, i), az = at(c, anchor_z, i);
+    const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i);
+    Lanes ux = x - ax, uy = y - ay, uz = z - az;
+    const Lanes along = ux * nx + uy * ny + uz * nz;
+    ux -= along * nx;
+    uy -= along * ny;
+    uz -= along * nz;
+    const Lanes bx = at(c, contact_before_x, i) - ax, by = at(c, contact_before_y, i) - ay, bz = at(c, contact_before_z, i) - az;
+    const Lanes stretch2 = ux * ux + uy * uy + uz * uz, before2 = bx * bx + by * by + bz * bz;
+    const Lanes state = at(c, mode_before, i), none{};
+    // A detached tip, state 0, is where its root is.
+    const Lanes trails = stretch2 > before2 ? root(before2 / stretch2) : none + 1.0;
+    const Lanes share = state == 2.0 ? trails : none;
+    const Mask stuck = state == 1.0;
+    put(c, place_x, i, stuck ? ax : x - share * ux);
+    put(c, place_y, i, stuck ? ay : y - share * uy);
+    put(c, place_z, i, stuck ? az : z - share * uz);
   }
 }
 
@@ -267,16 +297,6 @@ SLIPBENCH_DISPATCHED SpringSums sum_springs(const Columns& c, std::size_t count)
   }
   return {{total(x), total(y), total(z)}, 0.5 * total(elastic), total(loss)};
 }
-
-namespace {
-
-SLIPBENCH_INLINE Lanes root(const Lanes& values) {
-  Lanes roots;
-  for (std::size_t lane = 0; lane < lanes; ++lane) roots[lane] = std::sqrt(values[lane]);
-  return roots;
-}
-
-}  // namespace
 
 SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::Vector3d& origin, const Twist& motion, double tau,
                                                  const ConeEffect* cone, std::size_t count) {
@@ -388,11 +408,11 @@ void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double r
   }
 }
 
-void map(const Columns& columns, bool plane, bool memory, std::size_t count) {
+void map(const Columns& columns, bool plane, bool extended, std::size_t count) {
   if (plane) {
-    memory ? map_on_plane_with_memory(columns, count) : map_on_plane(columns, count);
+    extended ? map_on_plane_extended(columns, count) : map_on_plane(columns, count);
   } else {
-    memory ? map_on_curve_with_memory(columns, count) : map_on_curve(columns, count);
+    extended ? map_on_curve_extended(columns, count) : map_on_curve(columns, count);
   }
 }
 

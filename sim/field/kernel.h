@@ -41,6 +41,7 @@ enum Column : std::size_t {
   k_normal_spring = plain_columns, k_tangential_spring, mu_static_surface, mu_kinetic_surface,  // before effects
   h_normal, h_x, h_y, h_z,                                  // history of the rheology: f = k u + h [N]
   velocity_x, velocity_y, velocity_z, depth, load, stretch_x, stretch_y, stretch_z,     // what effects look at
+  place_x, place_y, place_z,                                // where the tip meets effects (SurfaceEffect) [m]
   all_columns
 };
 // clang-format on
@@ -72,8 +73,12 @@ void meet_box(const Columns& columns, const Box& box, const Pose& pose, std::siz
 bool all_keep_faces(const Columns& columns, std::size_t count);
 bool any_touches(const Columns& columns, bool memory, std::size_t count);
 
-// Pass 2: normal force, and return mapping onto the friction cone (field.h).
-void map(const Columns& columns, bool plane, bool memory, std::size_t count);
+// Between the passes, for effects: the places of the tips (SurfaceEffect).
+void place_tips(const Columns& columns, std::size_t count);
+
+// Pass 2: normal force, and return mapping onto the friction cone (field.h). `extended`: the columns from plain_columns on are there; then the
+// rheology's history counts, and on a plane an anchor that sticks stays to the bit. Without them it does up to rounding.
+void map(const Columns& columns, bool plane, bool extended, std::size_t count);
 
 // Passes 1 and 2 at once, for springs on the plane.
 void slide_on_plane(const Columns& columns, const Pose& pose, std::size_t count);

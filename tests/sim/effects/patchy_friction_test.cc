@@ -18,15 +18,20 @@ constexpr double shortest = 2e-3, longest = 5e-3, sd = 0.3;
 constexpr double period = 16.0 * shortest;  // the map is tabulated at an eighth of the shortest wave, 128 times, and then repeats
 constexpr double cell = shortest / 8.0;
 
-// ln of the friction factor under a pad's elements, read as mu_s f_n over what it would be without the effect.
+// ln of the friction factor under a pad's elements, read as mu_s f_n over what it would be without the effect. The pad is set down anew
+// at every pose: tips that stick would stay where they are.
 class Map {
  public:
   explicit Map(PadLayout pad, std::uint64_t seed = 7, std::uint64_t trial = 0, const std::vector<Wanted>& others = {})
       : plain_(pad, Plane{}, {0.5, 0.5}), field_(with(pad, seed, trial, others)) {}
 
   std::vector<double> at(const Pose& pose) {
-    plain_.step(pose, 1e-3);
-    field_.step(pose, 1e-3);
+    Pose lifted = pose;
+    lifted.position.z() += 0.1;
+    for (Field* field : {&plain_, &field_}) {
+      field->step(lifted, 1e-3);
+      field->step(pose, 1e-3);
+    }
     std::vector<double> values;
     for (std::size_t i = 0; i < field_.size(); ++i) values.push_back(std::log(field_.stick_limit(i) / plain_.stick_limit(i)));
     return values;
@@ -95,7 +100,7 @@ TEST(PatchyFriction, DependsOnSeedAndTrialOnly) {
   EXPECT_NE(Map(pad, 7, 4).at(pose), map);
   EXPECT_NE(Map(pad, 8, 3).at(pose), map);
   // Neither another effect before it nor the pad's own make-up shifts its draws.
-  EXPECT_EQ(Map(pad, 7, 3, {{"viscoelastic", {}}, {"ageing", {}}, {"texture", {{"height", 0.0}}}}).at(pose), map);
+  EXPECT_EQ(Map(pad, 7, 3, {{"stribeck", {}}, {"ageing", {}}, {"texture", {{"height", 0.0}}}}).at(pose), map);
   PadLayout half = pad;
   half.elements.resize(2048);
   half.units.resize(2048);
