@@ -114,7 +114,8 @@ LiftTimes lift_times(const Parameters& parameters) {
 }
 
 MotionKind lift_motion() {
-  return {about_lift(), [](const Parameters& p) -> std::unique_ptr<Motion> { return std::make_unique<Lift>(p); }};
+  return {about_lift(),
+          [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Lift>(p); }};
 }
 
 }  // namespace slipbench

@@ -2,6 +2,7 @@
 
 #include "sim/motion/lift.h"
 #include "sim/motion/stage.h"
+#include "sim/motion/wander.h"
 
 namespace slipbench {
 
@@ -9,6 +10,7 @@ const std::vector<MotionKind>& motion_catalogue() {
   static const std::vector<MotionKind> kinds{
       stage_motion(),
       lift_motion(),
+      wander_motion(),
   };
   return kinds;
 }

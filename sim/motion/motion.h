@@ -1,6 +1,7 @@
 // Prescribed motions of the bench and their catalogue.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -21,11 +22,17 @@ class Motion {
   [[nodiscard]] virtual bool turns() const = 0;
 };
 
+// What keys the random numbers of a motion that has some.
+struct MotionKey {
+  std::uint64_t seed = 0;  // of the dataset
+  std::uint64_t trial = 0;
+};
+
 // A kind of motion that a scene may name.
 struct MotionKind {
   Entry about;
   // Throws SceneValueError when the parameters contradict each other.
-  std::unique_ptr<Motion> (*create)(const Parameters& parameters);
+  std::unique_ptr<Motion> (*create)(const Parameters& parameters, const MotionKey& key);
 };
 
 // All kinds, one line each.

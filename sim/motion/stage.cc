@@ -235,7 +235,8 @@ class Stage final : public Motion {
 }  // namespace
 
 MotionKind stage_motion() {
-  return {about_stage(), [](const Parameters& p) -> std::unique_ptr<Motion> { return std::make_unique<Stage>(p); }};
+  return {about_stage(),
+          [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Stage>(p); }};
 }
 
 }  // namespace slipbench

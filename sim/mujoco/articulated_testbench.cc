@@ -22,11 +22,11 @@ struct ArticulatedTestbench::State {
 };
 
 ArticulatedTestbench::ArticulatedTestbench(const Scene& scene, std::span<const PadLayout* const> pads,
-                                           std::span<const double> output_rates)
+                                           std::span<const double> output_rates, std::uint64_t trial)
     : state_(std::make_unique<State>()) {
   refuse_without_field(scene);
   State& s = *state_;
-  StageSetup stage = set_up_stage(scene);
+  StageSetup stage = set_up_stage(scene, trial);
   s.motion = std::move(stage.motion);
   s.world_in_surface = stage.surface.pose.inverse();
   s.plan = plan_steps(scene, output_rates, std::numeric_limits<double>::infinity(), "the pads");

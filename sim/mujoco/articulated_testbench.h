@@ -16,7 +16,8 @@ class ArticulatedTestbench final : public Bench {
  public:
   // As Testbench's. Throws SceneValueError as that does, and for what articulated pads cannot have: effects, and a kinetic friction
   // that is not the static one.
-  ArticulatedTestbench(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates);
+  ArticulatedTestbench(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
+                       std::uint64_t trial);
   ~ArticulatedTestbench() override;
 
   [[nodiscard]] std::size_t ticks() const override;

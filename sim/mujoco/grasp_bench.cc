@@ -100,7 +100,7 @@ struct GraspBench::State {
   State(const Scene& scene, const PadLayout& layout, double rate, std::uint64_t trial, const DynamicBenchOptions& options)
       : grasp(draw_grasp(*scene.grasp, scene.seed, trial)),
         gripper(scene.grasp->grip, grasp.opening, grasp.phase),
-        motion(make_motion(scene)),
+        motion(make_motion(scene, trial)),
         lift(lift_times(scene.motion.parameters)),
         spring(finger_spring(scene.grasp->grip)),
         layouts{layout, second_pad(scene.grasp->grip, layout), box_corners(scene.grasp->box, grasp.box_size)} {

@@ -18,12 +18,12 @@ const auto& kind_named(const Catalogue& catalogue, const std::string& name) {
 
 }  // namespace
 
-std::unique_ptr<Motion> make_motion(const Scene& scene) {
-  return kind_named(motion_catalogue(), scene.motion.name).create(scene.motion.parameters);
+std::unique_ptr<Motion> make_motion(const Scene& scene, std::uint64_t trial) {
+  return kind_named(motion_catalogue(), scene.motion.name).create(scene.motion.parameters, {scene.seed, trial});
 }
 
-StageSetup set_up_stage(const Scene& scene) {
-  return {make_motion(scene), kind_named(surface_catalogue(), scene.surface.name).create(scene.surface.parameters)};
+StageSetup set_up_stage(const Scene& scene, std::uint64_t trial) {
+  return {make_motion(scene, trial), kind_named(surface_catalogue(), scene.surface.name).create(scene.surface.parameters)};
 }
 
 void refuse_inside(const PadLayout& pad, const PlacedSurface& surface, const FieldEffects& effects, const Pose& pose) {

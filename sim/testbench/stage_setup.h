@@ -1,6 +1,7 @@
 // What every bench of prescribed motion begins with: the stage and the surface that it presses on.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "sim/core/pad_layout.h"
@@ -12,8 +13,8 @@
 
 namespace slipbench {
 
-// The scene's motion. Throws SceneValueError when its parameters contradict each other.
-std::unique_ptr<Motion> make_motion(const Scene& scene);
+// The scene's motion in trial number `trial`. Throws SceneValueError when its parameters contradict each other.
+std::unique_ptr<Motion> make_motion(const Scene& scene, std::uint64_t trial);
 
 struct StageSetup {
   std::unique_ptr<Motion> motion;
@@ -21,7 +22,7 @@ struct StageSetup {
 };
 
 // Throws SceneValueError as make_motion().
-StageSetup set_up_stage(const Scene& scene);
+StageSetup set_up_stage(const Scene& scene, std::uint64_t trial);
 
 // Throws SceneValueError when a pad at `pose` in the world stands inside the surface as the effects have textured it.
 void refuse_inside(const PadLayout& pad, const PlacedSurface& surface, const FieldEffects& effects, const Pose& pose);

@@ -85,6 +85,20 @@ SurfaceKind cylinder() {
           }};
 }
 
+SurfaceKind upright_cylinder() {
+  return {{"upright_cylinder",
+           "An upright cylinder whose upper end face is z = 0.",
+           "gap = distance to the face through which the element entered",
+           "",
+           {{"radius", ParameterType::number, Quantity::length, "30 mm", positive, {}, 1, "radius", "assumed"},
+            {"length", ParameterType::number, Quantity::length, "100 mm", positive, {}, 1, "length", "assumed"},
+            position()}},
+          [](const Parameters& p) {
+            const double half_length = 0.5 * p.number("length");
+            return PlacedSurface{Cylinder{p.number("radius"), half_length}, placed(p, -half_length)};
+          }};
+}
+
 SurfaceKind capsule() {
   return {
       {"capsule",
@@ -115,7 +129,7 @@ SurfaceKind sphere() {
 
 const std::vector<SurfaceKind>& surface_catalogue() {
   static const std::vector<SurfaceKind> kinds{
-      plane(), box(), cylinder(), capsule(), sphere(),
+      plane(), box(), cylinder(), upright_cylinder(), capsule(), sphere(),
   };
   return kinds;
 }

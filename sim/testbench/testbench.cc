@@ -73,7 +73,7 @@ Testbench::Testbench(const Scene& scene, std::span<const PadLayout* const> pads,
     : state_(std::make_unique<State>()) {
   if (scene.fidelity != "field" || scene.dynamic()) throw std::logic_error("Testbench: a scene of another bench");
   State& s = *state_;
-  StageSetup stage = set_up_stage(scene);
+  StageSetup stage = set_up_stage(scene, trial);
   s.motion = std::move(stage.motion);
   const PlacedSurface& surface = stage.surface;
   s.world_in_surface = surface.pose.inverse();

@@ -38,7 +38,7 @@ Sensors make_sensors(const Scene& scene, std::uint64_t trial) {
 #ifdef SLIPBENCH_WITH_MUJOCO
 std::unique_ptr<Bench> make_mujoco_bench(const Scene& scene, std::span<const PadLayout* const> pads,
                                          std::span<const double> rates, std::uint64_t trial) {
-  if (!scene.dynamic()) return std::make_unique<ArticulatedTestbench>(scene, pads, rates);
+  if (!scene.dynamic()) return std::make_unique<ArticulatedTestbench>(scene, pads, rates, trial);
   [[maybe_unused]] static const bool registered = (register_field_plugin({pad_catalogues(), &make_sensor}), true);
   if (scene.grasp) return std::make_unique<GraspBench>(scene, *pads.front(), rates.front(), trial);
   return std::make_unique<DynamicBench>(scene, pads, rates, trial);

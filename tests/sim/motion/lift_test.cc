@@ -24,7 +24,7 @@ Parameters parameters(const Changes& changes) {
   return result;
 }
 
-std::unique_ptr<Motion> lift(const Changes& changes = {}) { return lift_motion().create(parameters(changes)); }
+std::unique_ptr<Motion> lift(const Changes& changes = {}) { return lift_motion().create(parameters(changes), {}); }
 
 void expect_vector(const Eigen::Vector3d& found, const Eigen::Vector3d& expected, double tolerance) {
   EXPECT_LT((found - expected).norm(), tolerance) << found.transpose() << " instead of " << expected.transpose();

@@ -26,7 +26,7 @@ std::unique_ptr<Motion> stage(const Changes& changes = {}) {
   const MotionKind& kind = motion_catalogue().front();
   Parameters parameters = defaults_of(kind.about.parameters);
   for (const auto& [name, value] : changes) parameters.set(name, value);
-  return kind.create(parameters);
+  return kind.create(parameters, {});
 }
 
 std::string refusal(const Changes& changes) {
@@ -46,7 +46,7 @@ TEST(MotionCatalogue, EntriesAreDocumentedAndTheirDefaultsWork) {
     for (const ParameterSpec& parameter : kind.about.parameters) {
       EXPECT_FALSE(parameter.doc.empty() || parameter.source.empty()) << kind.about.name << "." << parameter.name;
     }
-    EXPECT_NE(kind.create(defaults_of(kind.about.parameters)), nullptr);
+    EXPECT_NE(kind.create(defaults_of(kind.about.parameters), {}), nullptr);
   }
   EXPECT_EQ(motion_catalogue().front().about.name, "stage");
 }

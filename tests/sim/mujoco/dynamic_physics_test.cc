@@ -193,7 +193,7 @@ TEST(DynamicBench, StageIsWhereItsMotionSaysAtEveryTick) {
   DynamicRig rig(
       pressed_box("duration: 1.5 s\nmotion: {compression: 0.8 mm, speed: 8 mm/s, rotation: 40 deg/s, pivot: [5 mm, 0 mm], "
                   "start: 0.5 s, tilt: [1 deg, 0 deg]}\n"));
-  const std::unique_ptr<Motion> motion = make_motion(rig.scene());
+  const std::unique_ptr<Motion> motion = make_motion(rig.scene(), 0);
   for (std::size_t tick = 0; tick < rig->ticks(); ++tick) {
     rig->step();
     const BodyState told = motion->pad_at(static_cast<double>(tick) * rig->time_step());

@@ -65,6 +65,20 @@ TEST(Surfaces, CylinderLiesAlongItsAngle) {
   }
 }
 
+TEST(Surfaces, UprightCylinderHasItsEndFaceUp) {
+  // Of 18 mm diameter: 0.5 mm deep inside the rim the face is met, 1 mm beside it and 1 mm below the side.
+  const PlacedSurface post = placed("upright_cylinder", {{"radius", 9e-3}, {"length", 20e-3}});
+  for (const double angle : {0.0, 0.8, 3.0}) {
+    const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0.0);
+    const auto [depth, up] = met(post, 8.9e-3 * out - Eigen::Vector3d(0.0, 0.0, 0.5e-3));
+    EXPECT_NEAR(depth, -0.5e-3, 1e-15);
+    EXPECT_NEAR((up - Eigen::Vector3d::UnitZ()).norm(), 0.0, 1e-15);
+    const auto [beside, outwards] = met(post, 10e-3 * out - Eigen::Vector3d(0.0, 0.0, 1e-3));
+    EXPECT_NEAR(beside, 1e-3, 1e-15);
+    EXPECT_NEAR((outwards - out).norm(), 0.0, 1e-12);
+  }
+}
+
 TEST(Surfaces, CapsuleLiesAlongItsAngleAndEndsInHalfBalls) {
   // Radius 30 mm, straight for 40 mm either way. On the straight part the highest line is at 0; 18 mm beyond its end, at the
   // height of the axis plus 24 mm, lies the half ball: 18, 24, 30.

@@ -67,7 +67,7 @@ TEST(Testbench, BodiesAreThePadAndTheSurface) {
   ASSERT_EQ(b.bodies().size(), 2U);
   EXPECT_EQ(b.bodies()[0].name, "pad");
   EXPECT_EQ(b.bodies()[1].name, "surface");
-  const auto motion = motion_catalogue().front().create(asked.motion.parameters);
+  const auto motion = motion_catalogue().front().create(asked.motion.parameters, {});
   const BodyState expected = motion->pad_at(3.0);
   EXPECT_NEAR((b.bodies()[0].state.pose.position - expected.pose.position).norm(), 0.0, 1e-15);
   EXPECT_NEAR((b.bodies()[0].state.pose.rotation - expected.pose.rotation).norm(), 0.0, 1e-14);

@@ -1,0 +1,176 @@
+#include "sim/motion/wander.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "sim/core/random.h"
+
+namespace slipbench {
+namespace {
+
+constexpr const char* by_hand = "assumed: a calibration by hand";
+
+Entry about_wander() {
+  using enum ParameterType;
+  return {
+      "wander",
+      "A hand presses the pad onto the surface and pushes, tilts and turns it at random: six smooth, band-limited coordinates.",
+      "w_i(t) = erf(g_i(t)/sqrt 2),  g_i(t) = 1/2 sum of 8 sin(2 pi f t + p): f uniform up to the bandwidth, p uniform, drawn "
+      "for\n"
+      "each coordinate and trial; g has variance 1 and is nearly normal, so that w is spread evenly over -1 to 1\n"
+      "compression = b c C with c = (1 + w_0)/2;  each other coordinate = b c w_i times its own limit: what is pressed less is\n"
+      "pushed less, as it would slip otherwise;  b = 3 s^2 - 2 s^3 from 0 to 1 during the approach, s its share",
+      "assumed: what \"applied randomized forces and moments manually\" (nib pad, IEEE RA-L 2020, section IV-A) may have been",
+      {
+          {"compression", number, Quantity::length, "0.5 mm", {0.0, 0.1, true}, {}, 1, "largest compression", by_hand},
+          {"shear",
+           vector,
+           Quantity::length,
+           "[0.4 mm, 0.4 mm]",
+           {0.0, 0.1, false},
+           {},
+           2,
+           "largest way to either side along X and Y",
+           by_hand},
+          {"tilt", vector, Quantity::angle, "[2 deg, 2 deg]", {0.0, 0.5, false}, {}, 2, "largest tilt about X and Y", by_hand},
+          {"twist", number, Quantity::angle, "4 deg", {0.0, 0.5, false}, {}, 1, "largest turn about the pad's normal", by_hand},
+          {"bandwidth",
+           number,
+           Quantity::frequency,
+           "0.5 Hz",
+           {0.0, 100.0, true},
+           {},
+           1,
+           "highest frequency of the sines",
+           by_hand},
+          {"gap",
+           number,
+           Quantity::length,
+           "0.5 mm",
+           {0.0, 0.1, false},
+           {},
+           1,
+           "height of the pad's origin above the surface until the start",
+           "assumed"},
+          {"start",
+           number,
+           Quantity::time,
+           "0.5 s",
+           non_negative,
+           {},
+           1,
+           "when the pad begins to come down; before, readings can be tared",
+           "assumed"},
+          {"approach", number, Quantity::time, "0.5 s", positive, {}, 1, "how long it takes to come down", "assumed"},
+      }};
+}
+
+// A smooth random function of time that is spread evenly over (-1, 1).
+class Wave {
+ public:
+  struct Point {
+    double value, rate;
+  };
+
+  Wave(double bandwidth, RandomStream& stream) {
+    for (Tone& tone : tones_) {
+      tone.omega = 2.0 * std::numbers::pi * stream.uniform(0.0, bandwidth);
+      tone.phase = stream.uniform(0.0, 2.0 * std::numbers::pi);
+    }
+  }
+
+  [[nodiscard]] Point at(double t) const {
+    double g = 0.0, rate = 0.0;
+    for (const Tone& tone : tones_) {
+      g += amplitude * std::sin(tone.omega * t + tone.phase);
+      rate += amplitude * tone.omega * std::cos(tone.omega * t + tone.phase);
+    }
+    return {std::erf(g / std::numbers::sqrt2), slope * std::exp(-0.5 * g * g) * rate};
+  }
+
+  [[nodiscard]] double top_rate() const {
+    double rate = 0.0;
+    for (const Tone& tone : tones_) rate += amplitude * tone.omega;
+    return slope * rate;
+  }
+
+ private:
+  struct Tone {
+    double omega, phase;
+  };
+  static constexpr std::size_t tones = 8;
+  static constexpr double amplitude = 0.5;                                         // of each: 8 * 0.5^2/2 = 1
+  static constexpr double slope = std::numbers::sqrt2 * std::numbers::inv_sqrtpi;  // of erf(g/sqrt 2) at g = 0
+  std::array<Tone, tones> tones_{};
+};
+
+class Wander final : public Motion {
+ public:
+  Wander(const Parameters& p, const MotionKey& key)
+      : start_(p.number("start")),
+        approach_(p.number("approach")),
+        gap_(p.number("gap")),
+        compression_(p.number("compression")),
+        limits_{p.vector("shear")[0], p.vector("shear")[1], p.vector("tilt")[0], p.vector("tilt")[1], p.number("twist")} {
+    RandomStream stream(key.seed, key.trial, "motion.wander");
+    for (std::size_t i = 0; i < 1 + limits_.size(); ++i) waves_.emplace_back(p.number("bandwidth"), stream);
+  }
+
+  [[nodiscard]] BodyState pad_at(double t) const override {
+    const Wave::Point down = come_down(t);
+    const Wave::Point press = waves_[0].at(t);
+    const Wave::Point share{down.value * 0.5 * (1.0 + press.value),
+                            down.rate * 0.5 * (1.0 + press.value) + down.value * 0.5 * press.rate};
+    std::array<Wave::Point, 5> way{};
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const Wave::Point wave = waves_[1 + i].at(t);
+      way[i] = {limits_[i] * share.value * wave.value, limits_[i] * (share.rate * wave.value + share.value * wave.rate)};
+    }
+    const auto& [x, y, about_x, about_y, about_z] = way;
+    const Eigen::Matrix3d turned = Eigen::AngleAxisd(about_z.value, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const Eigen::Matrix3d pitched = turned * Eigen::AngleAxisd(about_y.value, Eigen::Vector3d::UnitY());
+    BodyState pad;
+    pad.pose.position = {x.value, y.value, gap_ * (1.0 - down.value) - compression_ * share.value};
+    pad.velocity = {x.rate, y.rate, -gap_ * down.rate - compression_ * share.rate};
+    pad.pose.rotation = pitched * Eigen::AngleAxisd(about_x.value, Eigen::Vector3d::UnitX());
+    pad.angular_velocity = about_z.rate * Eigen::Vector3d::UnitZ() + about_y.rate * turned.col(1) + about_x.rate * pitched.col(0);
+    return pad;
+  }
+
+  [[nodiscard]] double top_speed(double reach) const override {
+    const double down = 1.5 / approach_, share = down + 0.5 * waves_[0].top_rate();
+    double speed = gap_ * down + compression_ * share;
+    for (std::size_t i = 0; i < limits_.size(); ++i) {
+      speed += (i < 2 ? 1.0 : reach) * limits_[i] * (share + waves_[1 + i].top_rate());
+    }
+    return speed;
+  }
+
+  [[nodiscard]] bool turns() const override { return limits_.back() > 0.0; }
+
+ private:
+  // How far the pad has come down, from 0 to 1.
+  [[nodiscard]] Wave::Point come_down(double t) const {
+    if (t <= start_) return {0.0, 0.0};
+    if (t >= start_ + approach_) return {1.0, 0.0};
+    const double s = (t - start_) / approach_;
+    return {s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / approach_};
+  }
+
+  double start_, approach_, gap_, compression_;
+  std::array<double, 5> limits_;  // m, m, rad, rad, rad: along X and Y, about X, Y and Z
+  std::vector<Wave> waves_;       // of the compression, then of the limits
+};
+
+}  // namespace
+
+MotionKind wander_motion() {
+  return {about_wander(),
+          [](const Parameters& p, const MotionKey& key) -> std::unique_ptr<Motion> { return std::make_unique<Wander>(p, key); }};
+}
+
+}  // namespace slipbench
