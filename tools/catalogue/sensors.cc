@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sensors/nib_pad/nib_pad.h"
 #include "sensors/papillarray/papillarray.h"
 #include "sim/core/error.h"
 #include "sim/testbench/testbench.h"
@@ -28,6 +29,7 @@ struct SensorKind {
 const std::vector<SensorKind>& sensor_catalogue() {
   static const std::vector<SensorKind> kinds{
       {papillarray_entry(), papillarray_electronics(), make_papillarray},
+      {nib_pad_entry(), nib_pad_electronics(), make_nib_pad},
   };
   return kinds;
 }
