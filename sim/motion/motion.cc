@@ -1,6 +1,7 @@
 #include "sim/motion/motion.h"
 
 #include "sim/motion/lift.h"
+#include "sim/motion/press.h"
 #include "sim/motion/stage.h"
 #include "sim/motion/wander.h"
 
@@ -11,6 +12,7 @@ const std::vector<MotionKind>& motion_catalogue() {
       stage_motion(),
       lift_motion(),
       wander_motion(),
+      press_motion(),
   };
   return kinds;
 }
