@@ -1,0 +1,24 @@
+// How well a number tells two classes apart.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "tools/run/binomial.h"
+
+namespace slipbench {
+
+// Area under the receiver operating curve: the share of pairs of a positive and a negative in which the positive has the larger value, ties
+// counting half. 1: a threshold separates them; 0.5: the number says nothing.
+struct Auc {
+  double value = 0.0;
+  Interval interval;  // of 95 %
+  std::size_t positives = 0, negatives = 0;
+};
+
+// Exact, by ranks (Mann and Whitney's U over m n). The interval is DeLong's (Biometrics 44, 1988), by normal approximation and within [0, 1];
+// at 0 and at 1 its variance vanishes, and it is that of min(m, n) pairs that share no value, all in one order (clopper_pearson). Throws
+// std::invalid_argument where a class is empty or a value is no number.
+Auc auc(std::span<const double> positives, std::span<const double> negatives);
+
+}  // namespace slipbench
