@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,6 +37,16 @@ double value_at(const std::vector<ControlScene::Point>& points, double t) {
   const ControlScene::Point& from = *std::prev(next);
   if (next == points.end()) return from.value;
   return from.value + (next->value - from.value) * ((t - from.time) / (next->time - from.time));
+}
+
+// The custom text by which a model asks for records of bodies that have no free joint.
+constexpr const char* record_text = "slipbench.record";
+
+std::vector<std::string> recorded_by_wish(const mjModel* m) {
+  const int text = mj_name2id(m, mjOBJ_TEXT, record_text);
+  if (text < 0) return {};
+  std::istringstream words(m->text_data + m->text_adr[text]);
+  return {std::istream_iterator<std::string>(words), {}};
 }
 
 }  // namespace
@@ -122,6 +134,16 @@ void DynamicBench::State::find_bodies(const Scene& scene) {
     const bool known = name == nullptr || std::string_view(name).starts_with(own_prefix) ||
                        std::ranges::find(scene.bodies, std::string(name), &BodyScene::name) != scene.bodies.end();
     if (is_free && !known) add(name, mjOBJ_XBODY, body, "model");
+  }
+  for (const std::string& name : recorded_by_wish(m())) {
+    const int body = mj_name2id(m(), mjOBJ_BODY, name.c_str());
+    if (body <= 0) {
+      throw SceneValueError("model",
+                            fmt::format("its custom text {} names {}, and it has no body of that name; allowed: names of "
+                                        "bodies, with spaces between them",
+                                        record_text, quote(name)));
+    }
+    add(name, mjOBJ_XBODY, body, "model");
   }
 }
 

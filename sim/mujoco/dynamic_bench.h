@@ -58,7 +58,7 @@ class DynamicBench final : public Bench {
   void step() override;
   [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
   // "pad" where sensors ride on the stage, the pad of every sensor with a site under the sensor's name, the scene's own bodies, and
-  // those of the model that have a free joint.
+  // those of the model that have a free joint or that its custom text "slipbench.record" names, with spaces between them.
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
   // Whether the stage turns; pads at sites turn as forces make them, which is not said here.
   [[nodiscard]] bool rotating() const override;
