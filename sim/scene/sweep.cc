@@ -196,9 +196,11 @@ YamlNode sample(const Draw& draw, RandomStream& random) {
                         " tries; allowed: bounds nearer to the mean");
 }
 
+std::string named(const SweptPath& swept) { return "sweep." + (swept.parts.empty() ? "scene" : swept.path); }
+
 [[noreturn]] void refuse_inside(const SweptPath& swept) {
-  fail(swept.origin,
-       "sweep." + swept.path + " sets what a --set below it fixes; allowed: --set " + swept.path + "=... as a whole");
+  fail(swept.origin, named(swept) + " sets what a --set below it fixes; allowed: --set " +
+                         (swept.parts.empty() ? "of the whole value" : swept.path + "=... as a whole"));
 }
 
 // Takes the key at `path` out of a map of an axis.
@@ -216,7 +218,17 @@ void collect(const YamlNode& value, const std::string& path, std::vector<std::st
     leaves.push_back(path);
     return;
   }
-  for (const YamlNode& child : value.children) collect(child, path + "." + child.key, leaves);
+  for (const YamlNode& child : value.children) collect(child, path.empty() ? child.key : path + "." + child.key, leaves);
+}
+
+// What a sweep must leave alone.
+bool is_fixed(std::string_view key) {
+  constexpr std::array<std::string_view, 4> fixed{"expect", "seed", "slipbench", "sweep"};
+  return std::ranges::find(fixed, key) != fixed.end();
+}
+
+[[noreturn]] void refuse_fixed(const YamlNode& node) {
+  fail(node.key_origin, quote(node.key) + " cannot be swept; allowed: any other key of the scene");
 }
 
 }  // namespace
@@ -233,6 +245,8 @@ Sweep::Sweep(const YamlNode* node, const std::vector<std::vector<std::string>>& 
   for (const YamlNode& child : node->children) {
     if (child.key == "trials") {
       read_trials(child);
+    } else if (child.key == "scene") {
+      read_scenes(child);
     } else {
       read_path(child);
     }
@@ -257,16 +271,29 @@ void Sweep::read_trials(const YamlNode& node) {
   }
 }
 
+// Maps that are merged into the scene itself: values of several sections that go together.
+void Sweep::read_scenes(const YamlNode& node) {
+  SweptPath swept{.path = "", .parts = {}, .origin = node.key_origin, .values = {}, .draw = std::nullopt};
+  if (node.kind == YamlNode::Kind::sequence) swept.values = values_of(node, "sweep.scene");
+  for (const YamlNode& value : swept.values) {
+    if (value.kind != YamlNode::Kind::map)
+      fail(value.origin, "sweep.scene has " + described(value) + "; allowed: maps of the scene's keys");
+    for (const YamlNode& child : value.children) {
+      if (is_fixed(child.key)) refuse_fixed(child);
+    }
+  }
+  if (swept.values.empty())
+    fail(node.origin, "sweep.scene is " + described(node) + "; allowed: a sequence of maps of the scene's keys");
+  paths_.push_back(std::move(swept));
+}
+
 void Sweep::read_path(const YamlNode& node) {
   SweptPath swept{.path = node.key,
                   .parts = split_path(node.key, node.key_origin),
                   .origin = node.key_origin,
                   .values = {},
                   .draw = std::nullopt};
-  const std::array<std::string_view, 4> fixed{"expect", "seed", "slipbench", "sweep"};
-  if (std::ranges::find(fixed, swept.parts.front()) != fixed.end()) {
-    fail(node.key_origin, quote(node.key) + " cannot be swept; allowed: any other key of the scene");
-  }
+  if (is_fixed(swept.parts.front())) refuse_fixed(node);
   const std::string where = "sweep." + node.key;
   if (node.kind == YamlNode::Kind::sequence) {
     swept.values = values_of(node, where);
@@ -316,7 +343,7 @@ void Sweep::collect_leaves() {
       above = &leaf;
     } else if (above->owner != leaf.owner) {
       const auto [first, second] = std::minmax(above->owner, leaf.owner);
-      fail(second->origin, "sweep." + second->path + " sets what sweep." + first->path + " sets, too; allowed: each value once");
+      fail(second->origin, named(*second) + " sets what " + named(*first) + " sets, too; allowed: each value once");
     }
   }
 }

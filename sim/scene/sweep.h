@@ -32,7 +32,7 @@ struct Draw {
 
 // One entry of `sweep`: an axis of the grid, or a draw.
 struct SweptPath {
-  std::string path;
+  std::string path;  // empty, as the parts: the axis `scene`, whose maps are merged into the scene itself
   std::vector<std::string> parts;
   Origin origin;
   std::vector<YamlNode> values;  // of the axis, or of a choice
@@ -57,6 +57,7 @@ class Sweep {
 
  private:
   void read_trials(const YamlNode& node);
+  void read_scenes(const YamlNode& node);
   void read_path(const YamlNode& node);
   void drop_overridden(const std::vector<std::vector<std::string>>& overridden);
   void collect_leaves();

@@ -94,6 +94,30 @@ TEST_F(SweepTest, AMapOnAnAxisIsMergedIntoTheScene) {
   EXPECT_EQ(drawn(grid, 1), expected_second);
 }
 
+// What belongs to several sections of the scene and goes together is one axis, and what is fixed leaves it.
+TEST_F(SweepTest, MapsOfTheAxisSceneAreMergedIntoTheSceneItself) {
+  const std::string text =
+      "friction: {static: 0.4}\nsweep: {scene: [{motion: {speed: 5 mm/s}, friction: {static: 0.6}}, {motion: {speed: 3 mm/s}}], "
+      "motion.direction: [1, 2]}\n";
+  const TrialPlan grid = plan(text);
+  ASSERT_EQ(grid.size(), 4u);
+  const Scene first = grid.trial(1).scene, second = grid.trial(2).scene;
+  EXPECT_EQ(first.motion.parameters.number("speed"), 0.005);
+  EXPECT_EQ(first.motion.parameters.number("direction"), 2.0);
+  EXPECT_EQ(first.friction.static_coefficient, 0.6);
+  EXPECT_EQ(second.motion.parameters.number("speed"), 0.003);
+  EXPECT_EQ(second.friction.static_coefficient, 0.4);
+  const std::map<std::string, std::string> expected{
+      {"friction.static", "0.6"}, {"motion.direction", "2"}, {"motion.speed", "0.005"}};
+  EXPECT_EQ(drawn(grid, 1), expected);
+
+  SceneFile file = SceneFile::from_text(head + text, "s.yaml");
+  file.apply({"friction.static", "0.5"});
+  const TrialPlan fixed(file, catalogues_, 0, 1);
+  EXPECT_EQ(fixed.trial(1).scene.friction.static_coefficient, 0.5);
+  EXPECT_EQ(fixed.trial(1).scene.motion.parameters.number("speed"), 0.005);
+}
+
 TEST_F(SweepTest, ReportsAnyKindOfValueAsJson) {
   const TrialPlan grid = plan(
       "friction: {static: 0.5}\n"
