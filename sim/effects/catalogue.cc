@@ -6,7 +6,7 @@ namespace slipbench {
 
 const std::vector<EffectKind>& effect_catalogue() {
   static const std::vector<EffectKind> effects{
-      ageing(),  anisotropic_friction(), load_dependent_friction(), patchy_friction(), stribeck(),
+      ageing(),  anisotropic_friction(), inertia(),          load_dependent_friction(), patchy_friction(), stribeck(),
       texture(), viscoelastic(),         viscous_friction(),
   };
   return effects;

@@ -17,6 +17,8 @@ struct EffectContext {
   std::vector<double> k_normal;       // [elements] N/m
   std::vector<double> k_tangential;   // [elements] N/m
   bool flat_surface = true;           // plane or box: texture and patches need flat coordinates
+  bool plane = true;                  // a flat surface without edges
+  bool dashpots = false;              // whether an element has one beside its springs
   std::uint64_t seed = 0, trial = 0;  // key of the random streams
 
   // The stream of random numbers that belongs to the effect `name`: no other effect draws from it.

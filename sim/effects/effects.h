@@ -15,6 +15,7 @@ inline double step_per_wave(double wavelength, double speed) {
 
 EffectKind ageing();
 EffectKind anisotropic_friction();
+EffectKind inertia();
 EffectKind load_dependent_friction();
 EffectKind patchy_friction();
 EffectKind stribeck();

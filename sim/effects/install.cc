@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
 
+#include "sim/core/error.h"
 #include "sim/effects/catalogue.h"
 
 namespace slipbench {
@@ -19,6 +21,9 @@ EffectContext context_for(const PadLayout& layout, const Surface& surface, std::
     context.k_normal.push_back(element.k_normal);
     context.k_tangential.push_back(element.k_tangential);
   }
+  context.plane = std::holds_alternative<Plane>(surface);
+  context.dashpots =
+      std::ranges::any_of(layout.elements, [](const Element& e) { return e.c_normal > 0.0 || e.c_tangential > 0.0; });
   context.flat_surface = std::holds_alternative<Plane>(surface) || std::holds_alternative<Box>(surface);
   context.seed = seed;
   context.trial = trial;
@@ -30,11 +35,19 @@ EffectContext context_for(const PadLayout& layout, const Surface& surface, std::
 FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout& layout, const Surface& surface,
                              std::uint64_t seed, std::uint64_t trial) {
   FieldEffects installed;
+  std::string moves_tips, maps_tips;  // the first effect of either kind
   const EffectContext context = context_for(layout, surface, seed, trial);
   for (const Named& effect : effects) {
     const auto kind =
         std::ranges::find(effect_catalogue(), effect.name, [](const EffectKind& known) { return known.about.name; });
     kind->install(effect.parameters, context, installed);
+    if (installed.tip && moves_tips.empty()) moves_tips = effect.name;
+    if ((installed.cone || !installed.rheology.empty()) && maps_tips.empty()) maps_tips = effect.name;
+  }
+  if (!moves_tips.empty() && !maps_tips.empty()) {
+    throw SceneValueError("effects",
+                          moves_tips + " and " + maps_tips + " cannot be named together: " + moves_tips +
+                              " moves the tips by a spring, a dashpot and the circular cone of its own; allowed: one of them");
   }
   return installed;
 }
@@ -45,6 +58,8 @@ double longest_step(const FieldEffects& effects, double speed) {
   for (const auto& effect : effects.friction) longest = std::min(longest, effect->longest_step(speed));
   for (const auto& effect : effects.rheology) longest = std::min(longest, effect->longest_step(speed));
   if (effects.cone) longest = std::min(longest, effects.cone->longest_step(speed));
+  if (effects.tip) longest = std::min(longest, effects.tip->longest_step(speed));
+  for (const auto& effect : effects.ringing) longest = std::min(longest, effect->longest_step(speed));
   return longest;
 }
 

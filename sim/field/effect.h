@@ -1,7 +1,8 @@
-// The four places where an effect may enter the element field. A field without effects calls none of them.
+// The places where an effect may enter the element field. A field without effects calls none of them.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
@@ -80,12 +81,58 @@ class ConeEffect : public Effect {
   [[nodiscard]] virtual double gauge(const double t[3], const double n[3], double limit) const = 0;
 };
 
+// State of one element.
+enum class ElementState : std::uint8_t { detached = 0, stick = 1, slip = 2 };
+
+// An element changed its state inside the last step.
+struct ElementEvent {
+  double fraction;  // of the step, in [0, 1]
+  std::uint32_t element;
+  ElementState from, to;
+};
+
+// Columns of a field on the plane z = 0 of S for tips with mass, an entry an element. All vectors are tangential. "root": the contact
+// point of the undeformed element, which carries the tip by spring and dashpot. The entries from `count` to `padded`, a multiple of
+// kernel::lanes, never touch.
+struct TipColumns {
+  std::size_t count, padded;
+  double dt;                                  // s, 0 in the first step
+  const double *x, *y, *x_before, *y_before;  // root at the end and at the start of the step [m]
+  const double *press, *press_before;         // raw normal force [N], negative while apart: linear in the step
+  const double *limit, *limit_before;         // mu_s f_n [N]: linear in the step
+  const double *mu_kinetic, *mode_before;     // [1]; 0 detached, 1 stick, 2 slip
+  double *tip_x, *tip_y;                      // place of the tip [m]: comes from the start of the step, goes to its end
+  double *slip_x, *slip_y, *path;  // way of the touching tip over the surface in the step [m]; its length, added up [m]
+  double *friction_x, *friction_y, *felt_x, *felt_y;  // of the tip on the surface; of spring and dashpot on the tip [N]
+  double* mode;                                       // at the end of the step
+};
+
+// Gives the tips of the elements mass, in place of the return mapping of massless ones. Only on a plane, with the circular cone and
+// without a rheology: the effect has the springs, and dashpots of its own.
+class TipEffect : public Effect {
+ public:
+  // Moves the tips through a step and appends the changes of their states, in order of element and of time within one. With dt = 0 what
+  // touches sticks unstrained and everything rests.
+  virtual void move(const TipColumns& tips, std::vector<ElementEvent>& events) = 0;
+  // Natural frequency [rad/s] and damping ratio of element i.
+  [[nodiscard]] virtual double natural_frequency(std::size_t i) const = 0;
+  [[nodiscard]] virtual double damping_ratio() const = 0;
+};
+
+// Adds to the force that is felt of the elements, beside what their tips pass on. Needs a TipEffect, after which it is called.
+class RingingEffect : public Effect {
+ public:
+  virtual void ring(const TipColumns& tips) = 0;
+};
+
 // The effects of one field, in the order in which the scene names them.
 struct FieldEffects {
   std::vector<std::unique_ptr<SurfaceEffect>> surface;
   std::vector<std::unique_ptr<FrictionEffect>> friction;
   std::vector<std::unique_ptr<RheologyEffect>> rheology;
-  std::unique_ptr<ConeEffect> cone;  // at most one
+  std::unique_ptr<ConeEffect> cone;                     // at most one
+  std::unique_ptr<TipEffect> tip;                       // at most one, without rheology and cone
+  std::vector<std::unique_ptr<RingingEffect>> ringing;  // only with a tip
 };
 
 }  // namespace slipbench

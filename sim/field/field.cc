@@ -71,9 +71,13 @@ void Field::for_each_memory(Visit&& visit) {
   visit_all(effects_.surface);
   visit_all(effects_.friction);
   visit_all(effects_.rheology);
-  if (effects_.cone) {
-    if (const std::span<double> memory = effects_.cone->memory(); !memory.empty()) visit(memory);
-  }
+  const auto visit_one = [&](const auto& effect) {
+    if (!effect) return;
+    if (const std::span<double> memory = effect->memory(); !memory.empty()) visit(memory);
+  };
+  visit_one(effects_.cone);
+  visit_one(effects_.tip);
+  visit_all(effects_.ringing);
 }
 
 Field::Field(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects effects)
@@ -86,7 +90,10 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   check(layout, friction);
   if (auto dashpots = make_dashpots(layout_)) effects_.rheology.push_back(std::move(dashpots));
 
-  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || has_memory();
+  if (effects_.tip && (!on_plane() || effects_.cone || has_memory())) {
+    throw std::invalid_argument("field: tips with mass need a plane, the circular cone, and springs without rheology or dashpot");
+  }
+  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || has_memory() || effects_.tip;
   const std::size_t columns = extended_ ? all_columns : plain_columns;
   // A stride of whole pages would put the same row of all columns into one set of the L1 cache.
   const std::size_t stride = padded_ + (padded_ % 512 == 0 ? kernel::lanes : 0);
@@ -178,6 +185,10 @@ void Field::step_in_stages(double dt, const Twist* motion) {
   if (!on_plane()) keep_energy();
   if (has_memory()) prepare_rheology(dt);
   if (!effects_.friction.empty()) rate_friction(dt, motion);
+  if (effects_.tip) {
+    move_tips(dt);
+    return;
+  }
   if (touching_ < count_ && kernel::any_touches(columns_, has_memory(), padded_)) anchor_touched();
   if (effects_.cone) {
     for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(i);
@@ -376,6 +387,18 @@ double Field::onset_fraction(std::size_t i) const {
   return high;
 }
 
+void Field::move_tips(double dt) {
+  kernel::press_tips(columns_, padded_);
+  const kernel::Columns& c = columns_;
+  const TipColumns tips{
+      count_,      padded_,         dt,        c[contact_x],    c[contact_y],  c[contact_before_x], c[contact_before_y],
+      c[press],    c[press_before], c[limit],  c[limit_before], c[mu_kinetic], c[mode_before],      c[anchor_x],
+      c[anchor_y], c[slip_x],       c[slip_y], c[path],         c[force_x],    c[force_y],          c[felt_x],
+      c[felt_y],   c[mode]};
+  effects_.tip->move(tips, events_);
+  for (const auto& effect : effects_.ringing) effect->ring(tips);
+}
+
 void Field::count_states() {
   touching_ = slipping_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -386,6 +409,7 @@ void Field::count_states() {
 
 void Field::resolve_events() {
   count_states();
+  if (effects_.tip) return;  // which has told them
   for (std::size_t i = 0; i < count_; ++i) {
     const ElementState from = state_before(i), to = state(i);
     if (from == to) continue;
@@ -420,7 +444,7 @@ ElementColumns Field::view(double dt) const {
           columns_[mode_before]};
 }
 
-void Field::view_from_pad() { kernel::view_from_pad(columns_, pose_.rotation.transpose(), padded_); }
+void Field::view_from_pad() { kernel::view_from_pad(columns_, pose_.rotation.transpose(), felt(), padded_); }
 
 Wrench Field::wrench_on_surface() const {
   Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -435,7 +459,7 @@ Wrench Field::wrench_on_surface() const {
 Wrench Field::wrench_on_pad() const {
   Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (std::size_t i = 0; i < count_; ++i) {
-    const Eigen::Vector3d force = vector(normal_x, i) * normal_force(i) - vector(force_x, i);
+    const Eigen::Vector3d force = vector(normal_x, i) * normal_force(i) - vector(felt(), i);
     total.force += force;
     total.torque += (vector(contact_x, i) - pose_.position).cross(force);
   }

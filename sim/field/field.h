@@ -18,7 +18,8 @@
 // Stick and slip are states of the model, not thresholds on a velocity. Anchors live in the surface's frame, so surfaces may move
 // and turn.
 //
-// A dashpot in parallel with the spring (optional, per element) or a rheology effect adds k u + h forms (effect.h).
+// A dashpot in parallel with the spring (optional, per element) or a rheology effect adds k u + h forms (effect.h). An effect may give the
+// tips mass (TipEffect): the anchor is then the place of the tip at any time, and what the spring passes on is not the friction.
 #pragma once
 
 #include <algorithm>
@@ -39,20 +40,10 @@
 
 namespace slipbench {
 
-// State of one element.
-enum class ElementState : std::uint8_t { detached = 0, stick = 1, slip = 2 };
-
 // Coulomb friction of the touched surface.
 struct Friction {
   double mu_static = 0.5;
   double mu_kinetic = 0.5;  // <= mu_static
-};
-
-// An element changed its state inside the last step.
-struct ElementEvent {
-  double fraction;  // of the step, in [0, 1]
-  std::uint32_t element;
-  ElementState from, to;
 };
 
 class Field {
@@ -60,8 +51,8 @@ class Field {
   static constexpr std::size_t max_elements = 4096;
 
   // Throws std::invalid_argument when the layout is empty or larger than max_elements, a stiffness is not positive and finite, a
-  // dashpot is negative, an axis is not a unit vector, units do not tile the elements in order, or 0 <= mu_kinetic <= mu_static
-  // is violated.
+  // dashpot is negative, an axis is not a unit vector, units do not tile the elements in order, 0 <= mu_kinetic <= mu_static is
+  // violated, or tips with mass meet what is no plane, another cone, a rheology or a dashpot.
   Field(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects effects = {});
 
   // Advances to the relative pose `pad_in_surface` at the end of a step of `dt` > 0 seconds. The first call places the field:
@@ -80,7 +71,7 @@ class Field {
   [[nodiscard]] const PadLayout& layout() const { return layout_; }
   [[nodiscard]] const Friction& friction() const { return friction_; }
 
-  // Element states and events of the last step; events in order of element.
+  // Element states and events of the last step; events in order of element, those of one (tips with mass have several) in order of time.
   [[nodiscard]] ElementState state(std::size_t i) const { return state_in(columns_[mode][i]); }
   // The state before the last step.
   [[nodiscard]] ElementState state_before(std::size_t i) const { return state_in(columns_[mode_before][i]); }
@@ -91,7 +82,7 @@ class Field {
   [[nodiscard]] double penetration(std::size_t i) const { return std::max(0.0, -columns_[gap][i]); }
   [[nodiscard]] double slip_path(std::size_t i) const { return columns_[path][i]; }
 
-  // Tangential force of the pad on the surface [N], stretch of the element [m] (undeformed contact point minus anchored tip; the
+  // Tangential force of the pad on the surface, which is the friction [N], stretch of the element [m] (undeformed contact point minus anchored tip; the
   // tip's deflection is minus this), slip of the tip over the surface in the last step [m], and the surface normal.
   [[nodiscard]] Eigen::Vector3d tangential_force(std::size_t i) const { return vector(force_x, i); }
   [[nodiscard]] Eigen::Vector3d stretch(std::size_t i) const { return vector(contact_x, i) - vector(anchor_x, i); }
@@ -101,8 +92,8 @@ class Field {
 
   // Works out the three below for all elements; to be called after step() by whoever reads them.
   void view_from_pad();
-  // Of element i, in the pad frame P: force of the surface on the pad [N], deformed tip minus undeformed tip [m], and slip of the
-  // tip over the surface in the last step [m].
+  // Of element i, in the pad frame P: force of the surface on the pad, as the element passes it on [N], deformed tip minus undeformed
+  // tip [m], and slip of the tip over the surface in the last step [m].
   [[nodiscard]] Eigen::Vector3d force_on_pad(std::size_t i) const { return vector(pad_force_x, i); }
   [[nodiscard]] Eigen::Vector3d deflection(std::size_t i) const { return vector(deflection_x, i); }
   [[nodiscard]] Eigen::Vector3d slip_in_pad(std::size_t i) const { return vector(pad_slip_x, i); }
@@ -164,11 +155,14 @@ class Field {
   [[nodiscard]] double touch_fraction(std::size_t i) const;
   void anchor_touched();
   void map_to_effect_cone(std::size_t i);
+  void move_tips(double dt);
   void count_states();
   void resolve_events();
   [[nodiscard]] double onset_fraction(std::size_t i) const;
   [[nodiscard]] ElementColumns view(double dt) const;
   [[nodiscard]] bool has_memory() const { return !effects_.rheology.empty(); }
+  // Where the tangential force that the pad feels is: that of a spring with a massless tip is the friction.
+  [[nodiscard]] Column felt() const { return effects_.tip ? felt_x : force_x; }
   void keep_as_before(Column now, Column before) { std::swap(columns_[now], columns_[before]); }
 
   [[nodiscard]] Eigen::Vector3d vector(Column x, std::size_t i) const {

@@ -3,20 +3,7 @@
 #include <cstring>
 #include <limits>
 
-// Each pass is compiled for x86-64-v3 and for any x86-64, and the loader picks one by the CPU it finds. Sanitizers do not survive the
-// loader's early calls, and other compilers lack the attribute: they get the portable version, which computes the same bits.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__OPTIMIZE__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define SLIPBENCH_DISPATCHED __attribute__((target_clones("arch=x86-64-v3", "default")))
-#else
-#define SLIPBENCH_DISPATCHED
-#endif
-#if defined(__clang__)
-#define SLIPBENCH_VECTORISE _Pragma("clang loop vectorize(assume_safety)")
-#else
-#define SLIPBENCH_VECTORISE _Pragma("GCC ivdep")
-#endif
-#define SLIPBENCH_INLINE inline __attribute__((always_inline))
+#include "sim/field/vectorise.h"
 
 namespace slipbench::kernel {
 namespace {
@@ -223,7 +210,17 @@ SLIPBENCH_DISPATCHED void slide_on_plane(const Columns& c, const Pose& pose, std
   }
 }
 
-SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, std::size_t count) {
+SLIPBENCH_DISPATCHED void press_tips(const Columns& c, std::size_t count) {
+  SLIPBENCH_VECTORISE
+  for (std::size_t i = 0; i < count; ++i) {
+    const double raw = raw_press(c[gap][i], c[k_normal][i], 0.0);
+    c[press][i] = raw;
+    c[limit][i] = c[mu_static][i] * (0.5 * (raw + std::abs(raw)));
+  }
+}
+
+SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, Column felt, std::size_t count) {
+  const double *const tx = c[felt], *const ty = c[felt + 1], *const tz = c[felt + 2];
   const double r00 = to_pad(0, 0), r01 = to_pad(0, 1), r02 = to_pad(0, 2);
   const double r10 = to_pad(1, 0), r11 = to_pad(1, 1), r12 = to_pad(1, 2);
   const double r20 = to_pad(2, 0), r21 = to_pad(2, 1), r22 = to_pad(2, 2);
@@ -232,7 +229,7 @@ SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d&
     const double nx = c[normal_x][i], ny = c[normal_y][i], nz = c[normal_z][i];
     const double f_n = 0.5 * (c[press][i] + std::abs(c[press][i]));
     const double indentation = 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
-    const double fx = f_n * nx - c[force_x][i], fy = f_n * ny - c[force_y][i], fz = f_n * nz - c[force_z][i];
+    const double fx = f_n * nx - tx[i], fy = f_n * ny - ty[i], fz = f_n * nz - tz[i];
     const double dx = indentation * nx - (c[contact_x][i] - c[anchor_x][i]);
     const double dy = indentation * ny - (c[contact_y][i] - c[anchor_y][i]);
     const double dz = indentation * nz - (c[contact_z][i] - c[anchor_z][i]);

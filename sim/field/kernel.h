@@ -42,6 +42,7 @@ enum Column : std::size_t {
   h_normal, h_x, h_y, h_z,                                  // history of the rheology: f = k u + h [N]
   velocity_x, velocity_y, velocity_z, depth, load, stretch_x, stretch_y, stretch_z,     // what effects look at
   place_x, place_y, place_z,                                // where the tip meets effects (SurfaceEffect) [m]
+  felt_x, felt_y, felt_z,                                   // of spring and dashpot on a tip with mass [N]
   all_columns
 };
 // clang-format on
@@ -83,8 +84,12 @@ void map(const Columns& columns, bool plane, bool extended, std::size_t count);
 // Passes 1 and 2 at once, for springs on the plane.
 void slide_on_plane(const Columns& columns, const Pose& pose, std::size_t count);
 
-// After the passes: forces, deflections and slip as the pad sees them. `to_pad`: rotation of the surface in the pad.
-void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, std::size_t count);
+// Pass 2 up to where tips with mass take over: normal force and mu_s f_n.
+void press_tips(const Columns& columns, std::size_t count);
+
+// After the passes: forces, deflections and slip as the pad sees them. `to_pad`: rotation of the surface in the pad. `felt`: the tangential
+// force that the pad feels.
+void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, Column felt, std::size_t count);
 
 // What friction effects look at: tangential velocity of the undeformed tips, depth and load. `motion`: of the pad in the surface, null for
 // the mean one of a step of `dt`, 0: none. `memory`: there is a history of the rheology.

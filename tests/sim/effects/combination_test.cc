@@ -87,15 +87,17 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
     // Pressed 1 mm and slid by 4 mm: finite forces, and the effect has joined the field.
     const PadLayout pad = one_unit(1000.0, 600.0, 3);
     FieldEffects effects = installed(pad, {{about.name, {}}});
-    EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + (effects.cone ? 1 : 0), 1U)
+    EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + (effects.cone ? 1 : 0) +
+                  (effects.tip ? 1 : 0),
+              1U)
         << about.name;
     Field field(pad, Plane{}, {0.5, 0.4}, std::move(effects));
     for (int tick = 0; tick <= 1000; ++tick) field.step(at(4e-6 * tick, 0.0, -1e-3), 1e-3);
     EXPECT_TRUE(field.wrench_on_pad().force.allFinite() && field.wrench_on_pad().torque.allFinite()) << about.name;
     EXPECT_GT(field.wrench_on_pad().force.z(), 0.1) << about.name;
   }
-  EXPECT_EQ(names, (std::set<std::string>{"ageing", "anisotropic_friction", "load_dependent_friction", "patchy_friction",
-                                          "stribeck", "texture", "viscoelastic", "viscous_friction"}));
+  EXPECT_EQ(names, (std::set<std::string>{"ageing", "anisotropic_friction", "inertia", "load_dependent_friction",
+                                          "patchy_friction", "stribeck", "texture", "viscoelastic", "viscous_friction"}));
 }
 
 TEST(EffectCatalogue, EffectWithoutStrengthChangesNothing) {
