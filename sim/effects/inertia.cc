@@ -15,6 +15,9 @@ namespace {
 // As far as a tip swings [rad] while the direction of its friction is kept: a quarter of what stick_slip.h needs for a single turn.
 constexpr double longest_swing = std::numbers::pi / 8.0;
 
+using kernel::Lanes;
+using kernel::Mask;
+
 constexpr double slipping = 2.0, sticking = 1.0, undecided = -1.0;
 
 // A step in which nothing changes its state, of all tips at once.
@@ -24,65 +27,68 @@ struct Swing {
   double *speed_x, *speed_y;                                  // m/s, of the tip
 };
 
-// Moves the tips whose state lasts through the step, marks the others as undecided, leaves them where they were and returns how many.
-SLIPBENCH_DISPATCHED double swing(const Swing& s, const TipColumns& t) {
-  const double rate = 1.0 / t.dt;
-  double left = 0.0;
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < t.padded; ++i) {
-    const bool sticks = t.mode_before[i] == sticking, slips = t.mode_before[i] == slipping;
-    const bool touched = sticks | slips;
-    const double f_n = 0.5 * (t.press[i] + std::abs(t.press[i]));
-    const double f_n_before = 0.5 * (t.press_before[i] + std::abs(t.press_before[i]));
-    const double vx = (t.x[i] - t.x_before[i]) * rate, vy = (t.y[i] - t.y_before[i]) * rate;
-    const double ux = t.x_before[i] - t.tip_x[i], uy = t.y_before[i] - t.tip_y[i];
+// Moves the tips whose state lasts through the step, marks the others as undecided and leaves them where they were. Whether there are any.
+SLIPBENCH_DISPATCHED bool swing(const Swing& s, const TipColumns& t) {
+  const Lanes none{}, rate = none + 1.0 / t.dt;
+  Mask any_changes{};
+  for (std::size_t i = 0; i < t.padded; i += kernel::lanes) {
+    const auto at = [i](const double* column) __attribute__((always_inline)) { return kernel::lanes_at(column + i); };
+    const auto put = [i](double* column, const Lanes& values) __attribute__((always_inline)) {
+      kernel::put_lanes(column + i, values);
+    };
+    const Lanes mode = at(t.mode_before);
+    const Mask sticks = mode == sticking, slips = mode == slipping;
+    const Lanes raw = at(t.press), raw_before = at(t.press_before);
+    const Lanes f_n = raw > 0.0 ? raw : none, f_n_before = raw_before > 0.0 ? raw_before : none;
+    const Lanes x = at(t.x), y = at(t.y), x_before = at(t.x_before), y_before = at(t.y_before);
+    const Lanes tip_x = at(t.tip_x), tip_y = at(t.tip_y), k = at(s.k), dashpot = at(s.dashpot);
+    const Lanes vx = (x - x_before) * rate, vy = (y - y_before) * rate;
+    const Lanes ux = x_before - tip_x, uy = y_before - tip_y;
 
-    // stuck: the force that it takes, at both ends
-    const double stretch_x = t.x[i] - t.tip_x[i], stretch_y = t.y[i] - t.tip_y[i];
-    const double held_x = s.k[i] * stretch_x + s.dashpot[i] * vx, held_y = s.k[i] * stretch_y + s.dashpot[i] * vy;
-    const double begun_x = s.k[i] * ux + s.dashpot[i] * vx, begun_y = s.k[i] * uy + s.dashpot[i] * vy;
-    const double beyond = s.k[i] * kernel::shortest_slip;
-    const double reach = t.limit[i] + beyond, reach_before = t.limit_before[i] + beyond;
-    const bool lets_go = (held_x * held_x + held_y * held_y > reach * reach) |
+    // Stuck: the force that it takes, at both ends.
+    const Lanes drag_x = dashpot * vx, drag_y = dashpot * vy;
+    const Lanes held_x = k * (x - tip_x) + drag_x, held_y = k * (y - tip_y) + drag_y;
+    const Lanes begun_x = k * ux + drag_x, begun_y = k * uy + drag_y;
+    const Lanes beyond = k * kernel::shortest_slip;
+    const Lanes reach = at(t.limit) + beyond, reach_before = at(t.limit_before) + beyond;
+    const Mask lets_go = (held_x * held_x + held_y * held_y > reach * reach) |
                          (begun_x * begun_x + begun_y * begun_y > reach_before * reach_before);
 
-    // slipping, or free: the oscillator
-    const double speed_x = s.speed_x[i], speed_y = s.speed_y[i];
-    const double speed = std::sqrt(speed_x * speed_x + speed_y * speed_y);
-    const double along_x = slips ? speed_x / speed : 0.0, along_y = slips ? speed_y / speed : 0.0;
-    const double friction = slips ? t.mu_kinetic[i] * (0.5 * (f_n_before + f_n)) : 0.0;
-    const double rest_x = friction * s.compliance[i] * along_x, rest_y = friction * s.compliance[i] * along_y;
-    const double x0 = ux - rest_x, y0 = uy - rest_y, a0 = vx - speed_x, b0 = vy - speed_y;
-    const double x1 = s.xx[i] * x0 + s.xv[i] * a0, y1 = s.xx[i] * y0 + s.xv[i] * b0;
-    const double a1 = s.vx[i] * x0 + s.vv[i] * a0, b1 = s.vx[i] * y0 + s.vv[i] * b0;
-    const double end_x = vx - a1, end_y = vy - b1;
-    const double end_along = along_x * end_x + along_y * end_y;
-    const double slope_before =
-        along_x * (s.omega2[i] * x0 + s.damping[i] * a0) + along_y * (s.omega2[i] * y0 + s.damping[i] * b0);
-    const double slope = along_x * (s.omega2[i] * x1 + s.damping[i] * a1) + along_y * (s.omega2[i] * y1 + s.damping[i] * b1);
-    const bool stops = (!(end_along > 0.0)) | ((slope_before < 0.0) & (slope > 0.0));
+    // Slipping, or free: the oscillator.
+    const Lanes speed_x = at(s.speed_x), speed_y = at(s.speed_y), mu = at(t.mu_kinetic);
+    const Lanes inverse = 1.0 / kernel::root(speed_x * speed_x + speed_y * speed_y);
+    const Lanes along_x = slips ? speed_x * inverse : none, along_y = slips ? speed_y * inverse : none;
+    const Lanes rest = mu * (0.5 * (f_n_before + f_n)) * at(s.compliance), rest_x = rest * along_x, rest_y = rest * along_y;
+    const Lanes x0 = ux - rest_x, y0 = uy - rest_y, a0 = vx - speed_x, b0 = vy - speed_y;
+    const Lanes xx = at(s.xx), xv = at(s.xv), vx_of = at(s.vx), vv = at(s.vv);
+    const Lanes x1 = xx * x0 + xv * a0, y1 = xx * y0 + xv * b0;
+    const Lanes a1 = vx_of * x0 + vv * a0, b1 = vx_of * y0 + vv * b0;
+    const Lanes end_x = vx - a1, end_y = vy - b1;
+    const Lanes omega2 = at(s.omega2), damping = at(s.damping);
+    const Lanes slope_before = along_x * (omega2 * x0 + damping * a0) + along_y * (omega2 * y0 + damping * b0);
+    const Lanes slope = along_x * (omega2 * x1 + damping * a1) + along_y * (omega2 * y1 + damping * b1);
+    const Mask goes_on = along_x * end_x + along_y * end_y > 0.0, dips = (slope_before < 0.0) & (slope > 0.0);
 
-    const bool changes = ((f_n > 0.0) != touched) | (sticks & lets_go) | (slips & stops);
-    const bool stays = changes | sticks;
-    const double place_x = stays ? t.tip_x[i] : t.x[i] - (x1 + rest_x), place_y = stays ? t.tip_y[i] : t.y[i] - (y1 + rest_y);
-    const double way_x = slips ? place_x - t.tip_x[i] : 0.0, way_y = slips ? place_y - t.tip_y[i] : 0.0;
-    const double kept_x = sticks ? 0.0 : end_x, kept_y = sticks ? 0.0 : end_y;
-    t.slip_x[i] = way_x;
-    t.slip_y[i] = way_y;
-    t.path[i] += std::sqrt(way_x * way_x + way_y * way_y);
-    t.tip_x[i] = place_x;
-    t.tip_y[i] = place_y;
-    s.speed_x[i] = changes ? speed_x : kept_x;
-    s.speed_y[i] = changes ? speed_y : kept_y;
-    const double end_friction = t.mu_kinetic[i] * f_n;
-    t.friction_x[i] = sticks ? held_x : end_friction * along_x;
-    t.friction_y[i] = sticks ? held_y : end_friction * along_y;
-    t.felt_x[i] = s.k[i] * (t.x[i] - place_x) + s.dashpot[i] * (vx - kept_x);
-    t.felt_y[i] = s.k[i] * (t.y[i] - place_y) + s.dashpot[i] * (vy - kept_y);
-    t.mode[i] = changes ? undecided : t.mode_before[i];
-    left += changes ? 1.0 : 0.0;
+    const Mask changes = ((f_n > 0.0) ^ (sticks | slips)) | (sticks & lets_go) | (slips & (~goes_on | dips));
+    const Mask stays = changes | sticks;
+    const Lanes place_x = stays ? tip_x : x - (x1 + rest_x), place_y = stays ? tip_y : y - (y1 + rest_y);
+    const Lanes way_x = slips ? place_x - tip_x : none, way_y = slips ? place_y - tip_y : none;
+    const Lanes kept_x = sticks ? none : end_x, kept_y = sticks ? none : end_y;
+    put(t.slip_x, way_x);
+    put(t.slip_y, way_y);
+    put(t.path, at(t.path) + kernel::root(way_x * way_x + way_y * way_y));
+    put(t.tip_x, place_x);
+    put(t.tip_y, place_y);
+    put(s.speed_x, changes ? speed_x : kept_x);
+    put(s.speed_y, changes ? speed_y : kept_y);
+    put(t.friction_x, sticks ? held_x : mu * f_n * along_x);
+    put(t.friction_y, sticks ? held_y : mu * f_n * along_y);
+    put(t.felt_x, k * (x - place_x) + dashpot * (vx - kept_x));
+    put(t.felt_y, k * (y - place_y) + dashpot * (vy - kept_y));
+    put(t.mode, changes ? none + undecided : mode);
+    any_changes |= changes;
   }
-  return left;
+  return kernel::any(any_changes);
 }
 
 class Inertia final : public TipEffect {
@@ -115,11 +121,10 @@ class Inertia final : public TipEffect {
     }
     set_step(tips.dt);
     if (fastest_ * tips.dt <= longest_swing) {
-      if (swing({k_.data(), compliance_.data(), dashpot_.data(), omega2_.data(), damping_.data(), xx_.data(), xv_.data(),
-                 vx_.data(), vv_.data(), speed_.data(), speed_.data() + padded_},
-                tips) == 0.0) {
-        return;
-      }
+      const Swing coefficients{
+          k_.data(),  compliance_.data(), dashpot_.data(), omega2_.data(), damping_.data(),        xx_.data(),
+          xv_.data(), vx_.data(),         vv_.data(),      speed_.data(),  speed_.data() + padded_};
+      if (!swing(coefficients, tips)) return;
     } else {
       std::fill_n(tips.mode, padded_, 0.0);
       std::fill_n(tips.mode, count_, undecided);

@@ -1,6 +1,5 @@
 #include "sim/field/kernel.h"
 
-#include <cstring>
 #include <limits>
 
 #include "sim/field/vectorise.h"
@@ -8,18 +7,9 @@
 namespace slipbench::kernel {
 namespace {
 
-// As many entries of a column as one sum a lane needs, so that additions vectorise and their order does not depend on how.
-using Lanes __attribute__((vector_size(lanes * sizeof(double)))) = double;
-using Mask = decltype(Lanes{} == Lanes{});
-
-SLIPBENCH_INLINE Lanes at(const Columns& c, Column column, std::size_t i) {
-  Lanes values;
-  std::memcpy(&values, c[column] + i, sizeof values);
-  return values;
-}
-
+SLIPBENCH_INLINE Lanes at(const Columns& c, Column column, std::size_t i) { return lanes_at(c[column] + i); }
 SLIPBENCH_INLINE void put(const Columns& c, Column column, std::size_t i, const Lanes& values) {
-  std::memcpy(c[column] + i, &values, sizeof values);
+  put_lanes(c[column] + i, values);
 }
 
 SLIPBENCH_INLINE double total(const Lanes& sums) { return (sums[0] + sums[1]) + (sums[2] + sums[3]); }
@@ -190,7 +180,7 @@ SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, std::size_t count) {
   for (std::size_t i = 0; i < count; i += lanes) {
     changed |= (at(c, spent, i) != 0.0) | ((at(c, gap, i) < 0.0) & (at(c, faces, i) != at(c, faces_before, i)));
   }
-  return (changed[0] | changed[1] | changed[2] | changed[3]) == 0;
+  return !any(changed);
 }
 
 SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t count) {
@@ -199,7 +189,7 @@ SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t
     const Lanes history = memory ? at(c, h_normal, i) : Lanes{};
     touched |= (at(c, mode_before, i) == 0.0) & (raw_press(at(c, gap, i), at(c, k_normal, i), history) > 0.0);
   }
-  return (touched[0] | touched[1] | touched[2] | touched[3]) != 0;
+  return any(touched);
 }
 
 SLIPBENCH_DISPATCHED void slide_on_plane(const Columns& c, const Pose& pose, std::size_t count) {

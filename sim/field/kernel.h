@@ -11,6 +11,7 @@
 #include "sim/core/pose.h"
 #include "sim/field/effect.h"
 #include "sim/field/surface.h"
+#include "sim/field/vectorise.h"
 
 namespace slipbench::kernel {
 
@@ -47,8 +48,6 @@ enum Column : std::size_t {
 };
 // clang-format on
 using Columns = std::array<double*, all_columns>;
-
-inline constexpr std::size_t lanes = 4;
 
 // A slip of a step [m] shorter than this is the rounding of coordinates (up to a hundred metres), not motion: an element at rest on its
 // cone sticks. Slower motion is not lost; the stretch gathers it until it is longer.

@@ -1,0 +1,72 @@
+// What a step of 0.1 ms of a friction-vibrating patch costs: 20 elements, one unit, sliding at 10 mm/s; by effects, and with labels.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "sim/effects/catalogue.h"
+#include "sim/effects/install.h"
+#include "sim/field/contact_labels.h"
+#include "sim/field/field.h"
+
+namespace slipbench {
+namespace {
+
+constexpr double dt = 1e-4, speed = 10e-3, depth = 2e-3, force = 5.0;
+constexpr int elements = 20;
+
+// A patch of 8 x 10 mm whose elements share 5 N evenly and 6 N/mm tangentially.
+PadLayout patch() {
+  PadLayout pad;
+  for (int i = 0; i < elements; ++i) {
+    Element element;
+    element.tip = {2e-3 * (i % 5 - 2), 2e-3 * (i / 5), 1e-5 * i};
+    element.k_normal = force / depth / elements;
+    element.k_tangential = 6e3 / elements;
+    pad.elements.push_back(element);
+  }
+  pad.units.push_back({0, elements});
+  return pad;
+}
+
+std::vector<Named> named(const std::vector<std::string>& names) {
+  std::vector<Named> effects;
+  for (const std::string& name : names) {
+    const auto kind = std::ranges::find(effect_catalogue(), name, [](const EffectKind& known) { return known.about.name; });
+    effects.push_back({name, defaults_of(kind->about.parameters)});
+  }
+  return effects;
+}
+
+void steps(benchmark::State& state, const std::vector<std::string>& names, bool labelled) {
+  const PadLayout pad = patch();
+  Field field(pad, Plane{}, {0.7, 0.58}, install_effects(named(names), pad, Plane{}, 1, 0));
+  ContactLabels labels(pad);
+  double tick = 0.0, changes = 0.0;
+  for (auto _ : state) {
+    Pose pose;
+    pose.position = {speed * dt * tick, 0.0, -depth};
+    tick += 1.0;
+    field.step(pose, dt);
+    if (labelled) benchmark::DoNotOptimize(labels.update({&field, 1}, tick * dt, dt).force.data());
+    benchmark::ClobberMemory();
+    changes += static_cast<double>(field.events().size());
+  }
+  state.counters["changes_per_step"] = changes / tick;
+}
+
+void massless(benchmark::State& state) { steps(state, {}, false); }
+void massless_labelled(benchmark::State& state) { steps(state, {}, true); }
+void inertia(benchmark::State& state) { steps(state, {"inertia"}, false); }
+void inertia_labelled(benchmark::State& state) { steps(state, {"inertia"}, true); }
+
+BENCHMARK(massless);
+BENCHMARK(massless_labelled);
+BENCHMARK(inertia);
+BENCHMARK(inertia_labelled);
+
+}  // namespace
+}  // namespace slipbench
+
+BENCHMARK_MAIN();
