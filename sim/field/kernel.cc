@@ -14,12 +14,6 @@ SLIPBENCH_INLINE void put(const Columns& c, Column column, std::size_t i, const 
 
 SLIPBENCH_INLINE double total(const Lanes& sums) { return (sums[0] + sums[1]) + (sums[2] + sums[3]); }
 
-SLIPBENCH_INLINE Lanes root(const Lanes& values) {
-  Lanes roots;
-  for (std::size_t lane = 0; lane < lanes; ++lane) roots[lane] = std::sqrt(values[lane]);
-  return roots;
-}
-
 // Row `row` of a turned vector, in the order in which Eigen adds up a product: the same to the bit wherever it is worked out.
 SLIPBENCH_INLINE Lanes turned(const Eigen::Matrix3d& r, int row, const Lanes& x, const Lanes& y, const Lanes& z) {
   return row < 2 ? r(row, 0) * x + r(row, 1) * y + r(row, 2) * z : r(row, 0) * x + (r(row, 1) * y + r(row, 2) * z);
