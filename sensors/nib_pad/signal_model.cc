@@ -35,10 +35,12 @@ std::vector<Entry> nib_pad_electronics() {
   return electronics_of(
       "nib pad",
       {{"gain", "assumed: 5 % from electrode to electrode, as gaps and areas are made; of what is above rest"},
-       {"offset", "assumed: 20 counts of 13 bit, about a third of a step of the 7-bit current source that calibrates the reading at rest"},
+       {"offset",
+        "assumed: 20 counts of 13 bit, about a third of a step of the 7-bit current source that calibrates the reading at rest"},
        {"drift", "assumed: 0.2 counts/s of 13 bit; temperature"},
        {"noise",
-        "assumed: 1.5 counts of 13 bit for si, 1.2 for clusters; the maker calls below 10 counts quiet (Infineon's tuning guide), and "
+        "assumed: 1.5 counts of 13 bit for si, 1.2 for clusters; the maker calls below 10 counts quiet (Infineon's tuning "
+        "guide), and "
         "another capacitive fingertip has 0.8 to 1.3 counts (FabricSlide)",
         {{"corner", "inf", "a converter's noise is white: each reading integrates anew"}}}});
 }

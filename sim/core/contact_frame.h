@@ -46,7 +46,7 @@ struct ContactFrame {
   Eigen::Array3Xd displacement;       // [3,N] m, deformed tip minus undeformed tip (mean of a unit's elements)
   Eigen::Array2Xd slip_velocity;      // [2,N] m/s, velocity of the slipping tip in the contact plane, mean over the last step
   Eigen::ArrayXd slip_distance;       // [N] m, path length slipped since the start, mean of a unit's elements
-  Eigen::ArrayXd margin;              // [N] 1 - f_t/(mu_s f_n), NaN while detached
+  Eigen::ArrayXd margin;              // [N] 1 - f_t/(mu_s f_n), NaN while detached; below 0 where a rate law carries more
   std::vector<UnitState> unit_state;  // [N]
   PadState state = PadState::no_contact;        // rule strict: a unit slips when all of it slips
   PadState state_micro = PadState::no_contact;  // rule micro: a unit slips as soon as a part of it does

@@ -42,12 +42,12 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
         std::ranges::find(effect_catalogue(), effect.name, [](const EffectKind& known) { return known.about.name; });
     kind->install(effect.parameters, context, installed);
     if (installed.tip && moves_tips.empty()) moves_tips = effect.name;
-    if ((installed.cone || !installed.rheology.empty()) && maps_tips.empty()) maps_tips = effect.name;
+    if ((installed.cone || installed.rate || !installed.rheology.empty()) && maps_tips.empty()) maps_tips = effect.name;
   }
   if (!moves_tips.empty() && !maps_tips.empty()) {
     throw SceneValueError("effects",
                           moves_tips + " and " + maps_tips + " cannot be named together: " + moves_tips +
-                              " moves the tips by a spring, a dashpot and the circular cone of its own; allowed: one of them");
+                              " moves the tips by a spring, a dashpot and a friction of its own; allowed: one of them");
   }
   return installed;
 }
@@ -57,6 +57,7 @@ double longest_step(const FieldEffects& effects, double speed) {
   for (const auto& effect : effects.surface) longest = std::min(longest, effect->longest_step(speed));
   for (const auto& effect : effects.friction) longest = std::min(longest, effect->longest_step(speed));
   for (const auto& effect : effects.rheology) longest = std::min(longest, effect->longest_step(speed));
+  if (effects.rate) longest = std::min(longest, effects.rate->longest_step(speed));
   if (effects.cone) longest = std::min(longest, effects.cone->longest_step(speed));
   if (effects.tip) longest = std::min(longest, effects.tip->longest_step(speed));
   for (const auto& effect : effects.ringing) longest = std::min(longest, effect->longest_step(speed));

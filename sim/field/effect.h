@@ -45,11 +45,27 @@ class SurfaceEffect : public Effect {
   virtual void displace(std::size_t count, const double* x, const double* y, const double* nz, double* gap) = 0;
 };
 
-// Changes how much friction there is: rate, load, age, place.
+// Changes how much friction there is: load, age, place, speed of the root.
 class FrictionEffect : public Effect {
  public:
   // Multiplies mu_s and mu_k of every element that is pressed (normal_force > 0); those of the others are not looked at.
   virtual void scale(const ElementColumns& elements, double* mu_s, double* mu_k) = 0;
+};
+
+// Strengthens the friction of a tip with the speed w at which it slips itself: mu_k g(w), g(0) = 1, g never falling. An element is then a
+// spring and a viscous slider in series. Backward Euler finds w at the end of a step: with the trial force T, the stiffness k and
+// L = mu_k f_n
+//   T - k dt w = L g(w),
+// which has one root w > 0 when T > L and none else, at any step and however steep g is. So slip begins at mu_s f_n, without a jump where
+// mu_s = mu_k, and one that has begun goes on until the tip has stopped; a pad that is left alone creeps, and its tips say so.
+class RateEffect : public Effect {
+ public:
+  // Solves that for `count` elements from `first` on, of which the arrays are, dt > 0 [s]: multiplies `factor` by g(w) of `trial` T [N],
+  // `stiffness` k > 0 [N/m] and `limit` L >= 0 [N]; by 1 where T <= L or L = 0.
+  virtual void strengthen(std::size_t first, std::size_t count, double dt, const double* trial, const double* stiffness,
+                          const double* limit, double* factor) = 0;
+  // g'(w)/g(w) [s/m] at the slip speed w >= 0 [m/s].
+  [[nodiscard]] virtual double growth(double speed) const = 0;
 };
 
 // Changes how an element's force follows its deflection. The force of a step is affine in the deflection at its end,
@@ -129,6 +145,7 @@ class RingingEffect : public Effect {
 struct FieldEffects {
   std::vector<std::unique_ptr<SurfaceEffect>> surface;
   std::vector<std::unique_ptr<FrictionEffect>> friction;
+  std::unique_ptr<RateEffect> rate;  // at most one
   std::vector<std::unique_ptr<RheologyEffect>> rheology;
   std::unique_ptr<ConeEffect> cone;                     // at most one
   std::unique_ptr<TipEffect> tip;                       // at most one, without rheology and cone

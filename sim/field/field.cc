@@ -75,6 +75,7 @@ void Field::for_each_memory(Visit&& visit) {
     if (!effect) return;
     if (const std::span<double> memory = effect->memory(); !memory.empty()) visit(memory);
   };
+  visit_one(effects_.rate);
   visit_one(effects_.cone);
   visit_one(effects_.tip);
   visit_all(effects_.ringing);
@@ -90,10 +91,13 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   check(layout, friction);
   if (auto dashpots = make_dashpots(layout_)) effects_.rheology.push_back(std::move(dashpots));
 
-  if (effects_.tip && (!on_plane() || effects_.cone || has_memory())) {
-    throw std::invalid_argument("field: tips with mass need a plane, the circular cone, and springs without rheology or dashpot");
+  if (effects_.tip && (!on_plane() || effects_.cone || effects_.rate || has_memory())) {
+    throw std::invalid_argument(
+        "field: tips with mass need a plane, the circular cone, friction that does not grow with the speed of slip, and springs "
+        "without "
+        "rheology or dashpot");
   }
-  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || has_memory() || effects_.tip;
+  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || has_memory() || effects_.tip;
   const std::size_t columns = extended_ ? all_columns : plain_columns;
   // A stride of whole pages would put the same row of all columns into one set of the L1 cache.
   const std::size_t stride = padded_ + (padded_ % 512 == 0 ? kernel::lanes : 0);
@@ -184,12 +188,19 @@ void Field::step_in_stages(double dt, const Twist* motion) {
   }
   if (!on_plane()) keep_energy();
   if (has_memory()) prepare_rheology(dt);
-  if (!effects_.friction.empty()) rate_friction(dt, motion);
+  if (!effects_.friction.empty() || effects_.rate) rate_friction(dt, motion);
   if (effects_.tip) {
     move_tips(dt);
     return;
   }
   if (touching_ < count_ && kernel::any_touches(columns_, has_memory(), padded_)) anchor_touched();
+  step_ = dt;
+  if (effects_.rate && dt > 0.0) {
+    kernel::find_trials(columns_, on_plane(), padded_);
+    if (!effects_.cone) {
+      effects_.rate->strengthen(0, count_, dt, columns_[trial], columns_[k_tangential], columns_[slide], columns_[mu_kinetic]);
+    }
+  }
   if (effects_.cone) {
     for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(i);
   } else {
@@ -301,9 +312,10 @@ double Field::raw_press(std::size_t i) const {
 }
 
 void Field::rate_friction(double dt, const Twist* motion) {
-  kernel::rate(columns_, pose_, motion, dt, has_memory(), padded_);
   std::copy_n(columns_[mu_static_surface], count_, columns_[mu_static]);
   std::copy_n(columns_[mu_kinetic_surface], count_, columns_[mu_kinetic]);
+  if (effects_.friction.empty()) return;
+  kernel::rate(columns_, pose_, motion, dt, has_memory(), padded_);
   for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_[mu_static], columns_[mu_kinetic]);
 }
 
@@ -345,14 +357,15 @@ void Field::map_to_effect_cone(std::size_t i) {
   const double k = columns_[k_tangential][i];
   const Eigen::Vector3d kept = has_memory() ? vector(h_x, i) : Eigen::Vector3d(0.0, 0.0, 0.0);
   const Eigen::Vector3d history = kept - n * n.dot(kept);  // it was made in an earlier tangent plane
-  const Eigen::Vector3d trial = k * u + history;
-  const double limit_stick = columns_[mu_static][i] * f_n, limit_slide = columns_[mu_kinetic][i] * f_n;
+  const Eigen::Vector3d tried = k * u + history;
+  const double limit_stick = columns_[mu_static][i] * f_n;
+  const double limit_slide = effects_.rate && step_ > 0.0 ? strengthened(i, tried, n) : columns_[mu_kinetic][i] * f_n;
   const bool slid = columns_[mode_before][i] == 2.0;
-  const auto mapped =
-      effects_.cone->project(trial.data(), n.data(), (slid ? limit_slide : limit_stick) + k * kernel::shortest_slip, limit_slide);
+  const double cone = slid ? limit_slide : std::max(limit_stick, limit_slide);
+  const auto mapped = effects_.cone->project(tried.data(), n.data(), cone + k * kernel::shortest_slip, limit_slide);
   const Eigen::Vector3d force(mapped.fx, mapped.fy, mapped.fz);
   Eigen::Vector3d slip(0.0, 0.0, 0.0);
-  if (mapped.slides) slip = (trial - force) * columns_[compliance][i];
+  if (mapped.slides) slip = (tried - force) * columns_[compliance][i];
   const bool stays = !mapped.slides && on_plane();  // c - (c - a) is a up to rounding only
   const Eigen::Vector3d anchor = stays ? vector(anchor_x, i) : Eigen::Vector3d(contact - (u - slip));
   for (int c = 0; c < 3; ++c) {
@@ -364,6 +377,30 @@ void Field::map_to_effect_cone(std::size_t i) {
   columns_[limit][i] = limit_stick;
   columns_[path][i] += slip.norm();
   columns_[mode][i] = mapped.slides ? 2.0 : 1.0;
+}
+
+// L g(w) [N] of the rate law for a trial force t that slides by associated flow on the effect's cone of that size: the slip s(L) is the
+// distance over k of t from the cone of L, a convex function of the slope -h/k with h = f.e/L, e the direction of the slip. So each L from
+// the tangent at the one before is too small, and they converge from below, quadratically.
+double Field::strengthened(std::size_t i, const Eigen::Vector3d& t, const Eigen::Vector3d& n) {
+  const double at_rest = columns_[slide][i], k = columns_[k_tangential][i];
+  double sliding = at_rest;
+  if (!(at_rest > 0.0) || !(cone_gauge(t, n, at_rest) > 1.0)) return sliding;
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    const auto on_cone = effects_.cone->project(t.data(), n.data(), 0.0, sliding);
+    const Eigen::Vector3d f(on_cone.fx, on_cone.fy, on_cone.fz);
+    const double left = (t - f).norm();
+    const double h = f.dot(t - f) / (left * sliding);
+    if (!(left > 0.0) || !(h > 0.0)) break;
+    const double along = sliding + left / h, softer = k / h;
+    double factor = 1.0;
+    effects_.rate->strengthen(i, 1, step_, &along, &softer, &at_rest, &factor);
+    const double next = at_rest * factor;
+    const bool done = !(std::abs(next - sliding) > 1e-14 * next);
+    sliding = next;
+    if (done) break;
+  }
+  return sliding;
 }
 
 // Where inside the step the trial force leaves the stick cone. Force and limit are linear in the step, so their difference is
@@ -397,6 +434,12 @@ void Field::move_tips(double dt) {
       c[felt_y],   c[mode]};
   effects_.tip->move(tips, events_);
   for (const auto& effect : effects_.ringing) effect->ring(tips);
+}
+
+double Field::sliding_share(std::size_t i) const {
+  if (!effects_.rate || state(i) != ElementState::slip || !(step_ > 0.0)) return 0.0;
+  const double resists = tangential_force(i).norm() * effects_.rate->growth(slip_step(i).norm() / step_) / step_;
+  return resists / (columns_[k_tangential][i] + resists);
 }
 
 void Field::count_states() {

@@ -104,8 +104,11 @@ class Field {
     if (limit == 0.0) return 1.0;
     return effects_.cone ? effects_.cone->gauge(t.data(), n.data(), limit) : t.norm() / limit;
   }
-  // mu_s f_n of the element as the effects leave it [N].
+  // mu_s f_n of the element as the effects leave it [N]; by a rate law (effect.h) a tip in slip may carry more.
   [[nodiscard]] double stick_limit(std::size_t i) const { return columns_[limit][i]; }
+  // What share of k the force of a slipping element gains with a stretch along its slip within the last step: 0 by Coulomb's law, by a rate
+  // law r/(k + r) with r = f g'(w)/(g(w) dt), nearly 1 where the tip creeps.
+  [[nodiscard]] double sliding_share(std::size_t i) const;
 
   // What the surface does to the pad, about the pad's origin, in the pad frame P; and what the pad does to the surface, about the
   // surface's origin, in S.
@@ -156,6 +159,7 @@ class Field {
   void anchor_touched();
   void map_to_effect_cone(std::size_t i);
   void move_tips(double dt);
+  [[nodiscard]] double strengthened(std::size_t i, const Eigen::Vector3d& t, const Eigen::Vector3d& n);
   void count_states();
   void resolve_events();
   [[nodiscard]] double onset_fraction(std::size_t i) const;
@@ -186,6 +190,7 @@ class Field {
   bool extended_;  // the columns from plain_columns on are there
   bool plain_;     // springs on a plane, and no effect: one pass does it all
   bool placed_ = false;
+  double step_ = 0.0;  // s, the last one in stages
   std::size_t touching_ = 0, slipping_ = 0;
 };
 

@@ -19,14 +19,18 @@ SLIPBENCH_INLINE Lanes turned(const Eigen::Matrix3d& r, int row, const Lanes& x,
   return row < 2 ? r(row, 0) * x + r(row, 1) * y + r(row, 2) * z : r(row, 0) * x + (r(row, 1) * y + r(row, 2) * z);
 }
 
+// What the return mapping begins with: the force while the anchor stays.
+struct Trial {
+  double raw, f_n;    // N
+  double ux, uy, uz;  // stretch [m]
+  double tx, ty, tz;  // tangential [N]
+};
+
 template <bool kPlane, bool kExtended>
-SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
+SLIPBENCH_INLINE Trial trial_of(const Columns& c, std::size_t i) {
   const double raw = raw_press(c[gap][i], c[k_normal][i], kExtended ? c[h_normal][i] : 0.0);
   const double f_n = 0.5 * (raw + std::abs(raw));  // max(0, raw), exactly; a select here would be threaded into jumps
-  const double k = c[k_tangential][i], softness = c[compliance][i];
-  const bool touches = f_n > 0.0;
-  const bool slid = c[mode_before][i] == 2.0;
-
+  const double k = c[k_tangential][i];
   double ux = c[contact_x][i] - c[anchor_x][i];
   double uy = c[contact_y][i] - c[anchor_y][i];
   double uz = 0.0;
@@ -51,10 +55,20 @@ SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
     tx += hx;
     ty += hy;
   }
+  return {raw, f_n, ux, uy, uz, tx, ty, tz};
+}
 
+template <bool kPlane, bool kExtended>
+SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
+  const auto [raw, f_n, ux, uy, uz, tx, ty, tz] = trial_of<kPlane, kExtended>(c, i);
+  const double k = c[k_tangential][i], softness = c[compliance][i];
+  const bool touches = f_n > 0.0;
+  const bool slid = c[mode_before][i] == 2.0;
   const double limit_stick = c[mu_static][i] * f_n;
   const double limit_slide = c[mu_kinetic][i] * f_n;
-  const double cone = slid ? limit_slide : limit_stick;
+  // By a rate law mu_k may be the larger one, and slip is no slip while it is shorter than what counts.
+  const double lets_go = kExtended && limit_slide > limit_stick ? limit_slide : limit_stick;
+  const double cone = slid ? limit_slide : lets_go;
   const double t2 = tx * tx + ty * ty + (kPlane ? 0.0 : tz * tz);
   const double size = std::sqrt(t2);
   const bool slides = touches & (size > cone + k * shortest_slip);
@@ -100,6 +114,19 @@ SLIPBENCH_DISPATCHED void map_on_plane(const Columns& c, std::size_t count) { ma
 SLIPBENCH_DISPATCHED void map_on_plane_extended(const Columns& c, std::size_t count) { map_all<true, true>(c, count); }
 SLIPBENCH_DISPATCHED void map_on_curve(const Columns& c, std::size_t count) { map_all<false, false>(c, count); }
 SLIPBENCH_DISPATCHED void map_on_curve_extended(const Columns& c, std::size_t count) { map_all<false, true>(c, count); }
+
+template <bool kPlane>
+SLIPBENCH_INLINE void find_all_trials(const Columns& c, std::size_t count) {
+  SLIPBENCH_VECTORISE
+  for (std::size_t i = 0; i < count; ++i) {
+    const Trial t = trial_of<kPlane, true>(c, i);
+    c[trial][i] = std::sqrt(t.tx * t.tx + t.ty * t.ty + (kPlane ? 0.0 : t.tz * t.tz));
+    c[slide][i] = c[mu_kinetic][i] * t.f_n;
+  }
+}
+
+SLIPBENCH_DISPATCHED void find_trials_on_plane(const Columns& c, std::size_t count) { find_all_trials<true>(c, count); }
+SLIPBENCH_DISPATCHED void find_trials_on_curve(const Columns& c, std::size_t count) { find_all_trials<false>(c, count); }
 
 SLIPBENCH_INLINE void locate_element(const Columns& c, const Pose& pose, std::size_t i) {
   const Eigen::Matrix3d& r = pose.rotation;
@@ -387,6 +414,10 @@ void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double r
     const double n[3] = {units.normal[0][u], units.normal[1][u], units.normal[2][u]};
     frame.margin[static_cast<Eigen::Index>(u)] = 1.0 - cone->gauge(t, n, units.limit[u]);
   }
+}
+
+void find_trials(const Columns& columns, bool plane, std::size_t count) {
+  plane ? find_trials_on_plane(columns, count) : find_trials_on_curve(columns, count);
 }
 
 void map(const Columns& columns, bool plane, bool extended, std::size_t count) {

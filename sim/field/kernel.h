@@ -44,6 +44,7 @@ enum Column : std::size_t {
   velocity_x, velocity_y, velocity_z, depth, load, stretch_x, stretch_y, stretch_z,     // what effects look at
   place_x, place_y, place_z,                                // where the tip meets effects (SurfaceEffect) [m]
   felt_x, felt_y, felt_z,                                   // of spring and dashpot on a tip with mass [N]
+  trial, slide,                                             // size of the trial force, mu_k f_n before the rate law [N]
   all_columns
 };
 // clang-format on
@@ -75,6 +76,9 @@ bool any_touches(const Columns& columns, bool memory, std::size_t count);
 
 // Between the passes, for effects: the places of the tips (SurfaceEffect).
 void place_tips(const Columns& columns, std::size_t count);
+
+// Before pass 2, for a rate law: the columns trial and slide.
+void find_trials(const Columns& columns, bool plane, std::size_t count);
 
 // Pass 2: normal force, and return mapping onto the friction cone (field.h). `extended`: the columns from plain_columns on are there; then the
 // rheology's history counts, and on a plane an anchor that sticks stays to the bit. Without them it does up to rounding.

@@ -109,7 +109,8 @@ class Press final : public Motion {
 }  // namespace
 
 MotionKind press_motion() {
-  return {about_press(), [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Press>(p); }};
+  return {about_press(),
+          [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Press>(p); }};
 }
 
 }  // namespace slipbench

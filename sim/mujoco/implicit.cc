@@ -259,7 +259,8 @@ void ImplicitFields::evaluate(const ImplicitContact& contact, const Vector6d& w,
   for (std::size_t i = 0; i < field.size(); ++i) {
     if (field.state(i) != ElementState::slip) continue;
     const Element& element = field.layout().elements[i];
-    const Matrix3d grip = -(element.k_normal + element.c_normal / h_) / field.normal_force(i) *
+    const double gives = 1.0 - field.sliding_share(i);  // what a faster slip does not take up
+    const Matrix3d grip = -gives * (element.k_normal + element.c_normal / h_) / field.normal_force(i) *
                           (turn * field.tangential_force(i)) * (turn * field.normal(i)).transpose();
     const Matrix3d cross = cross_matrix(contact.surface * field.contact_point(i) - pad.position);
     linear.coupling.topLeftCorner<3, 3>() += grip;

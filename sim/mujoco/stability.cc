@@ -82,7 +82,8 @@ PadTangent field_tangent(const Field& field, const Pose& surface, const Eigen::V
       const Eigen::Vector3d slip = surface.rotation * field.slip_step(i);
       const double held = field.tangential_force(i).norm(), distance = slip.norm();
       const Eigen::Vector3d along = slip / distance;
-      across = held / (held + element.k_tangential * distance) * (across - along * along.transpose()).eval();
+      across = held / (held + element.k_tangential * distance) * (across - along * along.transpose()).eval() +
+               field.sliding_share(i) * along * along.transpose();
     }
     const Eigen::Vector3d r = surface * field.contact_point(i) - point;
     add_spring(tangent.stiffness, spring(element.k_normal, n, element.k_tangential, across), r);

@@ -5,8 +5,8 @@
 //   K = sum over elements of G' (k_n n n' + rho k_t (P - rho_s e e')) G,   G = [1, -[c - p]x],  P = 1 - n n'
 // with the contact point c, the surface normal n and the tangential trial force s e: rho = 1, rho_s = 0 while the element sticks,
 // once it slips rho = mu_k f_n / s, rho_s = 1: it is free along e, and across it turns its force, which is as stiff as sticking
-// when s is near the cone. An element that is apart adds nothing. (What friction gains with f_n, mu_k k_n e n', is not symmetric
-// and not in K.)
+// when s is near the cone; a rate law leaves the share Field::sliding_share() of k_t along e. An element that is apart adds nothing.
+// (What friction gains with f_n, mu_k k_n e n', is not symmetric and not in K.)
 //
 // All fields together, on bodies of joint-space inertia M, obey M q'' = -sum_p J_p' K_p J_p q with J_p the Jacobian of the pad's
 // velocity relative to the object at p. The non-zero omega^2 of that are the eigenvalues of R A R', with K = R'R block by block

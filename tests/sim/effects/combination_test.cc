@@ -87,8 +87,8 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
     // Pressed 1 mm and slid by 4 mm: finite forces, and the effect has joined the field.
     const PadLayout pad = one_unit(1000.0, 600.0, 3);
     FieldEffects effects = installed(pad, {{about.name, {}}});
-    EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + (effects.cone ? 1 : 0) +
-                  (effects.tip ? 1 : 0),
+    EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + (effects.rate ? 1 : 0) +
+                  (effects.cone ? 1 : 0) + (effects.tip ? 1 : 0),
               1U)
         << about.name;
     Field field(pad, Plane{}, {0.5, 0.4}, std::move(effects));

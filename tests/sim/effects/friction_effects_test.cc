@@ -35,34 +35,6 @@ TEST(Stribeck, SteadyForceAtAnySpeed) {
   }
 }
 
-TEST(ViscousFriction, SteadyForceAtAnySpeed) {
-  // mu(v) = mu (1 + g log10(1 + v/v_0)): at 9 v_0 one decade, at 99 v_0 two.
-  const double mu_s = 0.6, mu_k = 0.5, gain = 0.2, speed = 1e-3;
-  for (const auto& [v, decades] : {std::pair{9e-3, 1.0}, {99e-3, 2.0}, {1e-3, std::log10(2.0)}}) {
-    Field field = field_with(one_unit(k_n, k_t), {mu_s, mu_k}, {{"viscous_friction", {{"gain", gain}, {"speed", speed}}}});
-    const double exact = mu_k * (1.0 + gain * decades) * load;
-    EXPECT_NEAR(steady_force(field, v), exact, 1e-11 * exact) << "v " << v;
-    EXPECT_NEAR(field.stick_limit(0), mu_s * (1.0 + gain * decades) * load, 1e-12);
-  }
-}
-
-TEST(ViscousFriction, SlipBeginsWithoutAJumpAndFrictionAtRestIsTheScenes) {
-  // mu_s = mu_k: the force grows to mu(v) f_n and stays there. After a stop it falls to mu f_n: a sticking element's cone is that of rest.
-  const double mu = 0.5, v = 9e-3, dt = 1e-4, limit = 1.1 * mu * load;
-  Field field = field_with(one_unit(k_n, k_t), {mu, mu}, {{"viscous_friction", {}}});
-  double x = 0.0, highest = 0.0, before = 0.0;
-  for (int tick = 0; tick <= 2000; ++tick, x += v * dt) {
-    field.step(at(x, 0.0, -depth), dt);
-    const double force = field.wrench_on_surface().force.x();
-    EXPECT_LE(force - before, k_t * v * dt * (1.0 + 1e-9)) << "never faster than the spring is stretched";
-    before = force;
-    highest = std::max(highest, force);
-  }
-  EXPECT_NEAR(highest, limit, 1e-12);
-  for (int tick = 0; tick < 3; ++tick) field.step(at(x - v * dt, 0.0, -depth), dt);
-  EXPECT_NEAR(field.wrench_on_surface().force.x(), mu * load, 1e-12);
-}
-
 TEST(LoadDependence, SteadyForceFollowsThePowerOfTheLoad) {
   // f_t = mu (f_n/reference)^(-1/3) f_n
   const double mu = 0.5, reference = 2.0;
