@@ -30,6 +30,7 @@ struct EffectKind {
   Entry about;
   // Throws SceneValueError when it does not fit the field.
   void (*install)(const Parameters& parameters, const EffectContext& context, FieldEffects& effects);
+  bool after_tip = false;  // is installed after the effect that moves the tips, wherever the scene names it
 };
 
 const std::vector<EffectKind>& effect_catalogue();

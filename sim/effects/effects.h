@@ -15,9 +15,11 @@ inline double step_per_wave(double wavelength, double speed) {
 
 EffectKind ageing();
 EffectKind anisotropic_friction();
+EffectKind asperities();
 EffectKind inertia();
 EffectKind load_dependent_friction();
 EffectKind patchy_friction();
+EffectKind roughness();
 EffectKind stribeck();
 EffectKind texture();
 EffectKind viscoelastic();

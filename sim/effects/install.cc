@@ -37,12 +37,16 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
   FieldEffects installed;
   std::string moves_tips, maps_tips;  // the first effect of either kind
   const EffectContext context = context_for(layout, surface, seed, trial);
-  for (const Named& effect : effects) {
-    const auto kind =
-        std::ranges::find(effect_catalogue(), effect.name, [](const EffectKind& known) { return known.about.name; });
-    kind->install(effect.parameters, context, installed);
-    if (installed.tip && moves_tips.empty()) moves_tips = effect.name;
-    if ((installed.cone || installed.rate || !installed.rheology.empty()) && maps_tips.empty()) maps_tips = effect.name;
+  for (const bool after_tip : {false, true}) {
+    for (const Named& effect : effects) {
+      const auto kind =
+          std::ranges::find(effect_catalogue(), effect.name, [](const EffectKind& known) { return known.about.name; });
+      if (kind->after_tip != after_tip) continue;
+      kind->install(effect.parameters, context, installed);
+      if (installed.tip && moves_tips.empty()) moves_tips = effect.name;
+      const bool maps = installed.cone || installed.rate || !installed.rheology.empty();
+      if (maps && maps_tips.empty()) maps_tips = effect.name;
+    }
   }
   if (!moves_tips.empty() && !maps_tips.empty()) {
     throw SceneValueError("effects",

@@ -60,11 +60,19 @@ void massless(benchmark::State& state) { steps(state, {}, false); }
 void massless_labelled(benchmark::State& state) { steps(state, {}, true); }
 void inertia(benchmark::State& state) { steps(state, {"inertia"}, false); }
 void inertia_labelled(benchmark::State& state) { steps(state, {"inertia"}, true); }
+void roughness(benchmark::State& state) { steps(state, {"inertia", "roughness"}, false); }
+void asperities(benchmark::State& state) { steps(state, {"inertia", "asperities"}, false); }
+void everything(benchmark::State& state) { steps(state, {"inertia", "roughness", "asperities"}, false); }
+void everything_labelled(benchmark::State& state) { steps(state, {"inertia", "roughness", "asperities"}, true); }
 
 BENCHMARK(massless);
 BENCHMARK(massless_labelled);
 BENCHMARK(inertia);
 BENCHMARK(inertia_labelled);
+BENCHMARK(roughness);
+BENCHMARK(asperities);
+BENCHMARK(everything);
+BENCHMARK(everything_labelled);
 
 }  // namespace
 }  // namespace slipbench

@@ -86,26 +86,32 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
     }
     // Pressed 1 mm and slid by 4 mm: finite forces, and the effect has joined the field.
     const PadLayout pad = one_unit(1000.0, 600.0, 3);
-    FieldEffects effects = installed(pad, {{about.name, {}}});
-    EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + (effects.rate ? 1 : 0) +
-                  (effects.cone ? 1 : 0) + (effects.tip ? 1 : 0),
-              1U)
+    FieldEffects effects = installed(pad, alone(kind));
+    EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + effects.ringing.size() +
+                  (effects.rate ? 1 : 0) + (effects.cone ? 1 : 0) + (effects.tip ? 1 : 0),
+              alone(kind).size())
         << about.name;
     Field field(pad, Plane{}, {0.5, 0.4}, std::move(effects));
     for (int tick = 0; tick <= 1000; ++tick) field.step(at(4e-6 * tick, 0.0, -1e-3), 1e-3);
     EXPECT_TRUE(field.wrench_on_pad().force.allFinite() && field.wrench_on_pad().torque.allFinite()) << about.name;
     EXPECT_GT(field.wrench_on_pad().force.z(), 0.1) << about.name;
   }
-  EXPECT_EQ(names, (std::set<std::string>{"ageing", "anisotropic_friction", "inertia", "load_dependent_friction",
-                                          "patchy_friction", "stribeck", "texture", "viscoelastic", "viscous_friction"}));
+  EXPECT_EQ(names,
+            (std::set<std::string>{"ageing", "anisotropic_friction", "asperities", "inertia", "load_dependent_friction",
+                                   "patchy_friction", "roughness", "stribeck", "texture", "viscoelastic", "viscous_friction"}));
 }
 
 TEST(EffectCatalogue, EffectWithoutStrengthChangesNothing) {
   // Each law at the value where it is the identity, against a field without effects, under the same motion.
-  const std::vector<Wanted> idle{{"ageing", {{"rate", 0.0}}},           {"load_dependent_friction", {{"exponent", 0.0}}},
-                                 {"patchy_friction", {{"sd", 0.0}}},    {"stribeck", {{"weakening", 0.0}}},
-                                 {"texture", {{"height", 0.0}}},        {"viscoelastic", {{"relaxation", 0.0}}},
-                                 {"viscous_friction", {{"gain", 0.0}}}, {"anisotropic_friction", {{"ratio", 1.0}}}};
+  const std::vector<Wanted> idle{{"ageing", {{"rate", 0.0}}},
+                                 {"load_dependent_friction", {{"exponent", 0.0}}},
+                                 {"patchy_friction", {{"sd", 0.0}}},
+                                 {"stribeck", {{"weakening", 0.0}}},
+                                 {"texture", {{"height", 0.0}}},
+                                 {"roughness", {{"height", 0.0}}},
+                                 {"viscoelastic", {{"relaxation", 0.0}}},
+                                 {"viscous_friction", {{"gain", 0.0}}},
+                                 {"anisotropic_friction", {{"ratio", 1.0}}}};
   for (const Wanted& effect : idle) {
     RandomStream draw(3, 0, "idle effects");
     const PadLayout pad = testing_field::random_pad(draw, 40, false);

@@ -24,6 +24,12 @@ inline const EffectKind& kind_named(const std::string& name) {
   return *std::find_if(effects.begin(), effects.end(), [&](const EffectKind& kind) { return kind.about.name == name; });
 }
 
+// An effect at its defaults, after the one that it needs.
+inline std::vector<Wanted> alone(const EffectKind& kind) {
+  if (kind.after_tip) return {{"inertia", {}}, {kind.about.name, {}}};
+  return {{kind.about.name, {}}};
+}
+
 inline EffectContext context_for(const PadLayout& pad, bool flat_surface, std::uint64_t seed, std::uint64_t trial) {
   EffectContext context;
   context.elements = pad.elements.size();

@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include <unsupported/Eigen/FFT>
+
+#include "sim/core/error.h"
+#include "sim/effects/effects.h"
+
+namespace slipbench {
+namespace {
+
+// Waves from period/first to period/last long: amplitude a/n^exponent of the one that fits n times, phases at random; tabulated once over the
+// period, linear between the points.
+class Profile {
+ public:
+  Profile(double period, std::size_t first, std::size_t last, double exponent, double rms, RandomStream& stream,
+          Eigen::FFT<double>& transform) {
+    std::size_t cells = 1;
+    while (cells < points_per_wave * last) cells *= 2;
+    double power = 0.0;  // mean square at a = 1
+    for (std::size_t n = first; n <= last; ++n) power += 0.5 * std::pow(static_cast<double>(n), -2.0 * exponent);
+    const double amplitude = rms / std::sqrt(power);
+    std::vector<std::complex<double>> waves(cells / 2 + 1);
+    for (std::size_t n = first; n <= last; ++n) {
+      waves[n] = std::polar(0.5 * static_cast<double>(cells) * amplitude * std::pow(static_cast<double>(n), -exponent),
+                            stream.uniform(0.0, 2.0 * std::numbers::pi));
+    }
+    transform.inv(heights_, waves, static_cast<Eigen::Index>(cells));
+    heights_.push_back(heights_.front());  // whoever reads up to the next point needs no wrapping
+    per_cell_ = static_cast<double>(cells) / period;
+    mask_ = cells - 1;
+  }
+
+  // At the distance `s` [m] along the profile, which repeats.
+  [[nodiscard]] double at(double s) const {
+    const double u = s * per_cell_;
+    const auto truncated = static_cast<std::int64_t>(u);  // std::floor is a call to a library on a CPU that may be any x86-64
+    const std::int64_t cell = truncated - (static_cast<double>(truncated) > u ? 1 : 0);
+    const std::size_t i = static_cast<std::size_t>(cell) & mask_;
+    return heights_[i] + (u - static_cast<double>(cell)) * (heights_[i + 1] - heights_[i]);
+  }
+
+ private:
+  static constexpr std::size_t points_per_wave = 32;  // of the shortest: its amplitude is right to (pi/32)^2/3, 0.3 %
+
+  std::vector<double> heights_;  // m
+  double per_cell_ = 0.0;        // 1/m
+  std::size_t mask_ = 0;         // cells - 1, a power of two less one
+};
+
+class Roughness final : public SurfaceEffect {
+ public:
+  Roughness(const Parameters& p, const EffectContext& context) : shortest_(p.number("shortest")) {
+    constexpr double longest_in_period = 8.0;
+    const double longest = p.number("longest"), period = longest_in_period * longest;
+    const auto first = static_cast<std::size_t>(longest_in_period);
+    const auto last = static_cast<std::size_t>(period / shortest_ * (1.0 + 1e-12));
+    const auto directions = static_cast<std::size_t>(p.integer("directions"));
+    RandomStream stream = context.stream("roughness");
+    Eigen::FFT<double> transform;
+    transform.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+    for (std::size_t j = 0; j < directions; ++j) {
+      const double angle = p.number("angle") + std::numbers::pi * static_cast<double>(j) / static_cast<double>(directions);
+      const double rms = p.number("height") / std::sqrt(static_cast<double>(directions));
+      ridges_.push_back(
+          {std::cos(angle), std::sin(angle), Profile(period, first, last, p.number("exponent"), rms, stream, transform)});
+    }
+  }
+
+  void displace(std::size_t count, const double* x, const double* y, const double* nz, double* gap) override {
+    for (const Ridges& ridges : ridges_) {
+      for (std::size_t i = 0; i < count; ++i) {
+        if (nz[i] == 1.0) gap[i] -= ridges.profile.at(ridges.cos * x[i] + ridges.sin * y[i]);
+      }
+    }
+  }
+
+  [[nodiscard]] double longest_step(double speed) const override { return step_per_wave(shortest_, speed); }
+
+ private:
+  struct Ridges {
+    double cos, sin;  // direction across them
+    Profile profile;
+  };
+
+  double shortest_;
+  std::vector<Ridges> ridges_;
+};
+
+void refuse_unordered(double shortest, double longest) {
+  constexpr double widest = 1000.0;
+  if (longest >= shortest && longest <= widest * shortest) return;
+  throw SceneValueError("effects", "longest of roughness is " + format_quantity(longest, Quantity::length) +
+                                       "; allowed is shortest (" + format_quantity(shortest, Quantity::length) +
+                                       ") to 1000 times that");
+}
+
+}  // namespace
+
+EffectKind roughness() {
+  return {
+      {"roughness",
+       "The surface is rough on many lengths at once, so that a sliding tip hears noise.",
+       "gap shrinks by h(x, y) = sum_j h_j(x cos a_j + y sin a_j), a_j = angle + pi j/directions\n"
+       "h_j(s) = sum_n a n^-exponent cos(2 pi n s/L + phase), waves L/n from longest to shortest, L = 8 longest, phases at "
+       "random; "
+       "rms of h: height\n"
+       "directions 1: a ground surface, ridges across angle; 2: rms of height and slope are the same along any way; 3: that of "
+       "curvature too. Slopes are small: the normal stays the plane's",
+       "power spectrum k^(-2 exponent) of a profile: self-affine with Hurst exponent H = exponent - 1/2 (Persson et al., J. "
+       "Phys.: "
+       "Condens. Matter 17 (2005) R1)",
+       {{"height",
+         ParameterType::number,
+         Quantity::length,
+         "5 um",
+         {0.0, 1e-3, false},
+         {},
+         1,
+         "rms height",
+         "assumed: 2 to 10 um"},
+        {"exponent",
+         ParameterType::number,
+         Quantity::none,
+         "2",
+         {0.0, 5.0, false},
+         {},
+         1,
+         "fall of the amplitude with the wave number",
+         "assumed: 1.3 is a self-affine surface of H = 0.8; a rounded tip rides over the short waves"},
+        {"shortest",
+         ParameterType::number,
+         Quantity::length,
+         "60 um",
+         positive,
+         {},
+         1,
+         "shortest wave; a step must not take a root further than a sixteenth of it",
+         "assumed: what 10 kHz resolves at 33 mm/s; a finer surface needs a shorter time_step"},
+        {"longest",
+         ParameterType::number,
+         Quantity::length,
+         "3 mm",
+         positive,
+         {},
+         1,
+         "longest wave, from `shortest` to 1000 times that",
+         "assumed: the size of a contact patch"},
+        {"directions",
+         ParameterType::integer,
+         Quantity::none,
+         "3",
+         {1.0, 8.0, false},
+         {},
+         1,
+         "profiles that cross each other at equal angles",
+         "3: the fewest that look alike along any way up to curvature"},
+        {"angle",
+         ParameterType::number,
+         Quantity::angle,
+         "0 deg",
+         any_value,
+         {},
+         1,
+         "direction across the first ridges, from the surface's X axis",
+         "assumed"}}},
+      [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
+        if (!context.flat_surface) throw SceneValueError("effects", "roughness needs a flat surface; allowed shapes: plane, box");
+        refuse_unordered(p.number("shortest"), p.number("longest"));
+        effects.surface.push_back(std::make_unique<Roughness>(p, context));
+      }};
+}
+
+}  // namespace slipbench

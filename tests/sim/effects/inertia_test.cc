@@ -1,0 +1,99 @@
+// Tips with mass in a field: what labels and sensors get, and what they cannot be joined with. The law itself: tests/oracle/inertia_test.cc.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "sim/effects/install.h"
+#include "sim/field/contact_labels.h"
+#include "tests/sim/effects/effect_rig.h"
+
+namespace slipbench::testing_effects::inertia_test {
+namespace {
+
+constexpr double k_n = 1000.0, k_t = 600.0, depth = 1e-3;
+
+TEST(InertiaLabels, TheMarginIsOfFrictionAndTheForceIsFelt) {
+  const double mu_s = 0.6, mu_k = 0.4, dt = 1e-4;
+  Field field = field_with(one_unit(k_n, k_t), {mu_s, mu_k}, {{"inertia", {{"damping", 0.05}}}});
+  ContactLabels labels(field.layout());
+  int slid = 0;
+  double farthest = 0.0;  // of what is felt from friction, in slip
+  for (int tick = 0; tick < 10000; ++tick) {
+    field.step(at(2e-6 * tick, 0.0, -depth), dt);
+    const ContactFrame& frame = labels.update({&field, 1}, tick * dt, dt);
+    const double friction = field.tangential_force(0).norm(), felt = -frame.force(0, 0);
+    EXPECT_NEAR(frame.margin[0], 1.0 - friction / (mu_s * k_n * depth), 1e-12);
+    EXPECT_GE(frame.margin[0], -1e-9);
+    EXPECT_DOUBLE_EQ(-frame.contact_force(0, 0), felt);
+    EXPECT_DOUBLE_EQ(-frame.force(0, 0), -field.wrench_on_pad().force.x());
+    if (frame.unit_state[0] != UnitState::slip) {
+      EXPECT_NEAR(felt, friction, 1e-9);
+      continue;
+    }
+    ++slid;
+    EXPECT_NEAR(friction, mu_k * k_n * depth, 1e-12);
+    farthest = std::max(farthest, std::abs(felt - friction));
+  }
+  // Half a swing of 2.8 ms or more in every cycle of at most 2 (mu_s - mu_k) f_n/(k_t v) = 33 ms besides, from 50 ms on: above 7 % of 9500.
+  EXPECT_GT(slid, 665);
+  // It starts to slip (mu_s - mu_k) f_n from its rest, and swings beyond that with the speed of the root.
+  EXPECT_GT(farthest, 0.9 * (mu_s - mu_k) * k_n * depth);
+}
+
+TEST(InertiaLabels, EveryChangeInsideAStepIsToldInOrder) {
+  // A step of 50 ms at 20 mm/s: 1 mm, several times what the tip stretches between two slips.
+  const double dt = 50e-3;
+  Field field = field_with(one_unit(k_n, k_t), {0.3, 0.2}, {{"inertia", {{"damping", 0.0}}}});
+  ContactLabels labels(field.layout());
+  std::size_t most = 0;
+  ElementState state = ElementState::detached;
+  for (int tick = 0; tick < 20; ++tick) {
+    field.step(at(1e-3 * tick, 0.0, -depth), dt);
+    double last = 0.0;
+    for (const ElementEvent& event : field.events()) {
+      EXPECT_GE(event.fraction, last);
+      EXPECT_EQ(event.from, state);
+      EXPECT_NE(event.to, state);
+      last = event.fraction;
+      state = event.to;
+    }
+    EXPECT_EQ(field.state(0), state);
+    const ContactFrame& frame = labels.update({&field, 1}, tick * dt, dt);
+    EXPECT_EQ(frame.unit_state[0], static_cast<UnitState>(static_cast<int>(state)));
+    most = std::max(most, field.events().size());
+  }
+  EXPECT_GE(most, 3U);
+}
+
+TEST(InertiaRefusals, NamesWhatItCannotBeJoinedWith) {
+  const auto refusal = [](const std::vector<std::string>& names, const PadLayout& pad, const Surface& surface) -> std::string {
+    std::vector<Named> effects;
+    for (const std::string& name : names) effects.push_back({name, defaults_of(kind_named(name).about.parameters)});
+    try {
+      install_effects(effects, pad, surface, 1, 0);
+    } catch (const SceneValueError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const PadLayout pad = one_unit(k_n, k_t);
+  const std::string why =
+      " cannot be named together: inertia moves the tips by a spring, a dashpot and the circular cone of its own; "
+      "allowed: one of them";
+  EXPECT_EQ(refusal({"inertia", "anisotropic_friction"}, pad, Plane{}), "effects: inertia and anisotropic_friction" + why);
+  EXPECT_EQ(refusal({"viscoelastic", "texture", "inertia"}, pad, Plane{}), "effects: inertia and viscoelastic" + why);
+  EXPECT_EQ(refusal({"inertia"}, pad, Box{{1.0, 1.0, 1.0}}), "effects: inertia needs a plane; allowed shapes: plane");
+  PadLayout damped = pad;
+  damped.elements.front().c_tangential = 1.0;
+  EXPECT_EQ(refusal({"inertia"}, damped, Plane{}),
+            "effects: inertia gives the elements dashpots (damping), and the sensor's have some of their own; allowed: a sensor "
+            "without");
+  EXPECT_EQ(refusal({"asperities"}, pad, Plane{}), "effects: asperities needs inertia");
+  EXPECT_EQ(refusal({"asperities", "inertia", "roughness", "patchy_friction"}, pad, Plane{}), "");
+}
+
+}  // namespace
+}  // namespace slipbench::testing_effects::inertia_test
