@@ -34,6 +34,7 @@ int export_command(const Options& options) {
   exporting.label_speed = options.label_speed;
   exporting.sensor = options.sensor;
   exporting.trial = options.trial;
+  exporting.rate = options.rate;
   const std::vector<std::string> files = export_dataset(options.dataset, options.output, exporting);
   if (options.json) {
     fmt::print("{}\n", nlohmann::ordered_json{{"files", files}}.dump());

@@ -70,11 +70,16 @@ Examples:
   slipbench report hexapod.h5 --trial 17 -o trial17.html)";
 
 constexpr std::string_view export_footer = R"(
-Formats:
+Formats of any sensor:
+  csv           one table a trial and sensor, with a header: time, every channel, the true state by each rule
+  npz           one numpy archive a trial, with every array of the dataset under its path there
+  robomimic     one HDF5 file of demonstrations at one rate: observations, actions, rewards, masks
+Formats of the PapillArray:
   vendor-csv    the log layout of the sensor vendor's own software, one file a trial
   training-csv  73 columns, no header, 1000 Hz, one file a trial: time, then contact, slip, displacement, force of each pillar
 
 Examples:
+  slipbench export hexapod.h5 --format npz --trial 3 -o arrays
   slipbench export hexapod.h5 --format training-csv -o training
   slipbench export hexapod.h5 --format vendor-csv --slip paper -o logs)";
 
@@ -174,10 +179,10 @@ auto parse_word(const std::string& command, const std::string& option, const std
 }
 
 // Reads a speed above zero, in m/s or with its unit.
-double parse_speed(const std::string& command, const std::string& option, const std::string& text) {
+double parse_quantity(const std::string& command, const std::string& option, const std::string& text, Quantity quantity) {
   ParameterSpec spec;
   spec.name = option;
-  spec.quantity = Quantity::speed;
+  spec.quantity = quantity;
   spec.range = positive;
   try {
     return std::get<double>(parse_scalar(spec, text));
@@ -225,7 +230,7 @@ std::vector<std::string> repeat_set(const std::vector<std::string>& arguments) {
 struct Parser {
   Options options;
   std::vector<std::string> sets;
-  std::optional<std::string> seed, trials, jobs, trial, output, junit, format, slip_rule, label_speed, compat, ties, record;
+  std::optional<std::string> seed, trials, jobs, trial, output, junit, format, slip_rule, label_speed, rate, compat, ties, record;
   std::optional<std::string> encoder, dimension, window, quantiser;
   bool context = false;
   bool no_context = false;
@@ -364,8 +369,10 @@ Parser::Parser() {
       ->option_text("RULE");
   exporting->add_option("--label-speed", label_speed, "Tip speed above which paper and has_slipped say slip (default: 0.1 mm/s)")
       ->option_text("SPEED");
-  exporting->add_option("--sensor", options.sensor, "The scene's name of the sensor (default: the only one)")
+  exporting->add_option("--sensor", options.sensor, "The scene's name of the sensor (default: all, or the only one)")
       ->option_text("NAME");
+  exporting->add_option("--rate", rate, "Rate of robomimic's demonstrations, e.g. '100 Hz' (default: the slowest sensor's)")
+      ->option_text("RATE");
   exporting->add_option("--trial", trial, "Trial to export (default: all)")->option_text("K");
 
   CLI::App* hd = command("hd", "Work with the hyperdimensional classifier", hd_footer);
@@ -512,7 +519,8 @@ Options parse_options(const std::vector<std::string>& arguments) {
   if ((command == "export" || command == "train") && options.output.empty()) throw InputError(command + ": --output is required");
   if (command == "train" || command == "eval") options.slip_rule = SlipRule::paper;
   if (parser.slip_rule) options.slip_rule = parse_slip_rule(*parser.slip_rule);
-  if (parser.label_speed) options.label_speed = parse_speed(command, "--label-speed", *parser.label_speed);
+  if (parser.label_speed) options.label_speed = parse_quantity(command, "--label-speed", *parser.label_speed, Quantity::speed);
+  if (parser.rate) options.rate = parse_quantity(command, "--rate", *parser.rate, Quantity::frequency);
   if (parser.compat) {
     options.hd_compat = parse_word(command, command == "train" ? "--compat" : "--encoder", *parser.compat, hd::compat_words);
   }

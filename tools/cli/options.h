@@ -41,6 +41,7 @@ struct Options {
   ExportFormat format{};                  // export
   SlipRule slip_rule = SlipRule::strict;  // export, train, eval; the last two have paper as their default
   std::optional<double> label_speed;      // export [m/s]
+  std::optional<double> rate;             // export [Hz]
   std::string sensor;                     // export, train, eval; empty: the only one
 
   // hd replay

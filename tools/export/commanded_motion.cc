@@ -50,7 +50,9 @@ double value_of(const std::string& name, const Json& swept, const YamlNode& root
   const auto spec = std::find_if(motion.parameters.begin(), motion.parameters.end(),
                                  [&](const ParameterSpec& candidate) { return candidate.name == name; });
   if (spec == motion.parameters.end() || spec->type != ParameterType::number) {
-    throw InputError(fmt::format("{}: its motion '{}' has no {}", file, motion.name, name));
+    throw InputError(
+        fmt::format("{}: its motion '{}' has no {}; allowed: a dataset whose pad is pressed and slides, such as that of a stage",
+                    file, motion.name, name));
   }
   if (const auto found = swept.find("motion." + name); found != swept.end() && found->is_number()) return found->get<double>();
   const YamlNode* written = node_at(root, std::vector<std::string>{"motion", name});

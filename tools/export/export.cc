@@ -2,29 +2,37 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
+#include <iterator>
 #include <set>
 #include <utility>
 
-#include <sys/stat.h>
-
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/dataset/arrays.h"
 #include "tools/dataset/content_check.h"
 #include "tools/dataset/guarded.h"
-#include "tools/dataset/output_file.h"
 #include "tools/dataset/reader.h"
 #include "tools/export/commanded_motion.h"
+#include "tools/export/npz.h"
+#include "tools/export/output_folder.h"
 #include "tools/export/papillarray_trial.h"
+#include "tools/export/robomimic.h"
+#include "tools/export/samples.h"
+#include "tools/export/table_csv.h"
 
 namespace slipbench {
 namespace {
 
-constexpr std::array<std::pair<const char*, ExportFormat>, 2> formats{
-    {{"vendor-csv", ExportFormat::vendor_csv}, {"training-csv", ExportFormat::training_csv}}};
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::pair<const char*, ExportFormat>, 5> formats{{{"csv", ExportFormat::csv},
+                                                                       {"npz", ExportFormat::npz},
+                                                                       {"robomimic", ExportFormat::robomimic},
+                                                                       {"vendor-csv", ExportFormat::vendor_csv},
+                                                                       {"training-csv", ExportFormat::training_csv}}};
 constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
                                                                  {"micro", SlipRule::micro},
                                                                  {"paper", SlipRule::paper},
@@ -45,13 +53,6 @@ auto parse_name(const Table& table, const std::string& name, const char* what) {
   throw InputError(fmt::format("unknown {} '{}'{}", what, name, allowed_names(name, words_of(table))));
 }
 
-void make_folder(const std::string& path) {
-  if (::mkdir(path.c_str(), 0777) == 0) return;
-  const int reason = errno;
-  if (reason == EEXIST && std::filesystem::is_directory(path)) return;
-  throw InputError(fmt::format("cannot make folder {}: {}", path, std::strerror(reason)));
-}
-
 // What is exported is what was written, or nothing.
 void check_files_of(const DatasetReader& reader, const std::vector<std::size_t>& trials) {
   std::set<std::size_t> files;
@@ -59,15 +60,9 @@ void check_files_of(const DatasetReader& reader, const std::vector<std::size_t>&
   for (const std::size_t file : files) check_content(reader, file);
 }
 
-void write_file(const DatasetReader& reader, const std::string& path, const TextKind& kind, const std::string& text) {
-  check_text_target(path, reader.files(), kind);
-  write_text_file(path, text);
-}
-
 double label_speed(const ExportOptions& options) { return options.label_speed.value_or(default_label_speed); }
 
-std::string export_vendor(const DatasetReader& reader, std::size_t trial, const std::string& out_dir,
-                          const ExportOptions& options) {
+std::string export_vendor(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   std::vector<SensorRecord> records;
   for (const std::string& name : papillarrays_of(reader, trial)) {
     if (options.sensor.empty() || options.sensor == name) records.push_back(reader.read_sensor(trial, name));
@@ -78,32 +73,72 @@ std::string export_vendor(const DatasetReader& reader, std::size_t trial, const 
   }
   std::vector<PapillarraySamples> sensors;
   for (const SensorRecord& record : records) sensors.emplace_back(record, options.slip_rule, label_speed(options));
-  const std::string path = fmt::format("{}/LOG_demo_{}.csv", out_dir, trial);
-  write_file(reader, path, {"log of the vendor's software", &begins_as_vendor_csv}, vendor_csv(sensors));
-  return path;
+  return out.write(fmt::format("LOG_demo_{}.csv", trial), {"log of the vendor's software", &begins_as_vendor_csv},
+                   vendor_csv(sensors));
 }
 
-std::string export_training(const DatasetReader& reader, std::size_t trial, const std::string& out_dir,
-                            const ExportOptions& options) {
+std::string export_training(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   const std::vector<std::string> names = papillarrays_of(reader, trial);
-  const std::string name = options.sensor.empty() && names.size() == 1 ? names.front() : options.sensor;
-  if (std::find(names.begin(), names.end(), name) == names.end()) {
+  const std::string wanted = options.sensor.empty() && names.size() == 1 ? names.front() : options.sensor;
+  if (std::find(names.begin(), names.end(), wanted) == names.end()) {
     throw InputError(
         fmt::format("trial {}: training-csv holds one papillarray; which? allowed: {}", trial, fmt::join(names, ", ")));
   }
   const TrialRecord record = reader.read_trial(trial);
   const auto sensor = std::find_if(record.sensors.begin(), record.sensors.end(),
-                                   [&](const SensorRecord& candidate) { return candidate.name == name; });
+                                   [&](const SensorRecord& candidate) { return candidate.name == wanted; });
   const auto pad = std::find_if(record.bodies.begin(), record.bodies.end(),
                                 [](const BodyRecord& candidate) { return candidate.name == "pad"; });
   if (pad == record.bodies.end()) throw InputError(fmt::format("trial {}: has no truth/pad, which tells the move", trial));
   const PapillarraySamples samples(*sensor, options.slip_rule, label_speed(options));
-  const std::filesystem::path path =
-      std::filesystem::path(out_dir) / training_file_name(trial, commanded_motion(reader, trial), *pad, record.body_time);
-  const std::string text = training_csv(samples, sensor->rate);
-  make_folder(path.parent_path().string());
-  write_file(reader, path.string(), {"file of 73 columns", &begins_as_training_csv}, text);
-  return path.string();
+  const std::string name = training_file_name(trial, commanded_motion(reader, trial), *pad, record.body_time);
+  return out.write(name, {"file of 73 columns", &begins_as_training_csv}, training_csv(samples, sensor->rate));
+}
+
+std::vector<std::string> export_tables(const DatasetReader& reader, std::size_t trial, OutputFolder& out,
+                                       const ExportOptions& options) {
+  std::vector<std::string> files;
+  for (const std::string& sensor : chosen_sensors(reader, trial, options.sensor)) {
+    for (const CsvTable& table : table_csv(reader.read_sensor(trial, sensor))) {
+      const std::string channel = table.channel.empty() ? "" : "-" + table.channel;
+      files.push_back(out.write(fmt::format("demo_{}-{}{}.csv", trial, sensor, channel),
+                                {"table of a sensor", &begins_as_table_csv}, table.text));
+    }
+  }
+  return files;
+}
+
+// What the arrays of a trial do not say.
+std::string about_trial(const DatasetReader& reader, const TrialRecord& record) {
+  const DemoInfo info = reader.info(record.trial);
+  Json about{
+      {"slipbench", reader.header().version}, {"trial", record.trial}, {"seed", info.seed}, {"params", Json::parse(info.params)},
+      {"outcome", Json::parse(info.outcome)}, {"split", nullptr}};
+  for (const char* part : {"train", "valid", "test"}) {
+    const std::vector<std::size_t> members = reader.mask(part);
+    if (std::find(members.begin(), members.end(), record.trial) != members.end()) about["split"] = part;
+  }
+  for (const SensorRecord& sensor : record.sensors) {
+    about["sensors"][sensor.name] = {
+        {"type", sensor.type}, {"rate_hz", sensor.rate}, {"frame", sensor.frame}, {"channel_names", sensor.channel_names}};
+  }
+  for (const ArrayView& array : arrays_of(record)) about["units"][array.path] = array.unit;
+  return about.dump();
+}
+
+std::string export_archive(const DatasetReader& reader, std::size_t trial, OutputFolder& out) {
+  const TrialRecord record = reader.read_trial(trial);
+  return out.write(fmt::format("demo_{}.npz", trial), {"numpy archive of a trial", &begins_as_npz},
+                   npz(record, about_trial(reader, record)));
+}
+
+std::string export_robomimic(const DatasetReader& reader, const std::vector<std::size_t>& trials, OutputFolder& out,
+                             const ExportOptions& options) {
+  static_cast<void>(chosen_sensors(reader, trials.front(), options.sensor));
+  const std::string path = out.prepare("robomimic.hdf5");
+  check_robomimic_target(path, reader.files());
+  write_robomimic(reader, trials, path, {options.sensor, options.rate});
+  return path;
 }
 
 std::vector<std::string> export_trials(const std::string& dataset_path, const std::string& out_dir,
@@ -112,12 +147,17 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
   if (reader.trials().empty()) throw InputError(fmt::format("{}: holds no trial", dataset_path));
   const std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
   check_files_of(reader, trials);
-  make_folder(out_dir);
+  for (const std::size_t trial : trials) reader.check_recorded(trial);
+  OutputFolder out(out_dir, reader.files());
+  if (options.format == ExportFormat::robomimic) return {export_robomimic(reader, trials, out, options)};
   std::vector<std::string> files;
   for (const std::size_t trial : trials) {
     switch (options.format) {
-      case ExportFormat::vendor_csv: files.push_back(export_vendor(reader, trial, out_dir, options)); break;
-      case ExportFormat::training_csv: files.push_back(export_training(reader, trial, out_dir, options)); break;
+      case ExportFormat::csv: std::ranges::move(export_tables(reader, trial, out, options), std::back_inserter(files)); break;
+      case ExportFormat::npz: files.push_back(export_archive(reader, trial, out)); break;
+      case ExportFormat::vendor_csv: files.push_back(export_vendor(reader, trial, out, options)); break;
+      case ExportFormat::training_csv: files.push_back(export_training(reader, trial, out, options)); break;
+      case ExportFormat::robomimic: break;  // is one file
     }
   }
   return files;
@@ -140,6 +180,16 @@ std::vector<std::string> export_dataset(const std::string& dataset_path, const s
         fmt::format("a label speed was given, which the slip rule '{}' does not have; allowed: --label-speed with "
                     "--slip paper or --slip has_slipped",
                     slip_rule_name(options.slip_rule)));
+  }
+  const bool pillars_only = options.format == ExportFormat::vendor_csv || options.format == ExportFormat::training_csv;
+  if (!pillars_only && options.slip_rule != SlipRule::strict) {
+    throw InputError("this format holds the state by every rule; allowed: --slip with vendor-csv and training-csv");
+  }
+  if (options.rate && options.format != ExportFormat::robomimic) {
+    throw InputError("a rate was given, at which only robomimic is sampled; allowed: --rate with --format robomimic");
+  }
+  if (!options.sensor.empty() && options.format == ExportFormat::npz) {
+    throw InputError("npz holds all sensors of a trial; allowed: --sensor with the other formats");
   }
   // A path holds no zero byte, which therefore ends each in what the child process hands back.
   const std::string names = guarded(dataset_path, [&] {

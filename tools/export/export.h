@@ -8,8 +8,11 @@
 namespace slipbench {
 
 enum class ExportFormat {
-  vendor_csv,    // the log of the vendor's visualisation software
-  training_csv,  // the 73 columns of the published training code
+  csv,           // a table a trial and sensor, with a header
+  npz,           // a numpy archive a trial
+  robomimic,     // one HDF5 file of demonstrations
+  vendor_csv,    // PapillArray: the log of the vendor's visualisation software
+  training_csv,  // PapillArray: the 73 columns of the published training code
 };
 
 // When a pillar counts as slipping.
@@ -26,8 +29,9 @@ struct ExportOptions {
   ExportFormat format = ExportFormat::vendor_csv;
   SlipRule slip_rule = SlipRule::strict;
   std::optional<double> label_speed;  // m/s, only with paper and has_slipped; empty: default_label_speed
-  std::string sensor;                 // training_csv: which; empty: the only PapillArray of the dataset
+  std::string sensor;                 // empty: all; of training_csv the only PapillArray. npz has all
   std::optional<std::size_t> trial;   // empty: all
+  std::optional<double> rate = {};    // Hz, robomimic: of the demonstrations; empty: that of the slowest sensor
 };
 
 // The formats' and rules' names on the command line: "vendor-csv", "strict". The parsers throw InputError with the nearest name.
@@ -39,8 +43,8 @@ std::string slip_rule_name(SlipRule rule);
 
 // Writes the trials of a dataset to `out_dir`, which is made if it is missing (its parent is not), and returns the files written.
 // Each file appears under its name only when it is whole. Throws InputError when the options contradict each other, the dataset
-// is damaged or does not fit the format, or a file cannot be written; files that were finished before stay. Reads in a child
-// process (tools/dataset/guarded.h).
+// is damaged or does not fit the format, a trial has no recording, or a file cannot be written; files that were finished before stay, and
+// a folder in which none was is not left behind. Reads in a child process (tools/dataset/guarded.h).
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
                                         const ExportOptions& options);
 

@@ -119,6 +119,9 @@ TEST(Options, ReportAndExport) {
   EXPECT_EQ(exported.format, ExportFormat::training_csv);
   EXPECT_EQ(exported.slip_rule, SlipRule::strict);
   EXPECT_EQ(exported.output, "dir");
+  EXPECT_FALSE(exported.rate);
+  EXPECT_EQ(parse_options({"export", "a.h5", "--format", "robomimic", "-o", "dir", "--rate", "0.1 kHz"}).rate, 100.0);
+  EXPECT_THAT(refusal({"export", "a.h5", "--format", "robomimic", "-o", "dir", "--rate", "5 N"}), HasSubstr("export: --rate"));
 }
 
 TEST(Options, ExportReadsTheRuleAndItsSpeed) {
