@@ -30,6 +30,10 @@ function(slipbench_install)
     install(TARGETS slipbench_plugin LIBRARY DESTINATION ${SLIPBENCH_PLUGIN_DIR})
   endif()
 
+  if(SLIPBENCH_WITH_TORCH)
+    install(TARGETS slipbench_torch LIBRARY DESTINATION ${SLIPBENCH_PLUGIN_DIR})
+  endif()
+
   install(EXPORT slipbenchTargets NAMESPACE slipbench:: DESTINATION ${package_dir})
   configure_package_config_file(
     ${PROJECT_SOURCE_DIR}/cmake/slipbenchConfig.cmake.in ${PROJECT_BINARY_DIR}/slipbenchConfig.cmake
