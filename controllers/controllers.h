@@ -15,6 +15,7 @@ struct GripSource {
   double preset = 0.0;              // N, the force with which the box is taken: the scene's grip.preset
   bool detected = true;             // the scene has a detector; without one every estimate is that of no contact
   std::vector<Feature> features{};  // what the estimates hold that update() will be handed: Detector::features()
+  bool guided = false;              // the scene's motion takes GripCommand::arm; elsewhere a controller must command none
 };
 
 // A controller that a scene may name.

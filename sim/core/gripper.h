@@ -1,10 +1,18 @@
-// What a controller reads from a gripper and writes to it: the registers of a Robotiq 2F-85 (shared SENSORS.md, section 5).
+// What a controller reads from a gripper and writes to it and to the arm that carries it: the registers of a Robotiq 2F-85 (shared SENSORS.md, section 5).
 #pragma once
+
+#include <optional>
 
 namespace slipbench {
 
 // Registers hold one byte.
 inline constexpr int max_register = 255;
+
+// How fast the arm that carries the gripper is to move on: horizontally, square to the fingers' closing direction, and up.
+struct ArmCommand {
+  double sideways = 0.0;  // m/s
+  double up = 0.0;        // m/s
+};
 
 // What a read of the status returns.
 struct GripperStatus {
@@ -19,6 +27,8 @@ struct GripCommand {
   int position = 0;  // rPR, counts
   int speed = 0;     // rSP, 0 slowest
   int force = 0;     // rFR, 0 weakest
+  // What goes to the arm with it, where the scene's motion is guided; empty: nothing is said to the arm, which goes on as told before.
+  std::optional<ArmCommand> arm{};
 };
 
 }  // namespace slipbench

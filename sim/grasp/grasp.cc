@@ -96,7 +96,8 @@ PadLayout box_corners(const Parameters& box, const Eigen::Vector3d& box_size) {
 
 double ideal_grip_force(const Scene& scene, double friction_scale, double gravity) {
   const double mu = scene.friction.static_coefficient * friction_scale;
-  return mu > 0.0 ? 0.5 * scene.grasp->box.number("mass") * gravity / mu : std::numeric_limits<double>::infinity();
+  const double mass = scene.grasp->box.number("mass") + scene.grasp->box.number("weight");
+  return mu > 0.0 ? 0.5 * mass * gravity / mu : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace slipbench

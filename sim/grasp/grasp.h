@@ -31,7 +31,7 @@ PadLayout second_pad(const Parameters& grip, const PadLayout& sensor);
 // table carry the box, with the entry `box`'s stiffness together.
 PadLayout box_corners(const Parameters& box, const Eigen::Vector3d& box_size);
 
-// The least force of either pad that can hold the box, m g/(2 mu_s) [N]: both pads carry mu_s times their force. `friction_scale`: of the
+// The least force of either pad that can hold the box with its weight, m g/(2 mu_s) [N]: both pads carry mu_s times their force. `friction_scale`: of the
 // trial (Grasp). Infinite without friction.
 double ideal_grip_force(const Scene& scene, double friction_scale, double gravity);
 

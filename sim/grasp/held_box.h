@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "sim/grasp/gripper.h"
+#include "sim/motion/guided.h"
 
 namespace slipbench {
 
@@ -16,7 +17,8 @@ struct GraspTruth {
   double table_force = 0.0;                        // N, with which the table carries the box
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();  // m, of the box's middle in the arm's frame since the lift began; 0 before
   double rotation = 0.0;                           // rad, of the box in the arm's frame since then
-  bool dropped = false;                            // see below; from the tick on at which it was
+  double tilt = 0.0;     // rad, between the box's own axis Y and the vertical: 0 upright, pi/2 where Y is level
+  bool dropped = false;  // see below; from the tick on at which it was
 };
 
 class HeldBox {
@@ -29,7 +31,9 @@ class HeldBox {
   // The least force of either pad that could hold the trial's box [N]: m g/(2 mu_s), mu_s the trial's, upwards, without what effects add to
   // it in time and place; infinite without friction.
   [[nodiscard]] virtual double ideal_force() const = 0;
-  // When the lift begins [s].
+  // The arm that a controller commands; null where it moves as the scene prescribes.
+  [[nodiscard]] virtual Guided* arm() { return nullptr; }
+  // When the lift begins [s]; infinite as long as a guided arm has not been told to rise.
   [[nodiscard]] virtual double lift_start() const = 0;
 
  protected:

@@ -1,5 +1,6 @@
 #include "sim/motion/motion.h"
 
+#include "sim/motion/guided.h"
 #include "sim/motion/lift.h"
 #include "sim/motion/press.h"
 #include "sim/motion/stage.h"
@@ -9,10 +10,7 @@ namespace slipbench {
 
 const std::vector<MotionKind>& motion_catalogue() {
   static const std::vector<MotionKind> kinds{
-      stage_motion(),
-      lift_motion(),
-      wander_motion(),
-      press_motion(),
+      stage_motion(), lift_motion(), guided_motion(), wander_motion(), press_motion(),
   };
   return kinds;
 }

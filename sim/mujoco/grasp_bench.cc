@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -25,6 +26,7 @@ constexpr const char* box_name = "box";
 constexpr const char* table_name = "table";
 constexpr const char* second_pad_name = "second_pad";
 constexpr const char* corners_name = "box_corners";
+constexpr double never = std::numeric_limits<double>::infinity();
 constexpr double corner_damping = 3e-4;  // s, of the dashpots beside their springs (assumed)
 
 BodyScene body(const char* name, const char* shape) {
@@ -59,6 +61,8 @@ Scene laid_out(const Scene& scene, const Grasp& grasp) {
   held.shape.parameters.set("position", values(grasp.box_position));
   held.shape.parameters.set("centre_of_mass", values(grasp.centre_of_mass));
   held.shape.parameters.set("mass", box.number("mass"));
+  held.shape.parameters.set("weight", box.number("weight"));
+  held.shape.parameters.set("weight_place", box.vector("weight_place"));
   result.bodies = {std::move(table), std::move(held)};
 
   SensorScene second, corners;
@@ -101,7 +105,8 @@ struct GraspBench::State {
       : grasp(draw_grasp(*scene.grasp, scene.seed, trial)),
         gripper(scene.grasp->grip, grasp.opening, grasp.phase),
         motion(make_motion(scene, trial)),
-        lift(lift_times(scene.motion.parameters)),
+        guided(dynamic_cast<Guided*>(motion.get())),
+        lift(guided != nullptr ? LiftTimes{never, never} : lift_times(scene.motion.parameters)),
         spring(finger_spring(scene.grasp->grip)),
         layouts{layout, second_pad(scene.grasp->grip, layout), box_corners(scene.grasp->box, grasp.box_size)} {
     const Parameters& grip = scene.grasp->grip;
@@ -141,6 +146,7 @@ struct GraspBench::State {
     start_height = grasp.box_position.z();
   }
 
+  [[nodiscard]] double lift_start() const { return guided != nullptr ? guided->lift_start() : lift.start; }
   void drive(double time);
   void observe(double time);
   [[nodiscard]] BodyState finger_now(const Finger& finger) const;
@@ -152,7 +158,8 @@ struct GraspBench::State {
   Grasp grasp;
   Gripper gripper;
   std::unique_ptr<Motion> motion;  // of the arm
-  LiftTimes lift;
+  Guided* guided;                  // the same, where the controller commands it
+  LiftTimes lift;                  // of one that is prescribed
   FingerSpring spring;
   std::array<PadLayout, 3> layouts;  // the sensor's, the second pad's, the corners'
   std::unique_ptr<DynamicBench> bench;
@@ -236,7 +243,8 @@ void GraspBench::State::observe(double time) {
   truth.grip_force = 0.5 * (truth.pad_force[0] + truth.pad_force[1]);
   truth.box_height = held.position.z() - start_height;
   truth.table_force = total(corners->fields().front());
-  if (time < lift.start) return;
+  truth.tilt = std::acos(std::min(1.0, std::abs(held.rotation(2, 1))));
+  if (time < lift_start()) return;
   const Pose in_arm = arm.inverse() * held;
   if (!std::exchange(lifting, true)) taken = in_arm;
   truth.slip = in_arm.position - taken.position;
@@ -259,11 +267,12 @@ const ContactFrame& GraspBench::contact(std::size_t pad) const { return state_->
 const std::vector<NamedBody>& GraspBench::bodies() const { return state_->bodies; }
 bool GraspBench::rotating() const { return state_->motion->turns(); }
 Gripper& GraspBench::gripper() { return state_->gripper; }
+Guided* GraspBench::arm() { return state_->guided; }
 const GraspTruth& GraspBench::truth() const { return state_->truth; }
 const Grasp& GraspBench::grasp() const { return state_->grasp; }
 double GraspBench::friction_scale() const { return state_->grasp.friction_scale; }
 double GraspBench::ideal_force() const { return state_->ideal; }
-double GraspBench::lift_start() const { return state_->lift.start; }
+double GraspBench::lift_start() const { return state_->lift_start(); }
 DynamicBench& GraspBench::dynamics() { return *state_->bench; }
 
 void GraspBench::step() {

@@ -24,7 +24,8 @@ namespace slipbench {
 // depend on the tick at which it was asked.
 //
 // Dropped: after the lift has begun, at the first tick at which the table does not carry the box and a pad does not touch it; or, once the
-// arm has risen, at which the table carries it. While the box stands, a pad that is off may come back: nothing is lost yet.
+// arm has risen, at which the table carries it. While the box stands, a pad that is off may come back: nothing is lost yet. An arm that a
+// controller commands (motion guided) has never risen for good: the box may turn on the table, and be put down.
 //
 // Besides the rules of watch.h a run is ended when a pad presses harder than the fingers can make it: beyond twice the largest force that a
 // finger's spring has had, as a mass that falls onto a spring, and what stops a finger that closes at the fastest speed, v sqrt(k m).
@@ -48,6 +49,7 @@ class GraspBench final : public Bench, public HeldBox {
   [[nodiscard]] HeldBox* held_box() override { return this; }
 
   [[nodiscard]] Gripper& gripper() override;
+  [[nodiscard]] Guided* arm() override;
   [[nodiscard]] const GraspTruth& truth() const override;
   [[nodiscard]] double ideal_force() const override;
   [[nodiscard]] double lift_start() const override;

@@ -389,17 +389,28 @@ class Builder {
     }
   }
 
-  // Instead of the geom's own mass, where the box's centre is not its middle.
+  // Instead of the geom's own mass, where the box's centre is not its middle, or a weight is in it. About the common centre of two masses
+  // m and w, r apart, I = I_m + m w/(m + w) (r^2 1 - r r^T): parallel axes, the weight a point.
   static void put_mass_at(mjsBody* body, const Parameters& box) {
-    const std::vector<double>&centre = box.vector("centre_of_mass"), &size = box.vector("size");
-    if (centre == std::vector<double>(3, 0.0)) return;
+    const auto centre = Eigen::Vector3d::Map(box.vector("centre_of_mass").data());
+    const double mass = box.number("mass"), weight = box.number("weight");
+    if (centre.isZero(0.0) && weight == 0.0) return;
+    const std::vector<double>& size = box.vector("size");
+    const Eigen::Vector3d apart = Eigen::Vector3d::Map(box.vector("weight_place").data()) - centre;
+    const Eigen::Matrix3d turned =
+        mass * weight / (mass + weight) * (apart.squaredNorm() * Eigen::Matrix3d::Identity() - apart * apart.transpose());
     body->explicitinertial = 1;
-    body->mass = box.number("mass");
-    std::ranges::copy(centre, body->ipos);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double a = size[(k + 1) % 3], b = size[(k + 2) % 3];
-      body->inertia[k] = body->mass / 12.0 * (a * a + b * b);
+    body->mass = mass + weight;
+    mju_copy3(body->ipos, Eigen::Vector3d(centre + weight / (mass + weight) * apart).eval().data());
+    for (int k = 0; k < 3; ++k) {
+      const double a = size[static_cast<std::size_t>((k + 1) % 3)], b = size[static_cast<std::size_t>((k + 2) % 3)];
+      body->inertia[k] = mass / 12.0 * (a * a + b * b) + turned(k, k);
     }
+    const Eigen::Vector3d products(turned(0, 1), turned(0, 2), turned(1, 2));
+    if (products.isZero(0.0)) return;
+    mju_copy3(body->fullinertia, body->inertia);
+    mju_zero3(body->inertia);  // MuJoCo takes the one or the other
+    mju_copy3(body->fullinertia + 3, products.data());
   }
 
   static void add_stage(mjSpec* spec) {

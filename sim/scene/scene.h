@@ -56,6 +56,9 @@ struct ControlScene {
   std::vector<Point> points;  // in order of time, at least one
 };
 
+// The motion of a grasp's arm whose speed the controller commands.
+inline constexpr std::string_view guided_motion_name = "guided";
+
 // A gripper that takes a box from a table: the entries of the catalogue `grasp`.
 struct GraspScene {
   Parameters grip, box;
@@ -93,6 +96,8 @@ struct Scene {
   std::optional<Named> controller = {};  // of a grasp; empty: none, the fingers stay where they begin
   std::optional<GraspScene> grasp = {};  // without a model and bodies: it brings its own
 
+  // Whether the controller commands the arm.
+  [[nodiscard]] bool guided() const { return motion.name == guided_motion_name; }
   // Whether anything moves by forces.
   [[nodiscard]] bool dynamic() const { return !model.empty() || !bodies.empty() || grasp.has_value(); }
 };

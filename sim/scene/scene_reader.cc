@@ -18,8 +18,8 @@ constexpr std::string_view schema_version = "1";
 constexpr double max_steps = 1e8;
 constexpr std::size_t max_sensors = 64;
 
-// The motion of a grasp's arm, which is no motion of a stage.
-constexpr const char* arm_motion = "lift";
+// The motions of a grasp's arm, the usual one first, which are no motions of a stage.
+constexpr std::array<std::string_view, 2> arm_motions{"lift", guided_motion_name};
 
 // Keys that only a scene with bodies that move by forces may have: of the scene, and of its sensors.
 constexpr std::array<std::string_view, 3> dynamic_keys{"controls", "field_solver", "gravity"};
@@ -52,8 +52,8 @@ class SceneReader : EntryReader {
     scene.seed = read_seed(root);
     const Material& material = read_surface(root.find("surface"), scene);
     scene.friction = read_friction(root.find("friction"), material);
-    scene.motion =
-        read_kind(root.find("motion"), "motion", "kind", scene.grasp ? arm_motion : "stage", catalogues_.motions, "motion", {});
+    scene.motion = read_kind(root.find("motion"), "motion", "kind", scene.grasp ? std::string(arm_motions.front()) : "stage",
+                             catalogues_.motions, "motion", {});
     refuse_motion_of_other_bench(root, scene);
     scene.sensors = read_sensors(root);
     read_dynamics(root, scene);
@@ -241,12 +241,13 @@ class SceneReader : EntryReader {
   }
 
   static void refuse_motion_of_other_bench(const YamlNode& root, const Scene& scene) {
-    if ((scene.motion.name == arm_motion) == scene.grasp.has_value()) return;
+    const bool of_arm = std::ranges::find(arm_motions, scene.motion.name) != arm_motions.end();
+    if (of_arm == scene.grasp.has_value()) return;
     const YamlNode& node = *root.find("motion");
     const YamlNode* kind = node.find("kind");
     fail(kind == nullptr ? node.origin : kind->origin,
-         scene.grasp ? "motion " + quote(scene.motion.name) + " moves no arm; a scene with 'grip' or 'box' allows: " + arm_motion
-                     : "motion " + quote(arm_motion) + " moves the arm of a grasp: a scene with 'grip' or 'box'");
+         scene.grasp ? "motion " + quote(scene.motion.name) + " moves no arm; a scene with 'grip' or 'box' allows: lift, guided"
+                     : "motion " + quote(scene.motion.name) + " moves the arm of a grasp: a scene with 'grip' or 'box'");
   }
 
   // What a scene says of bodies that move by forces.

@@ -8,6 +8,7 @@
 
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
+#include "sim/scene/scene.h"
 #include "tools/cli/suggestion.h"
 
 namespace slipbench {
@@ -224,7 +225,7 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
     return entry.name == "scatter" ? "grip: {}\n" + key : key;
   }
   if (item.kind.plural == motions.plural) {
-    const std::string arm = entry.name == "lift" ? "grip: {}\n" : "";
+    const std::string arm = entry.name == "lift" || entry.name == guided_motion_name ? "grip: {}\n" : "";
     return arm + fmt::format("motion:\n  kind: {}\n", entry.name) + parameter_lines(entry, 2);
   }
   return fmt::format("sensors:\n  pad:\n    type: {}\n    electronics:\n", item.sensor) + list_item(entry, 6);

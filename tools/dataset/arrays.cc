@@ -81,6 +81,7 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
     };
     for_each_control_column(*record.control, add);
     if (record.outcome.grasp) for_each_grip_column(record.control->grip, add);
+    if (record.outcome.grasp && record.outcome.grasp->turn) for_each_arm_column(record.control->grip, add);
   }
   std::sort(arrays.begin(), arrays.end(), [](const ArrayView& a, const ArrayView& b) { return a.path < b.path; });
   return arrays;

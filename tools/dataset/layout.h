@@ -74,6 +74,12 @@ void for_each_grip_column(Grip& grip, Visit&& visit) {
   visit("grip_force", "N", Extents{}, grip.grip_force);
 }
 
+// The same for what only a grasp with a guided arm has.
+template <class Grip, class Visit>
+void for_each_arm_column(Grip& grip, Visit&& visit) {
+  visit("arm_speed", "m/s", Extents{2}, grip.arm);
+}
+
 inline constexpr const char* control_group = "control";
 inline std::string sensor_group(const std::string& sensor) { return "sensors/" + sensor; }
 // Where the time of a channel stands that has one of its own.

@@ -329,9 +329,9 @@ struct DatasetReader::State {
     return labels;
   }
 
-  // The control loop of a demo, empty where it has none. `sensors`: those of the demo. `grasp`: it is one, so the gripper has columns.
+  // The control loop of a demo, empty where it has none. `sensors`: those of the demo. `grasp`: it is one, so the gripper has columns, and a guided arm one.
   [[nodiscard]] static std::optional<ControlRecord> read_control(const Place& demo, const std::vector<SensorRecord>& sensors,
-                                                                 bool grasp) {
+                                                                 const std::optional<GraspOutcome>& grasp) {
     const Place place = demo.below(control_group);
     if (H5Lexists(place.file, place.object.c_str(), H5P_DEFAULT) <= 0) return std::nullopt;
     const Handle group = open_object(place);
@@ -351,6 +351,7 @@ struct DatasetReader::State {
     };
     for_each_control_column(control, read);
     if (grasp) for_each_grip_column(control.grip, read);
+    if (grasp && grasp->turn) for_each_arm_column(control.grip, read);
     static_cast<void>(count_states(place.below("detector_class"), control.detector_class));
     const auto sensor = std::find_if(sensors.begin(), sensors.end(),
                                      [&](const SensorRecord& candidate) { return candidate.name == control.sensor; });
@@ -510,7 +511,7 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
     }
     record.bodies.push_back(std::move(columns));
   }
-  record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp.has_value());
+  record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp);
   return record;
 }
 

@@ -52,6 +52,12 @@ std::string outcome_json(const TrialOutcome& outcome) {
   json["dropped"] = outcome.grasp ? Json(outcome.grasp->dropped) : Json(nullptr);
   for_each_grasp_number(outcome.grasp.value_or(no_grasp),
                         [&json](const char* key, double value) { json[key] = nullable(value); });
+  if (outcome.grasp && outcome.grasp->turn) {
+    const TurnOutcome& turn = *outcome.grasp->turn;
+    json["tilt_rad"] = turn.tilt;
+    json["least_tilt_rad"] = turn.least_tilt;
+    json["standing"] = turn.standing;
+  }
   json["touch_time_s"] = nullable(outcome.touch_time);
   json["first_micro_slip_time_s"] = nullable(outcome.first_micro_slip_time);
   json["first_slip_time_s"] = nullable(outcome.first_slip_time);
@@ -79,6 +85,11 @@ TrialOutcome parse_outcome(const std::string& text) {
       outcome.grasp = no_grasp;
       outcome.grasp->dropped = dropped.get<bool>();
       for_each_grasp_number(*outcome.grasp, [&json](const char* key, double& value) { value = number_or_nan(json.at(key)); });
+      if (json.contains("standing")) {
+        outcome.grasp->turn = {.tilt = json.at("tilt_rad").get<double>(),
+                               .least_tilt = json.at("least_tilt_rad").get<double>(),
+                               .standing = json.at("standing").get<bool>()};
+      }
     }
     return outcome;
   } catch (const nlohmann::json::exception& error) {

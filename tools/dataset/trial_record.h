@@ -82,6 +82,7 @@ struct GripRecord {
                                       // position at which the fingers stand
   std::vector<std::uint8_t> measured_position;  // [T] counts, of the latest read
   std::vector<float> grip_force;                // [T] N, true: mean of both pads' normal forces
+  std::vector<float> arm;                       // [T,2] m/s, written last: sideways, up; empty where the motion is prescribed
 };
 
 // What the loop saw and did, at the samples of the sensor that it reads.
@@ -105,6 +106,13 @@ struct BodyRecord {
   std::vector<double> size = {};  // [3] m, its extent along its own axes; empty: not said
 };
 
+// How a box stood that a guided arm has turned on its table.
+struct TurnOutcome {
+  double tilt = 0.0;        // rad, at the trial's end, between the box's own axis Y and the vertical
+  double least_tilt = 0.0;  // rad, the least of the trial
+  bool standing = false;    // at the trial's end no pad touches it, the table carries it, and it is upright to 5 degrees
+};
+
 // How a grasp ended. NaN: it never happened, or does not apply.
 struct GraspOutcome {
   bool dropped = false;
@@ -120,6 +128,7 @@ struct GraspOutcome {
   // s, from the first tick of the lift at which a unit of the sensor's pad truly slips until a command that follows from a later read, and
   // closes further, begins to act; NaN: none before the drop.
   double reaction_time = std::numeric_limits<double>::quiet_NaN();
+  std::optional<TurnOutcome> turn = {};  // empty where the arm's motion is prescribed
 };
 
 // How a trial ended. NaN: it never happened. With several sensors the earliest time and the largest distance count.
@@ -141,7 +150,8 @@ struct TrialOutcome {
 
 // The JSON object of a demo's attribute `outcome`: touch_time_s, first_micro_slip_time_s, first_slip_time_s, gross_slip_time_s,
 // max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s; and of a grasp, null without one: dropped, drop_time_s,
-// slip_translation_m, slip_rotation_rad, max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s.
+// slip_translation_m, slip_rotation_rad, max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s; and only where the arm is guided: tilt_rad,
+// least_tilt_rad, standing.
 std::string outcome_json(const TrialOutcome& outcome);
 // The inverse. A dataset of a version without detectors has none of their keys. Throws InputError when `text` is no such object.
 TrialOutcome parse_outcome(const std::string& text);

@@ -133,8 +133,10 @@ Json grasp_parameters(const std::string& scene, const Json& overrides, const Jso
   for (const Entry& entry : grasp_catalogue()) {
     if (entry.name != "scatter" || rows.at({"scatter"}) != nullptr) rows.add({entry.name}, entry);
   }
-  const auto lift = std::ranges::find_if(motion_catalogue(), [](const MotionKind& kind) { return kind.about.name == "lift"; });
-  if (lift != motion_catalogue().end()) rows.add({"motion"}, lift->about);
+  const YamlNode* kind = rows.at({"motion", "kind"});
+  const std::string arm = kind == nullptr ? "lift" : kind->text;
+  const auto motion = std::ranges::find_if(motion_catalogue(), [&](const MotionKind& known) { return known.about.name == arm; });
+  if (motion != motion_catalogue().end()) rows.add({"motion"}, motion->about);
   rows.add_material();
   rows.add_friction("static", "friction coefficient");
   rows.add_friction("kinetic", "friction coefficient of what slides");

@@ -1,6 +1,7 @@
 #include "tools/run/grip_loop.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 namespace slipbench {
@@ -21,11 +22,19 @@ void GripLoop::act(double time) {
       input_.gripper = gripper.read();
       next_ = controller_->update(input_);
     } else {
+      if (next_.arm) command_arm(gripper.next_write(), *next_.arm);
       const double acts = gripper.next_write() + gripper.latency();
       const GripCommand before = std::exchange(written_, gripper.write(next_));
       if (written_.position > std::max(before.position, input_.gripper.position)) tightening_ = {input_.gripper.time, acts};
     }
   }
+}
+
+void GripLoop::command_arm(double time, const ArmCommand& command) {
+  Guided* arm = box_.arm();
+  if (arm == nullptr) throw std::logic_error("a controller commands an arm that moves as the scene prescribes");
+  arm->write(time, command);
+  told_arm_ = command;
 }
 
 }  // namespace slipbench

@@ -1,4 +1,4 @@
-// The loop of a grasp: what is read from the gripper, what the controller makes of it, what is written.
+// The loop of a grasp: what is read from the gripper, what the controller makes of it, what is written to the gripper and to the arm.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ class GripLoop {
   }
 
   // Once every tick, after its sample: does what is due at `time` [s]. At a read the controller is asked, with the latest frame and
-  // what is there of the detector at that tick; its command goes with the next write. Throws what the controller and the gripper refuse.
+  // what is there of the detector at that tick; its command goes with the next write, to a guided arm at the same instant. Throws what the controller and the gripper refuse.
   void act(double time);
 
   // Whether there is a detector or a controller.
@@ -34,6 +34,8 @@ class GripLoop {
   [[nodiscard]] PadState seen() const { return input_.slip.state; }
   // Registers as written last; before the first write the position at which the fingers stand.
   [[nodiscard]] const GripCommand& written() const { return written_; }
+  // What the arm was told last; at rest before it was told anything, and where its motion is prescribed.
+  [[nodiscard]] const ArmCommand& told_arm() const { return told_arm_; }
   // The latest write that closed the fingers further than they were measured and told before.
   struct Tightening {
     double read = std::numeric_limits<double>::quiet_NaN();  // s, when what it follows from was read; NaN: there was none yet
@@ -44,12 +46,15 @@ class GripLoop {
   [[nodiscard]] int measured_position() const { return input_.gripper.position; }
 
  private:
+  void command_arm(double time, const ArmCommand& command);
+
   HeldBox& box_;
   std::unique_ptr<Controller> controller_;
   std::optional<DetectorLoop> detector_;
   SensorFrame frame_;
   ControlInput input_;
   GripCommand next_, written_;
+  ArmCommand told_arm_;
   Tightening tightening_;
 };
 

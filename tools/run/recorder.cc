@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -110,6 +111,7 @@ double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>>
     };
     for_each_control_column(control, add);
     if (scene.grasp) for_each_grip_column(control.grip, add);
+    if (scene.guided()) for_each_arm_column(control.grip, add);
     bytes += static_cast<double>(row) * static_cast<double>(sampling_of(*sensors[*pad], bench, *pad).samples(bench.ticks()));
   }
   std::size_t body_row = sizeof(double);
@@ -198,6 +200,7 @@ void TrialRecorder::allocate() {
       grip.command.reserve(3 * rows);
       grip.measured_position.reserve(rows);
       grip.grip_force.reserve(rows);
+      if (scene_.guided()) grip.arm.reserve(2 * rows);
     }
   }
   record_.body_time.resize(body_sampling_.samples(bench_.ticks()));
@@ -304,6 +307,7 @@ void TrialRecorder::grip(std::size_t tick, const ContactFrame& truth, const Held
   grasp.slip_rotation = grasp.dropped ? never : now.rotation;
   grasp.max_grip_force = std::max(grasp.max_grip_force, now.grip_force);
   grasp.final_grip_force = now.grip_force;
+  if (scene_.guided()) note_turn(now, grasp);
   lift_start_ = box.lift_start();
   const bool slips = truth.state == PadState::incipient || truth.state == PadState::gross;
   if (now.time >= lift_start_ && slips) keep_earliest(true_slip_, now.time);
@@ -318,6 +322,15 @@ void TrialRecorder::grip(std::size_t tick, const ContactFrame& truth, const Held
   }
   rows.measured_position.push_back(static_cast<std::uint8_t>(loop.measured_position()));
   rows.grip_force.push_back(static_cast<float>(now.grip_force));
+  if (!scene_.guided()) return;
+  for (const double speed : {loop.told_arm().sideways, loop.told_arm().up}) rows.arm.push_back(static_cast<float>(speed));
+}
+
+void TrialRecorder::note_turn(const GraspTruth& now, GraspOutcome& grasp) {
+  constexpr double upright = 5.0 * std::numbers::pi / 180.0;
+  const bool alone = now.pad_force[0] == 0.0 && now.pad_force[1] == 0.0 && now.table_force > 0.0;
+  const double least = grasp.turn ? std::min(grasp.turn->least_tilt, now.tilt) : now.tilt;
+  grasp.turn = {.tilt = now.tilt, .least_tilt = least, .standing = alone && now.tilt < upright};
 }
 
 void TrialRecorder::write_bodies(double time, const std::vector<NamedBody>& bodies) {

@@ -69,6 +69,7 @@ class TrialRecorder {
   void note_events(std::size_t pad, const ContactFrame& truth);
   void note_gross_slip(const ContactFrame& truth);
   void write_sample(std::size_t pad, const ContactFrame& truth, const SensorFrame& frame);
+  static void note_turn(const GraspTruth& now, GraspOutcome& grasp);
   void write_bodies(double time, const std::vector<NamedBody>& bodies);
 
   const Scene& scene_;

@@ -72,7 +72,7 @@ DetectorLoop make_loop(const DetectorScene& detector, const Scene& scene, const 
 }
 
 GripLoop make_grip_loop(Bench& bench, const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
-  if (const double start = bench.held_box()->lift_start(); scene.duration <= start) {
+  if (const double start = bench.held_box()->lift_start(); !scene.guided() && scene.duration <= start) {
     throw SceneValueError("duration",
                           "ends before the box is lifted; allowed: more than " + format_quantity(start, Quantity::time));
   }
@@ -83,7 +83,8 @@ GripLoop make_grip_loop(Bench& bench, const Scene& scene, const Sensors& sensors
     controller = make_controller(*scene.controller, {.channels = sensors.front()->channels(),
                                                      .preset = scene.grasp->grip.number("preset"),
                                                      .detected = detector.has_value(),
-                                                     .features = detector ? detector->features() : std::vector<Feature>{}});
+                                                     .features = detector ? detector->features() : std::vector<Feature>{},
+                                                     .guided = scene.guided()});
   }
   return {*bench.held_box(), std::move(controller), std::move(detector)};
 }

@@ -170,6 +170,20 @@ TEST_F(DatasetTest, ChannelWithATimeOfItsOwnComesBackAsItWasWritten) {
   }
 }
 
+TEST_F(DatasetTest, GuidedArmComesBackAsItWasWritten) {
+  TrialRecord expected = make_grasp_record(0, 3);
+  expected.control->grip.arm = {0.0F, 0.0F, 0.0F, 0.01F, -0.02F, 0.01F};
+  expected.outcome.grasp->turn = {.tilt = 0.25, .least_tilt = 0.125, .standing = false};
+  {
+    DatasetWriter writer(path("a.h5"), header, 1);
+    writer.append(TrialEncoder().encode(expected));
+    writer.commit();
+  }
+  const TrialRecord found = DatasetReader(path("a.h5")).read_trial(0);
+  EXPECT_EQ(found.control->grip.arm, expected.control->grip.arm);
+  EXPECT_EQ(found.outcome.grasp->turn->tilt, 0.25);
+}
+
 TEST_F(DatasetTest, DetectorThatDoesNotFitItsTrialIsRefused) {
   const auto refusal = [&](const auto& damage) {
     TrialRecord record = make_controlled_record(0, 8);

@@ -49,6 +49,18 @@ TEST(Outcome, KeepsWhatBecameOfAGrasp) {
   EXPECT_EQ(back.reaction_time, 0.06);
 }
 
+TEST(Outcome, TellsHowTheBoxStoodOnlyWhereTheArmIsGuided) {
+  TrialOutcome outcome;
+  outcome.grasp = GraspOutcome{};
+  EXPECT_EQ(outcome_json(outcome).find("standing"), std::string::npos);
+  EXPECT_FALSE(parse_outcome(outcome_json(outcome)).grasp->turn.has_value());
+  outcome.grasp->turn = {.tilt = 0.1 / 3.0, .least_tilt = 1e-3, .standing = true};
+  const TurnOutcome back = parse_outcome(outcome_json(outcome)).grasp->turn.value();
+  EXPECT_EQ(back.tilt, 0.1 / 3.0);
+  EXPECT_EQ(back.least_tilt, 1e-3);
+  EXPECT_TRUE(back.standing);
+}
+
 // Datasets of versions before there were detectors.
 TEST(Outcome, NeedsNoDetector) {
   const TrialOutcome outcome = parse_outcome(

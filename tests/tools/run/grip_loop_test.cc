@@ -10,6 +10,7 @@
 
 #include "sim/core/error.h"
 #include "sim/grasp/grasp_catalogue.h"
+#include "sim/motion/guided.h"
 
 namespace slipbench {
 namespace {
@@ -18,7 +19,7 @@ constexpr double step = 2e-4;  // s
 
 Parameters grip_defaults() { return defaults_of(std::ranges::find(grasp_catalogue(), "grip", &Entry::name)->parameters); }
 
-class BareGripper final : public HeldBox {
+class BareGripper : public HeldBox {
  public:
   explicit BareGripper(double phase) : gripper_(grip_defaults(), 0.08, phase) {}
   Gripper& gripper() override { return gripper_; }
@@ -112,6 +113,46 @@ TEST(GripLoop, WithoutAControllerNothingMoves) {
   EXPECT_EQ(loop.written().position, start);
   EXPECT_EQ(loop.measured_position(), start);
   EXPECT_EQ(loop.seen(), PadState::no_contact);
+}
+
+// The same gripper on an arm of 8 ms latency and 0.2 m/s2.
+class GuidedGripper final : public BareGripper {
+ public:
+  using BareGripper::BareGripper;
+  Guided* arm() override { return &arm_; }
+
+ private:
+  Guided arm_{defaults_of(guided_motion().about.parameters)};
+};
+
+// Says 10 mm/s upwards at its second update, and nothing of the arm else.
+class Raising final : public Controller {
+ public:
+  GripCommand update(const ControlInput& input) override {
+    GripCommand command{.position = input.gripper.position};
+    if (++updates_ == 2) command.arm = {.sideways = 0.0, .up = 10e-3};
+    return command;
+  }
+
+ private:
+  int updates_ = 0;
+};
+
+// Read at 23.1 ms, written at 33.1 ms, obeyed from 41.1 ms on: the third command, which says nothing of the arm, leaves it as it is.
+TEST(GripLoop, TheArmIsToldWithTheWrite) {
+  GuidedGripper box(3.1e-3);
+  GripLoop loop(box, std::make_unique<Raising>(), std::nullopt);
+  run(loop, box, 400);
+  EXPECT_EQ(loop.told_arm().up, 10e-3);
+  EXPECT_EQ(loop.told_arm().sideways, 0.0);
+  EXPECT_NEAR(box.arm()->lift_start(), 41.1e-3, 1e-12);
+  EXPECT_NEAR(box.arm()->pad_at(1.0911).pose.position.z(), 10.25e-3, 1e-12);  // 50 ms and 0.25 mm of it on the ramp
+}
+
+TEST(GripLoop, NoControllerCommandsAnArmThatIsPrescribed) {
+  BareGripper box(0.0);
+  GripLoop loop(box, std::make_unique<Raising>(), std::nullopt);
+  EXPECT_THROW(run(loop, box, 400), std::logic_error);
 }
 
 TEST(GripLoop, CommandThatIsNoByteEndsTheRun) {

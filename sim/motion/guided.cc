@@ -1,0 +1,68 @@
+#include "sim/motion/guided.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+
+namespace slipbench {
+namespace {
+
+ParameterSpec number(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
+                     std::string source) {
+  return {std::move(name), ParameterType::number, quantity, std::move(default_text), range, {}, 1,
+          std::move(doc),  std::move(source)};
+}
+
+}  // namespace
+
+Guided::Guided(const Parameters& parameters)
+    : speed_(parameters.number("top_speed")),
+      acceleration_(parameters.number("top_acceleration")),
+      latency_(parameters.number("latency")),
+      sideways_(0.0),
+      up_(0.0) {}
+
+void Guided::write(double time, const ArmCommand& command) {
+  for (const double speed : {command.sideways, command.up}) {
+    if (std::abs(speed) <= speed_) continue;
+    throw InputError(fmt::format("the arm was told to move at {} at {:.6g} s; allowed: up to motion.top_speed, {}",
+                                 format_quantity(speed, Quantity::speed), time, format_quantity(speed_, Quantity::speed)));
+  }
+  const double acts = time + latency_;
+  // The same again is no change: a profile would otherwise grow by every write.
+  if (command.sideways != written_.sideways) sideways_.change_velocity(acts, command.sideways, acceleration_);
+  if (command.up != written_.up) up_.change_velocity(acts, command.up, acceleration_);
+  if (command.up > 0.0 && std::isinf(lift_start_)) lift_start_ = acts;
+  written_ = command;
+}
+
+BodyState Guided::pad_at(double t) const {
+  const ProfilePoint sideways = sideways_.at(t), up = up_.at(t);
+  BodyState arm;
+  arm.pose.position = {0.0, sideways.position, up.position};
+  arm.velocity = {0.0, sideways.velocity, up.velocity};
+  return arm;
+}
+
+double Guided::top_speed(double) const { return std::numbers::sqrt2 * speed_; }
+
+MotionKind guided_motion() {
+  return {
+      {"guided",
+       "The arm of a grasp moves at the speed that the controller commands, sideways and up.",
+       "from a write's time + latency on: each velocity changes to the commanded one at `top_acceleration`, then stays; at rest "
+       "before the first command",
+       "a robot's velocity interface; integrated exactly",
+       {number("top_speed", Quantity::speed, "100 mm/s", {0.0, 10.0, true}, "the most that may be commanded: more is refused",
+               "assumed"),
+        number("top_acceleration", Quantity::acceleration, "200 mm/s2", positive, "of either axis", "assumed"),
+        number("latency", Quantity::time, "8 ms", non_negative, "from a write of the loop until the arm begins to obey",
+               "assumed: one period of the 125 Hz at which a UR5-CB2 takes commands")}},
+      [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Guided>(p); }};
+}
+
+}  // namespace slipbench
