@@ -16,8 +16,8 @@ struct Auc {
   std::size_t positives = 0, negatives = 0;
 };
 
-// Exact, by ranks (Mann and Whitney's U over m n). The interval is DeLong's (Biometrics 44, 1988), by normal approximation and within [0, 1];
-// at 0 and at 1 its variance vanishes, and it is that of min(m, n) pairs that share no value, all in one order (clopper_pearson). Throws
+// Exact, by ranks (Mann and Whitney's U over m n). The interval is DeLong's (Biometrics 44, 1988), by normal approximation and within [0, 1]:
+// at 0 and at 1, where its variance vanishes, it is that of min(m, n) pairs that share no value, all in one order (clopper_pearson). Throws
 // std::invalid_argument where a class is empty or a value is no number.
 Auc auc(std::span<const double> positives, std::span<const double> negatives);
 
