@@ -10,7 +10,7 @@ namespace {
 // Counts at 13 bit. None is published for this device.
 constexpr double si_noise = 1.5, cluster_noise = 1.2;
 constexpr double offset = 20.0;
-constexpr double drift = 0.2;  // counts/s
+constexpr double drift = 0.02;  // counts/s
 constexpr double gain = 0.05;
 
 }  // namespace
@@ -37,7 +37,7 @@ std::vector<Entry> nib_pad_electronics() {
       {{"gain", "assumed: 5 % from electrode to electrode, as gaps and areas are made; of what is above rest"},
        {"offset",
         "assumed: 20 counts of 13 bit, about a third of a step of the 7-bit current source that calibrates the reading at rest"},
-       {"drift", "assumed: 0.2 counts/s of 13 bit; temperature"},
+       {"drift", "assumed: 0.02 counts/s of 13 bit, 3 ppm/s of what is at rest; temperature"},
        {"noise",
         "assumed: 1.5 counts of 13 bit for si, 1.2 for clusters; the maker calls below 10 counts quiet (Infineon's tuning "
         "guide), and "

@@ -23,6 +23,10 @@ const std::vector<Reproduction>& reproductions() {
        "what the core takes of the published FPGA, for each degree of unrolling",
        {"--synthesise"},
        &hd_resources},
+      {"nib-reconfigurable/table1",
+       "calibration of the nib pad: force and moment out of 36 capacitances, uniform and partial loads, and what decides it",
+       {"--seed"},
+       &nib_table1},
   };
   return all;
 }

@@ -47,5 +47,6 @@ Result hd_table1(const ReproduceOptions& options);
 Result hd_table2(const ReproduceOptions& options);
 Result hd_latency(const ReproduceOptions& options);
 Result hd_resources(const ReproduceOptions& options);
+Result nib_table1(const ReproduceOptions& options);
 
 }  // namespace slipbench::reproduce
