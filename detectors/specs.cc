@@ -1,21 +1,6 @@
 #include "detectors/specs.h"
 
-#include <utility>
-
 namespace slipbench {
-
-ParameterSpec number_spec(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
-                          std::string source) {
-  return {.name = std::move(name),
-          .type = ParameterType::number,
-          .quantity = quantity,
-          .default_text = std::move(default_text),
-          .range = range,
-          .choices = {},
-          .size = 1,
-          .doc = std::move(doc),
-          .source = std::move(source)};
-}
 
 ParameterSpec touch_spec() {
   return number_spec("touch", Quantity::force, "0.05 N", positive, "Normal force from which on a unit counts as touching.",

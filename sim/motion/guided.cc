@@ -6,19 +6,10 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/parameter_specs.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench {
-namespace {
-
-ParameterSpec number(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
-                     std::string source) {
-  return {std::move(name), ParameterType::number, quantity, std::move(default_text), range, {}, 1,
-          std::move(doc),  std::move(source)};
-}
-
-}  // namespace
-
 Guided::Guided(const Parameters& parameters)
     : speed_(parameters.number("top_speed")),
       acceleration_(parameters.number("top_acceleration")),
@@ -57,11 +48,11 @@ MotionKind guided_motion() {
        "from a write's time + latency on: each velocity changes to the commanded one at `top_acceleration`, then stays; at rest "
        "before the first command",
        "a robot's velocity interface; integrated exactly",
-       {number("top_speed", Quantity::speed, "100 mm/s", {0.0, 10.0, true}, "the most that may be commanded: more is refused",
-               "assumed"),
-        number("top_acceleration", Quantity::acceleration, "200 mm/s2", positive, "of either axis", "assumed"),
-        number("latency", Quantity::time, "8 ms", non_negative, "from a write of the loop until the arm begins to obey",
-               "assumed: one period of the 125 Hz at which a UR5-CB2 takes commands")}},
+       {number_spec("top_speed", Quantity::speed, "100 mm/s", {0.0, 10.0, true},
+                    "the most that may be commanded: more is refused", "assumed"),
+        number_spec("top_acceleration", Quantity::acceleration, "200 mm/s2", positive, "of either axis", "assumed"),
+        number_spec("latency", Quantity::time, "8 ms", non_negative, "from a write of the loop until the arm begins to obey",
+                    "assumed: one period of the 125 Hz at which a UR5-CB2 takes commands")}},
       [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Guided>(p); }};
 }
 

@@ -4,21 +4,11 @@
 #include <numbers>
 #include <utility>
 
+#include "sim/core/parameter_specs.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {
 namespace {
-
-ParameterSpec number(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
-                     std::string source) {
-  return {std::move(name), ParameterType::number, quantity, std::move(default_text), range, {}, 1,
-          std::move(doc),  std::move(source)};
-}
-
-ParameterSpec vector_of(std::size_t size, std::string name, Quantity quantity, std::string default_text, Range range,
-                        std::string doc) {
-  return {std::move(name), ParameterType::vector, quantity, std::move(default_text), range, {}, size, std::move(doc), "free"};
-}
 
 constexpr Range arm_length{-2.0, 2.0};
 constexpr Range arm_speed{0.0, 10.0, true};
@@ -32,21 +22,22 @@ Entry about_lift() {
       "height, way and tilt: trapezoids from rest to rest\n"
       "shake: s(t) = shake/2 (1 - cos(2 pi shake_frequency t)) for shake_cycles whole cycles, so that it begins and ends at rest",
       "shared GRASP.md; integrated exactly",
-      {number("settle", Quantity::time, "1.5 s", non_negative, "how long the arm waits while the gripper takes the box",
-              "assumed"),
-       number("distance", Quantity::length, "100 mm", {0.0, 2.0, true}, "how far it lifts", recorded),
-       number("speed", Quantity::speed, "43 mm/s", arm_speed, "of the lift and of the way sideways; protocol as_printed: 5 mm/s",
-              recorded),
-       number("acceleration", Quantity::acceleration, "400 mm/s2", positive, "of both; protocol as_printed: 50 mm/s2", recorded),
-       vector_of(2, "sideways", Quantity::length, "[0 mm, 0 mm]", arm_length,
-                 "way after the lift: along the fingers' closing direction, across it"),
-       vector_of(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", any_value,
-                 "turn after that, about the closing direction and across it, as one rotation vector"),
-       number("tilt_speed", Quantity::angular_speed, "30 deg/s", positive, "of the tilt", "assumed"),
-       number("tilt_acceleration", Quantity::angular_acceleration, "100 deg/s2", positive, "of the tilt", "assumed"),
-       vector_of(3, "shake", Quantity::length, "[0 mm, 0 mm, 0 mm]", arm_length,
-                 "shaking after that, from end to end: along the closing direction, across it, up"),
-       number("shake_frequency", Quantity::frequency, "5 Hz", positive, "cycles a second", "assumed"),
+      {number_spec("settle", Quantity::time, "1.5 s", non_negative, "how long the arm waits while the gripper takes the box",
+                   "assumed"),
+       number_spec("distance", Quantity::length, "100 mm", {0.0, 2.0, true}, "how far it lifts", recorded),
+       number_spec("speed", Quantity::speed, "43 mm/s", arm_speed,
+                   "of the lift and of the way sideways; protocol as_printed: 5 mm/s", recorded),
+       number_spec("acceleration", Quantity::acceleration, "400 mm/s2", positive, "of both; protocol as_printed: 50 mm/s2",
+                   recorded),
+       vector_spec(2, "sideways", Quantity::length, "[0 mm, 0 mm]", arm_length,
+                   "way after the lift: along the fingers' closing direction, across it", "free"),
+       vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", any_value,
+                   "turn after that, about the closing direction and across it, as one rotation vector", "free"),
+       number_spec("tilt_speed", Quantity::angular_speed, "30 deg/s", positive, "of the tilt", "assumed"),
+       number_spec("tilt_acceleration", Quantity::angular_acceleration, "100 deg/s2", positive, "of the tilt", "assumed"),
+       vector_spec(3, "shake", Quantity::length, "[0 mm, 0 mm, 0 mm]", arm_length,
+                   "shaking after that, from end to end: along the closing direction, across it, up", "free"),
+       number_spec("shake_frequency", Quantity::frequency, "5 Hz", positive, "cycles a second", "assumed"),
        {"shake_cycles", ParameterType::integer, Quantity::none, "10", non_negative, {}, 1, "how many cycles", "assumed"}}};
 }
 
