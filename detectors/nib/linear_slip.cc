@@ -49,9 +49,9 @@ class LinearSlip final : public Detector {
 std::vector<ParameterSpec> flag_specs() {
   std::vector<ParameterSpec> all = feature_specs();
   const std::vector<ParameterSpec> own{
-      number_spec("threshold", Quantity::none, "40", positive,
+      number_spec("threshold", Quantity::none, "25", positive,
                   "SLIP_THRES: magnitude above which a spectrum raises a flag [counts].",
-                  "assumed: not in the paper; four times the noise of the mode at rest"),
+                  "assumed: not in the paper; what the noise of a pad at rest exceeds in one of a thousand spectra"),
       number_spec("counter_max", Quantity::none, "9", positive, "M, the counter's limit without shear.", "paper, section V"),
       number_spec("weight", Quantity::none, "10", non_negative, "alpha, by which the limit falls with the ratio F_S,y/F_N.",
                   "paper, section V"),

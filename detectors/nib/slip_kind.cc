@@ -45,9 +45,9 @@ std::vector<ParameterSpec> kind_specs() {
   std::vector<ParameterSpec> all = feature_specs();
   const std::vector<ParameterSpec> own{
       number_spec("fl", Quantity::none, "40", positive, "Magnitude of the linear mode above which the pad slips [counts].",
-                  "assumed: as the threshold of nib_linear_slip"),
+                  "assumed: the noise at rest never reaches it, and the ramp of a pull seldom does"),
       number_spec("fr", Quantity::none, "40", positive, "Magnitude of the rotational mode above which the pad slips [counts].",
-                  "assumed: as the threshold of nib_linear_slip"),
+                  "assumed: the noise at rest never reaches it, and the ramp of a pull seldom does"),
       number_spec("curl", Quantity::none, "0.93", {0.0, 2.13, true}, "|curl| from which on a slip is rotational.",
                   "assumed: half of that of a rigid rotation about the centre taxel"),
   };

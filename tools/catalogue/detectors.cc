@@ -3,6 +3,8 @@
 #include "detectors/flip.h"
 #include "detectors/force_ratio.h"
 #include "detectors/hd/hd_detector.h"
+#include "detectors/nib/linear_slip.h"
+#include "detectors/nib/slip_kind.h"
 #include "detectors/shear_rate.h"
 #include "detectors/spectral/band_energy.h"
 #include "detectors/stuck_fraction.h"
@@ -29,6 +31,8 @@ const std::vector<DetectorKind>& detector_catalogue() {
       {band_energy_entry(), make_band_energy},
       {gst_hd_entry(), make_gst_hd},
       {gst_hd_rtl_entry(), make_gst_hd_rtl, check_waveform_trial},
+      {nib_linear_slip_entry(), make_nib_linear_slip},
+      {nib_slip_kind_entry(), make_nib_slip_kind},
       {oracle_entry(), nullptr},
   };
   return kinds;

@@ -42,6 +42,7 @@ TEST(FlagCounter, CountsAsAlgorithmOneDoes) {
 std::unique_ptr<Detector> detector(const char* ratio) {
   Parameters parameters = defaults_of(nib_linear_slip_entry().parameters);
   parameters.set("ratio", std::string(ratio));
+  parameters.set("threshold", 40.0);
   parameters.set("normal_gain", 2.0);
   parameters.set("shear_gain", 6.0);
   return make_nib_linear_slip(parameters, nib_source());

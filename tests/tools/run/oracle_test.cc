@@ -23,11 +23,20 @@ namespace {
 using ::testing::AnyOf;
 using ::testing::Contains;
 
-// The published press-and-slide at 4 mm/s, sampled every tick, with noise.
+// The published press-and-slide at 4 mm/s, sampled every tick, with noise, by the pad that the detector listens to. A nib pad is tared before it
+// touches, at 0.165 s, and its detector needs fewer flags than the slide's beginning raises.
 Scene scene_with(const std::string& detector) {
   SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml");
+  const bool nibs = detector.find("type: nib_") != std::string::npos;
+  if (nibs) {
+    file.apply({"sensors", "{pad: {type: nib_pad, scan: simultaneous}}"});
+    file.apply({"time_step", "auto"});
+    file.apply({"motion.compression", "0.3 mm"});
+  }
   file.apply({"sensors.pad.electronics", "typical"});
   file.apply({"detector", detector});
+  if (nibs) file.apply({"detector.tare", "0.1 s"});
+  if (detector.find("nib_linear_slip") != std::string::npos) file.apply({"detector.counter_max", "3"});
   return parse_scene(file, program_catalogues());
 }
 
