@@ -27,6 +27,14 @@ const std::vector<Reproduction>& reproductions() {
        "calibration of the nib pad: force and moment out of 36 capacitances, uniform and partial loads, and what decides it",
        {"--seed"},
        &nib_table1},
+      {"nib-reconfigurable/table2",
+       "Algorithm 1 while the grasp is slowly let go, four surfaces; what decides its figures, and where 0 to 8 Hz comes from",
+       {"--trials", "--seed", "--jobs"},
+       &nib_table2},
+      {"nib-reconfigurable/slip_kinds",
+       "no slip, linear and rotational slip told apart by FL, FR and curl",
+       {"--trials", "--seed", "--jobs"},
+       &nib_slip_kinds},
   };
   return all;
 }

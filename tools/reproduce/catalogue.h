@@ -48,5 +48,7 @@ Result hd_table2(const ReproduceOptions& options);
 Result hd_latency(const ReproduceOptions& options);
 Result hd_resources(const ReproduceOptions& options);
 Result nib_table1(const ReproduceOptions& options);
+Result nib_table2(const ReproduceOptions& options);
+Result nib_slip_kinds(const ReproduceOptions& options);
 
 }  // namespace slipbench::reproduce
