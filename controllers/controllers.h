@@ -33,6 +33,7 @@ ControllerKind force_pid();
 ControllerKind force_ratio();
 ControllerKind hold_preset();
 ControllerKind plugin();
+ControllerKind reorient();
 ControllerKind step_on_slip();
 ControllerKind stuck_fraction();
 

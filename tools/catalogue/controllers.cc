@@ -7,7 +7,7 @@ namespace slipbench {
 const std::vector<ControllerKind>& controller_catalogue() {
   using namespace controllers;
   static const std::vector<ControllerKind> kinds{
-      constant_force(), force_pid(), force_ratio(), hold_preset(), plugin(), step_on_slip(), stuck_fraction(),
+      constant_force(), force_pid(), force_ratio(), hold_preset(), plugin(), reorient(), step_on_slip(), stuck_fraction(),
   };
   return kinds;
 }

@@ -1,0 +1,256 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "controllers/controllers.h"
+#include "controllers/grip.h"
+#include "sim/core/error.h"
+
+namespace slipbench::controllers {
+namespace {
+
+enum Quantities : std::size_t { fl, fr, fr_fast, normal, moment, quantities };  // counts, counts, counts, N, N m
+
+// What the algorithms read of an estimate.
+class Features {
+ public:
+  explicit Features(const std::vector<Feature>& handed_on) {
+    for (std::size_t k = 0; k < quantities; ++k) {
+      const auto found = std::ranges::find(handed_on, names[k], &Feature::name);
+      if (found == handed_on.end()) {
+        throw SceneValueError("controller.type",
+                              std::string("'reorient' works with the feature '") + names[k] +
+                                  "', which the scene's detector does not hand on; allowed: a detector of the nib pad");
+      }
+      places_[k] = static_cast<std::size_t>(found - handed_on.begin());
+    }
+  }
+
+  // NaN until the detector has said anything: it is neither above nor below anything.
+  [[nodiscard]] double in(const SlipEstimate& slip, Quantities quantity) const {
+    return slip.features.empty() ? std::numeric_limits<double>::quiet_NaN() : slip.features[places_[quantity]];
+  }
+
+ private:
+  static constexpr std::array<const char*, quantities> names{"fl_0_6", "fr_0_6", "fr_6_8", "normal", "moment"};
+  std::array<std::size_t, quantities> places_{};
+};
+
+// Counts of the four clusters of FL and FR together.
+class Clusters {
+ public:
+  explicit Clusters(const std::vector<Channel>& channels) {
+    for (const Channel& channel : channels) {
+      for (std::size_t k = 0; k < names.size(); ++k) {
+        if (channel.name == names[k] && channel.size() == 2) places_[k] = frame_size_, found_[k] = true;
+      }
+      frame_size_ += channel.size();
+    }
+    if (!found_[0] || !found_[1]) {
+      throw SceneValueError("controller.type",
+                            "'reorient' reads the channels 'fl' [2] and 'fr' [2]; allowed: the sensor nib_pad");
+    }
+  }
+
+  [[nodiscard]] double sum(const SensorFrame& frame) const {
+    if (frame.values.size() != frame_size_) throw std::logic_error("a controller was handed a frame of another size");
+    double sum = 0.0;
+    for (const std::size_t place : places_) sum += double{frame.values[place]} + double{frame.values[place + 1]};
+    return sum;
+  }
+
+ private:
+  static constexpr std::array<const char*, 2> names{"fl", "fr"};
+  std::array<std::size_t, names.size()> places_{};
+  std::array<bool, names.size()> found_{};
+  std::size_t frame_size_ = 0;  // values of a whole frame
+};
+
+class Reorient final : public Controller {
+ public:
+  Reorient(const Parameters& p, const GripSource& source)
+      : clusters_(source.channels),
+        features_(source.features),
+        tare_time_(p.number("tare_time")),
+        contact_(p.number("contact")),
+        adjust_speed_(p.number("adjust_speed")),
+        midpoint_(p.number("midpoint")),
+        fl_slip_(p.number("fl_slip")),
+        settle_(p.number("settle")),
+        turn_speed_(p.number("turn_speed")),
+        target_(p.number("target")),
+        fr_slip_(p.number("fr_slip")),
+        fr_upright_(p.number("fr_upright")),
+        forward_(p.number("forward")),
+        release_wait_(p.number("release_wait")),
+        released_normal_(p.number("released_normal")),
+        released_moment_(p.number("released_moment")),
+        open_(p.integer("open")),
+        command_(registers_of(p)) {
+    if (!source.guided) throw SceneValueError("controller.type", "'reorient' commands the arm; allowed: motion.kind: guided");
+  }
+
+  GripCommand update(const ControlInput& input) override {
+    const double now = input.gripper.time;
+    height_ += arm_.up * (now - time_);
+    time_ = now;
+    switch (phase_) {
+      case Phase::start: start(input); break;
+      case Phase::touch: touch(input); break;
+      case Phase::adjust: adjust(input.slip); break;
+      case Phase::turn: turn(input.slip); break;
+      case Phase::release: release(input.slip); break;
+      case Phase::done: break;
+    }
+    command_.position = position_;
+    command_.arm = arm_;
+    return command_;
+  }
+
+ private:
+  enum class Phase { start, touch, adjust, turn, release, done };
+
+  void enter(Phase phase, const ArmCommand& arm) {
+    phase_ = phase;
+    arm_ = arm;
+    wait_until_ = time_ + settle_;
+  }
+  void change_grip(int counts, double wait) {
+    position_ = moved(position_, counts);
+    wait_until_ = time_ + wait;
+  }
+
+  // Nothing touches: what the clusters count is what they count at rest.
+  void start(const ControlInput& input) {
+    position_ = input.gripper.position;
+    if (input.frame.values.empty()) return;  // the first one takes all scans of a sample
+    rest_ += clusters_.sum(input.frame);
+    ++rests_;
+    if (time_ < tare_time_) return;
+    rest_ /= rests_;
+    enter(Phase::touch, {});
+  }
+
+  void touch(const ControlInput& input) {
+    if (clusters_.sum(input.frame) - rest_ > contact_) {
+      position_ = input.gripper.position;
+      enter(Phase::adjust, {.sideways = 0.0, .up = adjust_speed_});
+    } else {
+      position_ = moved(input.gripper.position, 1);
+    }
+  }
+
+  void adjust(const SlipEstimate& slip) {
+    if (height_ >= midpoint_) return enter(Phase::turn, {.sideways = 0.0, .up = turn_speed_});
+    if (time_ >= wait_until_ && features_.in(slip, fl) > fl_slip_) change_grip(1, settle_);
+  }
+
+  void turn(const SlipEstimate& slip) {
+    if (height_ >= target_) return enter(Phase::release, {.sideways = forward_, .up = 0.0});
+    if (time_ < wait_until_) return;
+    if (features_.in(slip, fr_fast) > fr_upright_) return enter(Phase::release, {.sideways = forward_, .up = 0.0});
+    if (features_.in(slip, fr) < fr_slip_) change_grip(-1, settle_);
+  }
+
+  void release(const SlipEstimate& slip) {
+    if (features_.in(slip, normal) < released_normal_ && std::abs(features_.in(slip, moment)) < released_moment_) {
+      position_ = moved(position_, -static_cast<double>(open_));
+      return enter(Phase::done, {});
+    }
+    if (time_ >= wait_until_) change_grip(-1, release_wait_);
+  }
+
+  Clusters clusters_;
+  Features features_;
+  double tare_time_, contact_;                         // s, counts
+  double adjust_speed_, midpoint_, fl_slip_, settle_;  // m/s, m, counts, s
+  double turn_speed_, target_, fr_slip_, fr_upright_;  // m/s, m, counts, counts
+  double forward_, release_wait_;                      // m/s, s
+  double released_normal_, released_moment_;           // N, N m
+  std::int64_t open_;                                  // counts
+  GripCommand command_;
+
+  Phase phase_ = Phase::start;
+  ArmCommand arm_;                        // told last
+  double time_ = 0.0, wait_until_ = 0.0;  // s
+  double height_ = 0.0;                   // m, what the arm has been told to rise by
+  double rest_ = 0.0;                     // counts; a sum until the tare is done
+  int rests_ = 0;
+  int position_ = 0;  // counts
+};
+
+ParameterSpec magnitude_spec(std::string name, std::string default_text, std::string doc, std::string source) {
+  return declared(std::move(name), ParameterType::number, Quantity::none, std::move(default_text), non_negative, std::move(doc),
+                  std::move(source));
+}
+
+}  // namespace
+
+ControllerKind reorient() {
+  constexpr const char* not_printed = "assumed: the paper prints no value";
+  return {
+      {"reorient",
+       "Turns a box up by rotational slip and puts it down: touch, adjust (Algorithm 2), turn (Algorithm 3), gentle release.",
+       "start: the sum of FL's and FR's clusters at rest is taken for `tare_time`\n"
+       "touch: one count further until that sum has grown by more than `contact`\n"
+       "adjust: the arm rises at `adjust_speed` to `midpoint`; FL 0-6 Hz > fl_slip: one count tighter, then a wait of `settle`\n"
+       "turn: the arm rises at `turn_speed` to `target`; FR 0-6 Hz < fr_slip: one count looser, then a wait of `settle`; FR 6-8 "
+       "Hz > "
+       "fr_upright: upright, since theta' = v/(l cos theta) grows without bound, and the phase ends\n"
+       "release: the arm moves sideways at `forward`, one count looser every `release_wait`, until normal force and torsional "
+       "moment "
+       "have vanished; then the fingers open by `open` counts and the arm stops\n"
+       "magnitudes, force and moment are the detector's features fl_0_6, fr_0_6, fr_6_8, normal, moment; heights are what the "
+       "arm was "
+       "told. Each phase begins with a wait of `settle`, in which the window of the spectra still holds the last one",
+       "nib paper (papers/nib-reconfigurable), section VI, Algorithms 2 and 3. It reads both fingers' pads; here the one that "
+       "has a sensor",
+       with_registers({
+           declared("tare_time", ParameterType::number, Quantity::time, "0.2 s", non_negative,
+                    "How long nothing is done at the start.", "assumed"),
+           magnitude_spec("contact", "30", "CONTACT_THRES, counts: by how much the sum grows when the pad is touched.",
+                          "assumed: 42 electrodes of four nibs at 24 counts a newton, for 1.2 N; the paper prints none"),
+           declared("adjust_speed", ParameterType::number, Quantity::speed, "3 mm/s", positive, "Of the arm while it adjusts.",
+                    "published: 2 to 5 mm/s"),
+           declared("midpoint", ParameterType::number, Quantity::length, "20 mm", positive, "MidPoint: how far it rises so.",
+                    not_printed),
+           magnitude_spec("fl_slip", "25", "FL_SLIP_THRES, counts, as the detector scales its spectrum.",
+                          "assumed: above every window of a pad at rest, 10 +- 4 and at most 21 counts; the paper prints none"),
+           declared("settle", ParameterType::number, Quantity::time, "0.8 s", non_negative, "TIME_SETTLE.",
+                    "assumed: a window of the spectra, 0.5 s, a hop, 0.1 s, and the gripper's 60 ms, until a count of its own is "
+                    "out of "
+                    "what is seen; Algorithm 3 prints no wait"),
+           declared("turn_speed", ParameterType::number, Quantity::speed, "10 mm/s", positive, "Of the arm while the box turns.",
+                    "published"),
+           declared("target", ParameterType::number, Quantity::length, "135 mm", positive,
+                    "TargetPoint: the most by which it rises.",
+                    "assumed: from the edge to the grip, so that the box does not leave its table"),
+           magnitude_spec(
+               "fr_slip", "10", "FR_SLIP_THRES, counts: below it the box does not turn.",
+               "assumed: what a pad at rest shows; turning at 10 mm/s shows 20 to 150 and dips to 15, where a count less, "
+               "1.1 N, loses the box. The paper prints none"),
+           magnitude_spec(
+               "fr_upright", "250", "FR_UPRIGHT_THRES, counts.",
+               "assumed: reached in the last 15 degrees of a turn at constant grip, 10 to 50 before, 100 to 150 by single "
+               "rearrangements. The paper prints none"),
+           declared("forward", ParameterType::number, Quantity::speed, "10 mm/s", any_value,
+                    "Of the arm, sideways, in the release.", "assumed: the paper says forward"),
+           declared("release_wait", ParameterType::number, Quantity::time, "0.2 s", non_negative,
+                    "Between two counts of the release.", "assumed"),
+           declared("released_normal", ParameterType::number, Quantity::force, "0.3 N", positive,
+                    "Normal force below which the pad is free.", not_printed),
+           declared("released_moment", ParameterType::number, Quantity::none, "2e-3", positive,
+                    "Torsional moment below which it is, N m.", not_printed),
+           declared("open", ParameterType::integer, Quantity::none, "20",
+                    {.min = 1.0, .max = double{max_register}, .open_min = false}, "Counts by which the fingers open at last.",
+                    "assumed"),
+       })},
+      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
+        return std::make_unique<Reorient>(p, source);
+      }};
+}
+
+}  // namespace slipbench::controllers

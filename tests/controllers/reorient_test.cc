@@ -1,0 +1,173 @@
+// Algorithms 2 and 3 of the nib pad's paper, step by step: what is commanded for what is felt.
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "tests/controllers/rig.h"
+
+namespace slipbench::controllers::reorient_test {
+namespace {
+
+using testing::HasSubstr;
+
+GripSource nib_source() {
+  GripSource source;
+  source.channels = {{"si", "counts", {9, 4}, {}}, {"fl", "counts", {2}, {}}, {"fr", "counts", {2}, {}}};
+  source.features = {{"moment", "N m"}, {"fl_0_6", "counts"}, {"fr_0_6", "counts"}, {"fr_6_8", "counts"}, {"normal", "N"}};
+  source.guided = true;
+  return source;
+}
+
+// A gripper that is where it was told to be a period ago, and a pad whose clusters and features a test sets.
+class Hand {
+ public:
+  explicit Hand(const Settings& settings = {}) : controller_(make_controller(named("reorient", settings), nib_source())) {}
+
+  double clusters = 0.0;  // counts, the sum over all four beyond that at rest
+  double fl = 0.0, fr = 200.0, fr_fast = 0.0, normal = 5.0, moment = 0.05;
+
+  const GripCommand& update() {
+    std::vector<float> values(40, 6960.0F);
+    values[36] = static_cast<float>(6960.0 + clusters);
+    ControlInput input;
+    input.slip.features = {moment, fl, fr, fr_fast, normal};
+    input.frame = {time(), values};
+    input.gripper = {.time = time(), .position = position_, .moving = false, .stopped = false};
+    position_ = command_.position;
+    if (updates_ == 0) position_ = input.gripper.position = 50;
+    command_ = controller_->update(input);
+    ++updates_;
+    return command_;
+  }
+  const GripCommand& run_to(double until) {
+    while (time() < until - 1e-9) update();
+    return command_;
+  }
+  [[nodiscard]] double time() const { return period * updates_; }
+  [[nodiscard]] const GripCommand& command() const { return command_; }
+
+ private:
+  std::unique_ptr<Controller> controller_;
+  GripCommand command_{};
+  int position_ = 50, updates_ = 0;
+};
+
+// A hand that has touched the box at 1 s, and its position there.
+int touched(Hand& hand) {
+  hand.run_to(1.0);
+  hand.clusters = 500.0;
+  hand.update();
+  return hand.command().position;
+}
+
+TEST(Reorient, WaitsForItsTareAndClosesUntilItTouches) {
+  Hand hand({{"tare_time", "0.2 s"}, {"contact", "80"}});
+  hand.run_to(0.22);
+  EXPECT_EQ(hand.command().position, 50);
+  hand.clusters = 79.0;
+  hand.run_to(1.0);
+  EXPECT_GT(hand.command().position, 60);
+  EXPECT_EQ(hand.command().arm->up, 0.0);
+  hand.clusters = 81.0;
+  const int before = hand.command().position;
+  hand.update();
+  EXPECT_LE(hand.command().position, before);
+  EXPECT_EQ(hand.command().arm->up, 3e-3);
+  const int stopped = hand.command().position;
+  hand.run_to(2.0);
+  EXPECT_EQ(hand.command().position, stopped);
+}
+
+// Algorithm 2: one count for each time that FL is above its threshold, and then TIME_SETTLE.
+TEST(Reorient, TightensWhileItSlipsLinearly) {
+  Hand hand({{"fl_slip", "60"}, {"settle", "0.5 s"}});
+  const int first = touched(hand);
+  hand.fl = 59.0;
+  hand.run_to(2.0);
+  EXPECT_EQ(hand.command().position, first);
+  hand.fl = 61.0;
+  hand.run_to(2.02);
+  EXPECT_EQ(hand.command().position, first + 1);
+  hand.run_to(2.48);
+  EXPECT_EQ(hand.command().position, first + 1);
+  hand.run_to(4.02);  // 2, 2.5, 3, 3.5, 4 s
+  EXPECT_EQ(hand.command().position, first + 5);
+  hand.fl = std::numeric_limits<double>::quiet_NaN();
+  hand.run_to(6.0);
+  EXPECT_EQ(hand.command().position, first + 5);
+}
+
+// 20 mm at 3 mm/s end 6.67 s after the touch at 1 s. Then Algorithm 3, 10 mm/s up: looser while it does not turn.
+TEST(Reorient, LoosensWhileItDoesNotTurnAndStopsWhereItTurnsFast) {
+  Hand hand({{"midpoint", "20 mm"},
+             {"fl_slip", "60"},
+             {"fr_slip", "60"},
+             {"fr_upright", "70"},
+             {"settle", "0.5 s"},
+             {"forward", "10 mm/s"}});
+  const int first = touched(hand);
+  hand.fl = 1000.0;
+  hand.run_to(1.0 + 20.0 / 3.0 - 0.02);
+  EXPECT_EQ(hand.command().arm->up, 3e-3);
+  const int adjusted = hand.command().position;
+  EXPECT_EQ(adjusted, first + 13);  // at 1.5, 2, .. 7.5 s
+  hand.run_to(1.0 + 20.0 / 3.0 + 0.04);
+  EXPECT_EQ(hand.command().arm->up, 10e-3);
+  hand.fr = 59.0;
+  hand.fr_fast = 69.0;
+  hand.run_to(9.5);  // from 7.7 s: 8.2, 8.7, 9.2 s
+  EXPECT_EQ(hand.command().position, first + 13 - 3);
+  hand.fr = 61.0;
+  hand.run_to(11.0);
+  EXPECT_EQ(hand.command().position, first + 13 - 3);
+  hand.fr_fast = 71.0;
+  hand.update();
+  EXPECT_EQ(hand.command().arm->up, 0.0);
+  EXPECT_EQ(hand.command().arm->sideways, 10e-3);
+}
+
+// What does not turn fast is let go at TargetPoint. Then a count every release_wait, until force and moment are gone.
+TEST(Reorient, ReleasesGentlyAtTheTargetPoint) {
+  Hand hand({{"midpoint", "3 mm"},
+             {"target", "23 mm"},
+             {"settle", "0.4 s"},
+             {"release_wait", "0.2 s"},
+             {"released_normal", "0.3 N"},
+             {"released_moment", "2e-3"},
+             {"open", "20"}});
+  const int first = touched(hand);
+  hand.run_to(3.94);  // 1 s and 2 s of rising
+  EXPECT_EQ(hand.command().arm->up, 10e-3);
+  hand.run_to(4.1);
+  EXPECT_EQ(hand.command().arm->up, 0.0);
+  const double released = 4.04;  // the first update at which 23 mm are reached is that or its neighbour
+  hand.run_to(released + 0.4 + 3 * 0.2 - 0.1);
+  EXPECT_EQ(hand.command().position, first - 3);
+  hand.normal = 0.1;
+  hand.run_to(released + 0.4 + 4 * 0.2 - 0.1);
+  EXPECT_EQ(hand.command().position, first - 4);
+  hand.moment = -1e-3;
+  hand.update();
+  EXPECT_EQ(hand.command().position, first - 24);
+  EXPECT_EQ(hand.command().arm->sideways, 0.0);
+  hand.run_to(10.0);
+  EXPECT_EQ(hand.command().position, first - 24);
+}
+
+TEST(Reorient, RefusesWhatItCannotWorkWith) {
+  const auto refused = [](const auto& spoil) {
+    GripSource source = nib_source();
+    spoil(source);
+    return refusal([&] { (void)make_controller(named("reorient"), source); });
+  };
+  EXPECT_THAT(refused([](GripSource& s) { s.guided = false; }), HasSubstr("commands the arm; allowed: motion.kind: guided"));
+  EXPECT_THAT(refused([](GripSource& s) { s.features.pop_back(); }), HasSubstr("works with the feature 'normal'"));
+  EXPECT_THAT(refused([](GripSource& s) { s.channels = papillarray_channels(); }),
+              HasSubstr("reads the channels 'fl' [2] and 'fr' [2]"));
+}
+
+}  // namespace
+}  // namespace slipbench::controllers::reorient_test
