@@ -35,6 +35,10 @@ const std::vector<Reproduction>& reproductions() {
        "no slip, linear and rotational slip told apart by FL, FR and curl",
        {"--trials", "--seed", "--jobs"},
        &nib_slip_kinds},
+      {"nib-reconfigurable/table3",
+       "a box turned up by rotational slip and released: weights, centres of mass, surfaces, thresholds",
+       {"--trials", "--only", "--seed", "--jobs"},
+       &nib_table3},
   };
   return all;
 }

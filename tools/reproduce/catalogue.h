@@ -50,5 +50,6 @@ Result hd_resources(const ReproduceOptions& options);
 Result nib_table1(const ReproduceOptions& options);
 Result nib_table2(const ReproduceOptions& options);
 Result nib_slip_kinds(const ReproduceOptions& options);
+Result nib_table3(const ReproduceOptions& options);
 
 }  // namespace slipbench::reproduce
