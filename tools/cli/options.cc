@@ -328,8 +328,9 @@ void Parser::learning() {
   CLI::App* reproduce = command("reproduce", "Reproduce a table of a paper", reproduce_footer);
   reproduce->add_option("PAPER/TABLE", options.name, "What to reproduce (default: list what there is)")->option_text(" ");
   reproduce->add_option("-o,--output", output, "Write the page, and FILE.json beside it")->option_text("FILE.html");
-  reproduce->add_option("--trials", trials, "table2: trials of each row (default: 10)")->option_text("N");
-  reproduce->add_option("--only", options.only, "table2: protocols, boxes, surfaces and loops to keep")
+  reproduce->add_option("--trials", trials, "table2: trials of each row (default: 10); table4: recordings a level (200)")
+      ->option_text("N");
+  reproduce->add_option("--only", options.only, "table2: protocols, boxes, surfaces and loops to keep; table4: networks")
       ->option_text("NAME,...")
       ->delimiter(',')
       ->allow_extra_args(false);

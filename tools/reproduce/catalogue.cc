@@ -39,6 +39,10 @@ const std::vector<Reproduction>& reproductions() {
        "a box turned up by rotational slip and released: weights, centres of mass, surfaces, thresholds",
        {"--trials", "--only", "--seed", "--jobs"},
        &nib_table3},
+      {"piezo-fft-gru/table4",
+       "networks on the piezoelectric skin: a frame alone against the motors' vibration, with and without motor recordings",
+       {"--data", "--trials", "--only", "--seed", "--jobs"},
+       &piezo_table4},
   };
   return all;
 }

@@ -51,5 +51,6 @@ Result nib_table1(const ReproduceOptions& options);
 Result nib_table2(const ReproduceOptions& options);
 Result nib_slip_kinds(const ReproduceOptions& options);
 Result nib_table3(const ReproduceOptions& options);
+Result piezo_table4(const ReproduceOptions& options);
 
 }  // namespace slipbench::reproduce

@@ -1,0 +1,154 @@
+#include "tools/reproduce/piezo_recordings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <thread>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tools/catalogue/catalogues.h"
+#include "tools/dataset/content_check.h"
+#include "tools/dataset/guarded.h"
+#include "tools/dataset/reader.h"
+#include "tools/reproduce/project_file.h"
+#include "tools/run/interrupt.h"
+#include "tools/run/ordered_workers.h"
+#include "tools/run/run_trial.h"
+
+namespace slipbench::reproduce {
+namespace {
+
+constexpr const char* bench_scene = "scenes/piezo_skin/dataset.yaml";
+constexpr const char* level_path = "motion.vibration";
+constexpr const char* tip_path = "scene";
+
+std::string text_of(const Json& params, const char* path) {
+  const auto found = params.find(path);
+  return found == params.end() ? "" : found->dump();
+}
+
+template <class T>
+void append(std::string& bytes, const std::vector<T>& values) {
+  const std::uint64_t count = values.size();
+  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+  bytes.append(reinterpret_cast<const char*>(values.data()), count * sizeof(T));
+}
+
+// Takes values off the front of bytes that append() wrote.
+class Unpacker {
+ public:
+  explicit Unpacker(const std::string& bytes) : left_(bytes) {}
+  [[nodiscard]] bool empty() const { return left_.empty(); }
+  template <class T>
+  std::vector<T> take() {
+    std::uint64_t count = 0;
+    std::memcpy(&count, left_.data(), sizeof count);
+    left_.remove_prefix(sizeof count);
+    std::vector<T> values(count);
+    std::memcpy(values.data(), left_.data(), count * sizeof(T));
+    left_.remove_prefix(count * sizeof(T));
+    return values;
+  }
+
+ private:
+  std::string_view left_;
+};
+
+}  // namespace
+
+PiezoRecording make_recording(const TrialRecord& record, const std::string& params) {
+  const auto sensor = std::ranges::find(record.sensors, "piezo_skin", &SensorRecord::type);
+  if (sensor == record.sensors.end())
+    throw InputError(fmt::format("trial {}: has no piezo_skin; allowed: a recording of one", record.trial));
+  const Json swept = Json::parse(params);
+  PiezoRecording recording;
+  const auto level = swept.find(level_path);
+  recording.level = level != swept.end() && level->is_number() ? level->get<double>() : std::numeric_limits<double>::quiet_NaN();
+  recording.tip = text_of(swept, tip_path);
+  recording.motors_only = std::ranges::all_of(sensor->labels.state, [](std::uint8_t state) { return state == 0; });
+  learn::FrameSequence truth = learn::spectral_sequence(*sensor, learn::LabelRule::truth);
+  recording.features = std::move(truth.features);
+  recording.truth = std::move(truth.slip);
+  recording.paper = learn::spectral_sequence(*sensor, learn::LabelRule::paper).slip;
+  return recording;
+}
+
+void pack(const PiezoRecording& recording, std::string& bytes) {
+  append(bytes, std::vector<double>{recording.level, recording.motors_only ? 1.0 : 0.0});
+  append(bytes, std::vector<char>(recording.tip.begin(), recording.tip.end()));
+  append(bytes, recording.features);
+  append(bytes, recording.truth);
+  append(bytes, recording.paper);
+}
+
+std::vector<PiezoRecording> unpack(const std::string& bytes) {
+  std::vector<PiezoRecording> recordings;
+  for (Unpacker unpacker(bytes); !unpacker.empty();) {
+    PiezoRecording recording;
+    const auto numbers = unpacker.take<double>();
+    recording.level = numbers.at(0);
+    recording.motors_only = numbers.at(1) != 0.0;
+    const auto tip = unpacker.take<char>();
+    recording.tip.assign(tip.begin(), tip.end());
+    recording.features = unpacker.take<float>();
+    recording.truth = unpacker.take<std::uint8_t>();
+    recording.paper = unpacker.take<std::uint8_t>();
+    recordings.push_back(std::move(recording));
+  }
+  return recordings;
+}
+
+std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, std::size_t recordings,
+                                           const ReproduceOptions& options) {
+  const InterruptGuard guard("ending after the recordings at hand");
+  const Catalogues catalogues = program_catalogues();
+  SceneFile file = SceneFile::load(project_file(bench_scene));
+  file.apply({std::string("sweep.") + level_path, fmt::format("[{}]", fmt::join(levels, ", "))});
+  const std::uint64_t seed = options.seed.value_or(1);
+  const TrialPlan plan(file, catalogues, std::max<std::size_t>(1, recordings / 2),
+                       seed);  // two cells a level: slip, motors alone
+  const auto one = [&](std::size_t index) {
+    TrialPlan::Trial trial = plan.trial(index);
+    trial.scene.seed = seed;
+    Json params = Json::object();
+    for (const auto& [path, value] : trial.drawn) params[path] = Json::parse(value);
+    return make_recording(run_trial(trial.scene, index, Recording::full).record, params.dump());
+  };
+  const std::size_t threads = options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency());
+  OrderedWorkers<PiezoRecording> workers(
+      plan.size(), std::min(threads, plan.size()), [&] { return one; }, &InterruptGuard::flag());
+  std::vector<PiezoRecording> all;
+  while (all.size() < plan.size()) {
+    if (options.say && all.size() % 100 == 0) options.say(fmt::format("recordings ({} of {} done)", all.size(), plan.size()));
+    std::optional<PiezoRecording> recording = workers.next();
+    if (!recording) throw Interrupted();
+    all.push_back(std::move(*recording));
+  }
+  return all;
+}
+
+std::vector<PiezoRecording> read_recordings(const std::string& path) {
+  return unpack(guarded(path, [&] {
+    const DatasetReader reader(path);
+    ContentCheck check(reader);
+    std::string bytes;
+    for (const std::size_t trial : reader.trials()) {
+      reader.check_recorded(trial);
+      const TrialRecord record = reader.read_trial(trial);
+      check.add(record);
+      pack(make_recording(record, record.params), bytes);
+    }
+    check.finish();
+    return bytes;
+  }));
+}
+
+}  // namespace slipbench::reproduce
