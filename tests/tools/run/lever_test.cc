@@ -3,7 +3,6 @@
 #include <cmath>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -81,47 +80,36 @@ TEST(LeverBench, PlateLetsGoAtMuTimesTheNormalForce) {
   EXPECT_NEAR(record.outcome.gross_slip_time, 3.0 + 0.5 * 4.0 * series / 10e3, 5e-3);
 }
 
-// Newtons of pull at which all nibs slip: about a centre (c, 0) of the pad each bears `limit` across the line to it. c is where their moment about the
-// pull's line, `arm` beside the pad, is nothing; the pull is then the sum of what they bear along it.
-double pull_that_turns(double limit, double arm) {
-  const auto sums = [&](double c) {
-    double along = 0.0, moment = 0.0;
-    for (int row = 0; row < 6; ++row) {
-      for (int column = 0; column < 6; ++column) {
-        const double x = 3.8e-3 * (column - 2.5), y = 3.8e-3 * (row - 2.5), r = std::hypot(x - c, y);
-        const double fx = limit * y / r, fy = -limit * (x - c) / r;
-        along += fy;
-        moment += (x + arm) * fy - y * fx;
-      }
-    }
-    return std::pair{along, moment};
-  };
-  double low = 0.0,
-         high = 9e-3;  // the centre lies on the far side of the pull; between columns of nibs or not, the sums are monotonous
-  for (int k = 0; k < 60; ++k) {
-    const double middle = 0.5 * (low + high);
-    (sums(middle).second < 0.0 ? low : high) = middle;
-  }
-  return sums(low).first;
+// Beside the axis a pull F turns the plate by t against the nibs' stiffness K = sum k_t r^2 = 36 k_t 2 (3.8 mm)^2 35/12. The eye, d = 60 mm up the plate,
+// goes aside by d t and slants the string of L = 100 mm, so that its arm of 31.75 mm becomes shorter by d t (1 + d/L):
+//   t = F 31.75 mm/(K + F d (1 + d/L))
+double turn_by(double pull) {
+  constexpr double stiffness = pad_tangential * 2.0 * 3.8e-3 * 3.8e-3 * 35.0 / 12.0, d = 0.06, length = 0.1;
+  return pull * 31.75e-3 / (stiffness + pull * d * (1.0 + d / length));
 }
 
-// Beside the axis the pull turns the plate: by its moment over the nibs' stiffness against a turn, sum k_t r^2 = 36 k_t 2 (3.8 mm)^2 35/12, until
-// all of them slip about their own centre.
 TEST(LeverBench, PullBesideTheAxisTurnsThePlate) {
-  const Overrides pressed{{"motion.compression", "1 mm"}, {"duration", "6 s"}, {"friction", "{static: 0.65, kinetic: 0.65}"}};
   const auto pulled = [&](const std::string& pull) {
-    Overrides changes = pressed;
-    changes.push_back({"controls.pull", pull});
-    return run("rotational.yaml", changes);
+    return run("rotational.yaml", {{"motion.compression", "1 mm"},
+                                   {"duration", "6 s"},
+                                   {"friction", "{static: 0.65, kinetic: 0.65}"},
+                                   {"controls.pull", pull}});
   };
   const TrialRecord held = pulled("[[3 s, 0 N], [4 s, 0.5 N]]");
-  const double stiffness = pad_tangential * 2.0 * 3.8e-3 * 3.8e-3 * 35.0 / 12.0, moment = 0.5 * 31.75e-3;
   const BodyRecord& plate = *std::ranges::find(held.bodies, "plate", &BodyRecord::name);
   const std::size_t row = row_at(held, 5.99);
   const double turn = 2.0 * std::atan2(double{plate.pose[7 * row + 6]}, double{plate.pose[7 * row + 3]});
-  EXPECT_NEAR(turn, -moment / stiffness, 0.01 * moment / stiffness);  // the arm changes with the turn, 26 mrad
-  const double limit = pull_that_turns(0.65 * 1e-3 * series / 36.0, 31.75e-3);
-  EXPECT_NEAR(pulled("[[3 s, 0 N], [6 s, 3 N]]").outcome.gross_slip_time, 3.0 + limit, 0.05 * limit);
+  EXPECT_NEAR(turn, -turn_by(0.5), 5e-3 * turn_by(0.5));  // of the second order in 24 mrad, and the string's shorter arm
+
+  // The corner towards the pull's line is sheared most: by 9.5 mm t across, and as much and F/(36 k_t) along. There the first nib slips, at mu_s f_n/k_t, and
+  // the ramp is 1 N/s.
+  const double shear = 0.65 * 1e-3 * series / pad_tangential;
+  double low = 0.0, high = 3.0;
+  for (int k = 0; k < 50; ++k) {
+    const double pull = 0.5 * (low + high), across = 9.5e-3 * turn_by(pull);
+    (std::hypot(across, across + pull / pad_tangential) < shear ? low : high) = pull;
+  }
+  EXPECT_NEAR(pulled("[[3 s, 0 N], [6 s, 3 N]]").outcome.first_slip_time, 3.0 + low, 0.01 * low);
 }
 
 // 0.03 mm/s on 9.99 N/mm take 0.2997 N/s off.
