@@ -12,9 +12,9 @@
 namespace slipbench::reproduce {
 namespace {
 
-constexpr double slow = 8.0;                               // Hz, the paper's effective response
-constexpr double slip_begins = 0.3e-3, slip_ends = 10e-3;  // m, of the lever
-constexpr std::size_t window = 150, hop = 30;              // samples at 300 Hz, as in the paper
+constexpr double slow = 8.0;                                   // Hz, the paper's effective response
+constexpr double slip_begins = 0.3e-3, slip_ends = 10e-3;      // m, of the lever
+constexpr std::size_t window_samples = 150, hop_samples = 30;  // samples at 300 Hz, as in the paper
 
 // Median of `figure` over those of the slips that have waves or not; empty of none.
 std::optional<double> median(const std::vector<std::optional<Signature>>& found, bool wavy, double Signature::*figure) {
@@ -33,10 +33,10 @@ std::optional<Signature> signature_of(const Scene& scene, const NibTrace& trace)
   const std::optional<std::size_t> first = trace.moved(begun, slip_begins);
   if (!first) return std::nullopt;
   const std::size_t last = trace.moved(begun, slip_ends).value_or(trace.size());
-  if (last - *first < window) return std::nullopt;
+  if (last - *first < window_samples) return std::nullopt;
   const std::size_t fl = trace.source().channels.front().size();  // behind the image
-  nib::SlidingSpectrum spectrum(window, hop, trace.source().rate);
-  const double bin = trace.source().rate / static_cast<double>(window);
+  nib::SlidingSpectrum spectrum(window_samples, hop_samples, trace.source().rate);
+  const double bin = trace.source().rate / static_cast<double>(window_samples);
   double below = 0.0, above = 0.0, windows = 0.0;
   for (std::size_t k = *first; k < last; ++k) {
     const std::span<const float> values = trace.frame(k).values;
@@ -48,7 +48,7 @@ std::optional<Signature> signature_of(const Scene& scene, const NibTrace& trace)
     }
   }
   // White noise of variance v has v sum w^2 in every bin, sum w^2 = (0.54^2 + 0.46^2/2) N; of N/2 bins.
-  const auto n = static_cast<double>(window);
+  const auto n = static_cast<double>(window_samples);
   const auto rms = [&](double energy) { return std::sqrt(2.0 * energy / (0.3974 * n * n * windows)); };
   const bool wavy = std::ranges::any_of(scene.effects, [](const Named& effect) { return effect.name == "texture"; });
   return Signature{wavy, below / (below + above), static_cast<double>(last - *first) / trace.source().rate, rms(below),

@@ -20,13 +20,13 @@ namespace {
 constexpr double safe_way = 6e-3;  // m, of slip: what is detected before is a success
 
 // A change of the detector, on the very same trials.
-struct Reading {
+struct DetectorReading {
   const char* name;
   const char* text;
   std::vector<std::pair<const char*, Parameters::Value>> changes;
 };
-const std::vector<Reading>& readings() {
-  static const std::vector<Reading> all{
+const std::vector<DetectorReading>& detector_readings() {
+  static const std::vector<DetectorReading> all{
       {"as_is", "threshold 25, patience 0.5 s, forces", {}},
       {"threshold_15", "threshold 15", {{"threshold", 15.0}}},
       {"threshold_20", "threshold 20", {{"threshold", 20.0}}},
@@ -47,13 +47,13 @@ struct PublishedSurface {
   double all, gross;  // N
   std::size_t safe, runs;
 };
-constexpr PublishedSurface published[] = {{"paper", "paper", 0.77, 0.55, 57, 58},
-                                          {"masonite", "smooth masonite", 1.06, 1.05, 67, 74},
-                                          {"wavy_acrylic", "wavy acrylic", 0.84, 0.51, 61, 61},
-                                          {"soaped_wavy_acrylic", "soaped wavy acrylic", 3.44, 3.22, 62, 68}};
+constexpr PublishedSurface published_surfaces[] = {{"paper", "paper", 0.77, 0.55, 57, 58},
+                                                   {"masonite", "smooth masonite", 1.06, 1.05, 67, 74},
+                                                   {"wavy_acrylic", "wavy acrylic", 0.84, 0.51, 61, 61},
+                                                   {"soaped_wavy_acrylic", "soaped wavy acrylic", 3.44, 3.22, 62, 68}};
 
 // What one run came to with one reading. NaN: nothing was detected before the slip was over.
-struct Run {
+struct ReleaseRun {
   std::string material;
   double required = 0.0;                                    // N, pull/mu_s
   double force = std::numeric_limits<double>::quiet_NaN();  // N, true, at the detection
@@ -62,23 +62,23 @@ struct Run {
   [[nodiscard]] bool gross() const { return safe() && force < required; }
 };
 
-Parameters detector_parameters(const DetectorScene& scene, const Reading& reading) {
+Parameters detector_parameters(const DetectorScene& scene, const DetectorReading& reading) {
   Parameters parameters = scene.parameters;
   for (const auto& [name, value] : reading.changes) parameters.set(name, value);
   return parameters;
 }
 
-struct Trial {
-  std::vector<Run> runs;  // in the order of readings()
+struct ReleaseTrial {
+  std::vector<ReleaseRun> runs;  // in the order of detector_readings()
   std::optional<Signature> signature;
 };
 
-Trial trial_of(const Scene& scene, const TrialRecord& record) {
+ReleaseTrial trial_of(const Scene& scene, const TrialRecord& record) {
   const NibTrace trace(record);
   const std::size_t begun = trace.at(scene.detector->parameters.number("start"));
-  Trial trial{{}, signature_of(scene, trace)};
-  for (const Reading& reading : readings()) {
-    Run run;
+  ReleaseTrial trial{{}, signature_of(scene, trace)};
+  for (const DetectorReading& reading : detector_readings()) {
+    ReleaseRun run;
     run.material = scene.material;
     run.required = scene.controls.front().points.back().value / scene.friction.static_coefficient;
     const auto detector = make_nib_linear_slip(detector_parameters(*scene.detector, reading), trace.source());
@@ -96,10 +96,10 @@ struct Summary {
   MeanSd error, gross_error, slip;  // N, N, mm; of the safe ones
 };
 
-Summary summary_of(const std::vector<Run>& runs, const std::string& material) {
+Summary summary_of(const std::vector<ReleaseRun>& runs, const std::string& material) {
   Summary summary;
   std::vector<double> errors, gross, ways;
-  for (const Run& run : runs) {
+  for (const ReleaseRun& run : runs) {
     if (!material.empty() && run.material != material) continue;
     ++summary.runs;
     if (!run.safe()) continue;
@@ -119,7 +119,7 @@ Summary summary_of(const std::vector<Run>& runs, const std::string& material) {
 }
 
 std::string newtons(const MeanSd& value) { return std::isnan(value.mean) ? "-" : fmt::format("{:.2f}", value.mean); }
-std::string share(const Summary& summary) {
+std::string safe_share(const Summary& summary) {
   const Interval interval = clopper_pearson(summary.safe, summary.runs);
   return fmt::format("{} of {} ({:.1f} %; {:.0f} to {:.0f} %)", summary.safe, summary.runs,
                      100.0 * static_cast<double>(summary.safe) / static_cast<double>(std::max<std::size_t>(1, summary.runs)),
@@ -137,7 +137,7 @@ Json summary_json(const Summary& summary) {
           {"slip_mm", finite(summary.slip.mean)}};
 }
 
-ResultTable main_table(const std::vector<Run>& runs, Json& figures) {
+ResultTable release_table(const std::vector<ReleaseRun>& runs, Json& figures) {
   ResultTable table;
   table.title = "Algorithm 1 with the paper's M and alpha";
   table.head = {"",      "error, N: paper",          "ours", "gross only: paper", "ours", "before 6 mm: paper", "ours",
@@ -146,13 +146,13 @@ ResultTable main_table(const std::vector<Run>& runs, Json& figures) {
   const auto add = [&](const std::string& material, const std::string& text, const std::string& all, const std::string& gross,
                        const std::string& safe) {
     const Summary summary = summary_of(runs, material);
-    table.rows.push_back({text, all, newtons(summary.error), gross, newtons(summary.gross_error), safe, share(summary),
+    table.rows.push_back({text, all, newtons(summary.error), gross, newtons(summary.gross_error), safe, safe_share(summary),
                           fmt::format("{} of {}", summary.early, summary.safe), newtons(summary.slip)});
     Json row = summary_json(summary);
     row["surface"] = text;
     rows.push_back(std::move(row));
   };
-  for (const PublishedSurface& surface : published) {
+  for (const PublishedSurface& surface : published_surfaces) {
     add(surface.material, surface.text, fmt::format("{:.2f}", surface.all), fmt::format("{:.2f}", surface.gross),
         fmt::format("{} of {}", surface.safe, surface.runs));
   }
@@ -166,12 +166,14 @@ ResultTable main_table(const std::vector<Run>& runs, Json& figures) {
   return table;
 }
 
-std::vector<std::string> row_of(const std::string& text, const std::vector<Run>& runs) {
+std::vector<std::string> surfaces_row(const std::string& text, const std::vector<ReleaseRun>& runs) {
   std::vector<std::string> row{text};
-  for (const PublishedSurface& surface : published) {
-    const Summary summary = summary_of(runs, surface.material);
+  const auto add = [&](const std::string& material) {
+    const Summary summary = summary_of(runs, material);
     row.push_back(fmt::format("{}, {}/{}, {} early", newtons(summary.error), summary.safe, summary.runs, summary.early));
-  }
+  };
+  for (const PublishedSurface& surface : published_surfaces) add(surface.material);
+  add("");
   return row;
 }
 
@@ -188,30 +190,32 @@ Result nib_table2(const ReproduceOptions& options) {
       other{"The same trials read otherwise", {"detector"}, {}, ""};
   ResultTable signature = signature_table();
   result.figures["signature"] = Json::array();
-  for (const PublishedSurface& surface : published) {
+  for (const PublishedSurface& surface : published_surfaces) {
     laws.head.emplace_back(surface.text);
     other.head.emplace_back(surface.text);
   }
+  laws.head.emplace_back("all");
+  other.head.emplace_back("all");
   for (const FrictionLaw& law : friction_laws()) {
     const bool own = &law == &friction_laws().front();
     const std::size_t draws = own ? trials : std::min(trials, few_trials);
-    const auto found = run_lever_scene<Trial>(
+    const auto found = run_lever_scene<ReleaseTrial>(
         "scenes/nib_pad/release.yaml", law.change, draws, seed, options, law.text,
         [](const Scene& scene, const TrialRecord& record, std::size_t) { return trial_of(scene, record); });
-    std::vector<std::vector<Run>> by_reading(readings().size());
+    std::vector<std::vector<ReleaseRun>> by_reading(detector_readings().size());
     std::vector<std::optional<Signature>> signatures;
-    for (const Trial& trial : found) {
+    for (const ReleaseTrial& trial : found) {
       for (std::size_t k = 0; k < trial.runs.size(); ++k) by_reading[k].push_back(trial.runs[k]);
       signatures.push_back(trial.signature);
     }
     add_signatures(law.text, signatures, signature, result.figures["signature"]);
-    laws.rows.push_back(row_of(law.text, by_reading.front()));
+    laws.rows.push_back(surfaces_row(law.text, by_reading.front()));
     result.figures["laws"][law.name] = summary_json(summary_of(by_reading.front(), ""));
     if (!own) continue;
-    result.tables.push_back(main_table(by_reading.front(), result.figures));
+    result.tables.push_back(release_table(by_reading.front(), result.figures));
     for (std::size_t k = 0; k < by_reading.size(); ++k) {
-      other.rows.push_back(row_of(readings()[k].text, by_reading[k]));
-      result.figures["readings"][readings()[k].name] = summary_json(summary_of(by_reading[k], ""));
+      other.rows.push_back(surfaces_row(detector_readings()[k].text, by_reading[k]));
+      result.figures["readings"][detector_readings()[k].name] = summary_json(summary_of(by_reading[k], ""));
     }
   }
   laws.note =
