@@ -61,9 +61,10 @@ std::vector<ReorientCell> reorient_cells() {
       {"masonite", "200 g in the middle, masonite", 10, surface("masonite", "0.5", "")},
       {"wavy", "200 g in the middle, wavy acrylic", 10,
        surface("wavy_acrylic", "0.55", "{texture: {wavelength: 4 mm, height: 0.05 mm, angle: 90 deg}}, ")}};
+  const Catalogues catalogues = program_catalogues();
+  const auto reorient = std::ranges::find(catalogues.controllers, "reorient", &Entry::name);
+  const Parameters defaults = defaults_of(reorient->parameters);
   for (const char* threshold : {"fl_slip", "fr_slip", "fr_upright"}) {
-    const auto entry = std::ranges::find(program_catalogues().controllers, "reorient", &Entry::name);
-    const Parameters defaults = defaults_of(entry->parameters);
     for (const double factor : {0.5, 2.0}) {
       cells.push_back({fmt::format("{}_x{}", threshold, factor),
                        fmt::format("200g with {} x {}", threshold, factor),
@@ -138,10 +139,10 @@ std::string share_text(std::size_t k, std::size_t n) {
   return fmt::format("{} of {} ({:.0f} to {:.0f} %)", k, n, 100.0 * share.low, 100.0 * share.high);
 }
 
-template <class Quantity>
-double median_over(const Runs& runs, Quantity&& quantity) {
+template <class Figure>
+double median_over(const Runs& runs, Figure&& figure) {
   std::vector<double> values;
-  for (const ReorientFigures& run : runs) values.push_back(quantity(run));
+  for (const ReorientFigures& run : runs) values.push_back(figure(run));
   std::ranges::sort(values);
   return quantile(values, 0.5);
 }
