@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <complex>
 #include <cstddef>
@@ -10,6 +10,7 @@
 
 #include "sim/core/error.h"
 #include "sim/effects/effects.h"
+#include "sim/field/vectorise.h"
 
 namespace slipbench {
 namespace {
@@ -36,22 +37,37 @@ class Profile {
     mask_ = cells - 1;
   }
 
-  // At the distance `s` [m] along the profile, which repeats.
-  [[nodiscard]] double at(double s) const {
-    const double u = s * per_cell_;
-    const auto truncated = static_cast<std::int64_t>(u);  // std::floor is a call to a library on a CPU that may be any x86-64
-    const std::int64_t cell = truncated - (static_cast<double>(truncated) > u ? 1 : 0);
-    const std::size_t i = static_cast<std::size_t>(cell) & mask_;
-    return heights_[i] + (u - static_cast<double>(cell)) * (heights_[i + 1] - heights_[i]);
-  }
+  [[nodiscard]] const double* heights() const { return heights_.data(); }  // m; the first again behind the last
+  [[nodiscard]] double per_cell() const { return per_cell_; }              // points a metre
+  [[nodiscard]] std::uint64_t mask() const { return mask_; }               // their number, a power of two, less one
 
  private:
   static constexpr std::size_t points_per_wave = 32;  // of the shortest: its amplitude is right to (pi/32)^2/3, 0.3 %
 
-  std::vector<double> heights_;  // m
-  double per_cell_ = 0.0;        // 1/m
-  std::size_t mask_ = 0;         // cells - 1, a power of two less one
+  std::vector<double> heights_;
+  double per_cell_ = 0.0;
+  std::uint64_t mask_ = 0;
 };
+
+// Lowers the gaps by a profile across the direction (cos, sin).
+SLIPBENCH_DISPATCHED void lower(const Profile& profile, double cos, double sin, std::size_t count, const double* x,
+                                const double* y, const double* nz, double* gap) {
+  // Doubles of this size are whole, and their last bits count: adding it rounds, which half a cell before is std::floor, without a
+  // call to a library on a CPU that may be any x86-64.
+  constexpr double whole = 0x1.8p52;
+  const double* const heights = profile.heights();
+  const double cos_per_cell = cos * profile.per_cell(), sin_per_cell = sin * profile.per_cell();
+  const std::uint64_t mask = profile.mask();
+  SLIPBENCH_VECTORISE
+  for (std::size_t i = 0; i < count; ++i) {
+    const double u = cos_per_cell * x[i] + sin_per_cell * y[i];
+    const double rounded = (u - 0.5) + whole;
+    const auto cell = static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(rounded) & mask);
+    const double low = heights[cell], high = heights[cell + 1];
+    const double height = low + (u - (rounded - whole)) * (high - low);
+    gap[i] -= nz[i] == 1.0 ? height : 0.0;
+  }
+}
 
 class Roughness final : public SurfaceEffect {
  public:
@@ -73,11 +89,7 @@ class Roughness final : public SurfaceEffect {
   }
 
   void displace(std::size_t count, const double* x, const double* y, const double* nz, double* gap) override {
-    for (const Ridges& ridges : ridges_) {
-      for (std::size_t i = 0; i < count; ++i) {
-        if (nz[i] == 1.0) gap[i] -= ridges.profile.at(ridges.cos * x[i] + ridges.sin * y[i]);
-      }
-    }
+    for (const Ridges& ridges : ridges_) lower(ridges.profile, ridges.cos, ridges.sin, count, x, y, nz, gap);
   }
 
   [[nodiscard]] double longest_step(double speed) const override { return step_per_wave(shortest_, speed); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 namespace slipbench {
 namespace {
@@ -158,47 +159,48 @@ kernel::UnitColumns ContactLabels::sum_fields(std::span<const Field> fields) {
 // Sums the elements of units on one surface, in the pad frame but for the tangential force and the normal. That is the one of the element
 // that is pressed hardest: one beside the surface meets another face.
 void ContactLabels::sum_elements(const Field& field, Eigen::ArrayXXd& sums) const {
+  // The vectors among the columns, and where in `sums` they go.
+  constexpr std::size_t vectors = 4;
+  constexpr std::array<std::pair<kernel::Column, std::size_t>, vectors> summed{{{kernel::pad_force_x, unit::force},
+                                                                                {kernel::deflection_x, unit::deflection},
+                                                                                {kernel::pad_slip_x, unit::slip},
+                                                                                {kernel::force_x, unit::tangential}}};
   const auto element = [&](std::size_t c) { return field.column(static_cast<kernel::Column>(c)); };
-  const auto column = [&](std::size_t c) { return sums.col(static_cast<Eigen::Index>(c)).data(); };
-  const auto sum = [&](std::size_t from, std::size_t to) {  // vectors
-    const double *const x = element(from), *const y = element(from + 1), *const z = element(from + 2);
-    double *const sum_x = column(to), *const sum_y = column(to + 1), *const sum_z = column(to + 2);
-    for (std::size_t u = 0; u < units_.size(); ++u) {
-      const std::size_t first = units_[u].first, end = first + units_[u].count;
-      double total_x = x[first], total_y = y[first], total_z = z[first];
-      for (std::size_t i = first + 1; i < end; ++i) {
-        total_x += x[i];
-        total_y += y[i];
-        total_z += z[i];
-      }
-      sum_x[u] = total_x;
-      sum_y[u] = total_y;
-      sum_z[u] = total_z;
-    }
-  };
-  sum(kernel::pad_force_x, unit::force);
-  sum(kernel::deflection_x, unit::deflection);
-  sum(kernel::pad_slip_x, unit::slip);
-  sum(kernel::force_x, unit::tangential);
+  std::array<const double*, 3 * vectors> from;
+  for (std::size_t v = 0; v < from.size(); ++v) from[v] = element(summed[v / 3].first + v % 3);
+  const double *const mode = element(kernel::mode), *const press = element(kernel::press), *const path = element(kernel::path),
+                      *const limit = element(kernel::limit);
   for (std::size_t u = 0; u < units_.size(); ++u) {
+    // All sums in one loop: each waits for its own last addition only.
     const std::size_t first = units_[u].first, end = first + units_[u].count;
-    double slipped = 0.0, reach = 0.0, pressed = 0.0, touch = 0.0, slide = 0.0;
-    std::size_t hardest = first;
-    for (std::size_t i = first; i < end; ++i) {
-      const double mode = element(kernel::mode)[i], f_n = field.normal_force(i);
-      slipped += field.slip_path(i);
-      reach += field.stick_limit(i);
-      pressed += f_n;
-      touch += mode != 0.0 ? 1.0 : 0.0;
-      slide += mode == 2.0 ? 1.0 : 0.0;
-      if (f_n > field.normal_force(hardest)) hardest = i;
+    std::array<double, 3 * vectors> total;
+    for (std::size_t v = 0; v < from.size(); ++v) total[v] = from[v][first];
+    for (std::size_t i = first + 1; i < end; ++i) {
+      for (std::size_t v = 0; v < from.size(); ++v) total[v] += from[v][i];
     }
-    column(unit::path)[u] = slipped;
-    column(unit::limit)[u] = reach;
-    column(unit::touching)[u] = touch;
-    column(unit::slipping)[u] = slide;
-    column(unit::press)[u] = pressed;
-    for (const std::size_t k : {0U, 1U, 2U}) column(unit::normal + k)[u] = element(kernel::normal_x + k)[hardest];
+    double slipped = 0.0, reach = 0.0, pressed = 0.0, modes = 0.0, squares = 0.0;
+    for (std::size_t i = first; i < end; ++i) {
+      slipped += path[i];
+      reach += limit[i];
+      pressed += std::max(0.0, press[i]);
+      modes += mode[i];
+      squares += mode[i] * mode[i];
+    }
+    const double slide = 0.5 * (squares - modes);  // of the modes 0, 1 and 2, without a branch for each element
+    const double touch = modes - slide;
+    std::size_t hardest = first;
+    for (std::size_t i = first + 1; i < end && !field.on_plane(); ++i) {
+      if (field.normal_force(i) > field.normal_force(hardest)) hardest = i;
+    }
+    const auto row = static_cast<Eigen::Index>(u);
+    const auto set = [&](std::size_t c, double value) { sums(row, static_cast<Eigen::Index>(c)) = value; };
+    for (std::size_t v = 0; v < from.size(); ++v) set(summed[v / 3].second + v % 3, total[v]);
+    set(unit::path, slipped);
+    set(unit::limit, reach);
+    set(unit::touching, touch);
+    set(unit::slipping, slide);
+    set(unit::press, pressed);
+    for (const std::size_t k : {0U, 1U, 2U}) set(unit::normal + k, element(kernel::normal_x + k)[hardest]);
   }
 }
 

@@ -125,6 +125,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     std::copy_n(columns_[mu_static], count_, columns_[mu_static_surface]);
     std::copy_n(columns_[mu_kinetic], count_, columns_[mu_kinetic_surface]);
   }
+  if (effects_.tip) felt_ = felt_x;
   std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
   flat_pad_ = std::all_of(layout_.elements.begin(), layout_.elements.end(),
                           [&](const Element& e) { return e.axis == layout_.elements.front().axis; });
@@ -176,7 +177,6 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
     step_in_stages(placed_ ? dt : 0.0, motion);
   }
   if (std::memcmp(columns_[mode], columns_[mode_before], count_ * sizeof(double)) != 0) resolve_events();
-  if (has_memory()) commit_rheology(placed_ ? dt : 0.0);
   placed_ = true;
 }
 
@@ -206,6 +206,7 @@ void Field::step_in_stages(double dt, const Twist* motion) {
   } else {
     kernel::map(columns_, on_plane(), extended_, padded_);
   }
+  if (has_memory()) commit_rheology(dt);
 }
 
 // Whether the axes of a flat pad look at the plane.
@@ -487,7 +488,7 @@ ElementColumns Field::view(double dt) const {
           columns_[mode_before]};
 }
 
-void Field::view_from_pad() { kernel::view_from_pad(columns_, pose_.rotation.transpose(), felt(), padded_); }
+void Field::view_from_pad() { kernel::view_from_pad(columns_, pose_.rotation.transpose(), felt_, padded_); }
 
 Wrench Field::wrench_on_surface() const {
   Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -502,7 +503,7 @@ Wrench Field::wrench_on_surface() const {
 Wrench Field::wrench_on_pad() const {
   Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (std::size_t i = 0; i < count_; ++i) {
-    const Eigen::Vector3d force = vector(normal_x, i) * normal_force(i) - vector(felt(), i);
+    const Eigen::Vector3d force = vector(normal_x, i) * normal_force(i) - vector(felt_, i);
     total.force += force;
     total.torque += (vector(contact_x, i) - pose_.position).cross(force);
   }

@@ -165,8 +165,6 @@ class Field {
   [[nodiscard]] double onset_fraction(std::size_t i) const;
   [[nodiscard]] ElementColumns view(double dt) const;
   [[nodiscard]] bool has_memory() const { return !effects_.rheology.empty(); }
-  // Where the tangential force that the pad feels is: that of a spring with a massless tip is the friction.
-  [[nodiscard]] Column felt() const { return effects_.tip ? felt_x : force_x; }
   void keep_as_before(Column now, Column before) { std::swap(columns_[now], columns_[before]); }
 
   [[nodiscard]] Eigen::Vector3d vector(Column x, std::size_t i) const {
@@ -186,6 +184,7 @@ class Field {
   kernel::Columns columns_{};  // into block_; "now" and "before" swap places instead of being copied
   std::vector<ElementEvent> events_;
   Pose pose_;
+  Column felt_ = force_x;  // where the tangential force that the pad feels is: of a spring with a massless tip it is the friction
   bool flat_pad_;
   bool extended_;  // the columns from plain_columns on are there
   bool plain_;     // springs on a plane, and no effect: one pass does it all

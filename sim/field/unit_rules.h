@@ -66,6 +66,12 @@ struct UnitEvent {
   std::uint32_t unit;
 };
 
+// Sorts, keeping the order of equals: std::stable_sort, which asks for memory, only where there is something to sort.
+template <class Iterator, class Before>
+void sort_stably(Iterator first, Iterator last, const Before& before) {
+  if (!std::is_sorted(first, last, before)) std::stable_sort(first, last, before);
+}
+
 // Replays the element changes of a step of `dt` that ended at `time` [s] in order of time and appends to `report`, in order of
 // time, what each does to its unit (contact_frame.h). `changes` is sorted in place; `count_before(unit)` gives a unit's Count
 // before the step.
@@ -74,7 +80,7 @@ void report_unit_events(std::vector<UnitEvent>& changes, CountBefore&& count_bef
                         std::vector<ContactEvent>& report) {
   // Events of one unit closer than this share of a step happen together: bristles of one tip touch at once, up to rounding.
   constexpr double together = 1e-9;
-  std::stable_sort(changes.begin(), changes.end(), [](const UnitEvent& a, const UnitEvent& b) {
+  sort_stably(changes.begin(), changes.end(), [](const UnitEvent& a, const UnitEvent& b) {
     return a.unit != b.unit ? a.unit < b.unit : a.event.fraction < b.event.fraction;
   });
   const std::size_t reported = report.size();
@@ -98,8 +104,8 @@ void report_unit_events(std::vector<UnitEvent>& changes, CountBefore&& count_bef
     if (before.slipping > 0 && now.slipping == 0 && now.touching > 0) tell(EventKind::stick);
     if (before.touching > 0 && now.touching == 0) tell(EventKind::detach);
   }
-  std::stable_sort(report.begin() + static_cast<std::ptrdiff_t>(reported), report.end(),
-                   [](const ContactEvent& a, const ContactEvent& b) { return a.time < b.time; });
+  sort_stably(report.begin() + static_cast<std::ptrdiff_t>(reported), report.end(),
+              [](const ContactEvent& a, const ContactEvent& b) { return a.time < b.time; });
 }
 
 }  // namespace slipbench::unit_rules

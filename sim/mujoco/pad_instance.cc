@@ -42,12 +42,19 @@ std::size_t memory_values(Sensor& sensor) {
 }
 
 Field field_of(const mjModel* model, const PadConfig& config, const PadLayout& layout, int geom, const Surface& surface) {
+  FieldEffects effects;
   try {
-    return {layout, surface, config.friction, install_effects(config.effects, layout, surface, config.seed, config.trial)};
+    effects = install_effects(config.effects, layout, surface, config.seed, config.trial);
   } catch (const SceneValueError& error) {
     throw InputError(
         fmt::format("plugin '{}': {}; geom '{}' is none", config.name, error.what(), mj_id2name(model, mjOBJ_GEOM, geom)));
   }
+  // Bodies that forces move accelerate under the tips, and are solved for with springs that have no state of their own.
+  if (effects.tip) {
+    throw InputError(fmt::format(
+        "plugin '{}': effects: inertia needs pads that move as prescribed; allowed here: effects without", config.name));
+  }
+  return {layout, surface, config.friction, std::move(effects)};
 }
 
 // A surface of the same kind as the geom's, as far as effects tell kinds apart and the state's size depends on it.

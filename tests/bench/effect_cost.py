@@ -6,6 +6,7 @@ effect_cost.py VALGRIND STAGE_STEPS STAGE_STEPS_ONE_MORE EFFECTS_ARCHIVE
 2. The instructions of a step are the same when the catalogue holds one effect more.
 """
 
+import os
 import pathlib
 import re
 import subprocess
@@ -19,7 +20,7 @@ def count(valgrind, function, command):
         out = pathlib.Path(folder) / "callgrind.out"
         subprocess.run(
             [valgrind, "--tool=callgrind", f"--callgrind-out-file={out}", f"--toggle-collect={function}", *command],
-            check=True, capture_output=True)
+            check=True, capture_output=True, env=os.environ | {"LD_BIND_NOW": "1"})  # else the loader's look-ups count too
         text = out.read_text()
     total = int(re.search(r"^(?:summary|totals): (\d+)", text, re.M).group(1))
     names = set(re.findall(r"^c?fn=\(\d+\) (.+)$", text, re.M))

@@ -9,6 +9,8 @@
 #include "sim/effects/install.h"
 #include "sim/field/contact_labels.h"
 #include "sim/field/field.h"
+#include "sim/motion/motion.h"
+#include "sim/testbench/testbench.h"
 
 namespace slipbench {
 namespace {
@@ -64,6 +66,30 @@ void roughness(benchmark::State& state) { steps(state, {"inertia", "roughness"},
 void asperities(benchmark::State& state) { steps(state, {"inertia", "asperities"}, false); }
 void everything(benchmark::State& state) { steps(state, {"inertia", "roughness", "asperities"}, false); }
 void everything_labelled(benchmark::State& state) { steps(state, {"inertia", "roughness", "asperities"}, true); }
+// The whole bench as a scene steps it, without a sensor to read it.
+void whole_bench(benchmark::State& state, const std::vector<std::string>& names) {
+  Scene scene;
+  scene.duration = 3600.0;
+  scene.time_step = dt;
+  scene.friction = {0.7, 0.58};
+  scene.surface.name = "plane";
+  scene.motion = {"stage", defaults_of(motion_catalogue().front().about.parameters)};
+  scene.motion.parameters.set("compression", depth);
+  scene.motion.parameters.set("speed", speed);
+  scene.effects = named(names);
+  scene.sensors.emplace_back();
+  const PadLayout pad = patch();
+  const PadLayout* const pads[] = {&pad};
+  const double rates[] = {1.0 / dt};
+  Testbench bench(scene, pads, rates, 0);
+  for (int tick = 0; tick < 30000; ++tick) bench.step();  // it slides from 2 s on
+  for (auto _ : state) {
+    bench.step();
+    benchmark::DoNotOptimize(bench.contact(0).force.data());
+  }
+}
+void bench_massless(benchmark::State& state) { whole_bench(state, {}); }
+void bench_everything(benchmark::State& state) { whole_bench(state, {"inertia", "roughness", "asperities"}); }
 
 BENCHMARK(massless);
 BENCHMARK(massless_labelled);
@@ -73,6 +99,8 @@ BENCHMARK(roughness);
 BENCHMARK(asperities);
 BENCHMARK(everything);
 BENCHMARK(everything_labelled);
+BENCHMARK(bench_massless);
+BENCHMARK(bench_everything);
 
 }  // namespace
 }  // namespace slipbench

@@ -25,18 +25,20 @@ std::string model_of(const std::string& attributes, const std::string& option = 
          "<sensor><plugin instance='left'/></sensor></mujoco>";
 }
 
-std::string refusal_of(const std::string& attributes) {
+std::string refusal_of_model(const std::string& model) {
 #ifdef __SANITIZE_ADDRESS__
   const __lsan::ScopedDisabler
       disabler;  // MuJoCo's compiler jumps over its own vectors when a plugin refuses: 52 bytes each time
 #endif
   try {
-    load(model_of(attributes));
+    load(model);
     return "accepted";
   } catch (const std::runtime_error& error) {
     return error.what();
   }
 }
+
+std::string refusal_of(const std::string& attributes) { return refusal_of_model(model_of(attributes)); }
 
 constexpr const char* a_row = "[x, y, z, k_n, k_t], or [x, y, z, k_n, k_t, ax, ay, az] with the element's axis";
 
@@ -77,7 +79,8 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
           " units='[0.5]': unit 0 is '0.5'; allowed: a whole number from 1 to 4096");
   refuses(site + plate + one + config("effects", "[stribek]"),
           " effects='[stribek]': unknown effect 'stribek'; did you mean 'stribeck'? allowed: ageing, anisotropic_friction, "
-          "load_dependent_friction, patchy_friction, stribeck, texture, viscoelastic, viscous_friction");
+          "asperities, inertia, load_dependent_friction, patchy_friction, roughness, stribeck, texture, viscoelastic, "
+          "viscous_friction");
   refuses(site + plate + one + config("material", "acrylc"),
           " material='acrylc': unknown material 'acrylc'; did you mean 'acrylic'? allowed: acrylic, cardboard, felt, glass, "
           "masonite, "
@@ -99,6 +102,16 @@ TEST(PluginRefusal, EffectMustSuitEveryTouchedGeom) {
   const std::string what = refusal_of(textured + config("touch", "plate ball"));
   EXPECT_THAT(what, HasSubstr("slipbench: plugin 'left': "));
   EXPECT_THAT(what, EndsWith("; geom 'ball' is none"));
+}
+
+TEST(PluginRefusal, TipsWithMassNeedAPrescribedMotion) {
+  std::string on_plane = model_of(site + plate + one + config("effects", "[inertia]"));
+  const std::string box = "type='box' size='.1 .1 .1'";
+  EXPECT_THAT(refusal_of_model(on_plane), EndsWith("inertia needs a plane; allowed shapes: plane; geom 'plate' is none"));
+  on_plane.replace(on_plane.find(box), box.size(), "type='plane' size='1 1 1'");
+  EXPECT_THAT(refusal_of_model(on_plane),
+              EndsWith("slipbench: plugin 'left': effects: inertia needs pads that move as prescribed; "
+                       "allowed here: effects without"));
 }
 
 TEST(PluginRefusal, MessageOfALongTableKeepsItsEnd) {
