@@ -48,7 +48,6 @@ const std::vector<NetworkRow>& network_rows() {
   };
   return rows;
 }
-constexpr const char* frame_wise = "mlp_32";  // the network of the curve
 
 // One network to be judged on each of its folds.
 struct Task {
