@@ -10,6 +10,7 @@ const std::vector<EffectKind>& effect_catalogue() {
       anisotropic_friction(),
       asperities(),
       inertia(),
+      lean(),
       load_dependent_friction(),
       patchy_friction(),
       roughness(),

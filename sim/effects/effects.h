@@ -17,6 +17,7 @@ EffectKind ageing();
 EffectKind anisotropic_friction();
 EffectKind asperities();
 EffectKind inertia();
+EffectKind lean();
 EffectKind load_dependent_friction();
 EffectKind patchy_friction();
 EffectKind roughness();

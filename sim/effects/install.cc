@@ -44,7 +44,7 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
       if (kind->after_tip != after_tip) continue;
       kind->install(effect.parameters, context, installed);
       if (installed.tip && moves_tips.empty()) moves_tips = effect.name;
-      const bool maps = installed.cone || installed.rate || !installed.rheology.empty();
+      const bool maps = installed.cone || installed.rate || installed.lean || !installed.rheology.empty();
       if (maps && maps_tips.empty()) maps_tips = effect.name;
     }
   }
@@ -52,6 +52,10 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
     throw SceneValueError("effects",
                           moves_tips + " and " + maps_tips + " cannot be named together: " + moves_tips +
                               " moves the tips by a spring, a dashpot and a friction of its own; allowed: one of them");
+  }
+  if (installed.lean && installed.cone) {
+    throw SceneValueError("effects",
+                          "lean and anisotropic_friction cannot be named together: columns lean over a circular cone only");
   }
   return installed;
 }

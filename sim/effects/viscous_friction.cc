@@ -30,9 +30,8 @@ class ViscousFriction final : public RateEffect {
     }
   }
 
-  [[nodiscard]] double growth(double speed) const override {
-    return gain_ / ((speed_ + speed) * (1.0 + gain_ * std::log1p(speed / speed_)));
-  }
+  [[nodiscard]] double factor(double speed) const override { return 1.0 + gain_ * std::log(1.0 + speed / speed_); }
+  [[nodiscard]] double growth(double speed) const override { return gain_ / ((speed_ + speed) * factor(speed)); }
 
   [[nodiscard]] std::span<double> memory() override { return ratio_; }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -64,7 +65,8 @@ class RateEffect : public Effect {
   // `stiffness` k > 0 [N/m] and `limit` L >= 0 [N]; by 1 where T <= L or L = 0.
   virtual void strengthen(std::size_t first, std::size_t count, double dt, const double* trial, const double* stiffness,
                           const double* limit, double* factor) = 0;
-  // g'(w)/g(w) [s/m] at the slip speed w >= 0 [m/s].
+  // g(w), and g'(w)/g(w) [s/m], at the slip speed w >= 0 [m/s].
+  [[nodiscard]] virtual double factor(double speed) const = 0;
   [[nodiscard]] virtual double growth(double speed) const = 0;
 };
 
@@ -141,6 +143,20 @@ class RingingEffect : public Effect {
   virtual void ring(const TipColumns& tips) = 0;
 };
 
+// Every element is a slender column: leaning by its stretch q it is q^2/2L lower, and its load pushes it over. With the springs' potential of an
+// upright column V = k_n (d - q^2/2L)^2/2 + k_t q^2/2 + k_s max(0, q - q_b)^2/2,
+//   f_n = k_n (d - q^2/2L),   f_t = k_t q - f_n q/L + k_s max(0, q - q_b):
+// beyond the buckling load k_t L it leans by itself, as far as the stop at q_b. Where its tip sticks, q is given, and a negative stiffness is
+// as good as any other. The step is exact in that; no tangent is taken. Beyond f_n = (k_t + k_s) L the stop does not hold either.
+struct Lean {
+  double length;           // L, m
+  double stop_deflection;  // q_b, m
+  double stop_stiffness;   // k_s, N/m
+
+  // How much lower the tip of a column is that leans by q [m].
+  [[nodiscard]] double drop(double q) const { return q * q / (2.0 * length); }
+};
+
 // The effects of one field, in the order in which the scene names them.
 struct FieldEffects {
   std::vector<std::unique_ptr<SurfaceEffect>> surface;
@@ -148,7 +164,8 @@ struct FieldEffects {
   std::unique_ptr<RateEffect> rate;  // at most one
   std::vector<std::unique_ptr<RheologyEffect>> rheology;
   std::unique_ptr<ConeEffect> cone;                     // at most one
-  std::unique_ptr<TipEffect> tip;                       // at most one, without rheology and cone
+  std::optional<Lean> lean;                             // not together with a cone
+  std::unique_ptr<TipEffect> tip;                       // at most one, without rate, rheology, cone and lean
   std::vector<std::unique_ptr<RingingEffect>> ringing;  // only with a tip
 };
 

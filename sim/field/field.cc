@@ -8,8 +8,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/core/error.h"
 #include "sim/field/dashpot.h"
 #include "sim/field/kernel.h"
+#include "sim/field/lean.h"
 
 namespace slipbench {
 namespace {
@@ -22,7 +24,7 @@ constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_
                           kernel::force_x,   kernel::force_y,   kernel::force_z,   kernel::path};
 constexpr std::array kept_of_faces{kernel::faces, kernel::spent};  // and these, unless all meet the one face of a plane
 
-void check(const PadLayout& layout, const Friction& friction) {
+void check(const PadLayout& layout, const Friction& friction, const FieldEffects& effects) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("field: " + what); };
   if (layout.elements.empty()) refuse("a pad needs at least one element");
   if (layout.elements.size() > Field::max_elements) {
@@ -45,6 +47,7 @@ void check(const PadLayout& layout, const Friction& friction) {
     next += unit.count;
   }
   if (next != layout.elements.size()) refuse("units must tile the elements in order");
+  if (effects.cone && effects.lean) refuse("columns do not lean on an effect's cone");
   if (!(friction.mu_kinetic >= 0.0) || !(friction.mu_static >= friction.mu_kinetic) || std::isinf(friction.mu_static)) {
     refuse("friction must satisfy 0 <= mu_kinetic <= mu_static");
   }
@@ -88,16 +91,17 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
       effects_(std::move(effects)),
       count_(layout.elements.size()),
       padded_((count_ + kernel::lanes - 1) / kernel::lanes * kernel::lanes) {
-  check(layout, friction);
+  check(layout, friction, effects_);
   if (auto dashpots = make_dashpots(layout_)) effects_.rheology.push_back(std::move(dashpots));
 
-  if (effects_.tip && (!on_plane() || effects_.cone || effects_.rate || has_memory())) {
+  if (effects_.tip && (!on_plane() || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
     throw std::invalid_argument(
-        "field: tips with mass need a plane, the circular cone, friction that does not grow with the speed of slip, and springs "
-        "without "
-        "rheology or dashpot");
+        "field: tips with mass need a plane, the circular cone, upright elements, friction that does not grow with the speed of "
+        "slip, and "
+        "springs without rheology or dashpot");
   }
-  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || has_memory() || effects_.tip;
+  extended_ =
+      !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || effects_.lean || has_memory() || effects_.tip;
   const std::size_t columns = extended_ ? all_columns : plain_columns;
   // A stride of whole pages would put the same row of all columns into one set of the L1 cache.
   const std::size_t stride = padded_ + (padded_ % 512 == 0 ? kernel::lanes : 0);
@@ -195,6 +199,10 @@ void Field::step_in_stages(double dt, const Twist* motion) {
   }
   if (touching_ < count_ && kernel::any_touches(columns_, has_memory(), padded_)) anchor_touched();
   step_ = dt;
+  if (effects_.lean) {
+    for (std::size_t i = 0; i < count_; ++i) map_leaning(i);
+    return;
+  }
   if (effects_.rate && dt > 0.0) {
     kernel::find_trials(columns_, on_plane(), padded_);
     if (!effects_.cone) {
@@ -299,6 +307,7 @@ void Field::commit_rheology(double dt) {
   for (std::size_t i = 0; i < count_; ++i) {
     const Eigen::Vector3d u = stretch(i);
     columns_[depth][i] = penetration(i);
+    if (effects_.lean) columns_[depth][i] = std::max(0.0, columns_[depth][i] - effects_.lean->drop(u.norm()));
     columns_[stretch_x][i] = u.x();
     columns_[stretch_y][i] = u.y();
     columns_[stretch_z][i] = u.z();
@@ -317,6 +326,13 @@ void Field::rate_friction(double dt, const Twist* motion) {
   std::copy_n(columns_[mu_kinetic_surface], count_, columns_[mu_kinetic]);
   if (effects_.friction.empty()) return;
   kernel::rate(columns_, pose_, motion, dt, has_memory(), padded_);
+  if (effects_.lean) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const double drop = effects_.lean->drop((vector(contact_x, i) - vector(place_x, i)).norm());
+      columns_[depth][i] = std::max(0.0, columns_[depth][i] - drop);
+      columns_[load][i] = std::max(0.0, columns_[load][i] - columns_[k_normal][i] * drop);
+    }
+  }
   for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_[mu_static], columns_[mu_kinetic]);
 }
 
@@ -339,25 +355,98 @@ void Field::anchor_touched() {
   }
 }
 
+// What an element is that does not touch; `raw`: its raw normal force.
+void Field::detach(std::size_t i, double raw) {
+  columns_[press][i] = raw;
+  for (const std::size_t c : {0U, 1U, 2U}) {
+    columns_[slip_x + c][i] = columns_[force_x + c][i] = 0.0;
+    columns_[anchor_x + c][i] = columns_[contact_x + c][i];
+  }
+  columns_[limit][i] = columns_[mode][i] = 0.0;
+}
+
+// What an element is that touches: its stretch u before a slip [m], forces and slip.
+void Field::settle(std::size_t i, const Eigen::Vector3d& u, const Eigen::Vector3d& force, const Eigen::Vector3d& slip,
+                   bool slides) {
+  const bool stays = !slides && on_plane();  // c - (c - a) is a up to rounding only
+  const Eigen::Vector3d anchor = stays ? vector(anchor_x, i) : Eigen::Vector3d(vector(contact_x, i) - (u - slip));
+  for (int c = 0; c < 3; ++c) {
+    const auto at = static_cast<std::size_t>(c);
+    columns_[slip_x + at][i] = slip[c];
+    columns_[anchor_x + at][i] = anchor[c];
+    columns_[force_x + at][i] = force[c];
+  }
+  columns_[limit][i] = columns_[mu_static][i] * std::max(0.0, columns_[press][i]);
+  columns_[path][i] += slip.norm();
+  columns_[mode][i] = slides ? 2.0 : 1.0;
+}
+
+// The part of v along the surface where element i meets it.
+Eigen::Vector3d Field::tangential(std::size_t i, const Eigen::Vector3d& v) const {
+  const Eigen::Vector3d n = vector(normal_x, i);
+  return v - n * n.dot(v);
+}
+
+// The same mapping as the kernel's for a leaning column.
+void Field::map_leaning(std::size_t i) {
+  const double upright = raw_press(i);
+  if (!(upright > 0.0)) {
+    detach(i, upright);
+    return;
+  }
+  const Lean& lean = *effects_.lean;
+  const double k = columns_[k_tangential][i];
+  const LeaningElement element{.stretch = tangential(i, vector(contact_x, i) - vector(anchor_x, i)),
+                               .history = has_memory() ? tangential(i, vector(h_x, i)) : Eigen::Vector3d(0.0, 0.0, 0.0),
+                               .k = k,
+                               .k_normal = columns_[k_normal][i],
+                               .depth = -columns_[gap][i],
+                               .history_normal = has_memory() ? columns_[h_normal][i] : 0.0,
+                               .mu_slide = columns_[mu_kinetic][i]};
+  LeaningForce force = leaning_force(lean, element, element.stretch);
+  const double size = force.tangential.norm();
+  columns_[trial][i] = size;
+  columns_[slide][i] = columns_[mu_static][i] * force.normal;
+  const bool slid = columns_[mode_before][i] == 2.0;
+  const double cone = (slid ? columns_[mu_kinetic][i] : columns_[mu_static][i]) * force.normal;
+  double slip = 0.0;
+  Eigen::Vector3d along(0.0, 0.0, 0.0);
+  if (size > cone + k * kernel::shortest_slip) {
+    along = force.tangential / size;
+    const double trailed = element.stretch.norm() - (vector(contact_x, i) - vector(place_x, i)).norm();
+    slip = leaning_slip(lean, element, along, trailed, step_, effects_.rate.get());
+  }
+  const bool slides = slip > kernel::shortest_slip;
+  if (slides) {
+    force.normal = leaning_force(lean, element, element.stretch - slip * along).normal;
+    const double grown = effects_.rate && step_ > 0.0 ? effects_.rate->factor(slip / step_) : 1.0;
+    force.tangential = element.mu_slide * force.normal * grown * along;
+  } else {
+    slip = 0.0;
+  }
+  if (force.normal > (k + lean.stop_stiffness) * lean.length) {
+    throw InputError("effects: lean: element " + std::to_string(i) + " carries " + std::to_string(force.normal) +
+                     " N, and its stop holds a column up to (k_t + stop stiffness) length = " +
+                     std::to_string((k + lean.stop_stiffness) * lean.length) +
+                     " N; press less, or give the column a stiffer stop");
+  }
+  columns_[press][i] = force.normal;
+  settle(i, element.stretch, force.tangential, slip * along, slides);
+}
+
 // The same mapping as the kernel's, with the projection left to the effect.
 void Field::map_to_effect_cone(std::size_t i) {
   const double raw = raw_press(i), f_n = std::max(0.0, raw);
-  const Eigen::Vector3d contact = vector(contact_x, i);
-  columns_[press][i] = raw;
   if (f_n == 0.0) {
-    for (const std::size_t c : {0U, 1U, 2U}) {
-      columns_[slip_x + c][i] = columns_[force_x + c][i] = 0.0;
-      columns_[anchor_x + c][i] = contact[static_cast<Eigen::Index>(c)];
-    }
-    columns_[limit][i] = columns_[mode][i] = 0.0;
+    detach(i, raw);
     return;
   }
+  columns_[press][i] = raw;
   const Eigen::Vector3d n = vector(normal_x, i);
-  const Eigen::Vector3d strain = contact - vector(anchor_x, i);
-  const Eigen::Vector3d u = strain - n * n.dot(strain);
+  const Eigen::Vector3d u = tangential(i, vector(contact_x, i) - vector(anchor_x, i));
   const double k = columns_[k_tangential][i];
-  const Eigen::Vector3d kept = has_memory() ? vector(h_x, i) : Eigen::Vector3d(0.0, 0.0, 0.0);
-  const Eigen::Vector3d history = kept - n * n.dot(kept);  // it was made in an earlier tangent plane
+  // The history was made in an earlier tangent plane.
+  const Eigen::Vector3d history = has_memory() ? tangential(i, vector(h_x, i)) : Eigen::Vector3d(0.0, 0.0, 0.0);
   const Eigen::Vector3d tried = k * u + history;
   const double limit_stick = columns_[mu_static][i] * f_n;
   const double limit_slide = effects_.rate && step_ > 0.0 ? strengthened(i, tried, n) : columns_[mu_kinetic][i] * f_n;
@@ -367,17 +456,7 @@ void Field::map_to_effect_cone(std::size_t i) {
   const Eigen::Vector3d force(mapped.fx, mapped.fy, mapped.fz);
   Eigen::Vector3d slip(0.0, 0.0, 0.0);
   if (mapped.slides) slip = (tried - force) * columns_[compliance][i];
-  const bool stays = !mapped.slides && on_plane();  // c - (c - a) is a up to rounding only
-  const Eigen::Vector3d anchor = stays ? vector(anchor_x, i) : Eigen::Vector3d(contact - (u - slip));
-  for (int c = 0; c < 3; ++c) {
-    const auto at = static_cast<std::size_t>(c);
-    columns_[slip_x + at][i] = slip[c];
-    columns_[anchor_x + at][i] = anchor[c];
-    columns_[force_x + at][i] = force[c];
-  }
-  columns_[limit][i] = limit_stick;
-  columns_[path][i] += slip.norm();
-  columns_[mode][i] = mapped.slides ? 2.0 : 1.0;
+  settle(i, u, force, slip, mapped.slides);
 }
 
 // L g(w) [N] of the rate law for a trial force t that slides by associated flow on the effect's cone of that size: the slip s(L) is the
@@ -407,11 +486,15 @@ double Field::strengthened(std::size_t i, const Eigen::Vector3d& t, const Eigen:
 // Where inside the step the trial force leaves the stick cone. Force and limit are linear in the step, so their difference is
 // convex and crosses zero once.
 double Field::onset_fraction(std::size_t i) const {
-  const double k = columns_[k_tangential][i];
   const Eigen::Vector3d start = vector(force_before_x, i);
-  const Eigen::Vector3d end = vector(force_x, i) + k * vector(slip_x, i);
+  Eigen::Vector3d end = vector(force_x, i) + columns_[k_tangential][i] * vector(slip_x, i);
   const Eigen::Vector3d n = vector(normal_x, i);
-  const double limit_start = columns_[limit_before][i], limit_end = columns_[limit][i];
+  const double limit_start = columns_[limit_before][i];
+  double limit_end = columns_[limit][i];
+  if (effects_.lean) {  // a slip changes its normal force too
+    end = columns_[trial][i] * vector(slip_x, i).normalized();
+    limit_end = columns_[slide][i];
+  }
   const auto inside = [&](double fraction) {
     const Eigen::Vector3d t = start + fraction * (end - start);
     const double limit = limit_start + fraction * (limit_end - limit_start);

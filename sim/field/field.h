@@ -58,6 +58,7 @@ class Field {
   // Advances to the relative pose `pad_in_surface` at the end of a step of `dt` > 0 seconds. The first call places the field:
   // what it finds touching sticks unstrained, and dt is not used. `motion`: the velocity at the end of the step, for friction
   // laws that depend on speed; without it they see the mean velocity of the step.
+  // Throws InputError where columns lean (effect.h) and one is loaded beyond what its stop holds.
   void step(const Pose& pad_in_surface, double dt, const Twist* motion = nullptr);
 
   // The state: all that the next step needs of those before. save_state() writes state_size() values and load_state() takes them
@@ -119,8 +120,8 @@ class Field {
   // all that stick, with what they add held inside the cone of stick_limit().
   [[nodiscard]] Wrench damped_wrench_on_pad(const Twist& motion, double tau) const;
 
-  // What the springs of all elements together do to the pad, hold, and have lost by slip in the last step. Where a rheology takes part the
-  // energy is not all that is held.
+  // What the springs of all elements together do to the pad, hold, and have lost by slip in the last step. Where a rheology takes
+  // part or columns lean the energy is not what is held.
   [[nodiscard]] kernel::SpringSums spring_sums() const { return kernel::sum_springs(columns_, padded_); }
 
   // Of all elements, where entries come in the order of elements: a column of the structure of arrays.
@@ -128,6 +129,8 @@ class Field {
   // How many elements touch after the last step, and how many of them slip.
   [[nodiscard]] std::size_t touching() const { return touching_; }
   [[nodiscard]] std::size_t slipping() const { return slipping_; }
+  // What a column's stop may add to the tangential stiffness of an element [N/m]; 0 where none leans.
+  [[nodiscard]] double stop_stiffness() const { return effects_.lean ? effects_.lean->stop_stiffness : 0.0; }
   // The effect that replaces the circular friction cone, or null.
   [[nodiscard]] const ConeEffect* effect_cone() const { return effects_.cone.get(); }
 
@@ -157,6 +160,10 @@ class Field {
   [[nodiscard]] double raw_press(std::size_t i) const;
   [[nodiscard]] double touch_fraction(std::size_t i) const;
   void anchor_touched();
+  void detach(std::size_t i, double raw);
+  void settle(std::size_t i, const Eigen::Vector3d& u, const Eigen::Vector3d& force, const Eigen::Vector3d& slip, bool slides);
+  [[nodiscard]] Eigen::Vector3d tangential(std::size_t i, const Eigen::Vector3d& v) const;
+  void map_leaning(std::size_t i);
   void map_to_effect_cone(std::size_t i);
   void move_tips(double dt);
   [[nodiscard]] double strengthened(std::size_t i, const Eigen::Vector3d& t, const Eigen::Vector3d& n);

@@ -44,7 +44,7 @@ enum Column : std::size_t {
   velocity_x, velocity_y, velocity_z, depth, load, stretch_x, stretch_y, stretch_z,     // what effects look at
   place_x, place_y, place_z,                                // where the tip meets effects (SurfaceEffect) [m]
   felt_x, felt_y, felt_z,                                   // of spring and dashpot on a tip with mass [N]
-  trial, slide,                                             // size of the trial force, mu_k f_n before the rate law [N]
+  trial, slide,                                             // of the trial: size of the force, mu_k f_n (mu_s f_n where columns lean) [N]
   all_columns
 };
 // clang-format on

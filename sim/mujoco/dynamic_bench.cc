@@ -168,6 +168,7 @@ Vibration DynamicBench::State::vibration(bool touching_only) const {
     const Pad& pad = pads[contact.pad];
     Pose pose = pad_pose(pad);
     PadLayout layout = *layouts[contact.pad];
+    for (Element& element : layout.elements) element.k_tangential += pad.instance->fields()[contact.field].stop_stiffness();
     if (!touching_only) {
       const int geom = pad.instance->config().geoms[contact.field];
       const GeomSurface surface = surface_of_geom(m(), geom);
@@ -310,7 +311,7 @@ StepPlan DynamicBench::State::plan_fields(const Scene& scene, std::span<const do
     const PadLayout* pad = layouts[i];
     const FieldEffects effects = install_effects(scene.effects, *pad, Plane{}, scene.seed, trial);
     longest = std::min(longest, longest_step(effects, motion ? motion->top_speed(reach_of(*pad)) : 0.0));
-    judge_fields = judge_fields && effects.surface.empty() && effects.rheology.empty();
+    judge_fields = judge_fields && effects.surface.empty() && effects.rheology.empty() && !effects.lean;
   }
   std::string limited_by = "the scene's effects";
   limited = options.refuse_long_steps && !implicit;

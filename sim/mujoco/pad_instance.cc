@@ -328,7 +328,9 @@ void PadInstance::add_touching_tangents(const mjModel* model, const mjData* data
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     PadLayout touching;
     for (std::size_t i = 0; i < fields_[k].size(); ++i) {
-      if (fields_[k].state(i) != ElementState::detached) touching.elements.push_back(fields_[k].layout().elements[i]);
+      if (fields_[k].state(i) == ElementState::detached) continue;
+      touching.elements.push_back(fields_[k].layout().elements[i]);
+      touching.elements.back().k_tangential += fields_[k].stop_stiffness();
     }
     if (touching.elements.empty()) continue;
     bodies.push_back({model->site_bodyid[config_.site], touched_[k].body, pad.position});

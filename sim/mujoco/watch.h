@@ -23,7 +23,8 @@
 //   gain <= energy_share (T_0 + U_0 + sum of the positive works by weight, motors, springs and contacts of the model, and by the
 //   stage)
 // An unstable pad multiplies its energy in every step or two, and one that is kept in bounds by friction turns over many times its
-// energy in a window. Fields with a rheology or a surface effect are left out: their stored energy is not f^2/(2k).
+// energy in a window. Fields with a rheology, a surface effect or leaning columns are left out: their stored energy is not
+// f^2/(2k).
 //
 // Ejection. No body may have more kinetic energy than everything together had and got from weight, motors, springs and the stage
 // since the start, times 1.6 as above:

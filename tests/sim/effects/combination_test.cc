@@ -88,7 +88,7 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
     const PadLayout pad = one_unit(1000.0, 600.0, 3);
     FieldEffects effects = installed(pad, alone(kind));
     EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + effects.ringing.size() +
-                  (effects.rate ? 1 : 0) + (effects.cone ? 1 : 0) + (effects.tip ? 1 : 0),
+                  (effects.rate ? 1 : 0) + (effects.cone ? 1 : 0) + (effects.lean ? 1 : 0) + (effects.tip ? 1 : 0),
               alone(kind).size())
         << about.name;
     Field field(pad, Plane{}, {0.5, 0.4}, std::move(effects));
@@ -97,7 +97,7 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
     EXPECT_GT(field.wrench_on_pad().force.z(), 0.1) << about.name;
   }
   EXPECT_EQ(names,
-            (std::set<std::string>{"ageing", "anisotropic_friction", "asperities", "inertia", "load_dependent_friction",
+            (std::set<std::string>{"ageing", "anisotropic_friction", "asperities", "inertia", "lean", "load_dependent_friction",
                                    "patchy_friction", "roughness", "stribeck", "texture", "viscoelastic", "viscous_friction"}));
 }
 
@@ -111,7 +111,8 @@ TEST(EffectCatalogue, EffectWithoutStrengthChangesNothing) {
                                  {"roughness", {{"height", 0.0}}},
                                  {"viscoelastic", {{"relaxation", 0.0}}},
                                  {"viscous_friction", {{"gain", 0.0}}},
-                                 {"anisotropic_friction", {{"ratio", 1.0}}}};
+                                 {"anisotropic_friction", {{"ratio", 1.0}}},
+                                 {"lean", {{"length", 1e12}, {"stop", 1.0}}}};
   for (const Wanted& effect : idle) {
     RandomStream draw(3, 0, "idle effects");
     const PadLayout pad = testing_field::random_pad(draw, 40, false);

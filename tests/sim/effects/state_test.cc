@@ -47,16 +47,19 @@ void expect_to_go_on_alike(const std::vector<Wanted>& effects, const std::string
 }
 
 TEST(EffectState, EveryEffectGoesOnFromASavedState) {
-  // Tips with mass go with neither another cone nor a rheology, so all together is two sets.
-  std::vector<Wanted> massless, with_mass{{"inertia", {}}};
+  // Columns do not lean on an elliptic cone; tips with mass go with none of cone, lean, rate law and rheology. So all together is three sets.
+  std::vector<Wanted> upright, leaning, with_mass{{"inertia", {}}};
   for (const EffectKind& kind : effect_catalogue()) {
     expect_to_go_on_alike(alone(kind), kind.about.name);
     const FieldEffects effects = installed(one_unit(1000.0, 600.0), alone(kind));
     const Wanted wanted{kind.about.name, {}};
-    if (!effects.tip) massless.push_back(wanted);
-    if (!effects.cone && effects.rheology.empty() && kind.about.name != "inertia") with_mass.push_back(wanted);
+    if (!effects.tip && !effects.lean) upright.push_back(wanted);
+    if (!effects.tip && !effects.cone) leaning.push_back(wanted);
+    const bool maps = effects.cone || effects.lean || effects.rate || !effects.rheology.empty();
+    if (!maps && kind.about.name != "inertia") with_mass.push_back(wanted);
   }
-  expect_to_go_on_alike(massless, "all of massless tips");
+  expect_to_go_on_alike(upright, "all that may be upright");
+  expect_to_go_on_alike(leaning, "all that may lean");
   expect_to_go_on_alike(with_mass, "all of tips with mass");
 }
 

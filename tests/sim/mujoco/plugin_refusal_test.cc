@@ -79,7 +79,7 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
           " units='[0.5]': unit 0 is '0.5'; allowed: a whole number from 1 to 4096");
   refuses(site + plate + one + config("effects", "[stribek]"),
           " effects='[stribek]': unknown effect 'stribek'; did you mean 'stribeck'? allowed: ageing, anisotropic_friction, "
-          "asperities, inertia, load_dependent_friction, patchy_friction, roughness, stribeck, texture, viscoelastic, "
+          "asperities, inertia, lean, load_dependent_friction, patchy_friction, roughness, stribeck, texture, viscoelastic, "
           "viscous_friction");
   refuses(site + plate + one + config("material", "acrylc"),
           " material='acrylc': unknown material 'acrylc'; did you mean 'acrylic'? allowed: acrylic, cardboard, felt, glass, "

@@ -11,6 +11,7 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
+#include "tests/oracle/effect_field.h"
 #include "tests/sim/mujoco/two_pads.h"
 
 namespace slipbench {
@@ -153,6 +154,33 @@ TEST(Stability, SlippingElementIsStiffAcrossItsSlip) {
   EXPECT_NEAR(tangent(1, 1), 150.0, 1e-9 * k_n);
   EXPECT_NEAR(tangent(2, 2), k_n, 1e-9 * k_n);
   EXPECT_LT((tangent - Matrix6d(tangent.diagonal().asDiagonal())).norm(), 1e-9 * k_n);
+}
+
+// The same with a rate law, at 10 um in 1 ms: along the slip the force grows with the slip's speed, and less of it follows the load.
+TEST(Stability, RateLawResistsAlongTheSlip) {
+  PadLayout layout;
+  layout.units.push_back({0, 1});
+  layout.elements.push_back({.tip = {0.0, 0.0, 0.0}, .k_normal = k_n, .k_tangential = k_t});
+  for (const double speed : {1e-3, 1.0}) {
+    Field field = oracle::field_with_effect(layout, {0.5, 0.5}, "viscous_friction", {{"gain", 1.0}, {"speed", speed}});
+    field.step(at({0.0, 0.0, -1e-6}), 1e-3);
+    std::vector<double> state(field.state_size());
+    field.save_state(state);
+    const Pose dragged = at({10e-6, 0.0, -1e-6});
+    const auto slope = [&](int k) -> Vector6d {
+      const Vector6d move = 1e-10 * Vector6d::Unit(k);
+      return (wrench_after(field, state, dragged, -move) - wrench_after(field, state, dragged, move)) / 2e-10;
+    };
+    const Vector6d along = slope(0), across = slope(1), pressed = slope(2);
+    wrench_after(field, state, dragged, Vector6d::Zero());
+    ASSERT_EQ(field.state(0), ElementState::slip);
+    const Matrix6d tangent = field_tangent(field, {}, field.contact_point(0), 0.0).stiffness;
+    EXPECT_GT(tangent(0, 0), 1e-3 * k_t) << "far more than what the differences resolve";
+    EXPECT_NEAR(tangent(0, 0), along[0], 1e-6 * k_t);
+    EXPECT_NEAR(tangent(1, 1), across[1], 1e-6 * k_t);
+    EXPECT_NEAR(-(1.0 - field.sliding_share(0)) * k_n * field.tangential_force(0).x() / field.normal_force(0), pressed[0],
+                1e-6 * k_n);
+  }
 }
 
 TEST(Stability, DetachedFieldHasNoTangent) {

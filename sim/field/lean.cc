@@ -1,0 +1,64 @@
+#include "sim/field/lean.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace slipbench {
+namespace {
+
+// What the column adds to k u, over u.
+double stiffening(const Lean& lean, double q, double normal) {
+  return -normal / lean.length + (q > lean.stop_deflection ? lean.stop_stiffness * (1.0 - lean.stop_deflection / q) : 0.0);
+}
+
+double normal_force(const Lean& lean, const LeaningElement& element, double q) {
+  return std::max(0.0, element.k_normal * (element.depth - lean.drop(q)) + element.history_normal);
+}
+
+}  // namespace
+
+LeaningForce leaning_force(const Lean& lean, const LeaningElement& element, const Eigen::Vector3d& u) {
+  const double q = u.norm(), normal = normal_force(lean, element, q);
+  return {normal, (element.k + stiffening(lean, q, normal)) * u + element.history};
+}
+
+double leaning_slip(const Lean& lean, const LeaningElement& element, const Eigen::Vector3d& e, double guess, double dt,
+                    const RateEffect* rate) {
+  const double kept = element.history.dot(e);
+  const auto excess = [&](double s, double& slope) {
+    const Eigen::Vector3d u = element.stretch - s * e;
+    const double q = u.norm(), along = u.dot(e), normal = normal_force(lean, element, q);
+    const double added = stiffening(lean, q, normal);
+    const double grows = normal > 0.0 ? element.k_normal * along / lean.length : 0.0;  // of the normal force with s
+    double added_grows = -grows / lean.length;
+    if (q > lean.stop_deflection) added_grows -= lean.stop_stiffness * lean.stop_deflection / (q * q * q) * along;
+    const double speed = dt > 0.0 ? s / dt : 0.0;
+    const double factor = rate != nullptr ? rate->factor(speed) : 1.0;
+    const double steepens = rate != nullptr && dt > 0.0 ? factor * rate->growth(speed) / dt : 0.0;
+    slope = -(element.k + added) + added_grows * along - element.mu_slide * (grows * factor + normal * steepens);
+    return (element.k + added) * along + kept - element.mu_slide * normal * factor;
+  };
+  // Newton's steps from the guess, held between what is known to be below and above the root. Nothing is above at first: where Newton's step
+  // does not lead upwards, growing ones do, of which the first is what the stiffest column would give way.
+  double low = 0.0, high = std::numeric_limits<double>::infinity(), stride = 0.0, s = std::max(0.0, guess);
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    double slope = 0.0;
+    const double beyond = excess(s, slope), rounding = 1e-15 * (element.stretch.norm() + s);
+    if (std::abs(beyond) <= -slope * rounding) return s;
+    (beyond > 0.0 ? low : high) = s;
+    if (!(high - low > rounding)) return s;
+    const double newton = s - beyond / slope;
+    if (newton > low && newton < high) {
+      s = newton;
+    } else if (std::isinf(high)) {
+      stride = std::max(2.0 * stride, beyond / (element.k + lean.stop_stiffness));
+      s = low + stride;
+    } else {
+      s = 0.5 * (low + high);
+    }
+  }
+  return s;
+}
+
+}  // namespace slipbench
