@@ -7,11 +7,6 @@
 namespace slipbench {
 namespace {
 
-// What the column adds to k u, over u.
-double stiffening(const Lean& lean, double q, double normal) {
-  return -normal / lean.length + (q > lean.stop_deflection ? lean.stop_stiffness * (1.0 - lean.stop_deflection / q) : 0.0);
-}
-
 double normal_force(const Lean& lean, const LeaningElement& element, double q) {
   return std::max(0.0, element.k_normal * (element.depth - lean.drop(q)) + element.history_normal);
 }
@@ -20,22 +15,26 @@ double normal_force(const Lean& lean, const LeaningElement& element, double q) {
 
 LeaningForce leaning_force(const Lean& lean, const LeaningElement& element, const Eigen::Vector3d& u) {
   const double q = u.norm(), normal = normal_force(lean, element, q);
-  return {normal, (element.k + stiffening(lean, q, normal)) * u + element.history};
+  const double stopped = q > lean.stop_deflection ? lean.stop_stiffness * (1.0 - lean.stop_deflection / q) : 0.0;
+  return {normal, (element.k - normal / lean.length + stopped) * u + element.history};
 }
 
 double leaning_slip(const Lean& lean, const LeaningElement& element, const Eigen::Vector3d& e, double guess, double dt,
                     const RateEffect* rate) {
-  const double kept = element.history.dot(e);
+  const double kept = element.history.dot(e), ahead = element.stretch.dot(e);
+  const double across2 = std::max(0.0, element.stretch.squaredNorm() - ahead * ahead);
+  const double per_length = 1.0 / lean.length, per_dt = dt > 0.0 ? 1.0 / dt : 0.0;
   const auto excess = [&](double s, double& slope) {
-    const Eigen::Vector3d u = element.stretch - s * e;
-    const double q = u.norm(), along = u.dot(e), normal = normal_force(lean, element, q);
-    const double added = stiffening(lean, q, normal);
-    const double grows = normal > 0.0 ? element.k_normal * along / lean.length : 0.0;  // of the normal force with s
-    double added_grows = -grows / lean.length;
-    if (q > lean.stop_deflection) added_grows -= lean.stop_stiffness * lean.stop_deflection / (q * q * q) * along;
-    const double speed = dt > 0.0 ? s / dt : 0.0;
-    const double factor = rate != nullptr ? rate->factor(speed) : 1.0;
-    const double steepens = rate != nullptr && dt > 0.0 ? factor * rate->growth(speed) / dt : 0.0;
+    const double along = ahead - s, q = std::sqrt(across2 + along * along), normal = normal_force(lean, element, q);
+    const double grows = normal > 0.0 ? element.k_normal * along * per_length : 0.0;  // of the normal force with s
+    double added = -normal * per_length, added_grows = -grows * per_length;
+    if (q > lean.stop_deflection) {
+      const double share = lean.stop_deflection / q;
+      added += lean.stop_stiffness * (1.0 - share);
+      added_grows -= lean.stop_stiffness * share * along / (q * q);
+    }
+    const double factor = rate != nullptr ? rate->factor(s * per_dt) : 1.0;
+    const double steepens = rate != nullptr ? factor * rate->growth(s * per_dt) * per_dt : 0.0;
     slope = -(element.k + added) + added_grows * along - element.mu_slide * (grows * factor + normal * steepens);
     return (element.k + added) * along + kept - element.mu_slide * normal * factor;
   };
