@@ -275,6 +275,10 @@ void Sweep::read_trials(const YamlNode& node) {
 void Sweep::read_scenes(const YamlNode& node) {
   SweptPath swept{.path = "", .parts = {}, .origin = node.key_origin, .values = {}, .draw = std::nullopt};
   if (node.kind == YamlNode::Kind::sequence) swept.values = values_of(node, "sweep.scene");
+  if (node.kind == YamlNode::Kind::map) {
+    swept.draw = DrawReader(node, "sweep.scene").read(swept.values);
+    swept.origin.drawn = true;
+  }
   for (const YamlNode& value : swept.values) {
     if (value.kind != YamlNode::Kind::map)
       fail(value.origin, "sweep.scene has " + described(value) + "; allowed: maps of the scene's keys");
@@ -283,7 +287,8 @@ void Sweep::read_scenes(const YamlNode& node) {
     }
   }
   if (swept.values.empty())
-    fail(node.origin, "sweep.scene is " + described(node) + "; allowed: a sequence of maps of the scene's keys");
+    fail(node.origin, "sweep.scene is " + described(node) +
+                          "; allowed: a sequence of maps of the scene's keys, or {draw: choice, values: ...} of such");
   paths_.push_back(std::move(swept));
 }
 

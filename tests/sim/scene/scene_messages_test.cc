@@ -344,6 +344,9 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:3: 'motion.' is not a path; allowed: keys joined by dots, such as 'motion.speed' or 'motion.tilt.0'"},
         Case{"SweptScenesSeed", sweep("{scene: [{seed: 1}]}"),
              "s.yaml:3: 'seed' cannot be swept; allowed: any other key of the scene"},
+        Case{"SweptSceneAlone", sweep("{scene: 1}"),
+             "s.yaml:3: sweep.scene is '1'; allowed: a sequence of maps of the scene's keys, or {draw: choice, values: ...} of "
+             "such"},
         Case{"SweptSceneOfNumbers", sweep("{scene: [1, 2]}"), "s.yaml:3: sweep.scene has '1'; allowed: maps of the scene's keys"},
         Case{"SweptSceneTwice", sweep("{motion.speed: [1, 2], scene: [{motion: {speed: 1}}]}"),
              "s.yaml:3: sweep.scene sets what sweep.motion.speed sets, too; allowed: each value once"},
