@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -40,8 +41,8 @@ struct ContactEvent {
 // Contact of one pad with N units. Columns are units. Vectors are in the pad frame P (pad_layout.h); +Z is compression. What lies in the
 // contact plane is given in P turned the shortest way until its Z is the surface's normal, so that a tilted pad's friction obeys the cone.
 struct ContactFrame {
-  double time = 0.0;                  // s
-  Eigen::Array3Xd force;              // [3,N] N, what the object does to the unit, in P, as a sensor feels it
+  double time = 0.0;      // s
+  Eigen::Array3Xd force;  // [3,N] N, what the object does to the unit, in P, as a sensor feels it: with what shakes the bench
   Eigen::Array3Xd contact_force;      // [3,N] N, the same in the contact plane: x, y tangential, z normal, compression positive
   Eigen::Array3Xd displacement;       // [3,N] m, deformed tip minus undeformed tip (mean of a unit's elements)
   Eigen::Array2Xd slip_velocity;      // [2,N] m/s, velocity of the slipping tip in the contact plane, mean over the last step
@@ -55,6 +56,9 @@ struct ContactFrame {
   Eigen::Array2d slip_centre{0.0, 0.0};  // m, instantaneous centre of the slip, NaN where the slip has no rotation
   double slip_angle = 0.0;               // rad, rotation of the slip about the pad's normal, accumulated
   std::vector<ContactEvent> events;      // of the last step, in order of time
+  // m, in the world: where the stage that carries the pad stands, as the bench's own position sensor would say. NaN where bodies move by
+  // forces, and on articulated pads: nobody measures there.
+  Eigen::Array3d stage_position = Eigen::Array3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 
 }  // namespace slipbench

@@ -27,6 +27,11 @@ class ContactLabels {
   void settle(std::span<const Field> fields, double dt);
 
   [[nodiscard]] const ContactFrame& frame() const { return frame_; }
+  // After update(), on a stage: where it stands in the world [m], and how hard its vibration presses each unit [N].
+  void ride(const Eigen::Array3d& stage_position, double shaking) {
+    frame_.stage_position = stage_position;
+    if (shaking != 0.0) frame_.force.row(2) += shaking;
+  }
   // All that the labels carry from one step to the next beside the fields' state is frame().slip_angle [rad].
   void set_slip_angle(double angle) { frame_.slip_angle = angle; }
 

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sim/core/parameters.h"
 #include "sim/core/pose.h"
+#include "sim/motion/motor_vibration.h"
 
 namespace slipbench {
 
@@ -20,6 +22,8 @@ class Motion {
   [[nodiscard]] virtual double top_speed(double reach) const = 0;
   // Whether the pad turns about its normal.
   [[nodiscard]] virtual bool turns() const = 0;
+  // How its motors shake what it carries; empty: not at all.
+  [[nodiscard]] virtual std::optional<MotorSettings> motors() const { return std::nullopt; }
 };
 
 // What keys the random numbers of a motion that has some.

@@ -28,6 +28,7 @@ ArticulatedTestbench::ArticulatedTestbench(const Scene& scene, std::span<const P
   State& s = *state_;
   StageSetup stage = set_up_stage(scene, trial);
   s.motion = std::move(stage.motion);
+  refuse_motors(*s.motion);
   s.world_in_surface = stage.surface.pose.inverse();
   s.plan = plan_steps(scene, output_rates, std::numeric_limits<double>::infinity(), "the pads");
   for (const PadLayout* pad : pads) {

@@ -339,7 +339,10 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
   s.articulated = scene.fidelity == "articulated";
   s.implicit = scene.implicit_fields;
   const bool staged = std::ranges::any_of(scene.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); });
-  if (staged) s.motion = make_motion(scene, trial);
+  if (staged) {
+    s.motion = make_motion(scene, trial);
+    refuse_motors(*s.motion);
+  }
   const StepPlan plan = s.articulated ? s.plan_pillars(scene, output_rates) : s.plan_fields(scene, output_rates, trial, options);
   s.dt = plan.dt;
   s.ticks = plan.ticks;

@@ -22,6 +22,11 @@ std::unique_ptr<Motion> make_motion(const Scene& scene, std::uint64_t trial) {
   return kind_named(motion_catalogue(), scene.motion.name).create(scene.motion.parameters, {scene.seed, trial});
 }
 
+void refuse_motors(const Motion& motion) {
+  if (!motion.motors()) return;
+  throw SceneValueError("motion.vibration", "shakes pads of fidelity field on the stage alone; allowed here: 0");
+}
+
 StageSetup set_up_stage(const Scene& scene, std::uint64_t trial) {
   return {make_motion(scene, trial), kind_named(surface_catalogue(), scene.surface.name).create(scene.surface.parameters)};
 }

@@ -16,6 +16,9 @@ namespace slipbench {
 // The scene's motion in trial number `trial`. Throws SceneValueError when its parameters contradict each other.
 std::unique_ptr<Motion> make_motion(const Scene& scene, std::uint64_t trial);
 
+// Throws SceneValueError where the scene's motion has motors that shake: benches other than Testbench do not.
+void refuse_motors(const Motion& motion);
+
 struct StageSetup {
   std::unique_ptr<Motion> motion;
   PlacedSurface surface;

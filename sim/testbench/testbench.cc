@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -59,6 +60,7 @@ struct Testbench::State {
   };
 
   std::unique_ptr<Motion> motion;
+  std::optional<MotorVibration> motors;
   Pose world_in_surface;
   double half_thickness = 0.0;  // m, of the surface's shape
   std::vector<Pad> pads;
@@ -75,6 +77,7 @@ Testbench::Testbench(const Scene& scene, std::span<const PadLayout* const> pads,
   State& s = *state_;
   StageSetup stage = set_up_stage(scene, trial);
   s.motion = std::move(stage.motion);
+  if (const auto motors = s.motion->motors()) s.motors.emplace(*motors, RandomStream(scene.seed, trial, "motors"));
   const PlacedSurface& surface = stage.surface;
   s.world_in_surface = surface.pose.inverse();
   s.half_thickness = std::visit(HalfThickness{}, surface.shape);
@@ -115,11 +118,16 @@ void Testbench::step() {
   const double time = static_cast<double>(s.tick) * s.dt;
   s.bodies.front().state = s.motion->pad_at(time);
   const Pose pad_in_surface = s.world_in_surface * s.bodies.front().state.pose;
+  bool touching = false;
   for (State::Pad& pad : s.pads) {
     pad.field.step(pad_in_surface, s.dt);
     if (!pad.field.on_plane()) refuse_too_deep(pad.field, s.half_thickness, time);
     pad.labels.update({&pad.field, 1}, time, s.dt);
+    touching = touching || pad.field.touching() > 0;
   }
+  const BodyState& stage = s.bodies.front().state;
+  const double shaking = s.motors ? s.motors->force(stage, touching, s.dt) : 0.0;
+  for (State::Pad& pad : s.pads) pad.labels.ride(stage.pose.position.array(), shaking);
   ++s.tick;
 }
 

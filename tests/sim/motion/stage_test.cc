@@ -98,6 +98,47 @@ TEST(Stage, SlidesAlongItsDirectionFromTheStart) {
   EXPECT_FALSE(motion->turns());
 }
 
+TEST(Stage, RestsAtTheEndOfItsTravel) {
+  // 6 mm at 4 mm/s and 50 mm/s^2: 6/4 + 4/50 = 1.58 s from the start at 2 s.
+  const auto motion = stage({{"travel", 6e-3}});
+  EXPECT_NEAR(motion->pad_at(2.79).pose.position.x(), 3e-3, 1e-15);
+  EXPECT_NEAR(motion->pad_at(2.79).velocity.x(), 4e-3, 1e-15);
+  for (const double t : {3.58, 4.0, 100.0}) {
+    EXPECT_NEAR(motion->pad_at(t).pose.position.x(), 6e-3, 1e-15) << t;
+    EXPECT_EQ(motion->pad_at(t).velocity.x(), 0.0) << t;
+  }
+  // There and back and there again, with no pause.
+  const auto thrice = stage({{"travel", 6e-3}, {"strokes", std::int64_t{3}}});
+  EXPECT_NEAR(thrice->pad_at(3.58).pose.position.x(), 6e-3, 1e-15);
+  EXPECT_NEAR(thrice->pad_at(3.58 + 0.79).pose.position.x(), 3e-3, 1e-14);
+  EXPECT_NEAR(thrice->pad_at(3.58 + 0.79).velocity.x(), -4e-3, 1e-14);
+  EXPECT_NEAR(thrice->pad_at(3.58 + 1.58).pose.position.x(), 0.0, 1e-14);
+  EXPECT_NEAR(thrice->pad_at(10.0).pose.position.x(), 6e-3, 1e-14);
+  EXPECT_EQ(refusal({{"travel", 6e-3}, {"stop", 1.0}}),
+            "motion.travel: 6 mm and a time both say where it ends; allowed: a speed, and neither motion.stop nor motion.reverse "
+            "beside it");
+  EXPECT_EQ(refusal({{"travel", 6e-3}, {"speed", 0.0}}),
+            "motion.travel: 6 mm is never gone at motion.speed 0; allowed: a speed, and neither motion.stop nor motion.reverse "
+            "beside it");
+}
+
+TEST(Stage, DoesTheSameHigherUp) {
+  const auto motion = stage({}), above = stage({{"clearance", 10e-3}});
+  for (const double t : {0.0, 0.2, 1.0, 2.3, 4.0}) {
+    EXPECT_NEAR(height(*above, t) - height(*motion, t), 10e-3, 1e-17) << t;
+    EXPECT_EQ(above->pad_at(t).velocity, motion->pad_at(t).velocity) << t;
+  }
+}
+
+TEST(Stage, HasMotorsWhereTheyAreToBeFelt) {
+  EXPECT_FALSE(stage()->motors());
+  const auto motors = stage({{"vibration", 2.0}, {"lead", std::vector{8e-3, 6e-3, 4e-3}}})->motors();
+  ASSERT_TRUE(motors);
+  EXPECT_EQ(motors->level, 2.0);
+  EXPECT_EQ(motors->lead, Eigen::Vector3d(8e-3, 6e-3, 4e-3));
+  EXPECT_EQ(motors->in_contact, 1.6);
+}
+
 TEST(Stage, StopsAndReversesOnTime) {
   // Braked 0.5 s after the start: v x 0.5 s in all, at rest after another 0.08 s.
   const auto stopped = stage({{"stop", 0.5}});

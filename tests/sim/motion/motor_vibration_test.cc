@@ -1,0 +1,120 @@
+// The motors' vibration: where its lines are, how strong, and when it is silent.
+#include "sim/motion/motor_vibration.h"
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace slipbench::motor_vibration_test {
+namespace {
+
+constexpr double pi = std::numbers::pi, dt = 1e-4;
+
+MotorVibration motors(const MotorSettings& settings = {.sd = 0.0}, std::uint64_t trial = 0) {
+  return {settings, RandomStream(1, trial, "motors")};
+}
+
+BodyState stage(double x, double v) {
+  BodyState state;
+  state.pose.position = {x, 0.0, 0.0};
+  state.velocity = {v, 0.0, 0.0};
+  return state;
+}
+
+// What the frame's modes pass of a force of frequency f: sum -f^2/(f_r^2 - f^2 + 2 i zeta_r f_r f). Each of the five passes the force itself less
+// what its spring and dashpot hold; between samples these see the force go straight, which weakens it by (sin x/x)^2, x = pi f dt.
+std::complex<double> passed(double f) {
+  const double x = pi * f * dt;
+  std::complex<double> sum = 0.0;
+  for (std::size_t r = 0; r < 5; ++r) {
+    const double f_r = MotorVibration::mode_frequencies[r], zeta = MotorVibration::mode_damping[r];
+    const std::complex<double> held = 1.0 + f * f / std::complex<double>(f_r * f_r - f * f, 2.0 * zeta * f_r * f);
+    sum += 1.0 - std::pow(std::sin(x) / x, 2) * held;
+  }
+  return sum;
+}
+
+TEST(MotorVibration, HasItsLinesAtTheOrdersOfTheSpindle) {
+  // At v = 10 mm/s and a lead of 8 mm the spindle turns at 1.25 Hz. A line of the excitation has the amplitude 1.6 mN/sqrt(7), at 40 mm/s twice
+  // that. Beside it is noise of one pole f_c = 200 v/lead: one-sided density S = A^2/(pi f_c)/(1 + (f/f_c)^2) before the modes, A^2 = 2.56 mN^2
+  // v/(10 mm/s); under a Hann taper over T it adds to an amplitude an error of variance 3/2 S/T a component, of which five standard errors are
+  // allowed.
+  constexpr int count = 400000;
+  for (const double v : {10e-3, 40e-3}) {
+    MotorVibration shaking = motors();
+    std::vector<double> force;
+    for (int k = 0; k < count; ++k) {
+      force.push_back(shaking.force(stage(v * dt * k, v), false, dt) * (1.0 - std::cos(2.0 * pi * k / count)));
+    }
+    const double f_c = 200.0 * v / 8e-3, time = count * dt, power = v / MotorVibration::reference_speed;
+    for (const int order : MotorVibration::orders) {
+      const double f = order * v / 8e-3;
+      std::complex<double> sum = 0.0;
+      for (int k = 0; k < count; ++k) {
+        sum += force[static_cast<std::size_t>(k)] * std::polar(1.0, -2.0 * pi * std::fmod(f * dt * k, 1.0));
+      }
+      const double gain = std::abs(passed(f)), expected = 1.6e-3 * std::sqrt(power / 7.0) * gain;
+      const double density = 1.6e-3 * 1.6e-3 * power / (pi * f_c) / (1.0 + std::pow(f / f_c, 2));
+      EXPECT_NEAR(2.0 / count * std::abs(sum), expected, 5.0 * gain * std::sqrt(3.0 * density / time)) << order << " at " << v;
+    }
+  }
+}
+
+TEST(MotorVibration, GrowsInProportionToItsLevel) {
+  MotorVibration once = motors({.level = 1.0}), twice = motors({.level = 2.0}),
+                 touching = motors({.level = 1.0, .in_contact = 4.0});
+  for (int k = 0; k < 3000; ++k) {
+    const BodyState now = stage(1e-6 * k, 10e-3);
+    const double force = once.force(now, false, dt);
+    ASSERT_EQ(twice.force(now, false, dt), 2.0 * force) << "powers of two are exact";
+    ASSERT_EQ(touching.force(now, true, dt), 4.0 * force);
+  }
+}
+
+TEST(MotorVibration, DiffersFromRecordingToRecording) {
+  MotorVibration one = motors({}, 1), same = motors({}, 1), other = motors({}, 2);
+  double differ = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    const double force = one.force(stage(1e-6 * k, 10e-3), false, dt);
+    ASSERT_EQ(same.force(stage(1e-6 * k, 10e-3), false, dt), force);
+    differ += std::abs(other.force(stage(1e-6 * k, 10e-3), false, dt) - force);
+  }
+  EXPECT_GT(differ, 0.0);
+}
+
+TEST(MotorVibration, IsSilentWhileNothingHasMovedAndRingsOutWhenItStops) {
+  MotorVibration shaking = motors();
+  for (int k = 0; k < 10; ++k) ASSERT_EQ(shaking.force(stage(0.0, 0.0), true, dt), 0.0);
+  double loudest = 0.0;
+  for (int k = 0; k < 5000; ++k) loudest = std::max(loudest, std::abs(shaking.force(stage(1e-6 * k, 10e-3), true, dt)));
+  EXPECT_GT(loudest, 1e-3);
+  // The slowest mode decays by zeta w = 0.03 2 pi 75 Hz = 14.1/s at least: to 1e-12 within 2 s, and is then put to rest.
+  for (int k = 0; k < 25000; ++k) shaking.force(stage(5e-3, 0.0), true, dt);
+  EXPECT_EQ(shaking.force(stage(5e-3, 0.0), true, dt), 0.0);
+}
+
+TEST(MotorVibration, FollowsTheSpindleThroughAChangeOfSpeed) {
+  // While the speed goes from 5 to 20 mm/s in 0.1 s no step of the force is larger than five times the rms of the steps at 20 mm/s.
+  MotorVibration steady = motors(), changing = motors();
+  double square = 0.0, last = 0.0;
+  for (int k = 0; k < 20000; ++k) {
+    const double force = steady.force(stage(2e-6 * k, 20e-3), false, dt);
+    if (k > 5000) square += (force - last) * (force - last) / 15000.0;
+    last = force;
+  }
+  double x = 0.0, largest = 0.0;
+  for (int k = 0; k < 20000; ++k) {
+    const double v = std::clamp(5e-3 + 150e-3 * (k - 10000) * dt, 5e-3, 20e-3);
+    x += v * dt;
+    const double force = changing.force(stage(x, v), false, dt);
+    if (k > 0) largest = std::max(largest, std::abs(force - last));
+    last = force;
+  }
+  EXPECT_LT(largest, 5.0 * std::sqrt(square));
+}
+
+}  // namespace
+}  // namespace slipbench::motor_vibration_test
