@@ -5,6 +5,7 @@
 
 #include "sensors/nib_pad/nib_pad.h"
 #include "sensors/papillarray/papillarray.h"
+#include "sensors/piezo_skin/piezo_skin.h"
 #include "sim/core/error.h"
 #include "sim/testbench/testbench.h"
 
@@ -30,6 +31,7 @@ const std::vector<SensorKind>& sensor_catalogue() {
   static const std::vector<SensorKind> kinds{
       {papillarray_entry(), papillarray_electronics(), make_papillarray},
       {nib_pad_entry(), nib_pad_electronics(), make_nib_pad},
+      {piezo_skin_entry(), piezo_skin_electronics(), make_piezo_skin},
   };
   return kinds;
 }

@@ -1,0 +1,231 @@
+#include "sensors/piezo_skin/piezo_skin.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include "sensors/piezo_skin/charge_amplifier.h"
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace piezo {
+namespace {
+
+// The 20 x 10 mm patch has room for a contact of this radius.
+constexpr double patch_half_width = 5e-3;  // m
+constexpr double converter_counts = 65536.0;
+
+// Samples of the sensor between two of the bench's position sensor.
+std::size_t label_stride(const Parameters& parameters, const std::string& sensor_name) {
+  constexpr double rounding = 1e-9;  // of a quotient of decimal numbers
+  const double ratio = parameters.number("rate") / parameters.number("label_rate");
+  const double whole = std::round(ratio);
+  if (whole < 1.0 || std::abs(ratio - whole) > rounding * whole) {
+    throw SceneValueError("sensors." + sensor_name + ".label_rate",
+                          format_quantity(parameters.number("label_rate"), Quantity::frequency) +
+                              " is no whole part of the rate " + format_quantity(parameters.number("rate"), Quantity::frequency) +
+                              "; allowed: the rate over a whole number");
+  }
+  return static_cast<std::size_t>(whole);
+}
+
+// Points of equal area on the disc of the contact (Vogel's spiral): r_i^2 = radius^2 (i + 1/2)/n. A tip of curvature 1/R leaves the gap r^2/2R,
+// which is taken from its mean, radius^2/4R.
+PadLayout make_layout(const Parameters& parameters) {
+  const auto count = static_cast<std::size_t>(parameters.integer("elements"));
+  const double radius = parameters.number("radius"), curvature = 1.0 / parameters.number("tip_radius");
+  const double golden_angle = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  PadLayout layout;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double place = static_cast<double>(i), share = (place + 0.5) / static_cast<double>(count);
+    const double r = radius * std::sqrt(share);
+    Element element;
+    element.tip = {r * std::cos(golden_angle * place), r * std::sin(golden_angle * place),
+                   0.5 * curvature * radius * radius * (share - 0.5)};
+    element.k_normal = parameters.number("k_normal") / static_cast<double>(count);
+    element.k_tangential = parameters.number("k_tangential") / static_cast<double>(count);
+    layout.elements.push_back(element);
+  }
+  layout.units.push_back({0, count});
+  return layout;
+}
+
+SignalModel signal_model(double rate, double gain) {
+  SignalModel model;
+  model.rate = rate;
+  model.sources = 1;
+  model.source = {0};
+  model.noise_sd = {1.5e-3 * gain};
+  model.offset_sd = {1.5e-3 * gain};
+  model.drift_sd = {0.0};
+  model.gain_sd = {0.0};
+  model.converter = {{-0.5 * converter_counts, 0.5 * converter_counts - 1.0}};
+  return model;
+}
+
+class PiezoSkin final : public Sensor {
+ public:
+  PiezoSkin(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
+      : rate_(parameters.number("rate")),
+        gain_(parameters.number("gain")),
+        shear_x_(parameters.vector("shear")[0]),
+        shear_y_(parameters.vector("shear")[1]),
+        label_step_(parameters.number("label_step")),
+        label_stride_(static_cast<double>(label_stride(parameters, key.sensor_name))),
+        layout_(make_layout(parameters)),
+        channels_{{"signal", "counts", {1}, {"signal"}}},
+        amplifier_(parameters.number("corner"), parameters.number("anti_alias"), rate_,
+                   std::span(memory_).first<ChargeAmplifier::memory_size>()),
+        electronics_(electronics, signal_model(rate_, gain_), key) {
+    frame_.values = values_;
+  }
+
+  PiezoSkin(const PiezoSkin&) = delete;  // the frame and the amplifier point into the object
+  PiezoSkin& operator=(const PiezoSkin&) = delete;
+
+  [[nodiscard]] const PadLayout& layout() const override { return layout_; }
+  [[nodiscard]] double rate() const override { return rate_; }
+  [[nodiscard]] const std::vector<Channel>& channels() const override { return channels_; }
+
+  const SensorFrame& measure(const ContactFrame& truth) override {
+    const double charge = truth.force(2, 0) + shear_x_ * truth.force(0, 0) + shear_y_ * truth.force(1, 0);
+    values_[0] = static_cast<float>(gain_ * amplifier_.next(charge));
+    electronics_.apply(values_, truth.time);
+    frame_.time = truth.time;
+    if (until_position() == 0.0) read_position(truth);
+    until_position() -= 1.0;
+    return frame_;
+  }
+
+  [[nodiscard]] std::vector<std::span<double>> memory() override {
+    std::vector<std::span<double>> memories = electronics_.memory();
+    memories.insert(memories.begin(), std::span(memory_));
+    return memories;
+  }
+
+  [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override {
+    if (truth.state == PadState::no_contact) return PadState::no_contact;
+    return memory_[moving] == 0.0 ? PadState::non_slip : PadState::gross;
+  }
+
+ private:
+  // Of memory_, after the amplifier's.
+  enum Place : std::size_t { until = ChargeAmplifier::memory_size, known, moving, stage_x, stage_y, places };
+
+  double& until_position() { return memory_[until]; }
+
+  // What the position sensor of the bench reads, and whether that has changed since it was read last.
+  void read_position(const ContactFrame& truth) {
+    const double x = truth.stage_position.x(), y = truth.stage_position.y();
+    const bool moved = memory_[known] != 0.0 && std::hypot(x - memory_[stage_x], y - memory_[stage_y]) > label_step_;
+    memory_[moving] = moved ? 1.0 : 0.0;
+    memory_[known] = 1.0;
+    memory_[stage_x] = x;
+    memory_[stage_y] = y;
+    until_position() = label_stride_;
+  }
+
+  double rate_, gain_, shear_x_, shear_y_;
+  double label_step_, label_stride_;
+  PadLayout layout_;
+  std::vector<Channel> channels_;
+  std::array<double, places> memory_{};
+  ChargeAmplifier amplifier_;
+  Electronics electronics_;
+  std::array<float, 1> values_{};
+  SensorFrame frame_;
+};
+
+ParameterSpec number(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
+                     std::string source) {
+  return {.name = std::move(name),
+          .type = ParameterType::number,
+          .quantity = quantity,
+          .default_text = std::move(default_text),
+          .range = range,
+          .choices = {},
+          .size = 1,
+          .doc = std::move(doc),
+          .source = std::move(source)};
+}
+
+}  // namespace
+}  // namespace piezo
+
+Entry piezo_skin_entry() {
+  using piezo::number;
+  const std::string paper = "FFT-GRU slip detection paper, section II";
+  ParameterSpec elements = number("elements", Quantity::none, "20", {.min = 1.0, .max = 1000.0, .open_min = false},
+                                  "Friction points of the contact, on Vogel's spiral, each of the same area.",
+                                  "assumed: 20 to 100 in a dry run; the spectrum no longer changes much, the cost does");
+  elements.type = ParameterType::integer;
+  ParameterSpec shear = number("shear", Quantity::none, "[0.35, 0.35]", any_value,
+                               "Charge of a newton of tangential force, along X and along Y, against a newton of normal force.",
+                               "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y");
+  shear.type = ParameterType::vector;
+  shear.size = 2;
+  return {
+      .name = "piezo_skin",
+      .summary =
+          "PVDF-TrFE patch of 20 x 10 mm under a compliant layer: one signal, of the charge that normal and tangential force "
+          "make",
+      .law =
+          "charge/d33 = F_z + shear_x F_x + shear_y F_y  (direct effect, of all elements together)\n"
+          "signal = gain * charge/d33 through a high-pass of first order at corner, a low-pass of first order at anti_alias;\n"
+          "both moved exactly for a force that goes straight between samples: well below the corner the signal is\n"
+          "gain/(2 pi corner) d(charge/d33)/dt, the rate of stress\n"
+          "contact: n springs k_normal/n, k_tangential/n on a disc; under a tip of radius R the gap is r^2/2R. The origin is at\n"
+          "their mean height, so that F_z = k_normal * compression once all touch, from k_normal radius^2/4R on",
+      .source = paper +
+                " (layers, size, rate); IEEE Std 176-1987 (direct effect); K. L. Johnson, Contact Mechanics (1985), sec. 4.3 "
+                "(elastic foundation)",
+      .parameters = {
+          number("rate", Quantity::frequency, "10 kHz", positive, "Samples a second.", paper + ": 10 kHz"),
+          std::move(elements),
+          number("radius", Quantity::length, "5 mm", {.min = 0.0, .max = piezo::patch_half_width, .open_min = true},
+                 "Radius of the disc on which a tip can touch.", "half the patch's width of 10 mm, " + paper),
+          number("tip_radius", Quantity::length, "inf", positive_or_infinite, "Radius of the tip that touches; inf: flat.",
+                 "free"),
+          number("k_normal", Quantity::stiffness, "20 N/mm", positive, "Normal stiffness of the whole disc.",
+                 "assumed: a layer of 2 mm and 0.5 MPa under a disc of 5 mm radius has E pi r^2/h = 19.6 N/mm"),
+          number("k_tangential", Quantity::stiffness, "6 N/mm", positive, "Tangential stiffness of the whole disc.",
+                 "assumed: 4 to 9 N/mm in a dry run; a third of the normal one is G/E of the layer"),
+          std::move(shear),
+          number("gain", Quantity::none, "2000", positive, "Counts of a newton of normal force, far above the corner.",
+                 "assumed: the noise is then 3 counts, as in public PVDF recordings (0.19 mV in steps of 62.4 uV)"),
+          number("corner", Quantity::frequency, "3 Hz", positive, "Corner of the charge amplifier's high-pass.",
+                 "assumed: nothing is published"),
+          number("anti_alias", Quantity::frequency, "inf", positive_or_infinite,
+                 "Corner of a low-pass before the converter; inf: none.",
+                 "inf: the field has no time between the samples, so that there is nothing to fold"),
+          number("label_rate", Quantity::frequency, "100 Hz", positive,
+                 "Rate of the bench's position sensor, whose samples the paper labels by.",
+                 "FFT-GRU slip detection paper, section III-A"),
+          number("label_step", Quantity::length, "10 um", positive,
+                 "Change of that position from which on the paper's rule says slip.",
+                 "assumed: 1 mm/s; the slowest published slide makes 33 um between two samples"),
+      }};
+}
+
+std::vector<Entry> piezo_skin_electronics() {
+  return electronics_of(
+      "piezo_skin",
+      {{"offset", "sd as the noise's, 3 counts: assumed", {}},
+       {"noise",
+        "1.5 mN rms, which is 3 counts: assumed; public PVDF recordings (cosmiclab-unige) have 0.19 mV",
+        {{"corner", "inf",
+          "idle PVDF channels are nearly white: 7 % of their power lies below 100 Hz of 1 kHz (cosmiclab-unige)"}}},
+       {"quantisation",
+        "over -32768 to 32767 counts, 16 N either way: assumed, so that pressing does not reach the ends",
+        {{"bits", "16", "assumed: with 12 either the steps are coarser than the noise or pressing reaches the ends"}}}});
+}
+
+std::unique_ptr<Sensor> make_piezo_skin(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
+                                        std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
+  return std::make_unique<piezo::PiezoSkin>(parameters, electronics, ElectronicsKey{seed, trial, 0, sensor_name});
+}
+
+}  // namespace slipbench
