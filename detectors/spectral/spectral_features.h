@@ -16,10 +16,12 @@ struct SpectralLayout {
   std::size_t hop = 100;     // samples from one frame to the next
   double low = 50.0;         // Hz, of the first bin kept
   double high = 600.0;       // Hz, of the last
+  bool hann = false;         // tapers the window (Hann) after its mean is taken off; false: rectangular
 };
 
 // The power spectral density of each window less its mean. At the defaults these are the published features of the piezoelectric skin (FFT-GRU
-// slip detection, section IV-A): windows of 20 ms every 10 ms at 10 kHz, twelve bins of 50 Hz. The window is rectangular: the paper names none.
+// slip detection, section IV-A): windows of 20 ms every 10 ms at 10 kHz, twelve bins of 50 Hz. They are rectangular: the paper names no taper. What changes slowly, a force that is built up, then leaks into all bins as
+// 1/frequency; with Hann's taper it does as 1/frequency^3, and a line is two bins wider.
 class SpectralFeatures {
  public:
   // Keeps the bins k rate/window within [low, high], both included. Throws std::logic_error for an empty window or hop, and where no bin is
@@ -28,8 +30,8 @@ class SpectralFeatures {
 
   // Takes the next sample. True when a frame is complete with it: the first after `window` samples, then one every `hop`.
   bool push(float value);
-  // Of the last complete frame, one-sided: 2 |X_k|^2/(rate window) [unit^2/Hz], so that the sum over all bins above 0 times rate/window is
-  // the variance of the window. (The bin at rate/2, which has no mirror image, counts once.) [bins()]
+  // Of the last complete frame, one-sided: 2 |X_k|^2/(rate sum w_n^2) [unit^2/Hz] with the taper w, so that the sum over all bins above 0 times
+  // rate/window is the variance of a rectangular window. (The bin at rate/2, which has no mirror image, counts once.) [bins()]
   [[nodiscard]] std::span<const double> density() const { return density_; }
 
   [[nodiscard]] std::size_t bins() const { return density_.size(); }
@@ -43,7 +45,9 @@ class SpectralFeatures {
   double width_;
   std::size_t first_bin_;
   RealFft fft_;
-  std::vector<double> past_;  // [window], a ring
+  std::vector<double> past_;   // [window], a ring
+  std::vector<double> taper_;  // [window]; empty: rectangular
+  double taper_power_;         // sum of its squares
   std::size_t seen_ = 0;
   std::vector<double> density_;
 };
