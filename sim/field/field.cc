@@ -96,9 +96,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
 
   if (effects_.tip && (!on_plane() || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
     throw std::invalid_argument(
-        "field: tips with mass need a plane, the circular cone, upright elements, friction that does not grow with the speed of "
-        "slip, and "
-        "springs without rheology or dashpot");
+        "field: tips with mass need a plane and stand alone: no other cone, rate law, lean, rheology or dashpot");
   }
   extended_ =
       !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || effects_.lean || has_memory() || effects_.tip;
