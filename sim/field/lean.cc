@@ -22,6 +22,7 @@ LeaningForce leaning_force(const Lean& lean, const LeaningElement& element, cons
 double leaning_slip(const Lean& lean, const LeaningElement& element, const Eigen::Vector3d& e, double guess, double dt,
                     const RateEffect* rate) {
   const double kept = element.history.dot(e), ahead = element.stretch.dot(e);
+  const double size = element.stretch.norm();
   const double across2 = std::max(0.0, element.stretch.squaredNorm() - ahead * ahead);
   const double per_length = 1.0 / lean.length, per_dt = dt > 0.0 ? 1.0 / dt : 0.0;
   const auto excess = [&](double s, double& slope) {
@@ -43,7 +44,7 @@ double leaning_slip(const Lean& lean, const LeaningElement& element, const Eigen
   double low = 0.0, high = std::numeric_limits<double>::infinity(), stride = 0.0, s = std::max(0.0, guess);
   for (int iteration = 0; iteration < 200; ++iteration) {
     double slope = 0.0;
-    const double beyond = excess(s, slope), rounding = 1e-15 * (element.stretch.norm() + s);
+    const double beyond = excess(s, slope), rounding = 1e-14 * (size + s);
     if (std::abs(beyond) <= -slope * rounding) return s;
     (beyond > 0.0 ? low : high) = s;
     if (!(high - low > rounding)) return s;

@@ -53,7 +53,8 @@ struct PadTangent {
                                        double viscous_time);
 
 // A field as its last step left it. `surface`: surface frame in the world. Sees springs and dashpots (of a slipping element those
-// of viscous_time only along the normal, as in Field); what a rheology effect adds to the stiffness is not in it.
+// of viscous_time only along the normal, as in Field); what a rheology effect or a leaning column adds to the stiffness is not
+// in it.
 [[nodiscard]] PadTangent field_tangent(const Field& field, const Pose& surface, const Eigen::Vector3d& point,
                                        double viscous_time);
 
