@@ -31,6 +31,7 @@ struct Pinch {
   std::string tendon =
       "<tendon><spatial damping='1e-9'><site site='left'/><site site='box'/></spatial>"
       "<spatial damping='1e-9'><site site='right'/><site site='box'/></spatial></tendon>";
+  std::string effects = "[]";
 };
 
 std::string pinch_xml(const Pinch& pinch) {
@@ -46,7 +47,7 @@ std::string pinch_xml(const Pinch& pinch) {
     return "<instance name='" + name + "'>" + config("pad", name) + config("touch", "box") +
            config("elements", square(3, 0.007, 3000.0 * pinch.stiffness, 500.0 * pinch.stiffness)) +
            config("friction", "{static: 0.5}") + config("damping", damping.str()) + config("solver", pinch.solver) +
-           "</instance>";
+           config("effects", pinch.effects) + "</instance>";
   };
   xml << "<mujoco><option timestep='" << dt
       << "' integrator='discrete' gravity='0 0 0'/><extension><plugin plugin='slipbench.field'>" << instance("left")
@@ -121,6 +122,19 @@ TEST_P(ImplicitPlugin, SlidesWithTheRightAcceleration) {
   const double before = held.speed();
   held.run(20, 0.5 * least);
   EXPECT_NEAR((held.speed() - before) / 0.02, -0.5 * g, 0.01 * 0.5 * g);
+}
+
+TEST_P(ImplicitPlugin, SinksAtTheTerminalSpeedOfARateLaw) {
+  // Least force over 1.1: m g = 2 mu F g(v) with g = 1.1 = 1 + 0.1 log10(1 + v/(1 mm/s)), v = 9 mm/s.
+  Pinch pinch{mass, stiffness, 1.2 * least};
+  pinch.effects = "[{viscous_friction: {gain: 0.1, speed: 1 mm/s}}]";
+  Held held(pinch);
+  held.run(300, least / 1.1);
+  const double before = held.speed();
+  held.run(20, least / 1.1);
+  EXPECT_NEAR(1.0 + 0.1 * std::log10(1.0 - held.speed() / 1e-3), 1.1, 1e-4) << "the pads' offset turns their forces a little";
+  EXPECT_NEAR(held.speed(), before, 1e-5);
+  EXPECT_EQ(pad_group_of(held.model.get(), held.data.get())->unconverged_steps(), 0U);
 }
 
 TEST_P(ImplicitPlugin, ExplicitPadsAreRefusedWithTheLimit) {
