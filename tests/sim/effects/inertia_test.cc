@@ -81,10 +81,11 @@ TEST(InertiaRefusals, NamesWhatItCannotBeJoinedWith) {
   };
   const PadLayout pad = one_unit(k_n, k_t);
   const std::string why =
-      " cannot be named together: inertia moves the tips by a spring, a dashpot and the circular cone of its own; "
+      " cannot be named together: inertia moves the tips by a spring, a dashpot and a friction of its own; "
       "allowed: one of them";
   EXPECT_EQ(refusal({"inertia", "anisotropic_friction"}, pad, Plane{}), "effects: inertia and anisotropic_friction" + why);
   EXPECT_EQ(refusal({"viscoelastic", "texture", "inertia"}, pad, Plane{}), "effects: inertia and viscoelastic" + why);
+  EXPECT_EQ(refusal({"inertia", "viscous_friction"}, pad, Plane{}), "effects: inertia and viscous_friction" + why);
   EXPECT_EQ(refusal({"inertia"}, pad, Box{{1.0, 1.0, 1.0}}), "effects: inertia needs a plane; allowed shapes: plane");
   PadLayout damped = pad;
   damped.elements.front().c_tangential = 1.0;
