@@ -11,7 +11,6 @@
 #include "sim/core/pose.h"
 #include "sim/field/effect.h"
 #include "sim/field/surface.h"
-#include "sim/field/vectorise.h"
 
 namespace slipbench::kernel {
 
@@ -49,6 +48,9 @@ enum Column : std::size_t {
 };
 // clang-format on
 using Columns = std::array<double*, all_columns>;
+
+// Entries of a column that are worked on at once (vectorise.h); columns are padded to a multiple of it.
+inline constexpr std::size_t lanes = 4;
 
 // A slip of a step [m] shorter than this is the rounding of coordinates (up to a hundred metres), not motion: an element at rest on its
 // cone sticks. Slower motion is not lost; the stretch gathers it until it is longer.

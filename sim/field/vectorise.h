@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "sim/field/kernel.h"
+
 // Each pass is compiled for x86-64-v3 and for any x86-64, and the loader picks one by the CPU it finds. Sanitizers do not survive the
 // loader's early calls, and other compilers lack the attribute: they get the portable version, which computes the same bits.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__OPTIMIZE__) && \
@@ -22,10 +24,8 @@
 
 namespace slipbench::kernel {
 
-// As many entries of a column as are worked on at once; columns are padded to a multiple of it.
-inline constexpr std::size_t lanes = 4;
-
-// That many entries: for loops that would not become vector code by themselves, and for sums whose order does not depend on how they do.
+// As many entries of a column as are worked on at once: for loops that would not become vector code by themselves, and for sums whose
+// order does not depend on how they do.
 using Lanes __attribute__((vector_size(lanes * sizeof(double)))) = double;
 using Mask = decltype(Lanes{} == Lanes{});
 
