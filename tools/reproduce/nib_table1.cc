@@ -60,8 +60,10 @@ std::vector<Variant> variants() {
           {"all read at one instant", {{"sensors.pad.scan", "simultaneous"}}},
           {"k_tangential 0.4 N/mm", {{"sensors.pad.k_tangential", "0.4 N/mm"}}},
           {"reference not averaged", {}, false},
+          {"nibs that lean (P-delta)", {{"effects", "[lean]"}}},
           {"as it is, images 0.3 s apart", {}, true, 10},
-          {"linear capacitor, images 0.3 s apart", {{"sensors.pad.capacitor", "linear"}}, true, 10}};
+          {"linear capacitor, images 0.3 s apart", {{"sensors.pad.capacitor", "linear"}}, true, 10},
+          {"nibs that lean (P-delta), images 0.3 s apart", {{"effects", "[lean]"}}, true, 10}};
 }
 
 void stop_if_interrupted() {
