@@ -32,7 +32,7 @@ FrameSequence spectral_sequence(const SensorRecord& sensor, LabelRule rule, cons
         fmt::format("sensor {}: {} samples are less than a frame of {}", sensor.name, sensor.time.size(), layout.window));
   }
   FrameSequence sequence{log_spectrogram(sensor.channels[0].values, layout), {}};
-  const std::vector<std::uint8_t>& states = rule == LabelRule::truth ? sensor.labels.state : sensor.labels.state_paper;
+  const std::vector<std::uint8_t>& states = rule == LabelRule::truth ? sensor.labels.state_micro : sensor.labels.state_paper;
   for (std::size_t last = layout.window - 1; last < states.size(); last += layout.hop) {
     sequence.slip.push_back(static_cast<PadState>(states[last]) >= PadState::incipient ? 1 : 0);
   }

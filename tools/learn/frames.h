@@ -13,7 +13,7 @@ namespace slipbench::learn {
 
 // Whose word a frame's label is.
 enum class LabelRule {
-  truth,  // PadState by the rule strict
+  truth,  // PadState by the rule micro: a part slips. By strict all would have to, which elements that stick and slip by turns never do
   paper,  // by the rule of the sensor's paper: of a piezo_skin, that its 100 Hz position has changed
 };
 

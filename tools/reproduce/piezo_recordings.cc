@@ -28,11 +28,14 @@ namespace {
 
 constexpr const char* bench_scene = "scenes/piezo_skin/dataset.yaml";
 constexpr const char* level_path = "motion.vibration";
-constexpr const char* tip_path = "scene";
 
-std::string text_of(const Json& params, const char* path) {
-  const auto found = params.find(path);
-  return found == params.end() ? "" : found->dump();
+// A tip is its friction, stiffness, shape and effects: all that the sweep varies but the motion.
+std::string tip_of(const Json& swept) {
+  std::string tip;
+  for (const auto& [path, value] : swept.items()) {
+    if (!path.starts_with("motion.")) tip += fmt::format("{}{}={}", tip.empty() ? "" : " ", path, value.dump());
+  }
+  return tip;
 }
 
 template <class T>
@@ -72,7 +75,7 @@ PiezoRecording make_recording(const TrialRecord& record, const std::string& para
   PiezoRecording recording;
   const auto level = swept.find(level_path);
   recording.level = level != swept.end() && level->is_number() ? level->get<double>() : std::numeric_limits<double>::quiet_NaN();
-  recording.tip = text_of(swept, tip_path);
+  recording.tip = tip_of(swept);
   recording.motors_only = std::ranges::all_of(sensor->labels.state, [](std::uint8_t state) { return state == 0; });
   learn::FrameSequence truth = learn::spectral_sequence(*sensor, learn::LabelRule::truth);
   recording.features = std::move(truth.features);

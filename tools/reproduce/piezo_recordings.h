@@ -13,7 +13,7 @@ namespace slipbench::reproduce {
 // A recording, its signal already turned into frames.
 struct PiezoRecording {
   double level = 0.0;                      // of the motors' vibration; NaN: the dataset does not say
-  std::string tip;                         // what the sweep drew for it; equal texts are equal tips
+  std::string tip;                         // what was swept but the motion; equal texts are equal tips
   bool motors_only = true;                 // nothing ever touches
   std::vector<float> features;             // [T,12] log_spectrogram
   std::vector<std::uint8_t> truth, paper;  // [T] 1: slip, by either label

@@ -23,7 +23,8 @@ SensorRecord recording(std::size_t samples) {
   sensor.rate = rate;
   sensor.channels.push_back({"signal", "1", {1}, std::vector<float>(samples, 7.0F)});
   for (std::size_t i = 0; i < samples; ++i) sensor.time.push_back(static_cast<double>(i) / rate);
-  sensor.labels.state.assign(samples, 1);
+  sensor.labels.state.assign(samples, 1);  // by strict nothing ever slips
+  sensor.labels.state_micro.assign(samples, 1);
   sensor.labels.state_paper.assign(samples, 1);
   return sensor;
 }
@@ -46,8 +47,8 @@ TEST(LogSpectrogram, OfASineIsOneBin) {
 // Slip begins with sample 250 in truth and with 300 by the position: the frames that end with 299 and 399.
 TEST(SpectralSequence, LabelsAFrameByItsEnd) {
   SensorRecord sensor = recording(450);
-  std::fill(sensor.labels.state.begin() + 250, sensor.labels.state.end(), std::uint8_t{3});
-  sensor.labels.state[399] = 2;  // incipient counts as well
+  std::fill(sensor.labels.state_micro.begin() + 250, sensor.labels.state_micro.end(), std::uint8_t{3});
+  sensor.labels.state_micro[399] = 2;  // incipient counts as well
   std::fill(sensor.labels.state_paper.begin() + 300, sensor.labels.state_paper.end(), std::uint8_t{3});
   const FrameSequence sequence = spectral_sequence(sensor, LabelRule::truth);
   EXPECT_THAT(sequence.slip, ElementsAre(0, 1, 1));

@@ -30,7 +30,7 @@ TrialRecord skin_record(std::size_t trial, bool slips, const std::string& params
   for (std::size_t i = 0; i < 400; ++i) sensor.time[i] = 1e-4 * static_cast<double>(i);
   for (auto* states : {&sensor.labels.state, &sensor.labels.state_micro, &sensor.labels.state_paper})
     states->assign(400, slips ? 1 : 0);
-  if (slips) std::fill(sensor.labels.state.begin() + 250, sensor.labels.state.end(), std::uint8_t{3});
+  if (slips) std::fill(sensor.labels.state_micro.begin() + 250, sensor.labels.state_micro.end(), std::uint8_t{3});
   if (slips) std::fill(sensor.labels.state_paper.begin() + 350, sensor.labels.state_paper.end(), std::uint8_t{3});
   record.params = params;
   return record;
@@ -40,13 +40,14 @@ class PiezoRecordings : public slipbench::testing::FolderTest {};
 
 TEST_F(PiezoRecordings, SayWhatWasSwept) {
   DatasetWriter writer(path("a.h5"), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, 2);
-  writer.append(TrialEncoder().encode(skin_record(0, true, R"({"motion.vibration": 0.5, "scene": {"friction": 0.9}})")));
+  writer.append(TrialEncoder().encode(skin_record(
+      0, true, R"({"motion.vibration": 0.5, "friction.static": 0.9, "motion.speed": 0.01, "effects": ["asperities"]})")));
   writer.append(TrialEncoder().encode(skin_record(1, false, R"({"motion.vibration": 4.0})")));
   writer.commit();
   const std::vector<PiezoRecording> recordings = read_recordings(path("a.h5"));
   ASSERT_THAT(recordings, SizeIs(2));
   EXPECT_EQ(recordings[0].level, 0.5);
-  EXPECT_EQ(recordings[0].tip, R"({"friction":0.9})");
+  EXPECT_EQ(recordings[0].tip, R"(friction.static=0.9 effects=["asperities"])");
   EXPECT_FALSE(recordings[0].motors_only);
   EXPECT_THAT(recordings[0].truth, ElementsAre(0, 1, 1));  // frames end with samples 199, 299, 399
   EXPECT_THAT(recordings[0].paper, ElementsAre(0, 0, 1));
@@ -59,7 +60,7 @@ TEST_F(PiezoRecordings, SayWhatWasSwept) {
 }
 
 TEST_F(PiezoRecordings, SurviveTheirBytes) {
-  const PiezoRecording first = make_recording(skin_record(0, true, R"({"scene": 3})"), R"({"scene": 3})");
+  const PiezoRecording first = make_recording(skin_record(0, true, "{}"), R"({"effects": 3})");
   EXPECT_TRUE(std::isnan(first.level));
   std::string bytes;
   pack(first, bytes);
@@ -67,7 +68,7 @@ TEST_F(PiezoRecordings, SurviveTheirBytes) {
   const std::vector<PiezoRecording> back = unpack(bytes);
   ASSERT_THAT(back, SizeIs(2));
   EXPECT_TRUE(std::isnan(back[0].level));
-  EXPECT_EQ(back[0].tip, "3");
+  EXPECT_EQ(back[0].tip, "effects=3");
   EXPECT_EQ(back[0].features, first.features);
   EXPECT_EQ(back[0].truth, first.truth);
   EXPECT_EQ(back[0].paper, first.paper);
