@@ -62,12 +62,13 @@ std::vector<ParameterSpec> flag_specs() {
       {.name = "ratio",
        .type = ParameterType::choice,
        .quantity = Quantity::none,
-       .default_text = "forces",
+       .default_text = "counts",
        .range = any_value,
        .choices = {"forces", "counts"},
        .size = 1,
        .doc = "What F_S,y/F_N is a ratio of: newtons by normal_gain and shear_gain, or raw changes of capacitance.",
-       .source = "assumed: the paper calls both estimates of force and does not give their unit"},
+       .source =
+           "paper: equation 4 takes F_S,i and F_N,i, which equations 1 and 2 define by sums and differences of capacitances"},
   };
   all.insert(all.end(), own.begin(), own.end());
   return all;

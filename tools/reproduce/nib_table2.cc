@@ -27,7 +27,7 @@ struct DetectorReading {
 };
 const std::vector<DetectorReading>& detector_readings() {
   static const std::vector<DetectorReading> all{
-      {"as_is", "threshold 25, patience 0.5 s, forces", {}},
+      {"as_is", "threshold 25, patience 0.5 s, F_S/F_N of counts as equations 1, 2 and 4 have it", {}},
       {"threshold_15", "threshold 15", {{"threshold", 15.0}}},
       {"threshold_20", "threshold 20", {{"threshold", 20.0}}},
       {"threshold_40", "threshold 40", {{"threshold", 40.0}}},
@@ -36,7 +36,7 @@ const std::vector<DetectorReading>& detector_readings() {
       {"patience_1", "patience 1 s", {{"patience", 1.0}}},
       {"alpha_0", "alpha 0", {{"weight", 0.0}}},
       {"alpha_5_m_5", "M 5, alpha 5", {{"counter_max", 5.0}, {"weight", 5.0}}},
-      {"counts", "F_S/F_N of counts", {{"ratio", std::string("counts")}}},
+      {"forces", "F_S/F_N of newtons", {{"ratio", std::string("forces")}}},
   };
   return all;
 }
@@ -228,10 +228,11 @@ Result nib_table2(const ReproduceOptions& options) {
   result.setup = {
       fmt::format("scenes/nib_pad/release.yaml, seed {}, {} runs of each of its surfaces and pulls.", seed, trials),
       "Paper: M 9, alpha 10, windows of 500 ms a 100 ms, 0.03 mm/s. Not in the paper, assumed: SLIP_THRES 25 counts (a bound of "
-      "the noise: "
-      "detectors/nib/README.md), TIME_THRES 0.5 s, F_S/F_N as a ratio of newtons, mu_s of all plates but the soaped one, which "
-      "were moved once "
-      "in a dry run after the published errors had been seen, the plates' patches and waves, masses and damping of the lever.",
+      "the noise: detectors/nib/README.md), TIME_THRES 0.5 s, mu_s of all plates but the soaped one, which were moved once in a "
+      "dry run after "
+      "the published errors had been seen, the plates' patches and waves, masses and damping of the lever.",
+      "F_S/F_N is one of counts, as equations 1, 2 and 4 read; a ratio of newtons, which the paper's words would allow, is a row "
+      "of its own.",
       "The soaped plate is pulled with up to 1 N: 5 N would need 71 N of grasp.",
   };
   return result;
