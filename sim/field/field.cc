@@ -93,7 +93,6 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
       padded_((count_ + kernel::lanes - 1) / kernel::lanes * kernel::lanes) {
   check(layout, friction, effects_);
   if (auto dashpots = make_dashpots(layout_)) effects_.rheology.push_back(std::move(dashpots));
-
   if (effects_.tip && (!on_plane() || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
     throw std::invalid_argument(
         "field: tips with mass need a plane and stand alone: no other cone, rate law, lean, rheology or dashpot");
