@@ -54,7 +54,7 @@ TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
   const std::unique_ptr<Sensor> sensor = make_sensor(prescribed.sensors.front(), 0, 0);
   const PadLayout* layout = &sensor->layout();
   const double rate = 1000.0;
-  ArticulatedTestbench bench(prescribed, {&layout, 1}, {&rate, 1});
+  ArticulatedTestbench bench(prescribed, {&layout, 1}, {&rate, 1}, 0);
   ASSERT_EQ(rig->ticks(), bench.ticks());
   std::size_t slipping = 0;
   for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
