@@ -69,10 +69,10 @@ std::vector<ParameterSpec> feature_specs() {
                   "Sum of the changes of all 36 electrodes from which on the pad touches [counts].",
                   "assumed: three times its noise, half a newton of normal force"),
       number_spec(
-          "normal_gain", Quantity::none, "57.4", positive,
+          "normal_gain", Quantity::none, "57.9", positive,
           "Counts of all 36 electrodes together a newton of normal force: 4 C0/(g0 k_post), C0 the counts of a nib's electrode.",
           "assumed: small loads, C0 0.045 pF at 850 counts/pF, gap 0.254 mm, post 10.4 N/mm"),
-      number_spec("shear_gain", Quantity::none, "455", positive,
+      number_spec("shear_gain", Quantity::none, "454", positive,
                   "Counts of N - S (E - W) of all taxels together a newton of shear: 2 C0 r/(L g0 k_t).",
                   "assumed: small loads, r 1.1 mm, L 3.65 mm, k_t 0.2 N/mm, the rest as normal_gain"),
       number_spec("pitch", Quantity::length, "7.6 mm", positive, "Distance of taxels.",

@@ -41,13 +41,21 @@ NibCapacitor make_capacitor(const Parameters& parameters, const std::string& sen
                           format_quantity(mask_gap, Quantity::length) + " leaves no room below a gap of " +
                               format_quantity(gap, Quantity::length) + "; allowed: less than that");
   }
+  // Tilted until its rim rests on the mask, the fabric is r/R (g0 - gf) lower over an electrode at r: it must not come to lie on it.
+  const double place = parameters.number("electrode_place"), radius = parameters.number("fabric_radius");
+  if (const double farthest = radius * gap / (gap - mask_gap); place >= farthest) {
+    throw SceneValueError("sensors." + sensor_name + ".electrode_place",
+                          format_quantity(place, Quantity::length) +
+                              " lets the tilted fabric touch the electrode; allowed: less than " +
+                              format_quantity(farthest, Quantity::length));
+  }
   return {.rest = parameters.number("capacitance"),
           .gap = gap,
           .mask_gap = mask_gap,
           .post = parameters.number("post"),
           .lever = parameters.number("lever"),
-          .fabric_radius = parameters.number("fabric_radius"),
-          .place = parameters.number("electrode_place"),
+          .fabric_radius = radius,
+          .place = place,
           .linear = parameters.choice("capacitor") == "linear"};
 }
 

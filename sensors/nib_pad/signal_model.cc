@@ -1,5 +1,7 @@
 #include "sensors/nib_pad/signal_model.h"
 
+#include <cmath>
+
 #include "sensors/nib_pad/electrodes.h"
 #include "sensors/nib_pad/nib_pad.h"
 
@@ -11,7 +13,7 @@ namespace {
 constexpr double si_noise = 1.5, cluster_noise = 1.2;
 constexpr double offset = 20.0;
 constexpr double drift = 0.02;  // counts/s
-constexpr double gain = 0.05;
+constexpr double gain = 0.05;   // of one electrode
 
 }  // namespace
 
@@ -24,7 +26,8 @@ SignalModel signal_model(double rate, double count) {
     model.noise_sd.push_back(count * (v < si_size ? si_noise : cluster_noise));
     model.offset_sd.push_back(count * offset);
     model.drift_sd.push_back(count * drift);
-    model.gain_sd.push_back(gain);
+    // A cluster is the sum of 9 or 12 of the same electrodes, whose gains are drawn apart from one another.
+    model.gain_sd.push_back(v < fl_first ? gain : gain / std::sqrt(v < fr_first ? 9.0 : 12.0));
   }
   return model;
 }

@@ -158,13 +158,17 @@ ParameterSpec number(std::string name, Quantity quantity, std::string default_te
 Entry piezo_skin_entry() {
   using piezo::number;
   const std::string paper = "FFT-GRU slip detection paper, section II";
-  ParameterSpec elements = number("elements", Quantity::none, "20", {.min = 1.0, .max = 1000.0, .open_min = false},
-                                  "Friction points of the contact, on Vogel's spiral, each of the same area.",
-                                  "assumed: 20 to 100 in a dry run; the spectrum no longer changes much, the cost does");
+  ParameterSpec elements =
+      number("elements", Quantity::none, "20", {.min = 1.0, .max = 1000.0, .open_min = false},
+             "Friction points of the contact, on Vogel's spiral, each of the same area.",
+             "assumed: 20 to 100 in a dry run; the spectrum keeps its shape, but more elements even one another out, so that the "
+             "signal of stick-slip falls, from 20 to 100 by a third");
   elements.type = ParameterType::integer;
-  ParameterSpec shear = number("shear", Quantity::none, "[0.35, 0.35]", any_value,
-                               "Charge of a newton of tangential force, along X and along Y, against a newton of normal force.",
-                               "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y");
+  ParameterSpec shear = number(
+      "shear", Quantity::none, "[0.35, 0.35]", any_value,
+      "Charge of a newton of tangential force, along X and along Y, against a newton of normal force.",
+      "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. One signal of both is "
+      "deaf to shear across their sum, here at 135 and 315 deg");
   shear.type = ParameterType::vector;
   shear.size = 2;
   return {

@@ -38,8 +38,8 @@ void judge_pad(ContactFrame& frame, const Count& elements) {
     slipping += static_cast<std::uint32_t>(unit == UnitState::slip);
     touched_by_slip += static_cast<std::uint32_t>(unit >= UnitState::slip);  // or partial
   }
-  frame.state = state(touching, slipping);
   frame.state_micro = state(touching, touched_by_slip);
+  frame.state = frame.unit_state.size() == 1 ? frame.state_micro : state(touching, slipping);
   frame.stuck_fraction =
       elements.touching == 0 ? nan : static_cast<double>(elements.touching - elements.slipping) / elements.touching;
 }

@@ -52,7 +52,8 @@ class ContactPlane {
   bool level_ = true;
 };
 
-// Sets the pad's state by both rules from the units', and the stuck fraction from the count of all its elements.
+// Sets the pad's state by both rules from the units', and the stuck fraction from the count of all its elements. A pad of a single unit has
+// no units that could be told apart: strict is micro there. Its elements stick and slip by turns, and hardly ever slip all at once.
 void judge_pad(ContactFrame& frame, const Count& elements);
 
 // Sets slip_direction and slip_centre from the rigid motion that fits the slipping units' velocities best (least squares, equal

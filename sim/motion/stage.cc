@@ -255,6 +255,14 @@ class Stage final : public Motion {
                                         format_quantity(reverse, Quantity::time), format_quantity(stop, Quantity::time)));
     }
     const double travel = p.number("travel");
+    if (p.integer("strokes") > 1 && !std::isfinite(travel)) {
+      throw SceneValueError("motion.strokes", fmt::format("{} strokes have no length; allowed: 1, or motion.travel beside it",
+                                                          p.integer("strokes")));
+    }
+    if (std::isfinite(travel) && rate != 0.0) {
+      throw SceneValueError("motion.rotation",
+                            "motion.travel ends the way and not the turn; allowed: 0 deg/s beside motion.travel");
+    }
     if (std::isfinite(travel)) {
       if (std::isfinite(stop) || std::isfinite(reverse) || speed == 0.0) {
         throw SceneValueError("motion.travel",

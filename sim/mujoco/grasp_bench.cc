@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/effects/install.h"
 #include "sim/motion/lift.h"
 #include "sim/mujoco/field_plugin.h"
 #include "sim/mujoco/gripper_model.h"
@@ -21,6 +22,17 @@
 
 namespace slipbench {
 namespace {
+
+// Texture and roughness are on the face of a shape that looks upwards, the fingers on its sides.
+void refuse_textures(const Scene& scene, const PadLayout& pad) {
+  for (const Named& effect : scene.effects) {
+    if (!install_effects({effect}, pad, Plane{}, scene.seed, 0).surface.empty()) {
+      throw SceneValueError("effects", effect.name +
+                                           " is on a top face only, and the fingers of a gripper touch the sides of the box; "
+                                           "allowed: no effect on the height of the surface");
+    }
+  }
+}
 
 constexpr const char* box_name = "box";
 constexpr const char* table_name = "table";
@@ -256,7 +268,7 @@ void GraspBench::State::observe(double time) {
 
 GraspBench::GraspBench(const Scene& scene, const PadLayout& pad, double rate, std::uint64_t trial,
                        const DynamicBenchOptions& options)
-    : state_(std::make_unique<State>(scene, pad, rate, trial, options)) {}
+    : state_((refuse_textures(scene, pad), std::make_unique<State>(scene, pad, rate, trial, options))) {}
 
 GraspBench::~GraspBench() = default;
 

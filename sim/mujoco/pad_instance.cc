@@ -281,6 +281,13 @@ void PadInstance::measure(const Parts& state) {
 }
 
 void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
+  // One reading a step: of a longer step a multiplexed sensor would miss electrodes, and not only samples.
+  if (sensor_->scans() > 1 && step_ > sample_time_ * (1.0 + rounding)) {
+    throw InputError(
+        fmt::format("plugin '{}': the time step {} is longer than the {} between two readings of the sensor, which needs each; "
+                    "allowed: at most that",
+                    config_.name, format_quantity(step_, Quantity::time), format_quantity(sample_time_, Quantity::time)));
+  }
   constexpr int no_passive_forces = mjDSBL_SPRING | mjDSBL_DAMPER;
   if ((model->opt.disableflags & no_passive_forces) == no_passive_forces) {
     throw InputError(

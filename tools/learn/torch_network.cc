@@ -1,6 +1,7 @@
 // The only file with libtorch's headers.
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 
 #include <torch/torch.h>
@@ -111,6 +112,12 @@ class Clips {
   RandomStream random_;
 };
 
+// One network works at a time: with the BLAS of Debian (libopenblas0-serial) two at a time give other weights now and then.
+std::mutex& turn() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 class TorchNetwork final : public Network {
  public:
   TorchNetwork(const NetworkShape& shape, std::uint64_t seed) : shape_(shape), layers_(shape, seed) {}
@@ -124,6 +131,7 @@ class TorchNetwork final : public Network {
   }
 
   std::vector<double> train(std::span<const FrameSequence> sequences, const TrainingOptions& options) override {
+    const std::lock_guard alone(turn());
     const Tensor weights = class_weights(sequences, shape_.inputs);
     Clips clips(sequences, options, shape_.inputs);
     torch::optim::RMSprop optimiser(layers_.parameters(), torch::optim::RMSpropOptions(options.learning_rate));
@@ -144,6 +152,7 @@ class TorchNetwork final : public Network {
   }
 
   std::vector<float> log_odds(std::span<const float> features) const override {
+    const std::lock_guard alone(turn());
     const torch::NoGradGuard no_gradient;
     const std::int64_t frames = extent(features.size() / shape_.inputs);
     Tensor input = torch::empty({1, frames, extent(shape_.inputs)});
@@ -161,7 +170,7 @@ class TorchNetwork final : public Network {
 }  // namespace
 }  // namespace slipbench::learn
 
-// One thread a network: the order of sums is then the same everywhere, and its user has threads of its own.
+// One thread a network: the order of sums is then the same everywhere.
 extern "C" __attribute__((visibility("default"))) slipbench::learn::Network* slipbench_make_network(
     const slipbench::learn::NetworkShape& shape, std::uint64_t seed) {
   at::set_num_threads(1);

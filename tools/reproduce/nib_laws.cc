@@ -1,7 +1,10 @@
 #include "tools/reproduce/nib_laws.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
+
+#include "sim/effects/catalogue.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -14,6 +17,11 @@ void set_patches(Scene& scene, double sd) {
     if (effect.name == "patchy_friction") effect.parameters.set("sd", sd);
   }
 }
+void add_lean(Scene& scene) {
+  const auto& all = effect_catalogue();
+  const auto lean = std::ranges::find(all, "lean", [](const EffectKind& kind) { return kind.about.name; });
+  scene.effects.push_back({lean->about.name, defaults_of(lean->about.parameters)});
+}
 // Coulomb's law, mu_k 0.9 mu_s.
 void drop_to_kinetic(Scene& scene) { scene.friction.kinetic_coefficient = 0.9 * scene.friction.static_coefficient; }
 
@@ -22,6 +30,7 @@ void drop_to_kinetic(Scene& scene) { scene.friction.kinetic_coefficient = 0.9 * 
 const std::vector<FrictionLaw>& friction_laws() {
   static const std::vector<FrictionLaw> all{
       {"scene", "as in the scene: rate law, patches 0.3", [](Scene&) {}},
+      {"lean", "as in the scene, nibs that lean", add_lean},
       {"patches_0.2", "patches 0.2", [](Scene& scene) { set_patches(scene, 0.2); }},
       {"patches_0.1", "patches 0.1", [](Scene& scene) { set_patches(scene, 0.1); }},
       {"no_patches", "no patches", [](Scene& scene) { drop(scene, "patchy_friction"); }},

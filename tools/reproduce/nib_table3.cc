@@ -42,15 +42,8 @@ struct ReorientCell {
 
 // With 118 g in the box's middle and 200 g at y the common centre is 200/318 y from there; a sixth of 155 mm takes 41.08 mm.
 std::vector<ReorientCell> reorient_cells() {
-  const auto surface = [](const char* material, const char* friction, const char* texture) {
-    return std::vector<Override>{
-        {"surface.material", material},
-        {"friction.static", friction},
-        {"friction.kinetic", friction},
-        {"effects",
-         fmt::format("[{}{{patchy_friction: {{sd: 0.3, shortest: 2 mm, longest: 5 mm}}}}, {{viscous_friction: {{gain: 0.08, "
-                     "speed: 0.05 mm/s}}}}]",
-                     texture)}};
+  const auto surface = [](const char* material, const char* friction) {
+    return std::vector<Override>{{"surface.material", material}, {"friction.static", friction}, {"friction.kinetic", friction}};
   };
   std::vector<ReorientCell> cells{
       {"200g", "200 g in the middle, paper", 10, {}},
@@ -58,9 +51,8 @@ std::vector<ReorientCell> reorient_cells() {
       {"300g", "300 g in the middle, paper", 7, {{"box.weight", "300 g"}}},
       {"com_low", "200 g, centre of mass at L/3 from the end it stands on", 11, {{"box.weight_place", "[0 mm, 41.08 mm, 0 mm]"}}},
       {"com_high", "200 g, centre of mass at 2L/3", 3, {{"box.weight_place", "[0 mm, -41.08 mm, 0 mm]"}}},
-      {"masonite", "200 g in the middle, masonite", 10, surface("masonite", "0.5", "")},
-      {"wavy", "200 g in the middle, wavy acrylic", 10,
-       surface("wavy_acrylic", "0.55", "{texture: {wavelength: 4 mm, height: 0.05 mm, angle: 90 deg}}, ")}};
+      {"masonite", "200 g in the middle, masonite", 10, surface("masonite", "0.5")},
+      {"wavy", "200 g in the middle, friction of wavy acrylic, without its waves", 10, surface("wavy_acrylic", "0.55")}};
   const Catalogues catalogues = program_catalogues();
   const auto reorient = std::ranges::find(catalogues.controllers, "reorient", &Entry::name);
   const Parameters defaults = defaults_of(reorient->parameters);

@@ -1,6 +1,7 @@
 #include "tools/reproduce/nib_trace.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace slipbench::reproduce {
@@ -13,7 +14,10 @@ NibTrace::NibTrace(const TrialRecord& record) {
   time_ = sensor.time;
   for (const SensorColumn& column : sensor.channels) {
     Channel channel{column.name, column.unit, column.shape, {}};
-    channel.every = time_.size() / std::max<std::size_t>(1, column.values.size() / channel.size());
+    if (column.time) {
+      if (column.time->size() < 2) throw std::invalid_argument("a trial of fewer than two rows of a channel");
+      channel.every = static_cast<std::size_t>(std::lround((column.time->at(1) - column.time->at(0)) * sensor.rate));
+    }
     frame_size_ += channel.size();
     source_.channels.push_back(std::move(channel));
   }

@@ -56,7 +56,7 @@ class Unpacker {
     std::memcpy(&count, left_.data(), sizeof count);
     left_.remove_prefix(sizeof count);
     std::vector<T> values(count);
-    std::memcpy(values.data(), left_.data(), count * sizeof(T));
+    if (count > 0) std::memcpy(values.data(), left_.data(), count * sizeof(T));
     left_.remove_prefix(count * sizeof(T));
     return values;
   }

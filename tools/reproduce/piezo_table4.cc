@@ -204,6 +204,12 @@ Result piezo_table4(const ReproduceOptions& options) {
     throw InputError("reproduce: --trials is for recordings that are made; allowed: --data alone");
   const std::vector<NetworkRow> rows = chosen_rows(options.only);
   const std::size_t recordings = options.trials != 0 ? options.trials : default_recordings;
+  if (recordings < 2 * fold_count) {
+    throw InputError(fmt::format(
+        "reproduce: --trials {}: half of the recordings of a level have contact, and {} folds need one each; allowed: {} "
+        "or more",
+        recordings, fold_count, 2 * fold_count));
+  }
   const std::vector<MotorLevel> levels =
       levels_of(options.data.empty() ? run_recordings(all_levels(), recordings, options) : read_recordings(options.data));
 

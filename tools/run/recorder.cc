@@ -70,6 +70,11 @@ double event_bytes() {
   return static_cast<double>(size);
 }
 
+// Whether slip begins with the event, by the rule strict: on a pad of a single unit when a part of it slips (unit_rules.h).
+bool begins_slip(const ContactEvent& event, const LabelRecord& labels) {
+  return event.kind == EventKind::slip || (event.kind == EventKind::micro && labels.units() == 1);
+}
+
 // Whose samples the loop's rows go with; empty: the scene has no loop.
 std::optional<std::size_t> control_pad(const Scene& scene) {
   if (scene.detector) return scene.detector->sensor;
@@ -219,10 +224,8 @@ void TrialRecorder::note_events(std::size_t pad, const ContactFrame& truth) {
       keep_earliest(units_[pad][event.unit].touch_time, event.time);
       keep_earliest(outcome.touch_time, event.time);
     }
-    if (event.kind == EventKind::slip) {
-      keep_earliest(labels.onset_time[event.unit], event.time);
-      keep_earliest(outcome.first_slip_time, event.time);
-    }
+    if (event.kind == EventKind::slip) keep_earliest(labels.onset_time[event.unit], event.time);
+    if (begins_slip(event, labels)) keep_earliest(outcome.first_slip_time, event.time);
     if (event.kind == EventKind::slip || event.kind == EventKind::micro) {
       keep_earliest(labels.micro_onset_time[event.unit], event.time);
       keep_earliest(outcome.first_micro_slip_time, event.time);
@@ -276,8 +279,9 @@ void TrialRecorder::write_sample(std::size_t pad, const ContactFrame& truth, con
 
 void TrialRecorder::loop(std::size_t tick, const ContactFrame& truth, PadState seen) {
   TrialOutcome& outcome = record_.outcome;
+  const LabelRecord& labels = record_.sensors[*control_pad(scene_)].labels;
   for (const ContactEvent& event : truth.events) {
-    if (event.kind == EventKind::slip && event.time >= lift_start_) keep_earliest(slip_began_, event.time);
+    if (begins_slip(event, labels) && event.time >= lift_start_) keep_earliest(slip_began_, event.time);
   }
   const bool judged = truth.time >= lift_start_ && !(outcome.grasp && outcome.grasp->dropped);
   if (judged && (seen == PadState::incipient || seen == PadState::gross)) {

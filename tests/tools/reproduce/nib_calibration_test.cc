@@ -43,7 +43,7 @@ TEST(QuadraticFit, FindsAQuadraticAgain) {
 // Where there is nothing to learn every coefficient is noise: of 90 on 120 rows, least squares has the error sd sqrt(1 + 90/(120 - 92)) = 2.1 sd
 // or so, and the mean alone 1.0. The rows that choose see that, and take the largest ridge.
 TEST(QuadraticFit, HoldsBackWhatTheChoosingRowsDoNotBear) {
-  const Eigen::MatrixXd x = random_rows(2000, 12, "inputs"), y = random_rows(2000, 1, "noise");
+  const Eigen::MatrixXd x = random_rows(2000, 12, "inputs"), y = random_rows(2000, 6, "noise");
   const QuadraticFit fit(x, y, rows_from(0, 120), rows_from(120, 1000));
   EXPECT_EQ(fit.ridge()[0], 1.0);
   const double rms = rms_error(fit.predict(x), y)[0];

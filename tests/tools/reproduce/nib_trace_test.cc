@@ -20,6 +20,10 @@ TrialRecord recorded() {
   sensor.channels = {{"si", "counts", {9, 4}, {}}, {"fl", "counts", {2}, {}}, {"fr", "counts", {2}, {}}};
   for (std::size_t image = 0; image < images; ++image)
     sensor.channels[0].values.insert(sensor.channels[0].values.end(), 36, static_cast<float>(image + 1));
+  // An image is complete with each ninth sample.
+  sensor.channels[0].time.emplace();
+  for (std::size_t image = 0; image < images; ++image)
+    sensor.channels[0].time->push_back(static_cast<double>(9 * (image + 1)) / 300.0 - 1e-3);
   BodyRecord& lever = record.bodies.emplace_back(BodyRecord{"lever", {}, {}});
   sensor.labels.k_normal = {1.0, 1.0};
   for (std::size_t k = 0; k < samples; ++k) {

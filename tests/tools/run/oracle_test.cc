@@ -125,6 +125,22 @@ TEST(Oracle, SaysTheTrueClassAtEverySample) {
   EXPECT_TRUE(std::isnan(record.outcome.false_alarm_time));
 }
 
+// The elements of a piezoelectric skin's patch stick and slip by turns, and hardly ever slip all at once: its one unit slips when a part does.
+TEST(Oracle, SaysOfASingleUnitWhetherAPartOfItSlips) {
+  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/piezo_skin/slide.yaml");
+  file.apply({"detector", "{type: truth}"});
+  file.apply({"duration", "1.7 s"});  // it slides from about 1.55 s on
+  const TrialRecord record = run_trial(parse_scene(file, program_catalogues()), 0, Recording::full).record;
+  const LabelRecord& labels = record.sensors[0].labels;
+  EXPECT_EQ(labels.state, labels.state_micro);
+  EXPECT_EQ(record.control->detector_class, labels.state);
+  EXPECT_EQ(accuracy(record.control->confusion), 1.0);
+  EXPECT_GT(labels.state_count[3], 500U);  // a third of the 0.15 s, at 10 kHz
+  EXPECT_EQ(record.outcome.first_slip_time, record.outcome.first_micro_slip_time);
+  EXPECT_LT(record.outcome.detection_delay, 1e-4);
+  EXPECT_TRUE(std::isnan(record.outcome.false_alarm_time));
+}
+
 TEST(Oracle, IsLateByItsLatency) {
   std::vector<std::uint8_t> late = run("{type: truth}").sensors[0].labels.state;
   late.insert(late.begin(), 20, 0);

@@ -117,11 +117,9 @@ function channelCharts(channel, recording, timeline) {
   node.append(
       el('div.chart-title', {}, el('span', {}, el('b', {}, word.name + unit), ' ', word.note)),
       ...select ? [el('div.controls', {}, el('label', {}, 'show', select))] : [], host);
-  return {node, draw: () => draw(groups[Math.floor(groups.length / 2)]), select: i => {
-            if (!select) return;
-            select.value = String(i);
-            draw(groups[i]);
-          }};
+  const middle = Math.floor(groups.length / 2);
+  if (select) select.value = String(middle);
+  return {node, draw: () => draw(groups[middle])};
 }
 
 sb.channelColours = ['fx', 'fy', 'slip', 'fz'];

@@ -129,7 +129,7 @@ sb.definitions = [
     'Truth of the contact model, no threshold. Detached: no contact. Stick: all of the unit sticks. Partial: some of its ' +
         'friction points slip. Slip: all of them slip.'
   ],
-  ['strict', 'Non-slip: no touching unit slips as a whole. Incipient: some do. Gross: all do.'],
+  ['strict', 'Non-slip: no touching unit slips as a whole. Incipient: some do. Gross: all do. A sensor with a single unit slips when a part of it does.'],
   ['micro', 'The same, where a unit counts as slipping as soon as a part of it slips.'],
   [
     'paper',
