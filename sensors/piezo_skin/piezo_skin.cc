@@ -9,6 +9,7 @@
 
 #include "sensors/piezo_skin/charge_amplifier.h"
 #include "sim/core/error.h"
+#include "sim/core/parameter_specs.h"
 
 namespace slipbench {
 namespace piezo {
@@ -139,32 +140,18 @@ class PiezoSkin final : public Sensor {
   SensorFrame frame_;
 };
 
-ParameterSpec number(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
-                     std::string source) {
-  return {.name = std::move(name),
-          .type = ParameterType::number,
-          .quantity = quantity,
-          .default_text = std::move(default_text),
-          .range = range,
-          .choices = {},
-          .size = 1,
-          .doc = std::move(doc),
-          .source = std::move(source)};
-}
-
 }  // namespace
 }  // namespace piezo
 
 Entry piezo_skin_entry() {
-  using piezo::number;
   const std::string paper = "FFT-GRU slip detection paper, section II";
-  ParameterSpec elements =
-      number("elements", Quantity::none, "20", {.min = 1.0, .max = 1000.0, .open_min = false},
-             "Friction points of the contact, on Vogel's spiral, each of the same area.",
-             "assumed: 20 to 100 in a dry run; the spectrum keeps its shape, but more elements even one another out, so that the "
-             "signal of stick-slip falls, from 20 to 100 by a third");
+  ParameterSpec elements = number_spec(
+      "elements", Quantity::none, "20", {.min = 1.0, .max = 1000.0, .open_min = false},
+      "Friction points of the contact, on Vogel's spiral, each of the same area.",
+      "assumed: 20 to 100 in a dry run; the spectrum keeps its shape, but more elements even one another out, so that the "
+      "signal of stick-slip falls, from 20 to 100 by a third");
   elements.type = ParameterType::integer;
-  ParameterSpec shear = number(
+  ParameterSpec shear = number_spec(
       "shear", Quantity::none, "[0.35, 0.35]", any_value,
       "Charge of a newton of tangential force, along X and along Y, against a newton of normal force.",
       "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. One signal of both is "
@@ -187,30 +174,30 @@ Entry piezo_skin_entry() {
                 " (layers, size, rate); IEEE Std 176-1987 (direct effect); K. L. Johnson, Contact Mechanics (1985), sec. 4.3 "
                 "(elastic foundation)",
       .parameters = {
-          number("rate", Quantity::frequency, "10 kHz", positive, "Samples a second.", paper + ": 10 kHz"),
+          number_spec("rate", Quantity::frequency, "10 kHz", positive, "Samples a second.", paper + ": 10 kHz"),
           std::move(elements),
-          number("radius", Quantity::length, "5 mm", {.min = 0.0, .max = piezo::patch_half_width, .open_min = true},
-                 "Radius of the disc on which a tip can touch.", "half the patch's width of 10 mm, " + paper),
-          number("tip_radius", Quantity::length, "inf", positive_or_infinite, "Radius of the tip that touches; inf: flat.",
-                 "free"),
-          number("k_normal", Quantity::stiffness, "20 N/mm", positive, "Normal stiffness of the whole disc.",
-                 "assumed: a layer of 2 mm and 0.5 MPa under a disc of 5 mm radius has E pi r^2/h = 19.6 N/mm"),
-          number("k_tangential", Quantity::stiffness, "6 N/mm", positive, "Tangential stiffness of the whole disc.",
-                 "assumed: 4 to 9 N/mm in a dry run; a third of the normal one is G/E of the layer"),
+          number_spec("radius", Quantity::length, "5 mm", {.min = 0.0, .max = piezo::patch_half_width, .open_min = true},
+                      "Radius of the disc on which a tip can touch.", "half the patch's width of 10 mm, " + paper),
+          number_spec("tip_radius", Quantity::length, "inf", positive_or_infinite, "Radius of the tip that touches; inf: flat.",
+                      "free"),
+          number_spec("k_normal", Quantity::stiffness, "20 N/mm", positive, "Normal stiffness of the whole disc.",
+                      "assumed: a layer of 2 mm and 0.5 MPa under a disc of 5 mm radius has E pi r^2/h = 19.6 N/mm"),
+          number_spec("k_tangential", Quantity::stiffness, "6 N/mm", positive, "Tangential stiffness of the whole disc.",
+                      "assumed: 4 to 9 N/mm in a dry run; a third of the normal one is G/E of the layer"),
           std::move(shear),
-          number("gain", Quantity::none, "2000", positive, "Counts of a newton of normal force, far above the corner.",
-                 "assumed: the noise is then 3 counts, as in public PVDF recordings (0.19 mV in steps of 62.4 uV)"),
-          number("corner", Quantity::frequency, "3 Hz", positive, "Corner of the charge amplifier's high-pass.",
-                 "assumed: nothing is published"),
-          number("anti_alias", Quantity::frequency, "inf", positive_or_infinite,
-                 "Corner of a low-pass before the converter; inf: none.",
-                 "inf: the field has no time between the samples, so that there is nothing to fold"),
-          number("label_rate", Quantity::frequency, "100 Hz", positive,
-                 "Rate of the bench's position sensor, whose samples the paper labels by.",
-                 "FFT-GRU slip detection paper, section III-A"),
-          number("label_step", Quantity::length, "10 um", positive,
-                 "Change of that position from which on the paper's rule says slip.",
-                 "assumed: 1 mm/s; the slowest published slide makes 33 um between two samples"),
+          number_spec("gain", Quantity::none, "2000", positive, "Counts of a newton of normal force, far above the corner.",
+                      "assumed: the noise is then 3 counts, as in public PVDF recordings (0.19 mV in steps of 62.4 uV)"),
+          number_spec("corner", Quantity::frequency, "3 Hz", positive, "Corner of the charge amplifier's high-pass.",
+                      "assumed: nothing is published"),
+          number_spec("anti_alias", Quantity::frequency, "inf", positive_or_infinite,
+                      "Corner of a low-pass before the converter; inf: none.",
+                      "inf: the field has no time between the samples, so that there is nothing to fold"),
+          number_spec("label_rate", Quantity::frequency, "100 Hz", positive,
+                      "Rate of the bench's position sensor, whose samples the paper labels by.",
+                      "FFT-GRU slip detection paper, section III-A"),
+          number_spec("label_step", Quantity::length, "10 um", positive,
+                      "Change of that position from which on the paper's rule says slip.",
+                      "assumed: 1 mm/s; the slowest published slide makes 33 um between two samples"),
       }};
 }
 
