@@ -24,6 +24,7 @@ PartKind gain_part();
 PartKind offset_part();
 PartKind drift_part();
 PartKind noise_part();
+PartKind skewed_noise_part();
 PartKind quantisation_part();
 
 // The parameter that every part with a random disturbance has: a factor on the device's own figure.

@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "sensors/piezo_skin/charge_amplifier.h"
+#include "sensors/electronics/band_pass.h"
 #include "sim/core/error.h"
 #include "sim/core/parameter_specs.h"
 
@@ -79,7 +79,7 @@ class PiezoSkin final : public Sensor {
         layout_(make_layout(parameters)),
         channels_{{"signal", "counts", {1}, {"signal"}}},
         amplifier_(parameters.number("corner"), parameters.number("anti_alias"), rate_,
-                   std::span(memory_).first<ChargeAmplifier::memory_size>()),
+                   std::span(memory_).first<BandPass::memory_size>()),
         electronics_(electronics, signal_model(rate_, gain_), key) {
     frame_.values = values_;
   }
@@ -114,7 +114,7 @@ class PiezoSkin final : public Sensor {
 
  private:
   // Of memory_, after the amplifier's.
-  enum Place : std::size_t { until = ChargeAmplifier::memory_size, known, moving, stage_x, stage_y, places };
+  enum Place : std::size_t { until = BandPass::memory_size, known, moving, stage_x, stage_y, places };
 
   double& until_position() { return memory_[until]; }
 
@@ -134,7 +134,7 @@ class PiezoSkin final : public Sensor {
   PadLayout layout_;
   std::vector<Channel> channels_;
   std::array<double, places> memory_{};
-  ChargeAmplifier amplifier_;
+  BandPass amplifier_;
   Electronics electronics_;
   std::array<float, 1> values_{};
   SensorFrame frame_;

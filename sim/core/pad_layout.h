@@ -29,6 +29,8 @@ struct UnitRange {
 struct PadLayout {
   std::vector<Element> elements;
   std::vector<UnitRange> units;
+  // Whether frames also tell what each element does (ContactFrame::element_depth), for a sensor that reads between its units.
+  bool element_truth = false;
 };
 
 }  // namespace slipbench

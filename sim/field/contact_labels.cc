@@ -49,6 +49,11 @@ ContactLabels::ContactLabels(const PadLayout& layout) : units_(layout.units) {
   frame_.slip_distance.setZero(n);
   frame_.margin.setConstant(n, nan);
   frame_.unit_state.assign(units_.size(), UnitState::detached);
+  if (layout.element_truth) {
+    const auto elements = static_cast<Eigen::Index>(layout.elements.size());
+    frame_.element_depth.setZero(elements);
+    frame_.element_deflection.setZero(elements, 3);
+  }
   changes_.reserve(layout.elements.size());
   frame_.events.reserve(3 * layout.elements.size());
 }
@@ -62,6 +67,7 @@ const ContactFrame& ContactLabels::update(std::span<Field> fields, double time, 
 const ContactFrame& ContactLabels::judge(std::span<Field> fields, double time, double dt) {
   frame_.time = time;
   label_units(fields, dt);
+  if (frame_.element_depth.size() > 0) tell_elements(fields);
   unit_rules::judge_pad(frame_, elements_);
   const bool one_plane = fields.size() == 1 && fields.front().on_plane();
   slip_rate_ = unit_rules::fit_slip_motion(frame_, undeformed_, one_plane ? contact_plane_ : unit_rules::ContactPlane{});
@@ -100,6 +106,20 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
     while (end < count && hardest(end) == &field && normal(end) == met) ++end;
     contact_plane_.face(field.pad_in_surface().rotation.transpose() * met);
     kernel::label_units(units, contact_plane_.turn(), rate, field.effect_cone(), first, end, frame_);
+  }
+}
+
+void ContactLabels::tell_elements(std::span<const Field> fields) {
+  const Eigen::Index elements = frame_.element_depth.size();
+  const auto column = [&](const Field& field, std::size_t c) {
+    return Eigen::Map<const Eigen::ArrayXd>(field.column(static_cast<kernel::Column>(c)), elements);
+  };
+  const Field& first = fields.front();
+  frame_.element_depth = (-column(first, kernel::gap)).max(0.0);
+  for (const int k : {0, 1, 2}) frame_.element_deflection.col(k) = column(first, kernel::deflection_x + static_cast<std::size_t>(k));
+  for (const Field& field : fields.subspan(1)) {
+    frame_.element_depth += (-column(field, kernel::gap)).max(0.0);
+    for (const int k : {0, 1, 2}) frame_.element_deflection.col(k) += column(field, kernel::deflection_x + static_cast<std::size_t>(k));
   }
 }
 

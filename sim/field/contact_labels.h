@@ -37,6 +37,7 @@ class ContactLabels {
 
  private:
   void label_units(std::span<Field> fields, double dt);
+  void tell_elements(std::span<const Field> fields);
   kernel::UnitColumns elements_as_units(const Field& field);
   kernel::UnitColumns sum_fields(std::span<const Field> fields);
   void sum_elements(const Field& field, Eigen::ArrayXXd& sums) const;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sensors/biotac_sp/biotac_sp.h"
 #include "sensors/nib_pad/nib_pad.h"
 #include "sensors/papillarray/papillarray.h"
 #include "sensors/piezo_skin/piezo_skin.h"
@@ -32,6 +33,7 @@ const std::vector<SensorKind>& sensor_catalogue() {
       {papillarray_entry(), papillarray_electronics(), make_papillarray},
       {nib_pad_entry(), nib_pad_electronics(), make_nib_pad},
       {piezo_skin_entry(), piezo_skin_electronics(), make_piezo_skin},
+      {biotac_sp_entry(), biotac_sp_electronics(), make_biotac_sp},
   };
   return kinds;
 }

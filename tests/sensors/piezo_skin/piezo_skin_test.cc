@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "sensors/piezo_skin/charge_amplifier.h"
+#include "sensors/electronics/band_pass.h"
 #include "sim/core/error.h"
 
 namespace slipbench::piezo_skin_test {
@@ -75,10 +75,10 @@ TEST(PiezoSkinPad, CarriesTheForceOfAnElasticFoundation) {
   EXPECT_NEAR(force(0.0), 0.5 * 20e3 * 62.5e-6 * 62.5e-6 / 125e-6, 20e3 * 125e-6 / 8e6);
 }
 
-TEST(ChargeAmplifier, OfAStepDecaysByItsCorner) {
+TEST(BandPass, OfAStepDecaysByItsCorner) {
   // x rises by 1 straight over one sample, then stands: y = (1 - E)/a at the end of the rise, and decays by E a sample.
-  std::array<double, piezo::ChargeAmplifier::memory_size> memory{};
-  piezo::ChargeAmplifier amplifier(3.0, inf, 1e4, memory);
+  std::array<double, BandPass::memory_size> memory{};
+  BandPass amplifier(3.0, inf, 1e4, memory);
   const double a = 2.0 * pi * 3.0 / 1e4;
   EXPECT_EQ(amplifier.next(5.0), 0.0) << "settled at the beginning";
   for (int k = 1; k <= 2000; ++k) {
@@ -87,10 +87,10 @@ TEST(ChargeAmplifier, OfAStepDecaysByItsCorner) {
 }
 
 // A ramp of 1/s gives (1 - exp(-w t))/w, at any rate of the samples: in the end the rate of the force over w.
-TEST(ChargeAmplifier, OfARampTellsTheRate) {
+TEST(BandPass, OfARampTellsTheRate) {
   for (const double rate : {200.0, 10e3}) {
-    std::array<double, piezo::ChargeAmplifier::memory_size> memory{};
-    piezo::ChargeAmplifier amplifier(3.0, inf, rate, memory);
+    std::array<double, BandPass::memory_size> memory{};
+    BandPass amplifier(3.0, inf, rate, memory);
     const double w = 2.0 * pi * 3.0;
     for (int k = 0; k < static_cast<int>(rate); ++k) {
       const double t = k / rate;
@@ -99,10 +99,10 @@ TEST(ChargeAmplifier, OfARampTellsTheRate) {
   }
 }
 
-TEST(ChargeAmplifier, AntiAliasingIsALowPass) {
+TEST(BandPass, AntiAliasingIsALowPass) {
   // With a corner next to nothing the high-pass lets the ramp pass, and the low-pass makes t - (1 - exp(-w t))/w of it.
-  std::array<double, piezo::ChargeAmplifier::memory_size> memory{};
-  piezo::ChargeAmplifier amplifier(1e-9, 100.0, 1e4, memory);
+  std::array<double, BandPass::memory_size> memory{};
+  BandPass amplifier(1e-9, 100.0, 1e4, memory);
   const double w = 2.0 * pi * 100.0;
   for (int k = 0; k < 1000; ++k) {
     const double t = k / 1e4;

@@ -1,0 +1,274 @@
+#include "sensors/biotac_sp/biotac_sp.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "sensors/biotac_sp/electrodes.h"
+#include "sensors/biotac_sp/skin.h"
+#include "sensors/biotac_sp/transduction.h"
+#include "sensors/electronics/band_pass.h"
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace biotac_sp {
+namespace {
+
+constexpr std::size_t slots = 28;         // of a round: the electrodes, then pdc, and three that are not modelled
+constexpr std::size_t pdc = electrodes;   // its slot, and its place among the values
+constexpr std::size_t pac = electrodes + 1;  // first of its places among the values
+constexpr double pdc_step = 0.0365e3, pac_step = 0.37;  // Pa a count: SP manual, section 5
+constexpr double lowest_pac = 10.0, highest_pac = 1040.0;  // Hz: the same
+constexpr double pac_middle = 2048.0;  // counts, of no vibration
+
+std::size_t readings_a_sample(const Parameters& parameters, const std::string& sensor_name) {
+  constexpr double rounding = 1e-9;  // of a quotient of decimal numbers
+  const double rate = parameters.number("rate"), ratio = parameters.number("slot_rate") / rate, whole = std::round(ratio);
+  if (whole < 1.0 || std::abs(ratio - whole) > rounding * whole) {
+    throw SceneValueError("sensors." + sensor_name + ".slot_rate",
+                          format_quantity(parameters.number("slot_rate"), Quantity::frequency) + " is no whole multiple of the rate " +
+                              format_quantity(rate, Quantity::frequency) + "; allowed: the rate times a whole number");
+  }
+  return static_cast<std::size_t>(whole);
+}
+
+// Mean time from the reading of the slots `first` to before `end` to the end of a sample of `readings` [s].
+double mean_age(std::size_t first, std::size_t end, std::size_t readings, double slot_rate) {
+  double sum = 0.0;
+  for (std::size_t sample = 1; sample <= slots; ++sample) {
+    for (std::size_t slot = first; slot < end; ++slot) sum += static_cast<double>((sample * readings - 1 + slots - slot) % slots);
+  }
+  return sum / static_cast<double>(slots * (end - first)) / slot_rate;
+}
+
+std::vector<Channel> make_channels(const Parameters& parameters, std::size_t readings) {
+  std::vector<std::string> names, pac_names;
+  for (std::size_t e = 0; e < electrodes; ++e) names.push_back("E" + std::to_string(e + 1));
+  for (std::size_t k = 0; k < readings; ++k) pac_names.push_back("PAC_" + std::to_string(k));
+  std::vector<Channel> channels{{"electrodes", "counts", {electrodes}, std::move(names)},
+                                {"pdc", "counts", {}, {"PDC"}},
+                                {"pac", "counts", {readings}, std::move(pac_names)}};
+  const double slot_rate = parameters.number("slot_rate");
+  if (parameters.choice("scan") == "device") {
+    channels[0].age = mean_age(0, electrodes, readings, slot_rate);
+    channels[1].age = mean_age(pdc, pdc + 1, readings, slot_rate);
+  }
+  channels[2].age = 0.5 * static_cast<double>(readings - 1) / slot_rate;
+  return channels;
+}
+
+Skin skin_of(const Parameters& parameters) {
+  const std::vector<double>& radii = parameters.vector("radii");
+  return make_skin({.elements = static_cast<std::size_t>(parameters.integer("elements")),
+                    .radii = {radii[0], radii[1], radii[2]},
+                    .k_normal = parameters.number("k_normal"),
+                    .shear = parameters.number("shear")});
+}
+
+// Electrodes at their own sensitivity, then their own logarithm of the impedance at rest: 1 and 0 but for `gain` and `offset`.
+SignalModel spread_model(double rate) {
+  SignalModel model;
+  model.rate = rate;
+  model.sources = 2 * electrodes;
+  for (std::size_t v = 0; v < model.sources; ++v) {
+    model.source.push_back(v);
+    model.gain_sd.push_back(v < electrodes ? 0.1 : 0.0);
+    model.offset_sd.push_back(v < electrodes ? 0.0 : 0.02);
+  }
+  return model;
+}
+
+// Of the electrodes, in counts; `rate`: of their rounds.
+SignalModel electrode_model(double rate) {
+  SignalModel model;
+  model.rate = rate;
+  model.sources = electrodes;
+  for (std::size_t e = 0; e < electrodes; ++e) {
+    model.source.push_back(e);
+    model.noise_sd.push_back(3.1 * relative_noise()[e]);
+    model.drift_sd.push_back(1.5);
+  }
+  return model;
+}
+
+// Of pac, in counts.
+SignalModel vibration_model(double rate) {
+  SignalModel model;
+  model.rate = rate;
+  model.sources = 1;
+  model.source = {0};
+  model.noise_sd = {4.8};
+  return model;
+}
+
+// The parts among `all` that are, or are not, one of `named`.
+std::vector<ElectronicsPart> parts(const std::vector<ElectronicsPart>& all, std::initializer_list<std::string_view> named,
+                                   bool are) {
+  std::vector<ElectronicsPart> found;
+  for (const ElectronicsPart& part : all) {
+    if ((std::ranges::find(named, part.name) != named.end()) == are) found.push_back(part);
+  }
+  return found;
+}
+
+class BioTacSp final : public Sensor {
+ public:
+  BioTacSp(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
+      : rate_(parameters.number("rate")),
+        readings_(readings_a_sample(parameters, key.sensor_name)),
+        device_scan_(parameters.choice("scan") == "device"),
+        common_(parameters.number("common")),
+        fluid_stiffness_(parameters.number("fluid_stiffness") * 1e12),
+        core_gap_(parameters.number("core_gap")),
+        pdc_rest_(parameters.number("pdc_rest")),
+        label_step_(parameters.number("label_step")),
+        skin_(skin_of(parameters)),
+        area_(Eigen::Map<const Eigen::ArrayXd>(skin_.area.data(), static_cast<Eigen::Index>(skin_.area.size()))),
+        channels_(make_channels(parameters, readings_)),
+        dents_(skin_, {.near = parameters.number("near"),
+                       .far = parameters.number("far"),
+                       .far_share = parameters.number("far_share"),
+                       .swell = parameters.number("swell"),
+                       .stretch = parameters.number("stretch")}),
+        memory_(begin_of_values + pac + readings_),
+        vibration_(lowest_pac, highest_pac, parameters.number("slot_rate"), std::span(memory_).first<BandPass::memory_size>()),
+        electrode_electronics_(parts(electronics, {"gain", "offset", "noise"}, false),
+                               electrode_model(device_scan_ ? parameters.number("slot_rate") / slots : rate_), key),
+        vibration_electronics_(parts(electronics, {"noise"}, true), vibration_model(parameters.number("slot_rate")), key),
+        reported_(pac + readings_) {
+    std::array<float, 2 * electrodes> spread{};
+    std::fill_n(spread.begin(), electrodes, 1.0F);
+    Electronics(parts(electronics, {"gain", "offset"}, true), spread_model(rate_), key).apply(spread, 0.0);
+    for (std::size_t e = 0; e < electrodes; ++e) {
+      scale_[e] = 1.0 / (parameters.number("gap") * static_cast<double>(spread[e]));
+      rest_[e] = impedance_of(rest_readings()[e]) * std::exp(static_cast<double>(spread[electrodes + e]));
+      values()[e] = converted(counts_of(rest_[e] + common_));
+    }
+    values()[pdc] = converted(pdc_rest_);
+    std::ranges::fill(values().subspan(pac), pac_middle);
+    frame_.values = reported_;
+  }
+
+  BioTacSp(const BioTacSp&) = delete;  // the frame and the filter point into the object
+  BioTacSp& operator=(const BioTacSp&) = delete;
+
+  [[nodiscard]] const PadLayout& layout() const override { return skin_.layout; }
+  [[nodiscard]] double rate() const override { return rate_; }
+  [[nodiscard]] std::size_t scans() const override { return readings_; }
+  [[nodiscard]] const std::vector<Channel>& channels() const override { return channels_; }
+
+  const SensorFrame& measure(const ContactFrame& truth) override {
+    assert(truth.element_depth.size() == area_.size());
+    const auto reading = static_cast<std::size_t>(memory_[next_reading]);
+    const bool last = reading + 1 == readings_;
+    const double pressure = fluid_stiffness_ * (truth.element_depth.min(core_gap_) * area_).sum();
+    values()[pac + reading] = vibration(pressure, truth.time);
+    if (device_scan_) {
+      const auto slot = static_cast<std::size_t>(memory_[next_slot]);
+      if (slot == 0) draw_disturbances(truth.time);
+      if (slot < electrodes) values()[slot] = electrode(slot, truth);
+      if (slot == pdc) values()[pdc] = converted(pdc_rest_ + pressure / pdc_step);
+      memory_[next_slot] = static_cast<double>((slot + 1) % slots);
+    } else if (last) {
+      draw_disturbances(truth.time);
+      for (std::size_t e = 0; e < electrodes; ++e) values()[e] = electrode(e, truth);
+      values()[pdc] = converted(pdc_rest_ + pressure / pdc_step);
+    }
+    memory_[next_reading] = last ? 0.0 : static_cast<double>(reading + 1);
+    if (last) read_position(truth);
+    std::ranges::transform(values(), reported_.begin(), [](double value) { return static_cast<float>(value); });
+    frame_.time = truth.time;
+    return frame_;
+  }
+
+  [[nodiscard]] std::vector<std::span<double>> memory() override {
+    std::vector<std::span<double>> memories = electrode_electronics_.memory();
+    for (const std::span<double> memory : vibration_electronics_.memory()) memories.push_back(memory);
+    memories.emplace_back(memory_);
+    return memories;
+  }
+
+  [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool rotating) const override {
+    if (truth.state == PadState::no_contact) return PadState::no_contact;
+    return rotating || memory_[moving] != 0.0 ? PadState::gross : PadState::non_slip;
+  }
+
+ private:
+  // Of memory_, after the band-pass's: counters, the position read last, what disturbs the electrodes in this round, the values held.
+  enum Place : std::size_t {
+    next_reading = BandPass::memory_size,
+    next_slot,
+    known,
+    moving,
+    stage_x,
+    stage_y,
+    begin_of_disturbances,
+    begin_of_values = begin_of_disturbances + electrodes
+  };
+  [[nodiscard]] std::span<double> disturbances() { return std::span(memory_).subspan(begin_of_disturbances, electrodes); }
+  [[nodiscard]] std::span<double> values() { return std::span(memory_).subspan(begin_of_values); }
+
+  // What the converter makes of a signal: whole counts, and one of its end codes beyond its range.
+  [[nodiscard]] static double converted(double counts) { return std::clamp(std::round(counts), 0.0, last_code); }
+
+  [[nodiscard]] double electrode(std::size_t e, const ContactFrame& truth) {
+    const double impedance = rest_[e] * std::exp(dents_.of(e, truth) * scale_[e]) + common_;
+    return converted(counts_of(impedance) + disturbances()[e]);
+  }
+
+  [[nodiscard]] double vibration(double pressure, double time) {
+    std::array<float, 1> heard{static_cast<float>(vibration_.next(pressure) / pac_step)};
+    vibration_electronics_.apply(heard, time);
+    return converted(pac_middle + static_cast<double>(heard[0]));
+  }
+
+  // Of a whole round at once: each electrode is read once in it.
+  void draw_disturbances(double time) {
+    std::array<float, electrodes> drawn{};
+    electrode_electronics_.apply(drawn, time);
+    std::ranges::copy(drawn, disturbances().begin());
+  }
+
+  // What the bench says of where it is, once a sample, and whether that has changed.
+  void read_position(const ContactFrame& truth) {
+    const double x = truth.stage_position.x(), y = truth.stage_position.y();
+    const bool moved = memory_[known] != 0.0 && std::hypot(x - memory_[stage_x], y - memory_[stage_y]) > label_step_;
+    memory_[moving] = moved ? 1.0 : 0.0;
+    memory_[known] = 1.0;
+    memory_[stage_x] = x;
+    memory_[stage_y] = y;
+  }
+
+  double rate_;
+  std::size_t readings_;
+  bool device_scan_;
+  double common_;           // kOhm
+  double fluid_stiffness_;  // Pa/m3
+  double core_gap_;         // m
+  double pdc_rest_;         // counts
+  double label_step_;       // m
+  Skin skin_;
+  Eigen::ArrayXd area_;  // [N] m2
+  std::vector<Channel> channels_;
+  Dents dents_;
+  std::vector<double> memory_;
+  BandPass vibration_;
+  Electronics electrode_electronics_, vibration_electronics_;
+  std::array<double, electrodes> scale_{}, rest_{};  // 1/m, kOhm
+  std::vector<float> reported_;
+  SensorFrame frame_;
+};
+
+}  // namespace
+}  // namespace biotac_sp
+
+std::unique_ptr<Sensor> make_biotac_sp(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
+                                       std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
+  const std::uint64_t device = parameters.choice("device") == "fixed" ? 0 : trial;
+  return std::make_unique<biotac_sp::BioTacSp>(parameters, electronics, ElectronicsKey{seed, trial, device, sensor_name});
+}
+
+}  // namespace slipbench

@@ -1,0 +1,33 @@
+// The skin of a BioTac SP: half an ellipsoid of compliant friction points over the core with the electrodes.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sensors/biotac_sp/electrodes.h"
+#include "sim/core/pad_layout.h"
+
+namespace slipbench::biotac_sp {
+
+struct Skin {
+  PadLayout layout;          // in P; unit e: what is nearer to electrode e than to any other
+  std::vector<double> area;  // m2, of each element
+  std::array<Eigen::Vector3d, electrodes> above;  // m, in P: the skin's point over each electrode
+};
+
+struct SkinFigures {
+  std::size_t elements;
+  Eigen::Vector3d radii;  // m, of the ellipsoid, along the device's x, y and z
+  double k_normal;        // N/m, of all elements together
+  double shear;           // k_tangential over k_normal
+};
+
+// Fibonacci points of the lower half sphere, t_k = (k + 1/2)/n - 1 along its axis, stretched to the ellipsoid
+//   (x/a)^2 + (y/b)^2 + (z/c)^2 = 1,  y < 0.
+// Where the point u of the unit sphere comes to lie, an area of it is larger by a b c |(u_x/a, u_y/b, u_z/c)|: that is the element's weight,
+// so that sums over elements are integrals over the skin whatever n. Stiffness goes with the area (an elastic foundation).
+// Throws std::invalid_argument where the mesh is so coarse that an electrode has no element.
+Skin make_skin(const SkinFigures& figures);
+
+}  // namespace slipbench::biotac_sp

@@ -1,0 +1,57 @@
+// From the dent of the skin to the counts of an electrode, and to the pressure of the fluid.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include <Eigen/Core>
+
+#include "sensors/biotac_sp/electrodes.h"
+#include "sensors/biotac_sp/skin.h"
+#include "sim/core/contact_frame.h"
+
+namespace slipbench::biotac_sp {
+
+// How far each electrode feels the skin dented, w [m]:
+//   w_e = sum_i d_i (G_ei + S q_i . grad G_ei) - B sum_i d_i A_i / sum_i A_i
+//   G_ei = A_i ((1 - a) g(r_ei)/g_max + a h(r_ei)/h_max),  g = exp(-r^2/(2 l^2)),  h = exp(-r/L)
+// d_i: depth of element i in the object; q_i: its deflection; A_i: its area; r_ei: distance from the skin over electrode e; g_max: largest
+// over e of sum_i A_i g(r_ei), h_max likewise, so that no electrode feels more than a dent of the whole skin; S: `stretch`; grad: along the
+// skin, a dent that is dragged along comes nearer or goes; B: `swell`, the fluid that a dent drives elsewhere lifts the skin there.
+struct Kernel {
+  double near;       // m, l
+  double far;        // m, L
+  double far_share;  // a
+  double swell;      // B
+  double stretch;    // S
+};
+
+class Dents {
+ public:
+  Dents(const Skin& skin, const Kernel& kernel);
+
+  // w_e [m] of electrode e. `truth` with element_depth and element_deflection. Costs nothing for the other electrodes.
+  [[nodiscard]] double of(std::size_t e, const ContactFrame& truth) const {
+    const auto column = static_cast<Eigen::Index>(e);
+    double w = depth_.col(column).dot(truth.element_depth.matrix());
+    if (drag_.size() > 0) {
+      const Eigen::Index n = depth_.rows();
+      for (const Eigen::Index k : {0, 1, 2}) {
+        w += (truth.element_depth * truth.element_deflection.col(k) * drag_.col(column).segment(k * n, n).array()).sum();
+      }
+    }
+    return w;
+  }
+
+ private:
+  Eigen::MatrixXd depth_;  // [N,24] 1
+  Eigen::MatrixXd drag_;   // [3N,24] 1/m, empty where a drag is not felt
+};
+
+// The divider in which an electrode is measured: Z = (4095/E - 1) 10 kOhm, E in counts (SP manual, section 5).
+inline constexpr double load_resistor = 10.0;   // kOhm
+inline constexpr double last_code = 4095.0;     // of 12 bit
+inline double counts_of(double impedance) { return last_code / (1.0 + impedance / load_resistor); }
+inline double impedance_of(double counts) { return (last_code / counts - 1.0) * load_resistor; }
+
+}  // namespace slipbench::biotac_sp

@@ -1,0 +1,219 @@
+// From dents to counts: the electrodes' law, what they feel of where, the pressure of the fluid, and the electronics.
+#include "sensors/biotac_sp/biotac_sp.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <set>
+
+#include "sensors/biotac_sp/transduction.h"
+#include "sim/core/error.h"
+#include "tests/sensors/biotac_sp/rig.h"
+
+namespace slipbench::biotac_sp_test {
+namespace {
+
+// Impedance [kOhm] and counts of the divider of 10 kOhm, by the manual.
+double impedance(double counts) { return (4095.0 / counts - 1.0) * 10.0; }
+double counts(double kilo_ohm) { return 4095.0 / (1.0 + kilo_ohm / 10.0); }
+
+float read(Sensor& sensor, const ContactFrame& truth, std::size_t value) { return sensor.measure(truth).values[value]; }
+
+TEST(BioTacSp, AtRestReadsTheRestOfTheRecordings) {
+  const auto sensor = make(at_once_and({{"common", 0.0}}));
+  const SensorFrame& frame = sensor->measure(evenly_dented(*sensor, 0.0));
+  for (std::size_t e = 0; e < electrodes; ++e) EXPECT_EQ(frame.values[e], static_cast<float>(rest[e])) << e;
+  EXPECT_EQ(frame.values[pdc], 2600.0F);
+  EXPECT_EQ(frame.values[pac], 2048.0F);
+  // 0.1 kOhm in series: E1 has 1.4067 kOhm at 3590 counts, so 4095/(1 + 0.15067) = 3558.8.
+  const auto usual = make(at_once());
+  EXPECT_EQ(read(*usual, evenly_dented(*usual, 0.0), 0), 3559.0F);
+  EXPECT_NEAR(counts(impedance(3590.0) + 0.1), 3558.8, 0.05);
+}
+
+TEST(BioTacSp, ADentOfTheWholeSkinIsFeltInFullByOneElectrode) {
+  // Without tail and swell w = d sum_i G_ei <= d, and equal for the electrode whose sum is the largest: Z = Zrest exp(d/g) + Zc.
+  // Rounding to a count of some 1500 is 3e-4, dE/E = (1 - E/4095) dw/g of w.
+  const auto sensor = make(at_once_and({{"far_share", 0.0}, {"swell", 0.0}}));
+  const auto felt = [&](double d) {
+    std::array<double, electrodes> w{};
+    const SensorFrame& frame = sensor->measure(evenly_dented(*sensor, d));
+    for (std::size_t e = 0; e < electrodes; ++e) {
+      w[e] = 0.52e-3 * std::log((impedance(static_cast<double>(frame.values[e])) - 0.1) / impedance(rest[e]));
+    }
+    return w;
+  };
+  for (const double d : {0.3e-3, 1e-3}) {
+    const auto w = felt(d);
+    EXPECT_NEAR(*std::ranges::max_element(w), d, 1e-3 * d);
+    EXPECT_GT(*std::ranges::min_element(w), 0.4 * d) << "even that at the end of the finger feels half of it";
+  }
+  // Swell takes B of the mean dent from all.
+  const auto swollen = make(at_once_and({{"far_share", 0.0}, {"swell", 1.0}}));
+  const SensorFrame& frame = swollen->measure(evenly_dented(*swollen, 1e-3));
+  double highest = -1.0;
+  for (std::size_t e = 0; e < electrodes; ++e) {
+    highest = std::max(highest, std::log((impedance(static_cast<double>(frame.values[e])) - 0.1) / impedance(rest[e])));
+  }
+  EXPECT_NEAR(highest, 0.0, 1e-3);
+}
+
+TEST(BioTacSp, StopsAtTheRailsOfItsConverter) {
+  const auto sensor = make(at_once_and({{"swell", 0.0}}));
+  for (int e = 0; e < 24; ++e) EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 10e-3), static_cast<std::size_t>(e)), 0.0F);
+  EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 10e-3), pdc), 4095.0F);
+  // Skin that swells far over its rest: Z falls to Zc alone, 4095/1.01 = 4054.5.
+  const auto swollen = make(at_once_and({{"swell", 100.0}}));
+  for (int e = 0; e < 24; ++e) EXPECT_NEAR(read(*swollen, evenly_dented(*swollen, 1e-3), static_cast<std::size_t>(e)), 4054.5, 0.51);
+}
+
+TEST(BioTacSp, FeelsByTheDistanceFromTheSkinOverAnElectrode) {
+  // Of a dent of one element: w_e/w_f = exp(-(r_e^2 - r_f^2)/(2 l^2)) of the near kernel, exp(-(r_e - r_f)/L) of the far one.
+  const biotac_sp::Skin skin = biotac_sp::make_skin({300, radii, 37e3, 0.5});
+  ContactFrame frame;
+  frame.element_depth.setZero(300);
+  frame.element_depth[100] = 1e-3;
+  const auto distance = [&](std::size_t e) { return (skin.layout.elements[100].tip - skin.above[e]).norm(); };
+  const biotac_sp::Dents near(skin, {.near = 3.5e-3, .far = 9e-3, .far_share = 0.0, .swell = 0.0, .stretch = 0.0});
+  const biotac_sp::Dents far(skin, {.near = 3.5e-3, .far = 9e-3, .far_share = 1.0, .swell = 0.0, .stretch = 0.0});
+  for (std::size_t e = 1; e < electrodes; ++e) {
+    const double r = distance(e), r0 = distance(0);
+    EXPECT_NEAR(std::log(near.of(e, frame) / near.of(0, frame)), -(r * r - r0 * r0) / (2.0 * 3.5e-3 * 3.5e-3), 1e-9);
+    EXPECT_NEAR(std::log(far.of(e, frame) / far.of(0, frame)), -(r - r0) / 9e-3, 1e-9);
+  }
+}
+
+TEST(BioTacSp, ADentThatIsDraggedTowardsAnElectrodeIsFeltMore) {
+  // Along the skin by q: w changes by S d q dG/dr cos, to first order what the kernel says of the dent moved there. Towards the electrode the near
+  // kernel exp(-r^2/2l^2) gains r q/l^2 of itself, times the cosine between the skin's tangent and the line to the electrode.
+  const biotac_sp::Skin skin = biotac_sp::make_skin({300, radii, 37e3, 0.5});
+  constexpr double l = 3.5e-3, q = 1e-5, stretch = 0.3;
+  const biotac_sp::Dents dents(skin, {.near = l, .far = 9e-3, .far_share = 0.0, .swell = 0.0, .stretch = stretch});
+  for (const std::size_t e : {4U, 20U}) {
+    const std::size_t i = skin.layout.units[e].first;
+    const Element& element = skin.layout.elements[i];
+    const Eigen::Vector3d towards = skin.above[e] - element.tip;
+    const Eigen::Vector3d tangent = (towards - element.axis * element.axis.dot(towards)).normalized();
+    const auto dragged = [&](const Eigen::Vector3d& by) {
+      ContactFrame frame;
+      frame.element_depth.setZero(300);
+      frame.element_depth[static_cast<Eigen::Index>(i)] = 1e-3;
+      frame.element_deflection.setZero(300, 3);
+      frame.element_deflection.row(static_cast<Eigen::Index>(i)) = by.transpose().array();
+      return dents.of(e, frame);
+    };
+    const double still = dragged(Eigen::Vector3d::Zero());
+    EXPECT_NEAR(dragged(q * tangent) / still - 1.0, stretch * q * towards.dot(tangent) / (l * l), 1e-12);
+    EXPECT_NEAR(dragged(q * element.axis), still, 1e-15) << "pressed in further is not dragged";
+  }
+}
+
+TEST(BioTacSp, PressureIsThatOfTheFluidDrivenAwayUntilTheSkinMeetsTheCore) {
+  // Half a sphere of 10 mm: 628.3 mm2. 0.1 mm drives 62.8 mm3 away, at 0.01 kPa/mm3 628.3 Pa, 17.2 counts of 36.5 Pa; from core_gap on, here
+  // 0.4 mm and 68.9 counts, no more.
+  const auto sensor = make(at_once_and({{"radii", std::vector{10e-3, 10e-3, 10e-3}}, {"fluid_stiffness", 0.01}, {"core_gap", 0.4e-3}}));
+  EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 0.1e-3), pdc), 2617.0F);
+  EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 0.4e-3), pdc), 2669.0F);
+  EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 0.9e-3), pdc), 2669.0F);
+}
+
+TEST(BioTacSp, VibrationIsTheRateOfThePressureBelowTenHertz) {
+  // Half a sphere of 10 mm, dented at 0.2 mm/s: 628.3 mm2 * 0.2 mm/s * 0.01 kPa/mm3 = 1256.6 Pa/s. Long after the beginning the high-pass of 10 Hz
+  // makes p'/(2 pi 10 Hz) = 20 Pa of it, 54.05 counts of 0.37 Pa; after 0.3 s 7e-9 of it is missing.
+  const auto sensor = make({{"radii", std::vector{10e-3, 10e-3, 10e-3}}, {"fluid_stiffness", 0.01}});
+  const std::size_t readings = sensor->scans();
+  ASSERT_EQ(readings, 20U);
+  std::size_t n = 0;
+  for (int row = 0; row < 40; ++row) {
+    std::vector<float> values;
+    for (std::size_t k = 0; k < readings; ++k, ++n) {
+      const SensorFrame& frame = sensor->measure(evenly_dented(*sensor, 0.2e-3 * static_cast<double>(n) / 2000.0));
+      values.assign(frame.values.begin(), frame.values.end());
+    }
+    for (std::size_t k = 0; k < readings && row >= 30; ++k) EXPECT_EQ(values[pac + k], 2102.0F) << row << ' ' << k;
+    if (row == 0) {
+      EXPECT_EQ(values[pac], 2048.0F) << "settled at the beginning";
+    }
+  }
+}
+
+TEST(BioTacSp, IsTheSameWhateverOtherSensorsThereAre) {
+  const auto one = make({}, {"typical"}, 3), again = make({}, {"typical"}, 3), other = make({}, {"typical"}, 3, "other");
+  std::size_t different = 0;
+  for (int k = 0; k < 100; ++k) {
+    const ContactFrame truth = evenly_dented(*one, 0.2e-3);
+    const SensorFrame &a = one->measure(truth), &b = again->measure(truth), &c = other->measure(truth);
+    for (std::size_t v = 0; v < a.values.size(); ++v) {
+      ASSERT_EQ(a.values[v], b.values[v]);
+      different += a.values[v] != c.values[v] ? 1U : 0U;
+    }
+  }
+  EXPECT_GT(different, 1000U) << "another finger has its own gains and noise";
+}
+
+TEST(BioTacSp, TypicalElectronicsSpreadRestAndSensitivityByFingerAndTrial) {
+  // offset: sd 0.02 of ln Z, new in each trial; gain: sd 0.1 of g, one device for all. A standard error over 24 electrodes and 40 trials is 2.3 %.
+  const auto rest_of = [](std::uint64_t trial) {
+    const auto sensor = make(at_once_and({{"common", 0.0}}), {"offset"}, trial);
+    std::vector<double> logs;
+    const SensorFrame& frame = sensor->measure(evenly_dented(*sensor, 0.0));
+    for (std::size_t e = 0; e < electrodes; ++e) logs.push_back(std::log(impedance(static_cast<double>(frame.values[e])) / impedance(rest[e])));
+    return logs;
+  };
+  double square = 0.0;
+  for (std::uint64_t trial = 0; trial < 40; ++trial) {
+    for (const double log : rest_of(trial)) square += log * log / (24.0 * 40.0);
+  }
+  EXPECT_NEAR(std::sqrt(square), 0.02, 5.0 * 0.023 * 0.02);
+
+  const auto first = make(at_once(), {"gain"}, 0), second = make(at_once(), {"gain"}, 1), ideal = make(at_once());
+  std::set<int> differences;
+  for (std::size_t e = 0; e < electrodes; ++e) {
+    EXPECT_EQ(read(*first, evenly_dented(*first, 0.5e-3), e), read(*second, evenly_dented(*second, 0.5e-3), e)) << "one device";
+    differences.insert(static_cast<int>(read(*first, evenly_dented(*first, 0.5e-3), e) - read(*ideal, evenly_dented(*ideal, 0.5e-3), e)));
+  }
+  EXPECT_GT(differences.size(), 10U);
+  const auto redrawn = make(at_once_and({{"device", std::string("redrawn")}}), {"gain"}, 1);
+  std::size_t other = 0;
+  for (std::size_t e = 0; e < electrodes; ++e) {
+    other += read(*redrawn, evenly_dented(*redrawn, 0.5e-3), e) != read(*first, evenly_dented(*first, 0.5e-3), e) ? 1U : 0U;
+  }
+  EXPECT_GT(other, 15U);
+}
+
+TEST(BioTacSp, GoesOnFromItsMemory) {
+  const auto lasting = make({}, {"typical"}), fresh = make({}, {"typical"});
+  const auto truth = [&](int k) {
+    ContactFrame frame = evenly_dented(*lasting, 0.3e-3 + 0.2e-3 * std::sin(0.01 * k));
+    frame.stage_position = {1e-5 * (k / 150), 0.0, 0.0};
+    return frame;
+  };
+  for (int k = 0; k < 333; ++k) lasting->measure(truth(k));
+  const auto saved = lasting->memory(), loaded = fresh->memory();
+  ASSERT_EQ(saved.size(), loaded.size());
+  for (std::size_t m = 0; m < saved.size(); ++m) std::ranges::copy(saved[m], loaded[m].begin());
+  for (int k = 333; k < 700; ++k) {
+    const SensorFrame &a = lasting->measure(truth(k)), &b = fresh->measure(truth(k));
+    for (std::size_t v = 0; v < a.values.size(); ++v) ASSERT_EQ(a.values[v], b.values[v]) << k << ' ' << v;
+    ASSERT_EQ(lasting->paper_label(truth(k), false), fresh->paper_label(truth(k), false)) << k;
+  }
+}
+
+TEST(PaperLabelOfTheBioTac, IsTheMotionOfTheBench) {
+  // Moves at 1.8 mm/s from 25 to 55 ms: 9 um from 20 to 30 ms are not more than 10 um, 18 um to 40 and to 50 ms are, 9 um to 60 ms are not. The row
+  // that ends with reading 20 r + 19 says so until the next has ended.
+  const auto sensor = make();
+  for (int k = 0; k < 200; ++k) {
+    const double t = (k + 1) / 2000.0;
+    ContactFrame truth = evenly_dented(*sensor, 0.1e-3);
+    truth.stage_position = {1.8e-3 * (std::clamp(t, 0.025, 0.055) - 0.025), 0.0, 0.0};
+    sensor->measure(truth);
+    ASSERT_EQ(sensor->paper_label(truth, false), k >= 79 && k < 119 ? PadState::gross : PadState::non_slip) << k;
+    ASSERT_EQ(sensor->paper_label(truth, true), PadState::gross) << "a bench that turns";
+    truth.state = PadState::no_contact;
+    ASSERT_EQ(sensor->paper_label(truth, true), PadState::no_contact);
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::biotac_sp_test
