@@ -176,8 +176,8 @@ TEST(BioTacSkin, MeetsEverySurfaceAtItsDistance) {
 }
 
 TEST(BioTacSkin, UnitsAtTheRimOfTheContactSlipFirst) {
-  // Dragged along by s, every stuck element has the stretch s and lets go at mu k_n d = k_t s, d = mu... so those with d < k_t s/(k_n mu) slip:
-  // with k_t/k_n = 1/2 and mu = 1/2, d < s. After 0.5 mm of a contact 1 mm deep the middle sticks and what is shallower than 0.5 mm slips.
+  // Dragged along by s, a stuck element has the stretch s and lets go at k_t s = mu k_n d. So those with d < k_t s/(k_n mu) slip: with k_t/k_n = 1/2
+  // and mu = 1/2, d < s. After 0.5 mm of a contact 1 mm deep the middle sticks and what is shallower than 0.5 mm slips.
   const Skin mesh = skin(1000);
   Field field(mesh.layout, Plane{}, {0.5, 0.5});
   ContactLabels labels(mesh.layout);
@@ -201,7 +201,7 @@ TEST(BioTacSkin, UnitsAtTheRimOfTheContactSlipFirst) {
                                                       : UnitState::partial;
     EXPECT_EQ(frame.unit_state[e], expected) << e;
   }
-  EXPECT_EQ(frame.state_micro, PadState::incipient);
+  EXPECT_EQ(frame.state, PadState::incipient);
 }
 
 // The deepest dent that an electrode feels, under a plane pressed in direction `outward`.

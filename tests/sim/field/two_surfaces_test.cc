@@ -1,4 +1,5 @@
 // A pad over the edge between two surfaces: ContactLabels sums their fields.
+#include <algorithm>
 #include <array>
 
 #include <gtest/gtest.h>
@@ -21,6 +22,7 @@ PadLayout straddling_pad() {
     pad.elements.push_back(element);
   }
   pad.units = {{0, 2}, {2, 2}, {4, 2}};
+  pad.element_truth = true;
   return pad;
 }
 
@@ -49,6 +51,10 @@ TEST(TwoSurfaces, PadOverTheirEdgeReadsAsOnOnePlane) {
     // Lengths up to the rounding of coordinates of 20 mm (the field's shortest slip is 1e-13 m).
     EXPECT_LT((a.displacement - b.displacement).abs().maxCoeff(), 1e-12) << tick;
     EXPECT_LT((a.slip_distance - b.slip_distance).abs().maxCoeff(), 1e-12) << tick;
+    ASSERT_EQ(a.element_depth.size(), 6);
+    EXPECT_LT((a.element_depth - b.element_depth).abs().maxCoeff(), 1e-12) << tick;
+    EXPECT_LT((a.element_deflection - b.element_deflection).abs().maxCoeff(), 1e-12) << tick;
+    EXPECT_NEAR(b.element_depth[0], std::max(0.0, -pose.position.z()), 1e-15) << tick;
     EXPECT_EQ(a.unit_state, b.unit_state) << tick;
     EXPECT_EQ(a.state, b.state) << tick;
     EXPECT_EQ(a.state_micro, b.state_micro) << tick;
