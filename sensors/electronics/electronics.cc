@@ -70,6 +70,12 @@ std::vector<std::span<double>> Electronics::memory() const {
   return memories;
 }
 
+std::uint64_t Electronics::saturated() const {
+  std::uint64_t samples = 0;
+  for (const auto& stage : stages_) samples += stage->saturated();
+  return samples;
+}
+
 std::vector<Entry> electronics_entries() {
   std::vector<Entry> entries;
   for (const PartKind& kind : part_kinds()) entries.push_back(kind.entry);

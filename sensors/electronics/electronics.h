@@ -63,6 +63,8 @@ class ElectronicsStage {
   virtual void apply(std::span<float> values, double time) = 0;
   // What the part carries from one sample to the next (Sensor::memory). Empty: nothing.
   [[nodiscard]] virtual std::span<double> memory() { return {}; }
+  // Samples in which the part cut a value off (Sensor::saturated).
+  [[nodiscard]] virtual std::uint64_t saturated() const { return 0; }
 };
 
 // The parts of one sensor, applied in the order in which they are listed. Empty: ideal.
@@ -77,6 +79,9 @@ class Electronics {
 
   // The parts' memories, for Sensor::memory.
   [[nodiscard]] std::vector<std::span<double>> memory() const;
+
+  // Samples in which the converter cut a value off, for Sensor::saturated; 0 where the chain has none.
+  [[nodiscard]] std::uint64_t saturated() const;
 
  private:
   std::vector<std::unique_ptr<ElectronicsStage>> stages_;

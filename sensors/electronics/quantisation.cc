@@ -21,11 +21,17 @@ class Quantisation final : public ElectronicsStage {
   }
 
   void apply(std::span<float> values, double /*time*/) override {
+    bool beyond = false;
     for (std::size_t v = 0; v < values_.size(); ++v) {
       const double code = std::nearbyint((values[v] - values_[v].lowest) / values_[v].step);
-      values[v] = static_cast<float>(values_[v].lowest + values_[v].step * std::clamp(code, 0.0, last_code_));
+      const double held = std::clamp(code, 0.0, last_code_);
+      beyond |= held != code;
+      values[v] = static_cast<float>(values_[v].lowest + values_[v].step * held);
     }
+    if (beyond) ++saturated_;
   }
+
+  [[nodiscard]] std::uint64_t saturated() const override { return saturated_; }
 
  private:
   struct Value {
@@ -33,6 +39,7 @@ class Quantisation final : public ElectronicsStage {
   };
   std::vector<Value> values_;
   double last_code_ = 0.0;
+  std::uint64_t saturated_ = 0;
 };
 
 std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const SignalModel& model, RandomStream /*stream*/) {

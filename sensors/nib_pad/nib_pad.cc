@@ -129,6 +129,8 @@ class NibPad final : public Sensor {
     return memories;
   }
 
+  [[nodiscard]] std::uint64_t saturated() const override { return saturated_ + electronics_.saturated(); }
+
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override {
     std::size_t touching = 0, displaced = 0;
     for (std::size_t nib = 0; nib < nibs; ++nib) {
@@ -168,13 +170,19 @@ class NibPad final : public Sensor {
   }
 
   // What the converter makes of a signal: whole counts between 0 and full scale, which it reports for all that is beyond.
-  [[nodiscard]] double converted(float signal) const { return std::clamp(std::round(rest_ + signal), 0.0, top_); }
+  double converted(float signal) {
+    const double counts = std::round(rest_ + signal);
+    const double held = std::clamp(counts, 0.0, top_);
+    beyond_ |= held != counts;
+    return held;
+  }
 
   // All readings of a sample are done: its electronics, its counts, the mean of si.
   void complete(double time) {
     std::array<float, value_count> disturbed{};
     std::ranges::transform(signals(), disturbed.begin(), [](double signal) { return static_cast<float>(signal); });
     electronics_.apply(disturbed, time);
+    beyond_ = false;
     for (std::size_t v = fl_first; v < value_count; ++v) values()[v] = converted(disturbed[v]);
 
     const bool last = taxel() + 1 == taxels;
@@ -189,6 +197,7 @@ class NibPad final : public Sensor {
       for (const double reading : read_so_far) sum += reading;
       values()[v] = sum / static_cast<double>(read_so_far.size());
     }
+    if (beyond_) ++saturated_;
     memory_[next_taxel] = last ? 0.0 : static_cast<double>(taxel() + 1);
     if (last) memory_[images] += 1.0;
   }
@@ -208,6 +217,8 @@ class NibPad final : public Sensor {
   std::array<double, value_count> gain_{};  // counts/pF
   std::array<float, value_count> reported_{};
   SensorFrame frame_;
+  bool beyond_ = false;  // a value of this sample lies beyond the converter's range
+  std::uint64_t saturated_ = 0;
 };
 
 }  // namespace

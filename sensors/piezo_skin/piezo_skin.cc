@@ -107,6 +107,8 @@ class PiezoSkin final : public Sensor {
     return memories;
   }
 
+  [[nodiscard]] std::uint64_t saturated() const override { return electronics_.saturated(); }
+
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override {
     if (truth.state == PadState::no_contact) return PadState::no_contact;
     return memory_[moving] == 0.0 ? PadState::non_slip : PadState::gross;

@@ -1,6 +1,7 @@
 // A sensor: a readout of one pad's contact.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,9 @@ class Sensor {
   // All that the sensor carries from one sample to the next, to be saved and overwritten by whoever keeps a bench's state. The spans stay
   // where they are as long as the sensor lives. Empty: it has no memory.
   [[nodiscard]] virtual std::vector<std::span<double>> memory() { return {}; }
+  // Samples so far in which a converter reported an end of its range for a value that lies beyond it. A tally of what has been read, so it
+  // is no part of memory(). A sensor whose readings pass through Electronics adds its count.
+  [[nodiscard]] virtual std::uint64_t saturated() const { return 0; }
   // The label that the sensor's paper would have given the contact, beside the truth; `rotating` says whether the bench turns.
   [[nodiscard]] virtual PadState paper_label(const ContactFrame& truth, bool rotating) const = 0;
 };

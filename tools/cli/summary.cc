@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <numeric>
@@ -215,6 +216,36 @@ std::string grasps_text(const std::vector<GraspRow>& rows, const Style& style) {
   return fmt::format("{}: medians; slip and turn of the held\n", style.heading("grasps")) + table.text(style);
 }
 
+// Of the trial's sensors whose converters were at an end of their range.
+std::string saturation_text(const TrialSummary& trial, const Style& style) {
+  std::string text;
+  for (const SensorSummary& sensor : trial.sensors) {
+    const auto found = trial.outcome.saturated.find(sensor.name);
+    if (found == trial.outcome.saturated.end()) continue;
+    const std::size_t samples = std::accumulate(sensor.state_count.begin(), sensor.state_count.end(), std::size_t{0});
+    text += fmt::format("  {}: {}: its converter is at an end of its range in {} of {} samples\n", style.bold("saturated"),
+                        sensor.name, found->second, samples);
+  }
+  return text;
+}
+
+// The same of a sweep.
+std::string saturations_text(const std::vector<TrialSummary>& trials, const Style& style) {
+  std::map<std::string, std::pair<std::size_t, std::uint64_t>> by_sensor;
+  for (const TrialSummary& trial : trials) {
+    for (const auto& [sensor, samples] : trial.outcome.saturated) {
+      ++by_sensor[sensor].first;
+      by_sensor[sensor].second += samples;
+    }
+  }
+  std::string text;
+  for (const auto& [sensor, found] : by_sensor) {
+    text += fmt::format("  {}: {}: its converter is at an end of its range in {} of {} trials, {} samples of them\n",
+                        style.bold("saturated"), sensor, found.first, trials.size(), found.second);
+  }
+  return text;
+}
+
 // When one trial's detector saw slip, against when it began.
 std::string detector_text(const TrialSummary& trial, const Style& style) {
   const TrialOutcome& outcome = trial.outcome;
@@ -305,7 +336,7 @@ std::vector<SensorAbout> sensors_of(const Scene& scene) {
 std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>& sensors, const Style& style) {
   std::string text;
   for (std::size_t i = 0; i < trial.sensors.size(); ++i) text += sensor_text(trial.sensors[i], sensors.at(i), style);
-  text += gross_text(trial.outcome, style);
+  text += gross_text(trial.outcome, style) + saturation_text(trial, style);
   if (trial.detector) text += detector_text(trial, style);
   return trial.outcome.grasp ? text + grasp_text(*trial.outcome.grasp, style) : text;
 }
@@ -327,7 +358,7 @@ std::string sweep_text(const SweepSummary& summary, const Style& style) {
     }
   }
   std::string text = fmt::format("{}\n", style.heading(fmt::format("{} trials", summary.trials.size()))) + table.text(style) +
-                     class_text(strict, micro);
+                     class_text(strict, micro) + saturations_text(summary.trials, style);
   std::vector<std::string> types;
   for (const TrialSummary& trial : summary.trials) {
     if (trial.detector && std::ranges::find(types, trial.detector->type) == types.end()) types.push_back(trial.detector->type);

@@ -66,6 +66,7 @@ std::string outcome_json(const TrialOutcome& outcome) {
   json["false_alarm_time_s"] = nullable(outcome.false_alarm_time);
   json["detection_time_s"] = nullable(outcome.detection_time);
   json["detection_delay_s"] = nullable(outcome.detection_delay);
+  if (!outcome.saturated.empty()) json["saturated_samples"] = outcome.saturated;
   return json.dump();
 }
 
@@ -91,6 +92,7 @@ TrialOutcome parse_outcome(const std::string& text) {
                                .standing = json.at("standing").get<bool>()};
       }
     }
+    if (json.contains("saturated_samples")) json.at("saturated_samples").get_to(outcome.saturated);
     return outcome;
   } catch (const nlohmann::json::exception& error) {
     throw InputError(fmt::format("outcome is not the JSON object of a trial: {}", error.what()));

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -146,12 +147,16 @@ struct TrialOutcome {
   double detection_delay = std::numeric_limits<double>::quiet_NaN();   // s, from when it began to detection_time
 
   std::optional<GraspOutcome> grasp;  // empty: the scene is none
+
+  // By sensor, the samples in which its converter reported an end of its range for a value beyond it (Sensor::saturated). A sensor whose
+  // readings all lie within it is not in here.
+  std::map<std::string, std::uint64_t> saturated;
 };
 
 // The JSON object of a demo's attribute `outcome`: touch_time_s, first_micro_slip_time_s, first_slip_time_s, gross_slip_time_s,
 // max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s; and of a grasp, null without one: dropped, drop_time_s,
 // slip_translation_m, slip_rotation_rad, max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s; and only where the arm is guided: tilt_rad,
-// least_tilt_rad, standing.
+// least_tilt_rad, standing. Only where a converter was at an end of its range: saturated_samples, an object {sensor: samples}.
 std::string outcome_json(const TrialOutcome& outcome);
 // The inverse. A dataset of a version without detectors has none of their keys. Throws InputError when `text` is no such object.
 TrialOutcome parse_outcome(const std::string& text);

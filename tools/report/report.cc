@@ -110,6 +110,7 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
                        {"delay_s", report::number_or_null(record.outcome.detection_delay)},
                        {"false_alarm_s", report::number_or_null(record.outcome.false_alarm_time)}};
   }
+  if (!record.outcome.saturated.empty()) row["saturated"] = record.outcome.saturated;
   if (record.outcome.grasp) {
     row["grasp"] = report::grasp_summary(*record.outcome.grasp);
     if (curve_values > 0 && !record.sensors.empty())

@@ -366,6 +366,9 @@ TrialResult TrialRecorder::finish() {
     check_finite(record_.sensors[pad].name, last);
     check_finite(record_.sensors[pad].name, sensors_[pad]->channels(), last_[pad]);
     record_.outcome.max_slip_distance = std::max(record_.outcome.max_slip_distance, last.slip_distance.maxCoeff());
+    if (const std::uint64_t samples = sensors_[pad]->saturated(); samples > 0) {
+      record_.outcome.saturated.emplace(record_.sensors[pad].name, samples);
+    }
     const LabelRecord& labels = record_.sensors[pad].labels;
     for (std::size_t u = 0; u < labels.units(); ++u) {
       UnitOutcome& unit = units_[pad][u];

@@ -1,6 +1,7 @@
 // The converter, and what a sensor says of its parts.
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -49,6 +50,25 @@ TEST(Quantisation, EndsWithItsRange) {
   const SignalModel counts = one_value(0.0, 8191.0);
   EXPECT_EQ(converted(counts, 13, 1e6F), 8191.0F);
   EXPECT_EQ(converted(counts, 13, -1e6F), 0.0F);
+}
+
+TEST(Quantisation, CountsTheSamplesThatItCutsOff) {
+  // Two bits over [-1, 2] in steps of 1: from half a step beyond an end on a value is cut off. However many are, it is one sample.
+  SignalModel model = one_value(-1.0, 2.0);
+  model.source = {0, 0};
+  model.converter.push_back({-1.0, 2.0});
+  Electronics electronics({converter(2)}, model, default_key);
+  const auto saturated_after = [&](float first, float second) {
+    std::array<float, 2> values{first, second};
+    electronics.apply(values, 0.0);
+    return electronics.saturated();
+  };
+  EXPECT_EQ(saturated_after(0.0F, 2.49F), 0u);
+  EXPECT_EQ(saturated_after(-1.49F, 0.0F), 0u);
+  EXPECT_EQ(saturated_after(0.0F, 2.51F), 1u);
+  EXPECT_EQ(saturated_after(-1.51F, 2.51F), 2u);
+  EXPECT_EQ(saturated_after(0.0F, 0.0F), 2u);
+  EXPECT_EQ(Electronics({part("noise")}, two_values_a_source(1), default_key).saturated(), 0u) << "no converter";
 }
 
 TEST(Quantisation, AddsAnErrorOfATwelfthOfASquaredStep) {

@@ -153,8 +153,10 @@ TEST(NibPad, ClusterStaysBelowFullScaleUpToEightNewtonAndReadsFullScaleBeyond) {
   const auto sensor = make(at_once());
   EXPECT_LT(pulled_north(8.0), 8191.0);
   EXPECT_EQ(image(*sensor, contact(8.0 / 36.0, 0.0, 1e-3))[fl], pulled_north(8.0));
+  EXPECT_EQ(sensor->saturated(), 0u);
   EXPECT_GT(pulled_north(15.0), 8191.0);
   EXPECT_EQ(image(*sensor, contact(15.0 / 36.0, 0.0, 1e-3))[fl], 8191.0F);
+  EXPECT_EQ(sensor->saturated(), 9u) << "each sample of an image";
 }
 
 TEST(NibPad, RotationClustersAreTwelveTangentialElectrodesEach) {

@@ -138,6 +138,18 @@ TEST(PiezoSkin, TypicalElectronicsAreNoiseOfThreeCountsInWholeCounts) {
   EXPECT_LE(std::abs(sum), 15.0) << "the offset has an sd of 3 counts";
 }
 
+TEST(PiezoSkin, CountsWhatLiesBeyondItsConverter) {
+  // A step of 20 N is 40,000 (1 - E)/a = 39,962 counts, a = 2 pi 3/10,000, and falls by E = exp(-a) a sample: above 32,767.5 for
+  // ln(39,962/32,767.5)/a = 105.3 more. At the end it falls by 62 counts a sample; offset and noise are of 3 each.
+  const auto sensor = skin({}, true);
+  read(*sensor, contact({0.0, 0.0, 0.0}));
+  for (int i = 0; i < 200; ++i) read(*sensor, contact({0.0, 0.0, 20.0}));
+  EXPECT_NEAR(static_cast<double>(sensor->saturated()), 106.0, 1.0);
+  const auto ideal = skin();
+  for (const double force : {0.0, 20.0}) read(*ideal, contact({0.0, 0.0, force}));
+  EXPECT_EQ(ideal->saturated(), 0u) << "it has no converter";
+}
+
 TEST(PiezoSkin, GoesOnFromItsMemory) {
   const auto lasting = skin({}, true), fresh = skin({}, true);
   const auto force = [](int k) { return contact({0.3 * k, 0.0, std::sin(0.1 * k)}, 1e-5 * (k / 150)); };

@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
@@ -62,6 +63,18 @@ TEST(Summary, TrialShowsEveryUnit) {
 
 // 20 samples in contact, 3 + 2 + 12 of them right.
 DetectorSummary small_detector() { return {"ratio", "pad", {{{4, 1, 0, 0}, {0, 3, 1, 0}, {0, 1, 2, 0}, {0, 0, 1, 12}}}}; }
+
+TEST(Summary, SaysWhoseConverterWasAtItsEnd) {
+  TrialSummary trial = small_trial();
+  EXPECT_THAT(trial_text(trial, sensors, Style(false)), Not(HasSubstr("saturated")));
+  trial.outcome.saturated = {{"pad", 1}};
+  EXPECT_THAT(trial_text(trial, sensors, Style(false)),
+              HasSubstr("\n  saturated: pad: its converter is at an end of its range in 1 of 2 samples\n"));
+  SweepSummary sweep;
+  sweep.trials = {trial, small_trial(), trial};
+  EXPECT_THAT(sweep_text(sweep, Style(false)),
+              HasSubstr("\n  saturated: pad: its converter is at an end of its range in 2 of 3 trials, 2 samples of them\n"));
+}
 
 TEST(Summary, TrialSaysWhenTheDetectorSawSlip) {
   TrialSummary trial = small_trial();

@@ -61,6 +61,14 @@ TEST(Outcome, TellsHowTheBoxStoodOnlyWhereTheArmIsGuided) {
   EXPECT_TRUE(back.standing);
 }
 
+TEST(Outcome, TellsOfAConverterOnlyWhereItCutValuesOff) {
+  TrialOutcome outcome;
+  EXPECT_EQ(outcome_json(outcome).find("saturated"), std::string::npos);
+  EXPECT_TRUE(parse_outcome(outcome_json(outcome)).saturated.empty());
+  outcome.saturated = {{"left", 12}, {"right", 1}};
+  EXPECT_EQ(parse_outcome(outcome_json(outcome)).saturated, outcome.saturated);
+}
+
 // Datasets of versions before there were detectors.
 TEST(Outcome, NeedsNoDetector) {
   const TrialOutcome outcome = parse_outcome(

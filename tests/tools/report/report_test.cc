@@ -187,6 +187,15 @@ TEST(Report, ListsEveryTrialOfADataset) {
   EXPECT_THAT(embedded(data), ElementsAre("0", "2", "4", "6", "8", "10"));
 }
 
+TEST(Report, SaysWhoseConverterWasAtItsEnd) {
+  TrialRecord cut = sample_trial(1, "{}");
+  cut.outcome.saturated = {{"pad", 3}};
+  write_report(write_dataset("report_saturated.h5", scene, {sample_trial(0, "{}"), cut}), page_path("report_saturated.html"));
+  const Json rows = data_of(page_path("report_saturated.html")).at("trials");
+  EXPECT_FALSE(rows.at(0).contains("saturated"));
+  EXPECT_EQ(rows.at(1).at("saturated"), Json::parse(R"({"pad": 3})"));
+}
+
 TEST(Report, SaysHowGraspsEnded) {
   TrialRecord held = sample_grasp(0);
   held.params = R"({"detector.type": "truth", "detector.ratio": null})";

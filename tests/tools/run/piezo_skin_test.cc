@@ -254,6 +254,19 @@ TEST(PiezoSkinBench, TheDatasetIsThePublishedOne) {
   for (const auto& [stiffness, count] : tips) EXPECT_NEAR(static_cast<double>(count), 640.0 / 3.0, 5.0 * 12.0) << stiffness;
 }
 
+TEST(PiezoSkinBench, SaysWhereItsConverterIsAtItsEnd) {
+  // Pressing by 0.5 mm/s on 20 N/mm is 10 N/s, which the amplifier makes gain 10/(2 pi 3) = 0.53 gain of: 1,061 counts, and 106,100 at a hundred
+  // times the gain, where 16 bits end at 32,767.
+  const Override brief{"duration", "1 s"};
+  EXPECT_TRUE(slide({brief}).record.outcome.saturated.empty());
+  const Recorded of = slide({brief, {"sensors.pad.gain", "200000"}});
+  const auto at_an_end =
+      std::ranges::count_if(of.signal, [](float value) { return value == 32767.0F || value == -32768.0F; });
+  ASSERT_EQ(of.record.outcome.saturated.count("pad"), 1u);
+  EXPECT_GT(of.record.outcome.saturated.at("pad"), 100u);
+  EXPECT_LE(of.record.outcome.saturated.at("pad"), static_cast<std::uint64_t>(at_an_end)) << "the end itself is within the range";
+}
+
 TEST(PiezoSkinBench, TheMotorsAreFeltAndNotInTheContact) {
   const Overrides brief{ideal, massless, {"duration", "1.8 s"}};
   Overrides silent = brief;

@@ -43,6 +43,21 @@ function drawn(trial) {
       entries.map(([path, value]) => item(sb.pathWord(path), sb.parameter(value, 4))));
 }
 
+// Whose converter was at an end of its range, and how often.
+function saturation(trials) {
+  const by_sensor = {};
+  for (const {saturated} of trials) {
+    for (const [name, samples] of Object.entries(saturated || {})) {
+      const held = by_sensor[name] = by_sensor[name] || {samples: 0, trials: 0};
+      held.samples += samples;
+      ++held.trials;
+    }
+  }
+  return Object.entries(by_sensor).map(
+      ([name, held]) => el('p.warning', {}, 'The converter of ' + name + ' is at an end of its range in ' + held.samples + ' samples' +
+                           (trials.length > 1 ? ' of ' + held.trials + ' trials' : '') + ': a value beyond it reads as that end.'));
+}
+
 function navigation() {
   const several = page.trials.length > 1;
   const embedded = page.trials.filter(trial => sb.isEmbedded(trial.index));
@@ -79,7 +94,7 @@ async function show(next) {
   timeline = null;
   const host = el('main');
   const trial = page.trials.find(candidate => candidate.index === view.trial);
-  const nodes = [header(), navigation(), trial ? drawn(trial) : null, host, footer()];
+  const nodes = [header(), navigation(), trial ? drawn(trial) : null, ...saturation(trial ? [trial] : page.trials), host, footer()];
   document.getElementById('page').replaceChildren(...nodes.filter(node => node));
   const address = view.trial === null ? '#all' : '#trial-' + view.trial;
   if (location.hash !== address) history.replaceState(null, '', address);
