@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/dataset/guarded.h"
 #include "tools/dataset/hdf5_handle.h"
 #include "tools/dataset/output_file.h"
 #include "tools/export/episode.h"
@@ -150,6 +151,7 @@ std::string environment_of(const DatasetHeader& header) {
 
 void put_all(hid_t file, const DatasetReader& reader, const std::vector<std::size_t>& trials, const RobomimicOptions& options) {
   note(file, mark, std::string(mark_text));
+  check(H5Fflush(file, H5F_SCOPE_LOCAL));  // so that what is left of a killed run is known by its beginning
   const double rate = options.rate ? *options.rate : slowest_rate(reader, trials.front(), options.sensor);
   const ActionSpace space = action_space(reader, trials);
   Handle data = make_group(file, "data");
@@ -185,13 +187,30 @@ void sync(const std::string& path) {
   if (!synced) throw std::runtime_error(std::strerror(reason));
 }
 
-bool is_robomimic_export(const std::string& path) {
+// What stands under a name that holds something.
+enum class Found {
+  own,      // such an export
+  damaged,  // HDF5 that cannot be read, as an export that was killed leaves it
+  other,
+};
+
+// Runs in the child process, which HDF5 may end.
+bool has_mark(const std::string& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
   check(H5Pset_file_locking(access.get(), false, true));
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get());
-  if (id < 0) return false;
+  if (id < 0) throw InputError(path + ": cannot be opened");
   const Handle file(id, &H5Fclose);
   return H5Aexists(file.get(), mark) > 0;
+}
+
+Found found_at(const std::string& path) {
+  if (H5Fis_hdf5(path.c_str()) <= 0) return Found::other;
+  try {
+    return guarded(path, [&] { return std::string(has_mark(path) ? "own" : ""); }).empty() ? Found::other : Found::own;
+  } catch (const InputError&) {
+    return Found::damaged;
+  }
 }
 
 }  // namespace
@@ -203,7 +222,10 @@ void check_robomimic_target(const std::string& path, const std::vector<std::stri
   for (const std::string& name : {path, temporary_path(path)}) {
     std::error_code none;
     const auto size = std::filesystem::file_size(name, none);
-    if (none || size == 0 || is_robomimic_export(name)) continue;
+    if (none || size == 0) continue;
+    const Found found = found_at(name);
+    // What was killed while it was written has the temporary name, and is the next run's to replace.
+    if (found == Found::own || (found == Found::damaged && name != path)) continue;
     throw InputError(fmt::format("cannot write {}: {} exists and is no {}; allowed: a new name, or a {} to replace", path, name,
                                  any.name, any.name));
   }

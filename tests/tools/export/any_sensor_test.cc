@@ -1,5 +1,6 @@
 // The formats that hold any sensor: columns, archives, what they refuse and leave behind.
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <sstream>
 
@@ -226,6 +227,26 @@ TEST_F(AnySensor, DemonstrationsRepeatToTheByteAndReplaceTheirOwn) {
     EXPECT_EQ(bytes_of(target), bytes_of(path("a.h5")));
     std::filesystem::remove(target);
   }
+}
+
+// Killed while it wrote, an export leaves HDF5 that ends too early under the name that it has until then.
+TEST_F(AnySensor, DemonstrationsReplaceWhatAKilledRunLeft) {
+  dataset({moving_pad(0), moving_pad(1)});
+  run(ExportFormat::robomimic);
+  const std::string whole = bytes_of(path("out/robomimic.hdf5"));
+  const std::string left = path("out/robomimic.hdf5.partial");
+  for (const std::string& beginning : {whole, whole.substr(0, whole.size() / 2), whole.substr(0, 100), std::string()}) {
+    std::ofstream(left, std::ios::binary) << beginning;
+    run(ExportFormat::robomimic);
+    EXPECT_EQ(bytes_of(path("out/robomimic.hdf5")), whole) << beginning.size();
+    EXPECT_FALSE(std::filesystem::exists(left)) << beginning.size();
+  }
+  // Under its own name nothing is ever left half written, so what cannot be read there is not its own; nor is a text under the other.
+  std::ofstream(path("out/robomimic.hdf5"), std::ios::binary) << whole.substr(0, whole.size() / 2);
+  EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::robomimic); }), HasSubstr("exists and is no robomimic dataset"));
+  std::filesystem::remove(path("out/robomimic.hdf5"));
+  std::ofstream(left, std::ios::binary) << "notes";
+  EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::robomimic); }), HasSubstr(left + " exists and is no robomimic"));
 }
 
 TEST_F(AnySensor, RatesMustFit) {
