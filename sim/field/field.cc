@@ -422,10 +422,10 @@ void Field::map_leaning(std::size_t i) {
     slip = 0.0;
   }
   if (force.normal > (k + lean.stop_stiffness) * lean.length) {
-    throw InputError("effects: lean: element " + std::to_string(i) + " carries " + std::to_string(force.normal) +
-                     " N, and its stop holds a column up to (k_t + stop stiffness) length = " +
-                     std::to_string((k + lean.stop_stiffness) * lean.length) +
-                     " N; press less, or give the column a stiffer stop");
+    throw SceneValueError("effects", "lean: element " + std::to_string(i) + " carries " + std::to_string(force.normal) +
+                                         " N, and its stop holds a column up to (k_t + stop stiffness) length = " +
+                                         std::to_string((k + lean.stop_stiffness) * lean.length) +
+                                         " N; press less, or give the column a stiffer stop");
   }
   columns_[press][i] = force.normal;
   settle(i, element.stretch, force.tangential, slip * along, slides);

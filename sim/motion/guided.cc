@@ -20,8 +20,9 @@ Guided::Guided(const Parameters& parameters)
 void Guided::write(double time, const ArmCommand& command) {
   for (const double speed : {command.sideways, command.up}) {
     if (std::abs(speed) <= speed_) continue;
-    throw InputError(fmt::format("the arm was told to move at {} at {:.6g} s; allowed: up to motion.top_speed, {}",
-                                 format_quantity(speed, Quantity::speed), time, format_quantity(speed_, Quantity::speed)));
+    throw SceneValueError("motion.top_speed",
+                          fmt::format("the arm was told to move at {} at {:.6g} s; allowed: up to {}",
+                                      format_quantity(speed, Quantity::speed), time, format_quantity(speed_, Quantity::speed)));
   }
   const double acts = time + latency_;
   // The same again is no change: a profile would otherwise grow by every write.

@@ -195,7 +195,8 @@ TEST(Lean, RefusesALoadThatItsStopDoesNotHold) {
   try {
     field.step(at(0.0, 0.0, -4.39 / k_n), 1e-3);
     FAIL() << "4.39 N";
-  } catch (const InputError& error) {
+  } catch (const SceneValueError& error) {
+    EXPECT_EQ(error.path(), "effects");
     EXPECT_EQ(
         std::string(error.what()),
         "effects: lean: element 0 carries 4.390000 N, and its stop holds a column up to (k_t + stop stiffness) length = 4.380000 "

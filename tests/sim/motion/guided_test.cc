@@ -53,8 +53,15 @@ TEST(Guided, RefusesWhatIsTooFast) {
   Guided slow = arm();
   EXPECT_NO_THROW(slow.write(0.0, {.sideways = -0.1, .up = 0.1}));
   for (const double speed : {0.101, -0.101, std::nan("")}) {
-    EXPECT_THROW(slow.write(0.0, {.sideways = 0.0, .up = speed}), InputError);
-    EXPECT_THROW(slow.write(0.0, {.sideways = speed, .up = 0.0}), InputError);
+    EXPECT_THROW(slow.write(0.0, {.sideways = 0.0, .up = speed}), SceneValueError);
+    EXPECT_THROW(slow.write(0.0, {.sideways = speed, .up = 0.0}), SceneValueError);
+  }
+  try {
+    slow.write(0.5, {.sideways = 0.0, .up = 0.2});
+    FAIL();
+  } catch (const SceneValueError& error) {
+    EXPECT_EQ(error.path(), "motion.top_speed");
+    EXPECT_STREQ(error.what(), "motion.top_speed: the arm was told to move at 0.2 m/s at 0.5 s; allowed: up to 0.1 m/s");
   }
 }
 
