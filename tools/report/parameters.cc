@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/core/quantity.h"
+#include "tools/catalogue/catalogues.h"
 
 namespace slipbench::report {
 
@@ -27,29 +28,11 @@ constexpr std::array quantities = {Quantity::length,
                                    Quantity::stiffness,
                                    Quantity::damping};
 
-// The quantities of the scene keys that sweeps draw.
-constexpr std::array<std::pair<std::string_view, Quantity>, 21> known_keys = {{
-    {"speed", Quantity::speed},
-    {"approach_speed", Quantity::speed},
-    {"label_speed", Quantity::speed},
-    {"compression", Quantity::length},
-    {"gap", Quantity::length},
-    {"edge_drop", Quantity::length},
-    {"corner_drop", Quantity::length},
-    {"pivot", Quantity::length},
-    {"direction", Quantity::angle},
-    {"tilt", Quantity::angle},
-    {"rotation", Quantity::angular_speed},
-    {"acceleration", Quantity::acceleration},
-    {"angular_acceleration", Quantity::angular_acceleration},
-    {"start", Quantity::time},
-    {"stop", Quantity::time},
-    {"reverse", Quantity::time},
-    {"retract", Quantity::time},
+// Scene keys that are no entry's parameter.
+constexpr std::array<std::pair<std::string_view, Quantity>, 3> scene_keys = {{
     {"duration", Quantity::time},
     {"time_step", Quantity::time},
-    {"rate", Quantity::frequency},
-    {"mass", Quantity::mass},
+    {"label_speed", Quantity::speed},
 }};
 
 // The last part of a dotted path that is a name, not an index: "tilt" of "motion.tilt.0".
@@ -63,9 +46,39 @@ std::string_view key_of(std::string_view path) {
   }
 }
 
+// Whose parameters stand below the first part of a path: "motion" of "motion.speed".
+const std::vector<Entry>& entries_below(std::string_view first) {
+  static const Catalogues catalogues = program_catalogues();
+  static const std::vector<Entry> none;
+  static const std::array<std::pair<std::string_view, const std::vector<Entry>*>, 10> places{
+      {{"motion", &catalogues.motions},
+       {"sensors", &catalogues.sensors},
+       {"surface", &catalogues.surfaces},
+       {"effects", &catalogues.effects},
+       {"detector", &catalogues.detectors},
+       {"controller", &catalogues.controllers},
+       {"box", &catalogues.grasp},
+       {"grip", &catalogues.grasp},
+       {"scatter", &catalogues.grasp},
+       {"bodies", &catalogues.bodies}}};
+  const auto found = std::ranges::find(places, first, &std::pair<std::string_view, const std::vector<Entry>*>::first);
+  return found == places.end() ? none : *found->second;
+}
+
+// What the path's parameter is measured in, where all entries that have one of this name agree; the path does not say which entry it is.
 Quantity quantity_of_path(const std::string& path) {
-  for (const auto& [key, quantity] : known_keys) {
-    if (key == key_of(path)) return quantity;
+  const std::string_view key = key_of(path);
+  std::optional<Quantity> found;
+  for (const Entry& entry : entries_below(std::string_view(path).substr(0, path.find('.')))) {
+    for (const ParameterSpec& spec : entry.parameters) {
+      if (spec.name != key) continue;
+      if (found && *found != spec.quantity) return Quantity::none;
+      found = spec.quantity;
+    }
+  }
+  if (found) return *found;
+  for (const auto& [known, quantity] : scene_keys) {
+    if (known == key) return quantity;
   }
   return Quantity::none;
 }

@@ -48,9 +48,10 @@ std::size_t row_size(const SensorColumn& channel) {
 // Every how many-th of the rows is kept so that `values` of them in all become at most `most`.
 std::size_t stride_for(std::size_t values, std::size_t most) { return values <= most ? 1 : (values + most - 1) / most; }
 
-// A channel belongs to the units when its first extent counts them, or when it has one value for each.
+// A channel belongs to the units when its first extent counts them, or when it has one value for each. What a pad of one unit emits is the
+// sensor's as a whole.
 bool per_unit(const SensorColumn& channel, std::size_t units) {
-  return !channel.time && (row_size(channel) == units || (!channel.shape.empty() && channel.shape[0] == units));
+  return units > 1 && !channel.time && (row_size(channel) == units || (!channel.shape.empty() && channel.shape[0] == units));
 }
 
 std::string shown_unit(const std::string& unit) { return unit == "1" ? "" : unit; }

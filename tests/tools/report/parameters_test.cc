@@ -15,6 +15,14 @@ TEST(PlainValue, TakesTheUnitOfABareNumberFromItsKey) {
   EXPECT_EQ(plain_value("motion.compression", "0.001"), Json::parse(R"({"value": 0.001, "unit": "m"})"));
   EXPECT_EQ(plain_value("motion.tilt.0", 0.02).at("unit"), "rad");  // an index is no key
   EXPECT_EQ(plain_value("friction.static", 0.5).at("unit"), "");
+  // Whatever the entries declare, wherever they stand.
+  EXPECT_EQ(plain_value("motion.travel", 0.02).at("unit"), "m");
+  EXPECT_EQ(plain_value("motion.clearance", 0.0).at("unit"), "m");
+  EXPECT_EQ(plain_value("sensors.pad.tip_radius", 0.1).at("unit"), "m");
+  EXPECT_EQ(plain_value("sensors.pad.k_tangential", 9000.0).at("unit"), "N/m");
+  EXPECT_EQ(plain_value("box.mass", 0.1).at("unit"), "kg");
+  EXPECT_EQ(plain_value("motion.vibration", 2.0).at("unit"), "") << "a level";
+  EXPECT_EQ(plain_value("duration", 2.0).at("unit"), "s");
 }
 
 TEST(PlainValue, HasNoNumberForInfinity) {

@@ -60,7 +60,8 @@ class Spectrogram {
     pen.fillStyle = sb.colour('soft');
     const top_hz = (columns.length - 0.5) * bin_hz;
     for (const tick of d3.scale.linear().domain([0, top_hz]).ticks(4)) {
-      pen.fillText(sb.significant(tick, 4), left - 5, this.height * (1 - (tick + 0.5 * bin_hz) / (columns.length * bin_hz)));
+      const middle = this.height * (1 - (tick + 0.5 * bin_hz) / (columns.length * bin_hz));
+      pen.fillText(sb.significant(tick, 4), left - 5, Math.min(this.height - 6, Math.max(6, middle)));  // all of it on the picture
     }
     pen.save();
     pen.beginPath();

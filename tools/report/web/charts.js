@@ -133,7 +133,7 @@ class StateRows {
     const fills = {};
     for (const key of ['detached', 'stick', 'slip']) fills[key] = stateColour(key);
     fills.partial = hatch(pen, stateColour('partial'));
-    pen.font = '12px system-ui, "DejaVu Sans", sans-serif';
+    pen.font = Math.min(12, this.rowHeight - 1) + 'px system-ui, "DejaVu Sans", sans-serif';  // names of low rows must not meet
     pen.textBaseline = 'middle';
     pen.textAlign = 'right';
     const bar = Math.max(1, this.rowHeight - (this.rowHeight > 8 ? 4 : 0));

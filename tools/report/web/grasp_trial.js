@@ -189,7 +189,7 @@ sb.graspSection = (trial, grasp, recording, timeline, player) => {
       el('div.layout.grasp', {},
          el('div.side', {}, card, sb.stateLegend(sb.states.unit),
             el('p.note', {},
-               'Colours: state of the sensor’s ' + sb.unitWord(recording.type) + 's, behind the finger that is drawn clear. Dashed blue: where the ' +
+               'Colours: state of the sensor’s ' + sb.unitWords(recording.type) + ', behind the finger that is drawn clear. Dashed blue: where the ' +
                    'box would be if it had not slipped since the lift began. Grid of the table: 50 mm. Only the pads’ and the box’s places and sizes are ' +
                    'the model’s; fingers and palm are drawn for the eye.')),
          pictures.node));

@@ -37,9 +37,10 @@ class Pad {
     this.x = p => p[this.view.right] * this.scale;
     this.y = p => -p[this.view.up] * this.scale;
     const xs = positions.map(this.x), ys = positions.map(this.y);
-    const margin = Math.max(30, 0.67 * pitch);
-    const left = Math.min(...xs) - margin, right = Math.max(...xs) + margin;
-    const top = Math.min(...ys) - margin, bottom = Math.max(...ys) + margin;
+    // The picture is stretched to its card: a pad of one unit gets a wide frame, so that its text is no larger than others'.
+    const margin = (places, least) => Math.max(30, 0.67 * pitch, 0.5 * (least - (Math.max(...places) - Math.min(...places))));
+    const left = Math.min(...xs) - margin(xs, 300), right = Math.max(...xs) + margin(xs, 300);
+    const top = Math.min(...ys) - margin(ys, 160), bottom = Math.max(...ys) + margin(ys, 160);
     this.box = {left, right, top, bottom};
     this.labels = recording.units <= 25;
     this.radius = (this.labels ? 0.27 : 0.4) * pitch;

@@ -144,7 +144,7 @@ function wholeSensor(trial, recording, timeline) {
         });
       };
       chart(
-          'labels/pad_speed', 'Slip speed, mm/s', 'mean over touching ' + word + 's (dark) and the fastest (red)', ['slip', 'fz'],
+          'labels/pad_speed', 'Slip speed, mm/s', 'mean over touching ' + sb.unitWords(recording.type) + ' (dark) and the fastest (red)', ['slip', 'fz'],
           null);
       chart('labels/stuck_fraction', 'Stuck fraction', 'share of touching friction points that stick', ['stick'], [0, 1.05]);
     }
@@ -228,7 +228,7 @@ class UnitCharts {
         el('p.note', {},
            'Background: state of the sensor by the strict rule (blue non-slip, amber incipient, red gross). ' +
                 'The strip below the curves: state of the ' +
-               word + ' itself. All ' + word + 's share one scale.'),
+               word + ' itself. All ' + sb.unitWords(recording.type) + ' share one scale.'),
         el('div.controls', {}, this.segments, el('label', {}, 'show', this.select), this.legend), this.host);
     this.readings = [];
     timeline.on('cursor', () => this.read());

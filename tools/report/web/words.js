@@ -33,6 +33,7 @@ const unitWords = {
   biotac_sp: ['electrode', 'E']
 };
 sb.unitWord = type => (unitWords[type] || ['unit', 'U'])[0];
+sb.unitWords = type => sb.unitWord(type) + (/(ch|s|x)$/.test(sb.unitWord(type)) ? 'es' : 's');
 sb.unitName = (type, index) => (unitWords[type] || ['unit', 'U'])[1] + index;
 
 // How a pad is drawn: which axis points right and which up, and where the eye is.
@@ -49,6 +50,7 @@ const channelWords = {
     fr: {name: 'FR: clusters + and −', note: 'tangential electrodes of the eight outer taxels, counter-clockwise and clockwise, 300 Hz'},
     si: {name: 'SI: electrodes of one taxel', note: 'one image is read within nine samples'},
   },
+  piezo_skin: {signal: {name: 'Signal', note: 'charge of the patch through its amplifier: the rate of its force'}},
 };
 sb.channelWord = (type, key) => (channelWords[type] || {})[key] || {name: key, note: ''};
 
