@@ -43,6 +43,10 @@ const std::vector<Reproduction>& reproductions() {
        "networks on the piezoelectric skin: a frame alone against the motors' vibration, with and without motor recordings",
        {"--data", "--trials", "--only", "--seed", "--jobs"},
        &piezo_table4},
+      {"piezo-fft-gru/slip_against_hold",
+       "slip and hold told apart by the power of one frame, against the motors' vibration, and which frames are mistaken",
+       {"--trials", "--seed", "--jobs"},
+       &piezo_slip_against_hold},
   };
   return all;
 }

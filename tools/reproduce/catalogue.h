@@ -52,5 +52,6 @@ Result nib_table2(const ReproduceOptions& options);
 Result nib_slip_kinds(const ReproduceOptions& options);
 Result nib_table3(const ReproduceOptions& options);
 Result piezo_table4(const ReproduceOptions& options);
+Result piezo_slip_against_hold(const ReproduceOptions& options);
 
 }  // namespace slipbench::reproduce

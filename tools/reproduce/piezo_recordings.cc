@@ -5,28 +5,19 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
-#include <optional>
-#include <thread>
 #include <type_traits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "sim/core/error.h"
-#include "sim/scene/parser.h"
-#include "tools/catalogue/catalogues.h"
 #include "tools/dataset/content_check.h"
 #include "tools/dataset/guarded.h"
 #include "tools/dataset/reader.h"
-#include "tools/reproduce/project_file.h"
-#include "tools/run/interrupt.h"
-#include "tools/run/ordered_workers.h"
-#include "tools/run/run_trial.h"
 
 namespace slipbench::reproduce {
 namespace {
 
-constexpr const char* bench_scene = "scenes/piezo_skin/dataset.yaml";
 constexpr const char* level_path = "motion.vibration";
 
 // A tip is its friction, stiffness, shape and effects: all that the sweep varies but the motion.
@@ -111,31 +102,10 @@ std::vector<PiezoRecording> unpack(const std::string& bytes) {
 
 std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, std::size_t recordings,
                                            const ReproduceOptions& options) {
-  const InterruptGuard guard("ending after the recordings at hand");
-  const Catalogues catalogues = program_catalogues();
-  SceneFile file = SceneFile::load(project_file(bench_scene));
-  file.apply({std::string("sweep.") + level_path, fmt::format("[{}]", fmt::join(levels, ", "))});
-  const std::uint64_t seed = options.seed.value_or(1);
-  const TrialPlan plan(file, catalogues, std::max<std::size_t>(1, recordings / 2),
-                       seed);  // two cells a level: slip, motors alone
-  const auto one = [&](std::size_t index) {
-    TrialPlan::Trial trial = plan.trial(index);
-    trial.scene.seed = seed;
-    Json params = Json::object();
-    for (const auto& [path, value] : trial.drawn) params[path] = Json::parse(value);
-    return make_recording(run_trial(trial.scene, index, Recording::full).record, params.dump());
-  };
-  const std::size_t threads = options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency());
-  OrderedWorkers<PiezoRecording> workers(
-      plan.size(), std::min(threads, plan.size()), [&] { return one; }, &InterruptGuard::flag());
-  std::vector<PiezoRecording> all;
-  while (all.size() < plan.size()) {
-    if (options.say && all.size() % 100 == 0) options.say(fmt::format("recordings ({} of {} done)", all.size(), plan.size()));
-    std::optional<PiezoRecording> recording = workers.next();
-    if (!recording) throw Interrupted();
-    all.push_back(std::move(*recording));
-  }
-  return all;
+  const std::string swept = fmt::format("[{}]", fmt::join(levels, ", "));
+  return run_piezo_bench<PiezoRecording>(
+      {{std::string("sweep.") + level_path, swept}}, {}, recordings, options, "recordings",
+      [](const Scene&, const TrialRecord& record, const Json& params) { return make_recording(record, params.dump()); });
 }
 
 std::vector<PiezoRecording> read_recordings(const std::string& path) {

@@ -1,14 +1,64 @@
 // Recordings of the piezoelectric skin's bench as networks learn from them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "sim/scene/parser.h"
+#include "tools/catalogue/catalogues.h"
 #include "tools/learn/frames.h"
 #include "tools/reproduce/catalogue.h"
+#include "tools/reproduce/project_file.h"
+#include "tools/run/interrupt.h"
+#include "tools/run/ordered_workers.h"
+#include "tools/run/run_trial.h"
 
 namespace slipbench::reproduce {
+
+inline constexpr const char* piezo_bench_scene = "scenes/piezo_skin/dataset.yaml";
+
+// Runs the published bench, scenes/piezo_skin/dataset.yaml with `overrides`, each trial's scene changed by `change` (may be empty): of each cell
+// of its sweep half of `recordings`, so that half of them slip and half are of motors alone. What `reduce` makes of the scene, the full
+// record and what was swept (a JSON object), in order. Throws InputError, Interrupted.
+template <class Outcome, class Reduce>
+std::vector<Outcome> run_piezo_bench(const std::vector<Override>& overrides, const std::function<void(Scene&)>& change,
+                                     std::size_t recordings, const ReproduceOptions& options, const std::string& what,
+                                     Reduce&& reduce) {
+  const InterruptGuard guard("ending after the recordings at hand");
+  const Catalogues catalogues = program_catalogues();
+  SceneFile file = SceneFile::load(project_file(piezo_bench_scene));
+  for (const Override& override : overrides) file.apply(override);
+  const std::uint64_t seed = options.seed.value_or(1);
+  const TrialPlan plan(file, catalogues, std::max<std::size_t>(1, recordings / 2), seed);
+  const auto one = [&](std::size_t index) {
+    TrialPlan::Trial trial = plan.trial(index);
+    trial.scene.seed = seed;
+    if (change) change(trial.scene);
+    Json params = Json::object();
+    for (const auto& [path, value] : trial.drawn) params[path] = Json::parse(value);
+    return reduce(trial.scene, run_trial(trial.scene, index, Recording::full).record, params);
+  };
+  const std::size_t threads = options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency());
+  OrderedWorkers<Outcome> workers(
+      plan.size(), std::min(threads, plan.size()), [&] { return one; }, &InterruptGuard::flag());
+  std::vector<Outcome> all;
+  while (all.size() < plan.size()) {
+    if (options.say && all.size() % 100 == 0) options.say(fmt::format("{} ({} of {} done)", what, all.size(), plan.size()));
+    std::optional<Outcome> outcome = workers.next();
+    if (!outcome) throw Interrupted();
+    all.push_back(std::move(*outcome));
+  }
+  return all;
+}
 
 // A recording, its signal already turned into frames.
 struct PiezoRecording {

@@ -17,13 +17,31 @@ struct ResultTable {
   std::string note;                            // a sentence below it; may be empty
 };
 
+// A value against what was varied, with its interval; `low` and `high` may be equal to it.
+struct ResultPoint {
+  double value = 0.0, low = 0.0, high = 0.0;
+};
+struct ResultCurve {
+  std::string name;
+  std::vector<ResultPoint> points;  // one at each of the chart's places
+};
+// Curves over places that stand at equal distances, whatever numbers they are.
+struct ResultChart {
+  std::string title, across, up;    // and what the axes are
+  std::vector<std::string> places;  // "0", "0.5", ..., at least two
+  std::vector<ResultCurve> curves;  // at least one
+  double bar = 0.0;                 // a line across
+  std::string bar_name;             // what it says beside it
+};
+
 struct Result {
   std::string title;               // "Ablation of the hyperdimensional slip detector"
   std::string source;              // what is reproduced: paper and place in it
   std::vector<std::string> setup;  // how it was measured, a line each
   std::vector<ResultTable> tables;
-  std::vector<std::string> remarks;  // what differs from the paper, and why
-  Json figures;                      // every number of the tables, unrounded
+  std::vector<ResultChart> charts = {};  // drawn before the tables
+  std::vector<std::string> remarks;      // what differs from the paper, and why
+  Json figures;                          // every number of the tables, unrounded
 };
 
 // The one JSON object of `--json` and of the written file: name, title, source, setup, figures, remarks.

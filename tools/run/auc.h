@@ -21,4 +21,11 @@ struct Auc {
 // std::invalid_argument where a class is empty or a value is no number.
 Auc auc(std::span<const double> positives, std::span<const double> negatives);
 
+// The same of values that come in groups, as frames do in recordings: values of one group may depend on each other, groups do not. `..._group`
+// holds the number of the group of each value; a group may have values of both classes. The interval is Obuchowski's (Biometrics 53, 1997),
+// which is DeLong's where each value is a group of its own; at 0 and at 1 it is that of the groups of the class that has fewer. Throws
+// std::invalid_argument also where a list of groups has not the length of its values.
+Auc auc(std::span<const double> positives, std::span<const std::size_t> positive_group, std::span<const double> negatives,
+        std::span<const std::size_t> negative_group);
+
 }  // namespace slipbench

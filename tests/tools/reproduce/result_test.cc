@@ -38,6 +38,24 @@ TEST(ResultPage, ShowsEverythingAsText) {
   EXPECT_THAT(page, AllOf(Not(HasSubstr("http")), Not(HasSubstr("src=")), Not(HasSubstr("<script"))));
 }
 
+// 0.9 to 1 in two steps of the grid, drawn between 14 and 286 px: 0.95 is in the middle.
+TEST(ResultPage, DrawsCurvesWithTheirIntervals) {
+  Result result = sample_result();
+  result.charts = {{.title = "Curve",
+                    .across = "level",
+                    .up = "area",
+                    .places = {"0", "8 <"},
+                    .curves = {{"all", {{0.95, 0.91, 0.99}, {0.92, 0.92, 0.92}}}},
+                    .bar = 0.95,
+                    .bar_name = "wanted"}};
+  const std::string page = result_page("paper/curve", result);
+  EXPECT_THAT(page, AllOf(HasSubstr("<h2>Curve</h2>"), HasSubstr(">0.90</text>"), HasSubstr(">1.00</text>"), HasSubstr("8 &lt;"),
+                          HasSubstr("points=\"56.0,150.0 610.0,"), HasSubstr(">wanted</text>"), HasSubstr(">all</text>")));
+  EXPECT_THAT(page, HasSubstr("<line class=\"bar\" x1=\"56\" x2=\"610\" y1=\"150.0\" y2=\"150.0\"/>"));
+  EXPECT_THAT(page, Not(HasSubstr("http")));
+  EXPECT_THAT(result_page("paper/table", sample_result()), Not(HasSubstr("<svg")));
+}
+
 class ResultFileTest : public ::slipbench::testing::FolderTest {};
 
 TEST_F(ResultFileTest, StandsBesideItsFigures) {

@@ -260,8 +260,7 @@ TEST(PiezoSkinBench, SaysWhereItsConverterIsAtItsEnd) {
   const Override brief{"duration", "1 s"};
   EXPECT_TRUE(slide({brief}).record.outcome.saturated.empty());
   const Recorded of = slide({brief, {"sensors.pad.gain", "200000"}});
-  const auto at_an_end =
-      std::ranges::count_if(of.signal, [](float value) { return value == 32767.0F || value == -32768.0F; });
+  const auto at_an_end = std::ranges::count_if(of.signal, [](float value) { return value == 32767.0F || value == -32768.0F; });
   ASSERT_EQ(of.record.outcome.saturated.count("pad"), 1u);
   EXPECT_GT(of.record.outcome.saturated.at("pad"), 100u);
   EXPECT_LE(of.record.outcome.saturated.at("pad"), static_cast<std::uint64_t>(at_an_end)) << "the end itself is within the range";
