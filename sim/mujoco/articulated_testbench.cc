@@ -7,6 +7,7 @@
 #include "sim/core/error.h"
 #include "sim/mujoco/articulated.h"
 #include "sim/mujoco/articulated_bench.h"
+#include "sim/testbench/pad_clocks.h"
 #include "sim/testbench/stage_setup.h"
 #include "sim/testbench/step_plan.h"
 
@@ -17,8 +18,7 @@ struct ArticulatedTestbench::State {
   Pose world_in_surface;
   std::vector<std::unique_ptr<ArticulatedBench>> pads;
   std::vector<NamedBody> bodies;
-  StepPlan plan;
-  std::size_t tick = 0;
+  PadClocks clocks;
 };
 
 ArticulatedTestbench::ArticulatedTestbench(const Scene& scene, std::span<const PadLayout* const> pads,
@@ -30,11 +30,12 @@ ArticulatedTestbench::ArticulatedTestbench(const Scene& scene, std::span<const P
   s.motion = std::move(stage.motion);
   refuse_motors(*s.motion);
   s.world_in_surface = stage.surface.pose.inverse();
-  s.plan = plan_steps(scene, output_rates, std::numeric_limits<double>::infinity(), "the pads");
-  for (const PadLayout* pad : pads) {
-    refuse_inside(*pad, stage.surface, {}, s.motion->pad_at(0.0).pose);
+  for (std::size_t i = 0; i < pads.size(); ++i) {
+    s.clocks.add(plan_steps(scene, output_rates.subspan(i, 1), std::numeric_limits<double>::infinity(), "the pads", i));
+    refuse_inside(*pads[i], stage.surface, {}, s.motion->pad_at(0.0).pose);
     s.pads.push_back(std::make_unique<ArticulatedBench>(
-        *pad, stage.surface.shape, Friction{scene.friction.static_coefficient, scene.friction.kinetic_coefficient}, s.plan.dt));
+        *pads[i], stage.surface.shape, Friction{scene.friction.static_coefficient, scene.friction.kinetic_coefficient},
+        s.clocks.time_step(i)));
   }
   s.bodies = {{"pad", s.motion->pad_at(0.0)},
               {"surface", {stage.surface.pose, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
@@ -42,24 +43,24 @@ ArticulatedTestbench::ArticulatedTestbench(const Scene& scene, std::span<const P
 
 ArticulatedTestbench::~ArticulatedTestbench() = default;
 
-std::size_t ArticulatedTestbench::ticks() const { return state_->plan.ticks; }
-double ArticulatedTestbench::time_step() const { return state_->plan.dt; }
-std::size_t ArticulatedTestbench::stride(std::size_t pad) const { return state_->plan.strides[pad]; }
+std::size_t ArticulatedTestbench::ticks(std::size_t pad) const { return state_->clocks.ticks(pad); }
+double ArticulatedTestbench::time_step(std::size_t pad) const { return state_->clocks.time_step(pad); }
+std::size_t ArticulatedTestbench::stride(std::size_t pad) const { return state_->clocks.stride(pad); }
+std::span<const std::size_t> ArticulatedTestbench::stepped() const { return state_->clocks.stepped(); }
 const ContactFrame& ArticulatedTestbench::contact(std::size_t pad) const { return state_->pads[pad]->frame(); }
 const std::vector<NamedBody>& ArticulatedTestbench::bodies() const { return state_->bodies; }
 bool ArticulatedTestbench::rotating() const { return state_->motion->turns(); }
 
 void ArticulatedTestbench::step() {
   State& s = *state_;
-  const double time = static_cast<double>(s.tick) * s.plan.dt;
+  const double time = s.clocks.advance();
   s.bodies.front().state = s.motion->pad_at(time);
   const Pose pad_in_surface = s.world_in_surface * s.bodies.front().state.pose;
   try {
-    for (const auto& pad : s.pads) pad->step(pad_in_surface, time);
+    for (const std::size_t pad : s.clocks.stepped()) s.pads[pad]->step(pad_in_surface, time);
   } catch (const std::runtime_error& error) {
     throw InputError(std::string("the run has gone wrong: ") + error.what());
   }
-  ++s.tick;
 }
 
 }  // namespace slipbench

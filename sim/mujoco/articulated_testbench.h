@@ -1,6 +1,7 @@
 // `fidelity: articulated`: a scene of prescribed motion with MuJoCo's own bodies, joints and contacts for the elements.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
 
@@ -20,10 +21,11 @@ class ArticulatedTestbench final : public Bench {
                        std::uint64_t trial);
   ~ArticulatedTestbench() override;
 
-  [[nodiscard]] std::size_t ticks() const override;
-  [[nodiscard]] double time_step() const override;
+  [[nodiscard]] std::size_t ticks(std::size_t pad) const override;
+  [[nodiscard]] double time_step(std::size_t pad) const override;
   [[nodiscard]] std::size_t stride(std::size_t pad) const override;
   void step() override;
+  [[nodiscard]] std::span<const std::size_t> stepped() const override;
   [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
   // "pad" and "surface".
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;

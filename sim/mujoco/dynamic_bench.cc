@@ -352,7 +352,10 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
   s.make_data();
   s.find_pads(scene);
   s.start(scene);
-  for (std::size_t i = 0; i < s.read; ++i) s.pads[i].stride = plan.strides[i];
+  for (std::size_t i = 0; i < s.read; ++i) {
+    s.pads[i].stride = plan.strides[i];
+    s.stepped.push_back(i);
+  }
   s.find_bodies(scene);
   s.leads = s.model->opt.integrator == mjINT_RK4;
   if (s.articulated) s.settle_tips();
@@ -362,9 +365,10 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
 
 DynamicBench::~DynamicBench() = default;
 
-std::size_t DynamicBench::ticks() const { return state_->ticks; }
-double DynamicBench::time_step() const { return state_->dt; }
+std::size_t DynamicBench::ticks(std::size_t) const { return state_->ticks; }
+double DynamicBench::time_step(std::size_t) const { return state_->dt; }
 std::size_t DynamicBench::stride(std::size_t pad) const { return state_->pads[pad].stride; }
+std::span<const std::size_t> DynamicBench::stepped() const { return state_->stepped; }
 const ContactFrame& DynamicBench::contact(std::size_t pad) const { return State::truth_of(state_->pads[pad]); }
 const std::vector<NamedBody>& DynamicBench::bodies() const { return state_->bodies; }
 bool DynamicBench::rotating() const { return state_->motion && state_->motion->turns(); }

@@ -52,10 +52,11 @@ class DynamicBench final : public Bench {
                std::uint64_t trial, const DynamicBenchOptions& options = {});
   ~DynamicBench() override;
 
-  [[nodiscard]] std::size_t ticks() const override;
-  [[nodiscard]] double time_step() const override;
+  [[nodiscard]] std::size_t ticks(std::size_t pad) const override;
+  [[nodiscard]] double time_step(std::size_t pad) const override;
   [[nodiscard]] std::size_t stride(std::size_t pad) const override;
   void step() override;
+  [[nodiscard]] std::span<const std::size_t> stepped() const override;
   [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
   // "pad" where sensors ride on the stage, the pad of every sensor with a site under the sensor's name, the scene's own bodies, and
   // those of the model that have a free joint or that its custom text "slipbench.record" names, with spaces between them.

@@ -74,6 +74,7 @@ struct DynamicBench::State {
   std::size_t read = 0;                // how many pads somebody reads
   std::optional<FingerSpring> spring;  // of every finger, where there is a hand
   std::vector<Pad> pads;
+  std::vector<std::size_t> stepped;  // those that somebody reads: all at every tick
   std::vector<Contact> contacts;
   std::vector<Control> controls;
   std::vector<Recorded> recorded;

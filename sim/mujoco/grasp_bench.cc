@@ -272,9 +272,10 @@ GraspBench::GraspBench(const Scene& scene, const PadLayout& pad, double rate, st
 
 GraspBench::~GraspBench() = default;
 
-std::size_t GraspBench::ticks() const { return state_->bench->ticks(); }
-double GraspBench::time_step() const { return state_->bench->time_step(); }
+std::size_t GraspBench::ticks(std::size_t pad) const { return state_->bench->ticks(pad); }
+double GraspBench::time_step(std::size_t pad) const { return state_->bench->time_step(pad); }
 std::size_t GraspBench::stride(std::size_t pad) const { return state_->bench->stride(pad); }
+std::span<const std::size_t> GraspBench::stepped() const { return state_->bench->stepped(); }
 const ContactFrame& GraspBench::contact(std::size_t pad) const { return state_->bench->contact(pad); }
 const std::vector<NamedBody>& GraspBench::bodies() const { return state_->bodies; }
 bool GraspBench::rotating() const { return state_->motion->turns(); }
@@ -289,7 +290,7 @@ DynamicBench& GraspBench::dynamics() { return *state_->bench; }
 
 void GraspBench::step() {
   State& s = *state_;
-  const double time = static_cast<double>(s.tick) * s.bench->time_step();
+  const double time = static_cast<double>(s.tick) * s.bench->time_step(0);
   s.drive(time);
   s.bench->step();
   s.observe(time);

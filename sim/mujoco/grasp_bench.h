@@ -35,10 +35,11 @@ class GraspBench final : public Bench, public HeldBox {
   GraspBench(const Scene& scene, const PadLayout& pad, double rate, std::uint64_t trial, const DynamicBenchOptions& options = {});
   ~GraspBench() override;
 
-  [[nodiscard]] std::size_t ticks() const override;
-  [[nodiscard]] double time_step() const override;
+  [[nodiscard]] std::size_t ticks(std::size_t pad) const override;
+  [[nodiscard]] double time_step(std::size_t pad) const override;
   [[nodiscard]] std::size_t stride(std::size_t pad) const override;
   void step() override;
+  [[nodiscard]] std::span<const std::size_t> stepped() const override;
   [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
   // "arm", the sensor's pad under the sensor's name, "second_pad", "table" and "box". The box has a size, and the silicone pad that of its
   // face: width, height, 0.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,21 +20,25 @@ struct NamedBody {
 
 class HeldBox;  // sim/grasp/held_box.h
 
+// Every pad has ticks of its own, the k-th (from 0) at t = k * time_step: those that it would have if it were alone, so that what it is told
+// does not depend on who is beside it. The bench goes from one instant at which a pad has a tick to the next.
 class Bench {
  public:
   virtual ~Bench() = default;
 
-  [[nodiscard]] virtual std::size_t ticks() const = 0;                  // duration / time_step
-  [[nodiscard]] virtual double time_step() const = 0;                   // s
-  [[nodiscard]] virtual std::size_t stride(std::size_t pad) const = 0;  // ticks between readings of this pad's sensor
+  [[nodiscard]] virtual std::size_t ticks(std::size_t pad) const = 0;   // of the pad in the whole trial
+  [[nodiscard]] virtual double time_step(std::size_t pad) const = 0;    // s
+  [[nodiscard]] virtual std::size_t stride(std::size_t pad) const = 0;  // of the pad's ticks between readings of its sensor
 
-  // Advances to the next tick. The first call evaluates t = 0; call k (from 0) evaluates t = k * time_step.
+  // Advances to the next instant; the first call evaluates t = 0. A trial is over when every pad has had its ticks.
   // Throws InputError when the run has gone wrong and cannot be gone on with.
   virtual void step() = 0;
 
-  // Truth at the tick last stepped to.
+  // The pads that have a tick at the instant last stepped to, in the scene's order. Stays until the next step.
+  [[nodiscard]] virtual std::span<const std::size_t> stepped() const = 0;
+  // Truth at the pad's latest tick.
   [[nodiscard]] virtual const ContactFrame& contact(std::size_t pad) const = 0;
-  // All recorded bodies at that tick.
+  // All recorded bodies at that instant.
   [[nodiscard]] virtual const std::vector<NamedBody>& bodies() const = 0;
   // Whether the scene's motion turns the pads that ride on it.
   [[nodiscard]] virtual bool rotating() const = 0;

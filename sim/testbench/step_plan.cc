@@ -40,7 +40,8 @@ double automatic_step(std::span<const double> rates, double longest) {
 
 }  // namespace
 
-StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, double longest, const std::string& limited_by) {
+StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, double longest, const std::string& limited_by,
+                    std::size_t first) {
   StepPlan plan;
   plan.dt = scene.time_step ? *scene.time_step : automatic_step(output_rates, longest);
   if (plan.dt > longest) {
@@ -50,9 +51,11 @@ StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, do
   }
   plan.ticks = whole_ratio(scene.duration, plan.dt);
   if (plan.ticks == 0) {
-    throw SceneValueError("duration",
-                          fmt::format("{} is not a whole number of steps of {}", format_quantity(scene.duration, Quantity::time),
-                                      format_quantity(plan.dt, Quantity::time)));
+    throw SceneValueError(
+        "duration",
+        fmt::format("{} is not a whole number of steps of {}{}", format_quantity(scene.duration, Quantity::time),
+                    format_quantity(plan.dt, Quantity::time),
+                    output_rates.size() < scene.sensors.size() ? ", those of sensor '" + scene.sensors[first].name + "'" : ""));
   }
   for (std::size_t i = 0; i < output_rates.size(); ++i) {
     const std::string sampling_time = format_quantity(1.0 / output_rates[i], Quantity::time);
@@ -61,7 +64,7 @@ StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, do
       throw SceneValueError(
           "time_step",
           fmt::format("{} does not divide the sampling time {} of sensor '{}'; allowed: {} over a whole number",
-                      format_quantity(plan.dt, Quantity::time), sampling_time, scene.sensors[i].name, sampling_time));
+                      format_quantity(plan.dt, Quantity::time), sampling_time, scene.sensors[first + i].name, sampling_time));
     }
   }
   return plan;

@@ -16,9 +16,10 @@ struct StepPlan {
   std::vector<std::size_t> strides;  // ticks between two samples, by sensor
 };
 
-// The steps of a scene whose sensors sample at `output_rates` [Hz]. `time_step: auto` takes the longest step that divides every
+// The steps that the sensors of a scene from number `first` on have in common, which sample at `output_rates` [Hz]. `time_step: auto` takes the longest step that divides every
 // sampling time and is at most `longest` [s]. `limited_by` says what does not bear a longer one: "the scene's effects".
 // Throws SceneValueError when the scene's own step is longer than that, is no whole part of the duration or of a sampling time.
-StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, double longest, const std::string& limited_by);
+StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, double longest, const std::string& limited_by,
+                    std::size_t first = 0);
 
 }  // namespace slipbench

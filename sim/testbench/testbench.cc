@@ -18,6 +18,7 @@
 #include "sim/scene/catalogues.h"
 #include "sim/scene/materials.h"
 #include "sim/testbench/bodies.h"
+#include "sim/testbench/pad_clocks.h"
 #include "sim/testbench/stage_setup.h"
 #include "sim/testbench/step_plan.h"
 #include "sim/testbench/surfaces.h"
@@ -56,18 +57,15 @@ struct Testbench::State {
   struct Pad {
     Field field;
     ContactLabels labels;
-    std::size_t stride;
+    std::optional<MotorVibration> motors;
   };
 
   std::unique_ptr<Motion> motion;
-  std::optional<MotorVibration> motors;
   Pose world_in_surface;
   double half_thickness = 0.0;  // m, of the surface's shape
   std::vector<Pad> pads;
+  PadClocks clocks;
   std::vector<NamedBody> bodies;
-  double dt = 0.0;
-  std::size_t ticks = 0;
-  std::size_t tick = 0;
 };
 
 Testbench::Testbench(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
@@ -77,27 +75,21 @@ Testbench::Testbench(const Scene& scene, std::span<const PadLayout* const> pads,
   State& s = *state_;
   StageSetup stage = set_up_stage(scene, trial);
   s.motion = std::move(stage.motion);
-  if (const auto motors = s.motion->motors()) s.motors.emplace(*motors, RandomStream(scene.seed, trial, "motors"));
+  const std::optional<MotorSettings> motors = s.motion->motors();
   const PlacedSurface& surface = stage.surface;
   s.world_in_surface = surface.pose.inverse();
   s.half_thickness = std::visit(HalfThickness{}, surface.shape);
 
-  double longest = std::numeric_limits<double>::infinity();
-  std::vector<FieldEffects> effects(pads.size());
   for (std::size_t i = 0; i < pads.size(); ++i) {
-    effects[i] = install_effects(scene.effects, *pads[i], surface.shape, scene.seed, trial);
-    refuse_inside(*pads[i], surface, effects[i], s.motion->pad_at(0.0).pose);
-    longest = std::min(longest, longest_step(effects[i], s.motion->top_speed(reach_of(*pads[i]))));
-  }
-
-  const StepPlan plan = plan_steps(scene, output_rates, longest, "the scene's effects");
-  s.dt = plan.dt;
-  s.ticks = plan.ticks;
-  for (std::size_t i = 0; i < pads.size(); ++i) {
+    FieldEffects effects = install_effects(scene.effects, *pads[i], surface.shape, scene.seed, trial);
+    refuse_inside(*pads[i], surface, effects, s.motion->pad_at(0.0).pose);
+    const double longest = longest_step(effects, s.motion->top_speed(reach_of(*pads[i])));
+    s.clocks.add(plan_steps(scene, output_rates.subspan(i, 1), longest, "the scene's effects", i));
     Field field(*pads[i], surface.shape, {scene.friction.static_coefficient, scene.friction.kinetic_coefficient},
-                std::move(effects[i]));
+                std::move(effects));
     ContactLabels labels(field.layout());
-    s.pads.push_back({std::move(field), std::move(labels), plan.strides[i]});
+    s.pads.push_back({std::move(field), std::move(labels), {}});
+    if (motors) s.pads.back().motors.emplace(*motors, RandomStream(scene.seed, trial, "motors"));
   }
   s.bodies = {{"pad", s.motion->pad_at(0.0)}, {"surface", {surface.pose, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
 }
@@ -106,29 +98,27 @@ Testbench::~Testbench() = default;
 Testbench::Testbench(Testbench&&) noexcept = default;
 Testbench& Testbench::operator=(Testbench&&) noexcept = default;
 
-std::size_t Testbench::ticks() const { return state_->ticks; }
-double Testbench::time_step() const { return state_->dt; }
-std::size_t Testbench::stride(std::size_t pad) const { return state_->pads[pad].stride; }
+std::size_t Testbench::ticks(std::size_t pad) const { return state_->clocks.ticks(pad); }
+double Testbench::time_step(std::size_t pad) const { return state_->clocks.time_step(pad); }
+std::size_t Testbench::stride(std::size_t pad) const { return state_->clocks.stride(pad); }
+std::span<const std::size_t> Testbench::stepped() const { return state_->clocks.stepped(); }
 const ContactFrame& Testbench::contact(std::size_t pad) const { return state_->pads[pad].labels.frame(); }
 const std::vector<NamedBody>& Testbench::bodies() const { return state_->bodies; }
 bool Testbench::rotating() const { return state_->motion->turns(); }
 
 void Testbench::step() {
   State& s = *state_;
-  const double time = static_cast<double>(s.tick) * s.dt;
-  s.bodies.front().state = s.motion->pad_at(time);
-  const Pose pad_in_surface = s.world_in_surface * s.bodies.front().state.pose;
-  bool touching = false;
-  for (State::Pad& pad : s.pads) {
-    pad.field.step(pad_in_surface, s.dt);
+  const double time = s.clocks.advance();
+  const BodyState& stage = s.bodies.front().state = s.motion->pad_at(time);
+  const Pose pad_in_surface = s.world_in_surface * stage.pose;
+  for (const std::size_t i : s.clocks.stepped()) {
+    State::Pad& pad = s.pads[i];
+    const double dt = s.clocks.time_step(i);
+    pad.field.step(pad_in_surface, dt);
     if (!pad.field.on_plane()) refuse_too_deep(pad.field, s.half_thickness, time);
-    pad.labels.update({&pad.field, 1}, time, s.dt);
-    touching = touching || pad.field.touching() > 0;
+    pad.labels.update({&pad.field, 1}, time, dt);
+    pad.labels.ride(stage.pose.position.array(), pad.motors ? pad.motors->force(stage, pad.field.touching() > 0, dt) : 0.0);
   }
-  const BodyState& stage = s.bodies.front().state;
-  const double shaking = s.motors ? s.motors->force(stage, touching, s.dt) : 0.0;
-  for (State::Pad& pad : s.pads) pad.labels.ride(stage.pose.position.array(), shaking);
-  ++s.tick;
 }
 
 void add_sim_catalogues(Catalogues& catalogues) {

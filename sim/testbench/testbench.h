@@ -15,7 +15,9 @@
 namespace slipbench {
 
 // Runs one trial of a scene. Every pad follows the scene's motion against the scene's surface; no dynamics are solved, since
-// nothing is free to move.
+// nothing is free to move. Pads do not feel each other: with `time_step: auto` each takes the longest step that divides its own sampling
+// time and that its own effects bear, and the motors shake each by a force of its own with the same random numbers (the level and the
+// phases of their lines are alike in all; the noise is drawn once a step).
 class Testbench final : public Bench {
  public:
   // `pads`: one layout a sensor of the scene, in the scene's order. `output_rates` [Hz]: the sensors' rates, in the same order.
@@ -27,10 +29,11 @@ class Testbench final : public Bench {
   Testbench(Testbench&&) noexcept;
   Testbench& operator=(Testbench&&) noexcept;
 
-  [[nodiscard]] std::size_t ticks() const override;
-  [[nodiscard]] double time_step() const override;
+  [[nodiscard]] std::size_t ticks(std::size_t pad) const override;
+  [[nodiscard]] double time_step(std::size_t pad) const override;
   [[nodiscard]] std::size_t stride(std::size_t pad) const override;
   void step() override;
+  [[nodiscard]] std::span<const std::size_t> stepped() const override;
   [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
   // "pad" (one: all sensors ride on the same stage) and "surface".
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;

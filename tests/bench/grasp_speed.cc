@@ -18,7 +18,7 @@ void lift(benchmark::State& state, const std::string& material, const std::strin
   for (auto _ : state) {
     GraspRig rig("surface: {material: " + material + "}\ngrip: {}\nscatter: {}\n" + more, trial++, {}, ", rate: 100 Hz");
     rig.run();
-    simulated += static_cast<double>(rig->ticks()) * rig->time_step();
+    simulated += static_cast<double>(rig->ticks(0)) * rig->time_step(0);
   }
   state.counters["x_real_time"] = benchmark::Counter(simulated, benchmark::Counter::kIsRate);
 }

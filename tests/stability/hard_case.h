@@ -123,10 +123,10 @@ class CaseRun {
   DynamicBench* operator->() { return bench_.get(); }
   // Until the tick at `time` [s] has been evaluated: truth and bodies are those of then.
   void to(double time) {
-    while (static_cast<double>(done_) * bench_->time_step() <= time + 1e-9) step();
+    while (static_cast<double>(done_) * bench_->time_step(0) <= time + 1e-9) step();
   }
   void to_end() {
-    while (done_ < bench_->ticks()) step();
+    while (done_ < bench_->ticks(0)) step();
   }
   void step() {
     bench_->step();

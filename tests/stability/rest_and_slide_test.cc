@@ -81,7 +81,7 @@ void expect_rest_and_slide(const BoxOnPad& from) {
   expect_at_rest(run, box, held);
   if (!slides) return;
   run.to(slips);
-  const double dt = run->time_step();
+  const double dt = run->time_step(0);
   const Eigen::Vector3d before = run.momentum();
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
   for (double t = slips; t < slips + window - 0.5 * dt; t += dt) {

@@ -86,7 +86,7 @@ CalibrationRecording record_calibration(const Scene& scene, std::uint64_t trial,
   std::vector<double> time, si;
   std::vector<double> wrench;
   std::size_t readings = 0;
-  for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
+  for (std::size_t tick = 0; tick < bench.ticks(0); ++tick) {
     bench.step();
     if (tick % bench.stride(0) != 0) continue;
     const ContactFrame& truth = bench.contact(0);

@@ -28,6 +28,12 @@ void keep_earliest(double& time, double candidate) {
 
 Sampling sampling_of(const Sensor& sensor, const Bench& bench, std::size_t pad) { return {bench.stride(pad), sensor.scans()}; }
 
+// With whose samples the bodies are recorded: those of the fastest sensor, of equals the first.
+std::size_t fastest_of(std::span<const std::unique_ptr<Sensor>> sensors) {
+  return static_cast<std::size_t>(std::ranges::max_element(sensors, {}, [](const auto& sensor) { return sensor->rate(); }) -
+                                  sensors.begin());
+}
+
 // Rows that a channel has of `samples` samples of its sensor.
 std::size_t rows_of(const Channel& channel, std::size_t samples) { return samples / channel.every; }
 
@@ -94,9 +100,8 @@ void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBa
 
 double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench) {
   double bytes = 0.0;
-  std::size_t most_rows = 0;
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
-    const std::size_t rows = sampling_of(*sensors[pad], bench, pad).samples(bench.ticks());
+    const std::size_t rows = sampling_of(*sensors[pad], bench, pad).samples(bench.ticks(pad));
     for (const Channel& channel : sensors[pad]->channels()) {
       const std::size_t row = channel.size() * sizeof(float) + (channel.has_own_time() ? sizeof(double) : 0);
       bytes += static_cast<double>(row) * static_cast<double>(rows_of(channel, rows));
@@ -105,7 +110,6 @@ double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>>
     const LabelRecord labels;
     for_each_label(labels, sensors[pad]->layout().units.size(),
                    [&row](const char*, const char*, const Extents& tail, const auto& column) { row += row_bytes(tail, column); });
-    most_rows = std::max(most_rows, rows);
     bytes += static_cast<double>(row) * static_cast<double>(rows);
   }
   if (const auto pad = control_pad(scene)) {
@@ -117,7 +121,7 @@ double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>>
     for_each_control_column(control, add);
     if (scene.grasp) for_each_grip_column(control.grip, add);
     if (scene.guided()) for_each_arm_column(control.grip, add);
-    bytes += static_cast<double>(row) * static_cast<double>(sampling_of(*sensors[*pad], bench, *pad).samples(bench.ticks()));
+    bytes += static_cast<double>(row) * static_cast<double>(sampling_of(*sensors[*pad], bench, *pad).samples(bench.ticks(*pad)));
   }
   std::size_t body_row = sizeof(double);
   for (const NamedBody& body : bench.bodies()) {
@@ -126,7 +130,9 @@ double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>>
       body_row += row_bytes(tail, column);
     });
   }
-  return bytes + static_cast<double>(body_row) * static_cast<double>(most_rows);
+  const std::size_t fastest = fastest_of(sensors);
+  const std::size_t rows = sampling_of(*sensors[fastest], bench, fastest).samples(bench.ticks(fastest));
+  return bytes + static_cast<double>(body_row) * static_cast<double>(rows);
 }
 
 void check_record_size(const Scene& scene, double bytes, double max_bytes) {
@@ -145,6 +151,7 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
       bench_(bench),
       recording_(recording),
       max_bytes_(max_bytes),
+      all_slipped_(sensors.size(), 0),
       rows_(sensors.size(), 0),
       last_(sensors.size()) {
   record_.trial = trial;
@@ -156,11 +163,11 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
     describe_units(sensors[pad]->layout(), scene.friction, bench.friction_scale(), record_.sensors[pad].labels);
     units_.emplace_back(sensors[pad]->layout().units.size());
     sampling_.push_back(sampling_of(*sensors[pad], bench, pad));
-    if (sampling_[pad].samples(bench.ticks()) == 0) {
+    if (sampling_[pad].samples(bench.ticks(pad)) == 0) {
       throw SceneValueError(
           "duration",
           fmt::format("ends before the first sample of sensor '{}' is complete; allowed: {} or longer", scene.sensors[pad].name,
-                      format_quantity(static_cast<double>(sampling_[pad].ticks()) * bench.time_step(), Quantity::time)));
+                      format_quantity(static_cast<double>(sampling_[pad].ticks()) * bench.time_step(pad), Quantity::time)));
     }
   }
   if (const auto pad = control_pad(scene)) {
@@ -170,16 +177,16 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
     record_.control->sensor = scene.sensors[*pad].name;
     record_.control->rate = sensors[*pad]->rate();
   }
+  body_pad_ = fastest_of(sensors);
   if (recording == Recording::full) allocate();
 }
 
 void TrialRecorder::allocate() {
   bytes_ = record_bytes(scene_, sensors_, bench_);
   check_record_size(scene_, bytes_, max_bytes_);
-  body_sampling_ = *std::ranges::min_element(sampling_, {}, &Sampling::ticks);
   for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
     SensorRecord& sensor = record_.sensors[pad];
-    const std::size_t rows = sampling_[pad].samples(bench_.ticks());
+    const std::size_t rows = sampling_[pad].samples(bench_.ticks(pad));
     sensor.type = scene_.sensors[pad].type;
     sensor.rate = sensors_[pad]->rate();
     sensor.frame = pad_frame_text;
@@ -197,7 +204,7 @@ void TrialRecorder::allocate() {
     });
   }
   if (const auto pad = control_pad(scene_)) {
-    const std::size_t rows = sampling_[*pad].samples(bench_.ticks());
+    const std::size_t rows = sampling_[*pad].samples(bench_.ticks(*pad));
     record_.control->time.reserve(rows);
     record_.control->detector_class.reserve(rows);
     if (scene_.grasp) {
@@ -208,7 +215,7 @@ void TrialRecorder::allocate() {
       if (scene_.guided()) grip.arm.reserve(2 * rows);
     }
   }
-  record_.body_time.resize(body_sampling_.samples(bench_.ticks()));
+  record_.body_time.resize(sampling_[body_pad_].samples(bench_.ticks(body_pad_)));
 }
 
 void TrialRecorder::note_events(std::size_t pad, const ContactFrame& truth) {
@@ -239,8 +246,9 @@ void TrialRecorder::note_events(std::size_t pad, const ContactFrame& truth) {
 }
 
 // The event that left no touching unit sticking is the last one of the step.
-void TrialRecorder::note_gross_slip(const ContactFrame& truth) {
-  record_.outcome.gross_slip_time = truth.events.empty() ? truth.time : truth.events.back().time;
+void TrialRecorder::note_gross_slip(std::size_t pad, const ContactFrame& truth) {
+  all_slipped_[pad] = 1;
+  keep_earliest(record_.outcome.gross_slip_time, truth.events.empty() ? truth.time : truth.events.back().time);
 }
 
 void TrialRecorder::write_sample(std::size_t pad, const ContactFrame& truth, const SensorFrame& frame) {

@@ -38,10 +38,10 @@ class TrialRecorder {
   // When the pad's sensor reads and samples.
   [[nodiscard]] const Sampling& sampling(std::size_t pad) const { return sampling_[pad]; }
 
-  // Called every tick for every pad: events and onsets. Throws SceneValueError when the events outgrow the record's limit.
+  // Called at every tick of a pad, in order of time: events and onsets. Throws SceneValueError when the events outgrow the record's limit.
   void observe(std::size_t pad, const ContactFrame& truth) {
     if (!truth.events.empty()) note_events(pad, truth);
-    if (truth.state == PadState::gross && std::isnan(record_.outcome.gross_slip_time)) note_gross_slip(truth);
+    if (truth.state == PadState::gross && !all_slipped_[pad]) note_gross_slip(pad, truth);
   }
   // Called when a sample of the pad's sensor is complete.
   void sample(std::size_t pad, const ContactFrame& truth, const SensorFrame& frame) {
@@ -51,14 +51,15 @@ class TrialRecorder {
     last_[pad] = frame;
     if (recording_ == Recording::full) write_sample(pad, truth, frame);
   }
-  // Called every tick after the pads where the scene has a detector or a controller: the truth of the pad whose sensor it reads, and what
-  // the loop sees.
+  // Called at every tick of the pad whose sensor the scene's detector or controller reads, after its sample: its truth, and what the loop
+  // sees.
   void loop(std::size_t tick, const ContactFrame& truth, PadState seen);
   // Called every tick of a grasp after the pads: the truth of the sensor's pad, the box, and what its loop has done.
   void grip(std::size_t tick, const ContactFrame& truth, const HeldBox& box, const GripLoop& loop);
-  // Called every tick after the pads.
-  void bodies(std::size_t tick, double time, const std::vector<NamedBody>& bodies) {
-    if (recording_ == Recording::full && body_sampling_.completes_at(tick)) write_bodies(time, bodies);
+  // Called at every tick of a pad.
+  void bodies(std::size_t pad, std::size_t tick, double time, const std::vector<NamedBody>& bodies) {
+    if (pad != body_pad_ || recording_ != Recording::full) return;
+    if (sampling_[pad].completes_at(tick)) write_bodies(time, bodies);
   }
 
   // The result; the recorder is spent. Throws InputError as run_trial does.
@@ -67,7 +68,7 @@ class TrialRecorder {
  private:
   void allocate();
   void note_events(std::size_t pad, const ContactFrame& truth);
-  void note_gross_slip(const ContactFrame& truth);
+  void note_gross_slip(std::size_t pad, const ContactFrame& truth);
   void write_sample(std::size_t pad, const ContactFrame& truth, const SensorFrame& frame);
   static void note_turn(const GraspTruth& now, GraspOutcome& grasp);
   void write_bodies(double time, const std::vector<NamedBody>& bodies);
@@ -79,12 +80,13 @@ class TrialRecorder {
   double max_bytes_;
   double bytes_ = 0.0;              // that the record takes so far
   std::vector<Sampling> sampling_;  // by pad
-  Sampling body_sampling_;          // of the fastest sensor
+  std::size_t body_pad_ = 0;        // with whose samples bodies are recorded
   std::size_t body_row_ = 0;
   double lift_start_ = -std::numeric_limits<double>::infinity();  // s, of a grasp
   double true_slip_ =
       std::numeric_limits<double>::quiet_NaN();  // s, first tick of a grasp's lift at which a unit of its pad slips
   double slip_began_ = std::numeric_limits<double>::quiet_NaN();  // s, a first unit of the detector's pad slips as a whole
+  std::vector<std::uint8_t> all_slipped_;                         // by pad: all of its touching units have slipped
   std::vector<std::size_t> rows_;                                 // samples written so far, by pad
   TrialRecord record_;
   std::vector<std::vector<UnitOutcome>> units_;

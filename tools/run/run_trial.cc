@@ -1,5 +1,6 @@
 #include "tools/run/run_trial.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <span>
@@ -89,25 +90,40 @@ GripLoop make_grip_loop(Bench& bench, const Scene& scene, const Sensors& sensors
   return {*bench.held_box(), std::move(controller), std::move(detector)};
 }
 
-void close_loop(TrialRecorder&, std::size_t, const Bench&, const OpenLoop&) {}
-void close_loop(TrialRecorder& recorder, std::size_t tick, const Bench& bench, DetectorLoop& loop) {
-  const ContactFrame& truth = bench.contact(loop.pad());
-  recorder.loop(tick, truth, loop.seen_at(truth.time).state);
+// How many ticks each pad has had.
+using Ticks = std::vector<std::size_t>;
+
+bool has_tick(const Bench& bench, std::size_t pad) {
+  const std::span<const std::size_t> stepped = bench.stepped();
+  return std::ranges::find(stepped, pad) != stepped.end();
 }
-void close_loop(TrialRecorder& recorder, std::size_t tick, Bench& bench, GripLoop& loop) {
+
+void close_loop(TrialRecorder&, const Ticks&, const Bench&, const OpenLoop&) {}
+void close_loop(TrialRecorder& recorder, const Ticks& had, const Bench& bench, DetectorLoop& loop) {
+  if (!has_tick(bench, loop.pad())) return;
+  const ContactFrame& truth = bench.contact(loop.pad());
+  recorder.loop(had[loop.pad()] - 1, truth, loop.seen_at(truth.time).state);
+}
+void close_loop(TrialRecorder& recorder, const Ticks& had, Bench& bench, GripLoop& loop) {
   const ContactFrame& truth = bench.contact(0);
   loop.act(truth.time);
-  recorder.grip(tick, truth, *bench.held_box(), loop);
-  if (loop.closed()) recorder.loop(tick, truth, loop.seen());
+  recorder.grip(had[0] - 1, truth, *bench.held_box(), loop);
+  if (loop.closed()) recorder.loop(had[0] - 1, truth, loop.seen());
 }
 
 template <class Loop>
 void run(Bench& bench, const Sensors& sensors, TrialRecorder& recorder, Loop& loop) {
-  for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
+  Ticks had(sensors.size(), 0);
+  std::size_t left = 0;
+  for (std::size_t pad = 0; pad < sensors.size(); ++pad) left += bench.ticks(pad);
+  while (left > 0) {
     bench.step();
-    for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
+    const std::span<const std::size_t> stepped = bench.stepped();
+    for (const std::size_t pad : stepped) {
+      const std::size_t tick = had[pad]++;
       const ContactFrame& truth = bench.contact(pad);
       recorder.observe(pad, truth);
+      recorder.bodies(pad, tick, truth.time, bench.bodies());
       const Sampling& sampling = recorder.sampling(pad);
       if (!sampling.reads_at(tick)) continue;
       const SensorFrame& frame = sensors[pad]->measure(truth);
@@ -115,8 +131,8 @@ void run(Bench& bench, const Sensors& sensors, TrialRecorder& recorder, Loop& lo
       recorder.sample(pad, truth, frame);
       loop.sample(pad, frame);
     }
-    close_loop(recorder, tick, bench, loop);
-    recorder.bodies(tick, bench.contact(0).time, bench.bodies());
+    close_loop(recorder, had, bench, loop);
+    left -= stepped.size();
   }
 }
 

@@ -5,6 +5,7 @@
 
 namespace slipbench {
 
+// Ticks are the pad's own (bench.h).
 struct Sampling {
   std::size_t stride = 1;  // ticks between two readings
   std::size_t scans = 1;   // readings a sample (Sensor::scans)

@@ -55,9 +55,9 @@ TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
   const PadLayout* layout = &sensor->layout();
   const double rate = 1000.0;
   ArticulatedTestbench bench(prescribed, {&layout, 1}, {&rate, 1}, 0);
-  ASSERT_EQ(rig->ticks(), bench.ticks());
+  ASSERT_EQ(rig->ticks(0), bench.ticks(0));
   std::size_t slipping = 0;
-  for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
+  for (std::size_t tick = 0; tick < bench.ticks(0); ++tick) {
     rig->step();
     bench.step();
     const ContactFrame &one = rig->contact(0), &other = bench.contact(0);
@@ -126,7 +126,7 @@ TEST(ArticulatedScene, ABoxPressedFromOneSideIsThrownByTheSpringsAlone) {
     const double depth = std::max(0.0, 0.2e-3 - pillar.tip.z());
     stored += 0.5 * pillar.k_normal * depth * depth;
   }
-  for (std::size_t tick = 0; tick < rig->ticks(); ++tick) {
+  for (std::size_t tick = 0; tick < rig->ticks(0); ++tick) {
     rig->step();
     highest = std::max(highest, rig.body("box").pose.position.z() - 9.8e-3);
   }
@@ -149,7 +149,7 @@ TEST(ArticulatedScene, StageSlideIsEarlyByTheDashpotsTime) {
   const std::unique_ptr<Sensor> sensor = make_sensor(rig.scene().sensors.front(), 0, 0);
   const PadLayout& layout = sensor->layout();
   std::vector<double> slips(layout.units.size(), 0.0);
-  for (std::size_t tick = 0; tick < rig->ticks(); ++tick) {
+  for (std::size_t tick = 0; tick < rig->ticks(0); ++tick) {
     rig->step();
     for (const ContactEvent& event : rig->contact(0).events) {
       if (event.kind == EventKind::slip) slips[event.unit] = event.time;

@@ -47,7 +47,7 @@ TEST(DynamicBench, HeldBoxIsTheModelWrittenByHandToTheBit) {
   const DataPointer data(mj_makeData(model.get()));
 
   ASSERT_EQ(model->nq, rig->model()->nq);
-  for (std::size_t tick = 0; tick < rig->ticks(); ++tick) {
+  for (std::size_t tick = 0; tick < rig->ticks(0); ++tick) {
     rig->step();
     const double t = static_cast<double>(tick) * 0.00025;
     data->ctrl[0] = data->ctrl[1] = t <= 0.25 ? 4.0 : 4.0 + (0.5 - 4.0) * ((t - 0.25) / 0.25);
@@ -70,7 +70,7 @@ TEST(DynamicBench, TruthAndBodiesAreOfTheSameInstant) {
   constexpr Eigen::Index middle = 4;  // the tallest pillar: its undeformed tip is the origin of the pad frame
   double stiffness = 0.0;
   Pose before;
-  for (std::size_t tick = 0; tick < rig->ticks(); ++tick) {
+  for (std::size_t tick = 0; tick < rig->ticks(0); ++tick) {
     rig->step();
     EXPECT_EQ(rig->contact(0).time, static_cast<double>(tick) * 0.00025);
     const Pose& box = rig.body("box").pose;
@@ -194,9 +194,9 @@ TEST(DynamicBench, StageIsWhereItsMotionSaysAtEveryTick) {
       pressed_box("duration: 1.5 s\nmotion: {compression: 0.8 mm, speed: 8 mm/s, rotation: 40 deg/s, pivot: [5 mm, 0 mm], "
                   "start: 0.5 s, tilt: [1 deg, 0 deg]}\n"));
   const std::unique_ptr<Motion> motion = make_motion(rig.scene(), 0);
-  for (std::size_t tick = 0; tick < rig->ticks(); ++tick) {
+  for (std::size_t tick = 0; tick < rig->ticks(0); ++tick) {
     rig->step();
-    const BodyState told = motion->pad_at(static_cast<double>(tick) * rig->time_step());
+    const BodyState told = motion->pad_at(static_cast<double>(tick) * rig->time_step(0));
     const BodyState& is = rig.body("pad");
     ASSERT_EQ((is.pose.position - told.pose.position).norm(), 0.0) << tick;
     // By way of a quaternion: rounding.

@@ -73,7 +73,7 @@ TEST(DynamicRefusal, AutomaticStepIsTheLongestThatFits) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
   DynamicRig rig(good, folder.file("scene.yaml"));
-  const double divisor = 1e-3 / rig->time_step();
+  const double divisor = 1e-3 / rig->time_step(0);
   EXPECT_NEAR(divisor, std::round(divisor), 1e-9);
   // One divisor less would be a longer step: it is refused.
   EXPECT_THAT(answer(good + "time_step: " + std::to_string(1.0 / (std::round(divisor) - 1.0)) + " ms\n"),

@@ -70,13 +70,13 @@ class DynamicRig {
 
   // Steps until the tick at `time` [s] has been evaluated.
   void run_to(double time) {
-    while (static_cast<double>(done_) * bench_->time_step() <= time + 1e-9) {
+    while (static_cast<double>(done_) * bench_->time_step(0) <= time + 1e-9) {
       bench_->step();
       ++done_;
     }
   }
   void run() {
-    for (; done_ < bench_->ticks(); ++done_) bench_->step();
+    for (; done_ < bench_->ticks(0); ++done_) bench_->step();
   }
 
   [[nodiscard]] const BodyState& body(const std::string& name) const {

@@ -45,10 +45,10 @@ class GraspRig {
   }
   // Until the tick at `time` [s] has been evaluated.
   void run_to(double time) {
-    while (static_cast<double>(done_) * bench_->time_step() <= time + 1e-9) step();
+    while (static_cast<double>(done_) * bench_->time_step(0) <= time + 1e-9) step();
   }
   void run() {
-    while (done_ < bench_->ticks()) step();
+    while (done_ < bench_->ticks(0)) step();
   }
 
   // What the pads do to the box [N], in the world.

@@ -56,7 +56,7 @@ class TurnRig {
     ++done_;
   }
   void run_to(double until) {
-    while (static_cast<double>(done_) * bench_->time_step() <= until + 1e-9) step();
+    while (static_cast<double>(done_) * bench_->time_step(0) <= until + 1e-9) step();
   }
 
   [[nodiscard]] const BodyState& body(const std::string& name) const {

@@ -51,9 +51,10 @@ class Liar final : public Bench {
  public:
   explicit Liar(Bench& honest) : honest_(honest) {}
 
-  [[nodiscard]] std::size_t ticks() const override { return honest_.ticks(); }
-  [[nodiscard]] double time_step() const override { return honest_.time_step(); }
+  [[nodiscard]] std::size_t ticks(std::size_t pad) const override { return honest_.ticks(pad); }
+  [[nodiscard]] double time_step(std::size_t pad) const override { return honest_.time_step(pad); }
   [[nodiscard]] std::size_t stride(std::size_t pad) const override { return honest_.stride(pad); }
+  [[nodiscard]] std::span<const std::size_t> stepped() const override { return honest_.stepped(); }
   [[nodiscard]] const ContactFrame& contact(std::size_t) const override { return lie_; }
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override { return honest_.bodies(); }
   [[nodiscard]] bool rotating() const override { return honest_.rotating(); }
@@ -99,7 +100,7 @@ TEST(Truth, IsSeenByTheOracleAlone) {
     DetectorLoop loop(make_detector(*scene.detector, source, bench), 0);
     DetectorLoop misled(make_detector(*scene.detector, source, liar), 0);
     std::size_t differ = 0;
-    for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
+    for (std::size_t tick = 0; tick < bench.ticks(0); ++tick) {
       liar.step();
       const double time = bench.contact(0).time;
       loop.sample(0, device->measure(bench.contact(0)));
@@ -111,7 +112,7 @@ TEST(Truth, IsSeenByTheOracleAlone) {
                         std::memcmp(&one.stuck_fraction, &other.stuck_fraction, sizeof(double)) == 0;
       if (!same) ++differ;
     }
-    EXPECT_EQ(differ, entry.name == oracle_type ? bench.ticks() : 0) << entry.name;
+    EXPECT_EQ(differ, entry.name == oracle_type ? bench.ticks(0) : 0) << entry.name;
   }
 }
 

@@ -83,14 +83,14 @@ TrialRecord record_of(const Scene& scene) {
   const double readings = 1000.0;
   Testbench bench(scene, {&pad, 1}, {&readings, 1}, 0);
   TrialRecorder recorder(scene, sensors, bench, 0, Recording::full, max_record_bytes);
-  for (std::size_t tick = 0; tick < bench.ticks(); ++tick) {
+  for (std::size_t tick = 0; tick < bench.ticks(0); ++tick) {
     bench.step();
     recorder.observe(0, bench.contact(0));
     if (recorder.sampling(0).reads_at(tick)) {
       const SensorFrame& frame = sensors.front()->measure(bench.contact(0));
       if (recorder.sampling(0).completes_at(tick)) recorder.sample(0, bench.contact(0), frame);
     }
-    recorder.bodies(tick, bench.contact(0).time, bench.bodies());
+    recorder.bodies(0, tick, bench.contact(0).time, bench.bodies());
   }
   return recorder.finish().record;
 }
