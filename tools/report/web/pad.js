@@ -39,8 +39,9 @@ class Pad {
     const xs = positions.map(this.x), ys = positions.map(this.y);
     // The picture is stretched to its card: a pad of one unit gets a wide frame, so that its text is no larger than others'.
     const margin = (places, least) => Math.max(30, 0.67 * pitch, 0.5 * (least - (Math.max(...places) - Math.min(...places))));
-    const left = Math.min(...xs) - margin(xs, 300), right = Math.max(...xs) + margin(xs, 300);
-    const top = Math.min(...ys) - margin(ys, 160), bottom = Math.max(...ys) + margin(ys, 160);
+    const beside = recording.type === 'nib_pad' ? 18 : 0;  // px, so that its electrodes leave the axes their corner
+    const left = Math.min(...xs) - margin(xs, 300) - beside, right = Math.max(...xs) + margin(xs, 300);
+    const top = Math.min(...ys) - margin(ys, 160), bottom = Math.max(...ys) + margin(ys, 160) + beside;
     this.box = {left, right, top, bottom};
     this.labels = recording.units <= 25;
     this.radius = (this.labels ? 0.27 : 0.4) * pitch;
