@@ -327,8 +327,8 @@ Result piezo_slip_against_hold(const ReproduceOptions& options) {
       "Half of what is loud in contact without motors is no vibration. A steady press is a constant behind the amplifier; where "
       "it begins and ends the signal decays with 53 ms, over 20 ms nearly a straight line, which leaks into all bins of a window "
       "without a taper. That line taken off, most of it is gone.",
-      "Two kinds of hold stay loud whatever the spectrum: instants of a slide at which all sticks, within frames full of its "
-      "vibration, and the shear before the first slip. By the position label both are slip.",
+      "One kind of hold stays loud whatever the spectrum: instants of a slide at which all sticks, within frames full of its "
+      "vibration. By the position label they are slip, and so is the shear before the first slip.",
   };
   return result;
 }
