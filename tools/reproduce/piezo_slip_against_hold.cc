@@ -266,7 +266,8 @@ Result piezo_slip_against_hold(const ReproduceOptions& options) {
       "The bar is {} at level 0. Intervals are by recording (Obuchowski): the frames of one depend on each other.", wanted_area);
   ResultTable readings{"Other readings of the paper, no motors", headed("reading of a frame"), {}, {}};
   readings.note =
-      "The curve is the first row: the paper's spectrum, of which it says that the mean is taken off and names no taper, with the "
+      "The curve is the first row: the paper's spectrum, of which it says that the mean is taken off and names no taper, with "
+      "the "
       "true label. The paper's own reading is the row with its position label. The others are offered beside them. Frames of "
       "one label only leave out those within which contact or slip begins or ends.";
   ResultChart chart{.title = "Slip against hold by one frame",
