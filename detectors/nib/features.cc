@@ -68,6 +68,9 @@ std::vector<ParameterSpec> feature_specs() {
       number_spec("touch", Quantity::none, "30", positive,
                   "Sum of the changes of all 36 electrodes from which on the pad touches [counts].",
                   "assumed: three times its noise, half a newton of normal force"),
+      number_spec("capacitance", Quantity::none, "153", positive,
+                  "Counts of a taxel's electrode at rest, of four nibs: how far 1/gap bends what a load changes.",
+                  "assumed: 4 C0, C0 0.045 pF at 850 counts/pF. The paper fits a polynomial of second order instead"),
       number_spec(
           "normal_gain", Quantity::none, "57.9", positive,
           "Counts of all 36 electrodes together a newton of normal force: 4 C0/(g0 k_post), C0 the counts of a nib's electrode.",
@@ -88,6 +91,7 @@ const std::vector<Feature>& handed_on() {
 
 FeatureReader::FeatureReader(const Parameters& parameters, const FrameSource& source, const std::string& detector)
     : touch_(parameters.number("touch")),
+      capacitance_(parameters.number("capacitance")),
       normal_gain_(parameters.number("normal_gain")),
       shear_gain_(parameters.number("shear_gain")),
       pitch_(parameters.number("pitch")),
@@ -127,13 +131,16 @@ void FeatureReader::read_image(const SensorFrame& frame) {
     }
     return;
   }
-  std::array<double, values> change;
-  for (std::size_t i = 0; i < values; ++i) change[i] = image[i] - tare_[i];
+  std::array<double, values> change, closed;
+  for (std::size_t i = 0; i < values; ++i) {
+    change[i] = image[i] - tare_[i];
+    closed[i] = change[i] / (1.0 + change[i] / capacitance_);
+  }
   const ShearField field = shear_field(change);
   features_.normal = field.total_normal();
   features_.shear = field.total_shear();
   features_.curl = normalised_curl(field);
-  features_.turn = curl(field);
+  closed_ = shear_field(closed);
 }
 
 void FeatureReader::hand_on(std::vector<double>& out) const {

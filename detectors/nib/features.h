@@ -21,12 +21,11 @@ struct Features {
   double fl = 0.0, fl_fast = 0.0;   // linear mode: 0 to 6 Hz, 6 to 8 Hz
   double fr = 0.0, fr_fast = 0.0;   // rotational mode: likewise
   double curl = 0.0;                // normalised_curl(), of the image at hand
-  double turn = 0.0;                // curl(), counts
   double normal = 0.0;              // counts, sum of all taxels' W + N + E + S
   Eigen::Vector2d shear{0.0, 0.0};  // counts, sum of all taxels' (E - W, N - S)
 };
 
-// The declarations that every detector of the nib pad has: window, hop, tare, touch, normal_gain, shear_gain, pitch.
+// The declarations that every detector of the nib pad has: window, hop, tare, touch, capacitance, normal_gain, shear_gain, pitch.
 std::vector<ParameterSpec> feature_specs();
 
 // What every detector of the nib pad hands on (SlipEstimate::features), in this order: fl_0_6, fl_6_8, fr_0_6, fr_6_8 [counts], curl, normal and
@@ -47,12 +46,14 @@ class FeatureReader {
   // Whether the pad has been tared and feels more than `touch`.
   [[nodiscard]] bool touching() const { return tared_ && features_.normal >= touch_; }
 
-  // Loads by the gains: those of small ones, so that what bends the nibs' law shows in them.
-  [[nodiscard]] double normal_force() const { return features_.normal / normal_gain_; }        // N
-  [[nodiscard]] Eigen::Vector2d shear_force() const { return features_.shear / shear_gain_; }  // N
+  // The calibrated loads. A plate capacitor of C counts at rest whose gap has closed by the share x counts C x/(1 - x) more, so that a
+  // change c says C x = c/(1 + c/C): of that the loads are linear, of c they are not. Where a nib leans its four electrodes' changes have a
+  // sum, their shares have none. What is left is what a taxel's four nibs differ by, and the lean that the fabric's mask ends.
+  [[nodiscard]] double normal_force() const { return closed_.total_normal() / normal_gain_; }        // N
+  [[nodiscard]] Eigen::Vector2d shear_force() const { return closed_.total_shear() / shear_gain_; }  // N
   // N m, about the pad's normal through the centre taxel, of the taxels' shear at their middles. What the nibs of a taxel turn about its
   // middle is not in it: 3 in 35 of what a rigid rotation does.
-  [[nodiscard]] double moment() const { return 6.0 * pitch_ * features_.turn / shear_gain_; }
+  [[nodiscard]] double moment() const { return 6.0 * pitch_ * curl(closed_) / shear_gain_; }
 
   // Writes the values of handed_on(); NaN where they are not known yet.
   void hand_on(std::vector<double>& values) const;
@@ -62,12 +63,13 @@ class FeatureReader {
   void read_image(const SensorFrame& frame);
 
   std::size_t image_, linear_, rotational_;  // places in a frame
-  double touch_, normal_gain_, shear_gain_, pitch_;
+  double touch_, capacitance_, normal_gain_, shear_gain_, pitch_;
   SlidingSpectrum linear_spectrum_, rotational_spectrum_;
   std::size_t frames_ = 0, skipped_, tare_end_;  // frames seen; those before the first whole image; the last that the tare takes
   bool tared_ = false, transformed_ = false;
   std::array<double, values> tare_{};  // counts; while it is being taken, their sum
   Features features_;
+  ShearField closed_;  // of the image at hand, C x [counts]
 };
 
 }  // namespace slipbench::nib

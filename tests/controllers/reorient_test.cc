@@ -105,6 +105,7 @@ TEST(Reorient, LoosensWhileItDoesNotTurnAndStopsWhereItTurnsFast) {
   Hand hand({{"midpoint", "20 mm"},
              {"fl_slip", "60"},
              {"fr_slip", "60"},
+             {"fr_quiet", "0.5 s"},
              {"fr_upright", "70"},
              {"settle", "0.5 s"},
              {"forward", "10 mm/s"}});
@@ -129,6 +130,28 @@ TEST(Reorient, LoosensWhileItDoesNotTurnAndStopsWhereItTurnsFast) {
   EXPECT_EQ(hand.command().arm->sideways, 10e-3);
 }
 
+// One spectrum above the threshold is a turn: quiet is what stays below it for fr_quiet on end, and anew after each count.
+TEST(Reorient, LoosensOnlyWhatHasNotTurnedForAWhile) {
+  Hand hand({{"midpoint", "3 mm"}, {"fr_slip", "60"}, {"fr_quiet", "1 s"}, {"settle", "0.4 s"}});
+  const int first = touched(hand);
+  hand.fr = 59.0;
+  hand.run_to(2.9);  // it turns from 2 s on
+  hand.fr = 61.0;
+  hand.update();  // at 2.9 s
+  hand.fr = 59.0;
+  hand.run_to(3.86);
+  EXPECT_EQ(hand.command().position, first);
+  hand.run_to(4.0);
+  EXPECT_EQ(hand.command().position, first - 1);
+  hand.run_to(4.86);
+  EXPECT_EQ(hand.command().position, first - 1);
+  hand.run_to(5.0);
+  EXPECT_EQ(hand.command().position, first - 2);
+  hand.fr = std::numeric_limits<double>::quiet_NaN();  // says nothing, so nothing is known to be at rest
+  hand.run_to(7.0);
+  EXPECT_EQ(hand.command().position, first - 2);
+}
+
 // What does not turn fast is let go at TargetPoint. Then a count every release_wait, until force and moment are gone.
 TEST(Reorient, ReleasesGentlyAtTheTargetPoint) {
   Hand hand({{"midpoint", "3 mm"},
@@ -136,8 +159,7 @@ TEST(Reorient, ReleasesGentlyAtTheTargetPoint) {
              {"settle", "0.4 s"},
              {"release_wait", "0.2 s"},
              {"released_normal", "0.3 N"},
-             {"released_moment", "2e-3"},
-             {"open", "20"}});
+             {"released_moment", "2e-3"}});
   const int first = touched(hand);
   hand.run_to(3.94);  // 1 s and 2 s of rising
   EXPECT_EQ(hand.command().arm->up, 10e-3);
@@ -151,10 +173,10 @@ TEST(Reorient, ReleasesGentlyAtTheTargetPoint) {
   EXPECT_EQ(hand.command().position, first - 4);
   hand.moment = -1e-3;
   hand.update();
-  EXPECT_EQ(hand.command().position, first - 24);
+  EXPECT_EQ(hand.command().position, 0);
   EXPECT_EQ(hand.command().arm->sideways, 0.0);
   hand.run_to(10.0);
-  EXPECT_EQ(hand.command().position, first - 24);
+  EXPECT_EQ(hand.command().position, 0);
 }
 
 TEST(Reorient, RefusesWhatItCannotWorkWith) {

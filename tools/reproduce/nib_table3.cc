@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -14,6 +15,7 @@
 #include "tools/catalogue/catalogues.h"
 #include "tools/reproduce/catalogue.h"
 #include "tools/reproduce/project_file.h"
+#include "tools/reproduce/turn_loss.h"
 #include "tools/run/binomial.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/ordered_workers.h"
@@ -26,7 +28,6 @@ namespace {
 constexpr const char* reorient_scene = "scenes/nib_pad/reorient.yaml";
 constexpr std::size_t published_runs = 11;
 constexpr double degrees = 180.0 / std::numbers::pi;
-constexpr double turned_up = 20.0 / degrees;  // rad: nearer to upright than that it has been turned up, whatever came after
 
 struct ReorientCell {
   std::string name, text;
@@ -39,6 +40,11 @@ struct ReorientCell {
     return fmt::format("{} --seed {}", line, seed);
   }
 };
+
+Parameters reorient_defaults() {
+  const Catalogues catalogues = program_catalogues();
+  return defaults_of(std::ranges::find(catalogues.controllers, "reorient", &Entry::name)->parameters);
+}
 
 // With 118 g in the box's middle and 200 g at y the common centre is 200/318 y from there; a sixth of 155 mm takes 41.08 mm.
 std::vector<ReorientCell> reorient_cells() {
@@ -53,17 +59,21 @@ std::vector<ReorientCell> reorient_cells() {
       {"com_high", "200 g, centre of mass at 2L/3", 3, {{"box.weight_place", "[0 mm, -41.08 mm, 0 mm]"}}},
       {"masonite", "200 g in the middle, masonite", 10, surface("masonite", "0.5")},
       {"wavy", "200 g in the middle, friction of wavy acrylic, without its waves", 10, surface("wavy_acrylic", "0.55")}};
-  const Catalogues catalogues = program_catalogues();
-  const auto reorient = std::ranges::find(catalogues.controllers, "reorient", &Entry::name);
-  const Parameters defaults = defaults_of(reorient->parameters);
-  for (const char* threshold : {"fl_slip", "fr_slip", "fr_upright"}) {
+  const Parameters defaults = reorient_defaults();
+  struct Threshold {
+    const char *name, *unit;
+  };
+  for (const auto& [name, unit] : {Threshold{"fl_slip", ""}, Threshold{"fr_slip", ""}, Threshold{"fr_quiet", " s"},
+                                   Threshold{"fr_upright", ""}, Threshold{"released_normal", " N"}}) {
     for (const double factor : {0.5, 2.0}) {
-      cells.push_back({fmt::format("{}_x{}", threshold, factor),
-                       fmt::format("200g with {} x {}", threshold, factor),
+      cells.push_back({fmt::format("{}_x{}", name, factor),
+                       fmt::format("200g with {} x {}", name, factor),
                        std::nullopt,
-                       {{fmt::format("controller.{}", threshold), fmt::format("{}", factor * defaults.number(threshold))}}});
+                       {{fmt::format("controller.{}", name), fmt::format("{}{}", factor * defaults.number(name), unit)}}});
     }
   }
+  cells.push_back(
+      {"stick_slip", "200g with kinetic friction of 0.9 times the static one", std::nullopt, {{"friction.kinetic", "0.585"}}});
   return cells;
 }
 
@@ -71,6 +81,7 @@ struct ReorientFigures {
   bool standing = false, dropped = false;
   double tilt = 0.0, least_tilt = 0.0;  // rad
   double most_force = 0.0;              // N
+  Turn turn;
 };
 
 std::vector<ReorientCell> chosen_cells(const std::vector<std::string>& only) {
@@ -94,6 +105,7 @@ std::vector<Runs> run_reorientations(const std::vector<ReorientCell>& cells, std
                                      const ReproduceOptions& options) {
   const InterruptGuard guard("ending after the trials at hand");
   const Catalogues catalogues = program_catalogues();
+  const double target = reorient_defaults().number("target");
   std::vector<std::optional<TrialPlan>> plans;
   for (const ReorientCell& cell : cells) {
     SceneFile file = SceneFile::load(project_file(reorient_scene));
@@ -105,8 +117,10 @@ std::vector<Runs> run_reorientations(const std::vector<ReorientCell>& cells, std
     try {
       Scene scene = plans[cell]->trial(trial).scene;
       scene.seed = seed;
-      const GraspOutcome grasp = run_trial(scene, trial, Recording::outcome).record.outcome.grasp.value();
-      return ReorientFigures{grasp.turn->standing, grasp.dropped, grasp.turn->tilt, grasp.turn->least_tilt, grasp.max_grip_force};
+      const TrialRecord record = run_trial(scene, trial, Recording::full).record;
+      const GraspOutcome& grasp = record.outcome.grasp.value();
+      return ReorientFigures{grasp.turn->standing,   grasp.dropped,        grasp.turn->tilt,
+                             grasp.turn->least_tilt, grasp.max_grip_force, turn_of(record, target)};
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}, trial {}: {}; the same: {} --trials {} --trial {}", cells[cell].name, trial, error.what(),
                                    cells[cell].command(seed), trial + 1, trial));
@@ -134,7 +148,10 @@ std::string share_text(std::size_t k, std::size_t n) {
 template <class Figure>
 double median_over(const Runs& runs, Figure&& figure) {
   std::vector<double> values;
-  for (const ReorientFigures& run : runs) values.push_back(figure(run));
+  for (const ReorientFigures& run : runs) {
+    if (const double value = figure(run); !std::isnan(value)) values.push_back(value);
+  }
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::ranges::sort(values);
   return quantile(values, 0.5);
 }
@@ -163,7 +180,12 @@ Result nib_table3(const ReproduceOptions& options) {
                     .head = {"cell", "published", "here (95 %)", "turned up", "dropped", "tilt at the end, median",
                              "least tilt, median", "peak grip force, median"},
                     .rows = {},
-                    .note = "Rows without a published figure change one threshold of the controller in the cell 200g."};
+                    .note = "Rows without a published figure change one number in the cell 200g."};
+  ResultTable ends{.title = "What became of the boxes, by cell",
+                   .head = {"cell", "standing", "lost", "told early", "not turned", "fell", "not let go", "not released",
+                            "tilt when released, median", "grip force then, median"},
+                   .rows = {},
+                   .note = {}};
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Runs& runs = results[i];
     const auto count = [&](auto&& of) { return static_cast<std::size_t>(std::ranges::count_if(runs, of)); };
@@ -177,6 +199,17 @@ Result nib_table3(const ReproduceOptions& options) {
                           share_text(standing, runs.size()), fmt::format("{} of {}", up, runs.size()),
                           fmt::format("{} of {}", dropped, runs.size()), fmt::format("{:.1f} deg", degrees * tilt),
                           fmt::format("{:.1f} deg", degrees * least), fmt::format("{:.2f} N", force)});
+    std::vector<std::string> row{cells[i].text};
+    Json counted = Json::object();
+    for (std::size_t end = 0; end < turn_ends; ++end) {
+      const std::size_t n = count([&](const ReorientFigures& run) { return run.turn.end == static_cast<TurnEnd>(end); });
+      row.push_back(fmt::format("{}", n));
+      counted[turn_end_names[end]] = n;
+    }
+    row.push_back(
+        fmt::format("{:.1f} deg", degrees * median_over(runs, [](const ReorientFigures& run) { return run.turn.tilt; })));
+    row.push_back(fmt::format("{:.2f} N", median_over(runs, [](const ReorientFigures& run) { return run.turn.force; })));
+    ends.rows.push_back(std::move(row));
     const Interval share = clopper_pearson(standing, runs.size());
     result.figures["cells"].push_back({{"name", cells[i].name},
                                        {"command", cells[i].command(seed)},
@@ -186,20 +219,25 @@ Result nib_table3(const ReproduceOptions& options) {
                                        {"standing_share_95", {share.low, share.high}},
                                        {"turned_up", up},
                                        {"dropped", dropped},
+                                       {"ends", counted},
                                        {"median_tilt_rad", tilt},
                                        {"median_least_tilt_rad", least},
                                        {"median_max_grip_force_N", force}});
   }
   result.tables.push_back(std::move(table));
+  result.tables.push_back(std::move(ends));
   result.remarks = {
       "The height of the grip over the edge is l sin(theta): it no longer grows once theta is 90 degrees, when a box of 54 mm, "
-      "held in its "
-      "middle 137.5 mm from the end, still leans by 11 degrees. What stands it up from there is its weight, which is beyond the "
-      "edge "
-      "from 19 degrees on with the centre of mass in the middle, 28 at L/3, 15 at 2L/3: the high centre leaves the least room.",
-      "The paper prints no threshold; those of the controller are assumed (slipbench describe reorient), and the last rows say "
-      "what "
-      "halving or doubling each does.",
+      "held in its middle 137.5 mm from the end, still leans by 11 degrees. What stands it up from there is its weight, which is "
+      "beyond the edge from 19 degrees on with the centre of mass in the middle, 28 at L/3, 15 at 2L/3.",
+      "Lost: no pad touched the box any more before the release began. Told early: the release began below TargetPoint, and the "
+      "box "
+      "was never nearer than 20 degrees to upright. Not turned: the same at TargetPoint. Fell: nearer than that at some time, "
+      "and not "
+      "upright at the end. Not let go: upright, but a pad touched it. Not released: the arm rose to the end of the trial.",
+      "The paper prints no threshold; slipbench describe reorient says where each of the controller's comes from, and the last "
+      "rows "
+      "what halving or doubling it does.",
       "Both fingers of the paper are read until both touch; here only one finger's pad has electronics.",
   };
   return result;

@@ -77,12 +77,14 @@ TEST(Features, HaveTheBandsOfBothModes) {
 }
 
 // Gains of 2 and 5 counts/N, taxels 7.6 mm apart. Nine taxels with N + E + S + W = 20: 90 N. The shear of each taxel is 5 counts, 1 N, and
-// turns about the centre: 4 at 7.6 mm, 4 at 7.6 sqrt 2 mm, and the centre's own.
+// turns about the centre: 4 at 7.6 mm, 4 at 7.6 sqrt 2 mm, and the centre's own. With the capacitor's law, 1/(1 - x): an electrode of C = 100
+// counts whose gap closes by the share x counts 100 x/(1 - x) more, which must be undone: without that 5 counts would be 5.3 and more.
 TEST(Features, HandOnForcesAndTheMoment) {
   FrameSource source = nib_source();
   Parameters parameters = defaults_of(feature_specs());
   parameters.set("normal_gain", 2.0);
   parameters.set("shear_gain", 5.0);
+  parameters.set("capacitance", 100.0);
   FeatureReader features(parameters, source, "a test");
   std::vector<float> values(40, 6960.0F);
   std::vector<double> told;
@@ -95,8 +97,10 @@ TEST(Features, HandOnForcesAndTheMoment) {
     const double x = static_cast<double>(taxel % 3) - 1.0, y = 1.0 - static_cast<double>(taxel / 3),
                  r = std::max(std::hypot(x, y), 1.0);
     const double shear_x = taxel == 4 ? 5.0 : -5.0 * y / r, shear_y = 5.0 * x / r;
-    const double change[] = {5.0 - shear_x / 2, 5.0 + shear_y / 2, 5.0 + shear_x / 2, 5.0 - shear_y / 2};
-    for (std::size_t k = 0; k < electrodes; ++k) values[electrodes * taxel + k] += static_cast<float>(change[k]);
+    const double closed[] = {5.0 - shear_x / 2, 5.0 + shear_y / 2, 5.0 + shear_x / 2, 5.0 - shear_y / 2};  // 100 x
+    for (std::size_t k = 0; k < electrodes; ++k) {
+      values[electrodes * taxel + k] += static_cast<float>(closed[k] / (1.0 - closed[k] / 100.0));
+    }
   }
   features.update({0.0, values});
   features.hand_on(told);

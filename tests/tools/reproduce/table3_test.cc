@@ -40,14 +40,20 @@ TEST(NibTable3, IsTheSameOnAnyNumberOfThreads) {
   options.jobs = 2;
   const Result two = nib_table3(options);
   EXPECT_EQ(one.figures, two.figures);
-  ASSERT_THAT(one.tables, SizeIs(1));
-  ASSERT_THAT(one.tables[0].rows, SizeIs(1));
-  EXPECT_THAT(one.tables[0].rows, Each(SizeIs(one.tables[0].head.size())));
+  ASSERT_THAT(one.tables, SizeIs(2));
+  for (const ResultTable& table : one.tables) {
+    ASSERT_THAT(table.rows, SizeIs(1));
+    EXPECT_THAT(table.rows, Each(SizeIs(table.head.size())));
+  }
   EXPECT_EQ(one.tables[0].rows[0][1], "11 of 11");
   const Json& cell = one.figures["cells"][0];
   EXPECT_EQ(cell["name"], "com_low");
   EXPECT_EQ(cell["published"], 11);
   EXPECT_EQ(cell["trials"], 1);
+  int ended = 0;
+  for (const Json& n : cell["ends"]) ended += n.get<int>();
+  EXPECT_EQ(ended, 1);
+  EXPECT_EQ(cell["ends"]["standing"], cell["standing"]);
   EXPECT_LE(cell["median_least_tilt_rad"], cell["median_tilt_rad"]);
   EXPECT_THAT(cell["command"].get<std::string>(), HasSubstr("--set 'box.weight_place=[0 mm, 41.08 mm, 0 mm]'"));
 }
