@@ -117,12 +117,10 @@ class Reorient final : public Controller {
     phase_ = phase;
     arm_ = arm;
     wait_until_ = time_ + settle_;
-    changed_ = time_;
   }
   void change_grip(int counts, double wait) {
     position_ = moved(position_, counts);
     wait_until_ = time_ + wait;
-    changed_ = time_;
   }
 
   // Nothing touches: what the clusters count is what they count at rest.
@@ -152,10 +150,10 @@ class Reorient final : public Controller {
 
   void turn(const SlipEstimate& slip) {
     if (height_ >= target_) return enter(Phase::release, {.sideways = forward_, .up = 0.0});
-    if (time_ < wait_until_) return;
-    if (features_.in(slip, fr_fast) > fr_upright_) return enter(Phase::release, {.sideways = forward_, .up = 0.0});
-    if (!(features_.in(slip, fr) < fr_slip_)) turned_ = time_;
-    if (time_ >= std::max(turned_, changed_) + fr_quiet_) change_grip(-1, settle_);
+    const bool settled = time_ >= wait_until_;
+    if (settled && features_.in(slip, fr_fast) > fr_upright_) return enter(Phase::release, {.sideways = forward_, .up = 0.0});
+    if (!settled || !(features_.in(slip, fr) < fr_slip_)) turned_ = time_;
+    if (time_ >= turned_ + fr_quiet_) change_grip(-1, settle_);
   }
 
   void release(const SlipEstimate& slip) {
@@ -179,7 +177,7 @@ class Reorient final : public Controller {
   Phase phase_ = Phase::start;
   ArmCommand arm_;                        // told last
   double time_ = 0.0, wait_until_ = 0.0;  // s
-  double changed_ = 0.0, turned_ = 0.0;   // s, when the grip or the phase changed last, and when FR was above its threshold
+  double turned_ = 0.0;                   // s, when the box may last have turned
   double height_ = 0.0;                   // m, what the arm has been told to rise by
   double rest_ = 0.0;                     // counts; a sum until the tare is done
   int rests_ = 0;
@@ -201,7 +199,8 @@ ControllerKind reorient() {
        "start: the sum of FL's and FR's clusters at rest is taken for `tare_time`\n"
        "touch: one count further until that sum has grown by more than `contact`\n"
        "adjust: the arm rises at `adjust_speed` to `midpoint`; FL 0-6 Hz > fl_slip: one count tighter, then a wait of `settle`\n"
-       "turn: the arm rises at `turn_speed` to `target`; FR 0-6 Hz < fr_slip for `fr_quiet` on end: one count looser; FR 6-8 Hz "
+       "turn: the arm rises at `turn_speed` to `target`; FR 0-6 Hz < fr_slip for `fr_quiet` on end: one count looser, then a "
+       "wait of `settle`; FR 6-8 Hz "
        "> "
        "fr_upright: upright, since theta' = v/(l cos theta) grows without bound, and the phase ends\n"
        "release: the arm moves sideways at `forward`, one count looser every `release_wait`, until normal force and torsional "

@@ -119,18 +119,18 @@ TEST(Reorient, LoosensWhileItDoesNotTurnAndStopsWhereItTurnsFast) {
   EXPECT_EQ(hand.command().arm->up, 10e-3);
   hand.fr = 59.0;
   hand.fr_fast = 69.0;
-  hand.run_to(9.5);  // from 7.7 s: 8.2, 8.7, 9.2 s
-  EXPECT_EQ(hand.command().position, first + 13 - 3);
+  hand.run_to(10.5);  // from 7.7 s: 8.7, 9.7, each 0.5 s of waiting and 0.5 s of quiet
+  EXPECT_EQ(hand.command().position, first + 13 - 2);
   hand.fr = 61.0;
-  hand.run_to(11.0);
-  EXPECT_EQ(hand.command().position, first + 13 - 3);
+  hand.run_to(12.0);
+  EXPECT_EQ(hand.command().position, first + 13 - 2);
   hand.fr_fast = 71.0;
   hand.update();
   EXPECT_EQ(hand.command().arm->up, 0.0);
   EXPECT_EQ(hand.command().arm->sideways, 10e-3);
 }
 
-// One spectrum above the threshold is a turn: quiet is what stays below it for fr_quiet on end, and anew after each count.
+// One spectrum above the threshold is a turn: quiet is what stays below it for fr_quiet on end, and anew after each count's wait.
 TEST(Reorient, LoosensOnlyWhatHasNotTurnedForAWhile) {
   Hand hand({{"midpoint", "3 mm"}, {"fr_slip", "60"}, {"fr_quiet", "1 s"}, {"settle", "0.4 s"}});
   const int first = touched(hand);
@@ -143,9 +143,9 @@ TEST(Reorient, LoosensOnlyWhatHasNotTurnedForAWhile) {
   EXPECT_EQ(hand.command().position, first);
   hand.run_to(4.0);
   EXPECT_EQ(hand.command().position, first - 1);
-  hand.run_to(4.86);
+  hand.run_to(5.26);  // 0.4 s of waiting and 1 s of quiet
   EXPECT_EQ(hand.command().position, first - 1);
-  hand.run_to(5.0);
+  hand.run_to(5.4);
   EXPECT_EQ(hand.command().position, first - 2);
   hand.fr = std::numeric_limits<double>::quiet_NaN();  // says nothing, so nothing is known to be at rest
   hand.run_to(7.0);
