@@ -64,7 +64,7 @@ int touched(Hand& hand) {
 }
 
 TEST(Reorient, WaitsForItsTareAndClosesUntilItTouches) {
-  Hand hand({{"tare_time", "0.2 s"}, {"contact", "80"}});
+  Hand hand({{"adjust_speed", "3 mm/s"}, {"tare_time", "0.2 s"}, {"contact", "80"}});
   hand.run_to(0.22);
   EXPECT_EQ(hand.command().position, 50);
   hand.clusters = 79.0;
@@ -83,7 +83,7 @@ TEST(Reorient, WaitsForItsTareAndClosesUntilItTouches) {
 
 // Algorithm 2: one count for each time that FL is above its threshold, and then TIME_SETTLE.
 TEST(Reorient, TightensWhileItSlipsLinearly) {
-  Hand hand({{"fl_slip", "60"}, {"settle", "0.5 s"}});
+  Hand hand({{"adjust_speed", "3 mm/s"}, {"fl_slip", "60"}, {"settle", "0.5 s"}});
   const int first = touched(hand);
   hand.fl = 59.0;
   hand.run_to(2.0);
@@ -102,7 +102,8 @@ TEST(Reorient, TightensWhileItSlipsLinearly) {
 
 // 20 mm at 3 mm/s end 6.67 s after the touch at 1 s. Then Algorithm 3, 10 mm/s up: looser while it does not turn.
 TEST(Reorient, LoosensWhileItDoesNotTurnAndStopsWhereItTurnsFast) {
-  Hand hand({{"midpoint", "20 mm"},
+  Hand hand({{"adjust_speed", "3 mm/s"},
+             {"midpoint", "20 mm"},
              {"fl_slip", "60"},
              {"fr_slip", "60"},
              {"fr_quiet", "0.5 s"},
@@ -132,7 +133,7 @@ TEST(Reorient, LoosensWhileItDoesNotTurnAndStopsWhereItTurnsFast) {
 
 // One spectrum above the threshold is a turn: quiet is what stays below it for fr_quiet on end, and anew after each count's wait.
 TEST(Reorient, LoosensOnlyWhatHasNotTurnedForAWhile) {
-  Hand hand({{"midpoint", "3 mm"}, {"fr_slip", "60"}, {"fr_quiet", "1 s"}, {"settle", "0.4 s"}});
+  Hand hand({{"adjust_speed", "3 mm/s"}, {"midpoint", "3 mm"}, {"fr_slip", "60"}, {"fr_quiet", "1 s"}, {"settle", "0.4 s"}});
   const int first = touched(hand);
   hand.fr = 59.0;
   hand.run_to(2.9);  // it turns from 2 s on
@@ -154,7 +155,8 @@ TEST(Reorient, LoosensOnlyWhatHasNotTurnedForAWhile) {
 
 // What does not turn fast is let go at TargetPoint. Then a count every release_wait, until force and moment are gone.
 TEST(Reorient, ReleasesGentlyAtTheTargetPoint) {
-  Hand hand({{"midpoint", "3 mm"},
+  Hand hand({{"adjust_speed", "3 mm/s"},
+             {"midpoint", "3 mm"},
              {"target", "23 mm"},
              {"settle", "0.4 s"},
              {"release_wait", "0.2 s"},
