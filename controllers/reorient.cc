@@ -239,8 +239,7 @@ ControllerKind reorient() {
                     "How long FR 0-6 Hz stays below fr_slip, all of it after the last count, before the grip is loosened.",
                     "assumed: two windows of the spectra, one after the other. The paper prints no such time, but says in "
                     "section IV-B that single spectra tell slip badly, since its vibration comes and goes. A box that turns at "
-                    "10 mm/s is below 25 counts for a quarter of the spectra, for 1 s on end in 1 of 50 stretches (seed 2; the "
-                    "page's trials are of seed 1)"),
+                    "10 mm/s is below 25 counts for a quarter of the spectra, seldom for 1 s on end"),
            magnitude_spec(
                "fr_upright", "250", "FR_UPRIGHT_THRES, counts.",
                "assumed: reached in the last 15 degrees of a turn at constant grip, 10 to 50 before, 100 to 150 by single "
