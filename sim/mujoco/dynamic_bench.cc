@@ -329,34 +329,61 @@ StepPlan DynamicBench::State::plan_fields(const Scene& scene, std::span<const do
   return plan_steps(scene, rates, longest, limited_by);
 }
 
+// The scene that forces see: without the sensors that only read. `read`: how many of the scene's sensors somebody reads.
+Scene DynamicBench::State::carrying(const Scene& scene, std::span<const PadLayout* const> pad_layouts, std::size_t read_sensors) {
+  Scene result = scene;
+  result.sensors.clear();
+  std::size_t following = 0;
+  for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
+    const bool follows = !scene.sensors[i].follows.empty();
+    if (i < read_sensors) sensors.push_back({follows, follows ? following++ : result.sensors.size()});
+    if (follows) continue;
+    if (i < read_sensors) ++read;
+    result.sensors.push_back(scene.sensors[i]);
+    layouts.push_back(pad_layouts[i]);
+  }
+  return result;
+}
+
+void DynamicBench::State::find_followers(const Scene& scene, std::span<const PadLayout* const> pad_layouts,
+                                         std::span<const double> rates) {
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    if (!sensors[i].follows) continue;
+    const PadInstance* pad = pad_of(m(), d(), mj_name2id(m(), mjOBJ_PLUGIN, scene.sensors[i].follows.c_str()));
+    const double speed = motion ? motion->top_speed(reach_of(*pad_layouts[i])) : 0.0;
+    followers.push_back(std::make_unique<PadFollower>(m(), *pad, *pad_layouts[i], rates[i], speed, dt));
+  }
+}
+
 DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
                            std::uint64_t trial, const DynamicBenchOptions& options)
     : state_(std::make_unique<State>()) {
   State& s = *state_;
-  s.layouts.assign(pads.begin(), pads.end());
-  s.read = output_rates.size();
+  const Scene carrying = s.carrying(scene, pads, output_rates.size());
+  std::vector<double> rates;
+  for (std::size_t i = 0; i < output_rates.size(); ++i) {
+    if (!s.sensors[i].follows) rates.push_back(output_rates[i]);
+  }
   if (options.hand != nullptr) s.spring = finger_spring(options.hand->grip);
   s.articulated = scene.fidelity == "articulated";
   s.implicit = scene.implicit_fields;
-  const bool staged = std::ranges::any_of(scene.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); });
+  const bool staged = std::ranges::any_of(carrying.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); });
   if (staged) {
     s.motion = make_motion(scene, trial);
     refuse_motors(*s.motion);
   }
-  const StepPlan plan = s.articulated ? s.plan_pillars(scene, output_rates) : s.plan_fields(scene, output_rates, trial, options);
+  const StepPlan plan = s.articulated ? s.plan_pillars(carrying, rates) : s.plan_fields(carrying, rates, trial, options);
   s.dt = plan.dt;
   s.ticks = plan.ticks;
 
   // The pads take the step when the data is made.
   s.model->opt.timestep = s.dt;
   s.make_data();
-  s.find_pads(scene);
-  s.start(scene);
-  for (std::size_t i = 0; i < s.read; ++i) {
-    s.pads[i].stride = plan.strides[i];
-    s.stepped.push_back(i);
-  }
-  s.find_bodies(scene);
+  s.find_pads(carrying);
+  s.start(carrying);
+  for (std::size_t i = 0; i < s.read; ++i) s.pads[i].stride = plan.strides[i];
+  s.find_followers(scene, pads, output_rates);
+  s.find_bodies(carrying);
   s.leads = s.model->opt.integrator == mjINT_RK4;
   if (s.articulated) s.settle_tips();
   call_mujoco([&s] { mj_forward(s.model.get(), s.data.get()); });
@@ -365,37 +392,76 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
 
 DynamicBench::~DynamicBench() = default;
 
-std::size_t DynamicBench::ticks(std::size_t) const { return state_->ticks; }
-double DynamicBench::time_step(std::size_t) const { return state_->dt; }
-std::size_t DynamicBench::stride(std::size_t pad) const { return state_->pads[pad].stride; }
+std::size_t DynamicBench::ticks(std::size_t pad) const {
+  const State& s = *state_;
+  return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->ticks(s.time_of(s.ticks - 1)) : s.ticks;
+}
+double DynamicBench::time_step(std::size_t pad) const {
+  const State& s = *state_;
+  return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->time_step() : s.dt;
+}
+std::size_t DynamicBench::stride(std::size_t pad) const {
+  const State& s = *state_;
+  return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->stride() : s.pads[s.sensors[pad].index].stride;
+}
+const ContactFrame& DynamicBench::contact(std::size_t pad) const {
+  const State& s = *state_;
+  return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->contact() : State::truth_of(s.pads[s.sensors[pad].index]);
+}
 std::span<const std::size_t> DynamicBench::stepped() const { return state_->stepped; }
-const ContactFrame& DynamicBench::contact(std::size_t pad) const { return State::truth_of(state_->pads[pad]); }
+bool DynamicBench::at_tick() const { return state_->at_tick; }
 const std::vector<NamedBody>& DynamicBench::bodies() const { return state_->bodies; }
 bool DynamicBench::rotating() const { return state_->motion && state_->motion->turns(); }
 const mjModel* DynamicBench::model() const { return state_->m(); }
 mjData* DynamicBench::data() { return state_->d(); }
 
+// From one tick of the bench to the next.
+void DynamicBench::State::take_tick() {
+  const double time = time_of(tick);
+  if (articulated) {
+    if (tick > 0) {
+      advance(tick - 1);
+      watch_step(time_of(tick - 1), before);
+      follow();
+    }
+    read_bodies();
+  } else {
+    if (!leads) {
+      advance(tick);
+    } else if (tick > 0) {
+      advance(tick - 1);
+    }
+    read_bodies();
+    check_limit(time);
+    watch_step(time, leads ? after : before);
+  }
+  for (const auto& follower : followers) follower->look(time);
+  ++tick;
+}
+
+// The bench takes its tick, the followers take theirs up to there, in order of time, and the instant of the bench's own comes last.
 void DynamicBench::step() {
   State& s = *state_;
-  const double time = s.time_of(s.tick);
-  if (s.articulated) {
-    if (s.tick > 0) {
-      s.advance(s.tick - 1);
-      s.watch_step(s.time_of(s.tick - 1), s.before);
-      s.follow();
-    }
-    s.read_bodies();
-  } else {
-    if (!s.leads) {
-      s.advance(s.tick);
-    } else if (s.tick > 0) {
-      s.advance(s.tick - 1);
-    }
-    s.read_bodies();
-    s.check_limit(time);
-    s.watch_step(time, s.leads ? s.after : s.before);
+  if (s.at_tick) s.take_tick();
+  double first = std::numeric_limits<double>::infinity();
+  for (const auto& follower : s.followers) {
+    if (follower->due_before()) first = std::min(first, follower->due());
   }
-  ++s.tick;
+  s.at_tick = std::isinf(first);
+  s.stepped.clear();
+  for (std::size_t i = 0; i < s.sensors.size(); ++i) {
+    if (!s.sensors[i].follows) {
+      if (s.at_tick) s.stepped.push_back(i);
+      continue;
+    }
+    PadFollower& follower = *s.followers[s.sensors[i].index];
+    if (s.at_tick ? follower.due_now() : follower.due() == first) {
+      follower.step();
+      s.stepped.push_back(i);
+    } else if (s.at_tick) {
+      follower.catch_up();
+    }
+  }
 }
 
 }  // namespace slipbench

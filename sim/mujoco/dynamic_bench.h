@@ -43,11 +43,13 @@ struct DynamicBenchOptions {
 // that of the step k - 1 -> k, at its end. The step is longest_articulated_step() at most. No other contact of MuJoCo's with friction
 // may touch: it ends the run, for the pads' recipe makes its friction wrong.
 //
+// Sensors that follow a pad (pad_follower.h) have ticks of their own, read its contact, and change nothing: the step is that of what carries.
+//
 // A run that has gone wrong ends in an InputError, with the time: any warning of MuJoCo (autoreset is off), and the rules of
 // watch.h.
 class DynamicBench final : public Bench {
  public:
-  // As Testbench's, but for pads after the last of `output_rates`: they touch and push, and nobody reads them. Throws SceneValueError where the scene, its model and the step do not suit each other.
+  // As Testbench's, but for pads after the last of `output_rates`: they touch and push, and nobody reads them but a follower. Throws SceneValueError where the scene, its model and the step do not suit each other.
   DynamicBench(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
                std::uint64_t trial, const DynamicBenchOptions& options = {});
   ~DynamicBench() override;
@@ -63,6 +65,10 @@ class DynamicBench final : public Bench {
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
   // Whether the stage turns; pads at sites turn as forces make them, which is not said here.
   [[nodiscard]] bool rotating() const override;
+
+  // Whether the instant last stepped to is a tick of what carries (and at the start); else it is one of followers alone, before the tick that
+  // MuJoCo has been stepped to already.
+  [[nodiscard]] bool at_tick() const;
 
   // What MuJoCo has.
   [[nodiscard]] const mjModel_* model() const;

@@ -17,6 +17,7 @@
 #include "sim/mujoco/dynamic_bench.h"
 #include "sim/mujoco/gripper_model.h"
 #include "sim/mujoco/mujoco_call.h"
+#include "sim/mujoco/pad_follower.h"
 #include "sim/mujoco/pad_instance.h"
 #include "sim/mujoco/stability.h"
 #include "sim/testbench/step_plan.h"
@@ -74,7 +75,16 @@ struct DynamicBench::State {
   std::size_t read = 0;                // how many pads somebody reads
   std::optional<FingerSpring> spring;  // of every finger, where there is a hand
   std::vector<Pad> pads;
-  std::vector<std::size_t> stepped;  // those that somebody reads: all at every tick
+
+  // Of a sensor of the scene that somebody reads.
+  struct Read {
+    bool follows;
+    std::size_t index;  // into followers, else into pads
+  };
+  std::vector<Read> sensors;
+  std::vector<std::unique_ptr<PadFollower>> followers;
+  std::vector<std::size_t> stepped;
+  bool at_tick = true;  // the instant last stepped to is a tick of the bench, no follower's before it
   std::vector<Contact> contacts;
   std::vector<Control> controls;
   std::vector<Recorded> recorded;
@@ -125,6 +135,9 @@ struct DynamicBench::State {
              return std::ranges::find(pad.pillars->bodies(), body) != pad.pillars->bodies().end();
            });
   }
+  [[nodiscard]] Scene carrying(const Scene& scene, std::span<const PadLayout* const> pad_layouts, std::size_t read_sensors);
+  void find_followers(const Scene& scene, std::span<const PadLayout* const> pad_layouts, std::span<const double> rates);
+  void take_tick();
   void find_controls(const Scene& scene);
   void find_bodies(const Scene& scene);
   void refuse_implicit() const;

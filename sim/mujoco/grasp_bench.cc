@@ -36,7 +36,6 @@ void refuse_textures(const Scene& scene, const PadLayout& pad) {
 
 constexpr const char* box_name = "box";
 constexpr const char* table_name = "table";
-constexpr const char* second_pad_name = "second_pad";
 constexpr const char* corners_name = "box_corners";
 constexpr double never = std::numeric_limits<double>::infinity();
 constexpr double corner_damping = 3e-4;  // s, of the dashpots beside their springs (assumed)
@@ -57,7 +56,7 @@ SensorScene mounted(SensorScene sensor, const char* site, const char* touched, d
 
 // The scene that DynamicBench steps: a box, a table, two pads at the fingers' sites, and the box's corners.
 Scene laid_out(const Scene& scene, const Grasp& grasp) {
-  if (scene.sensors.front().name == second_pad_name) {
+  if (std::ranges::find(scene.sensors, second_pad_name, &SensorScene::name) != scene.sensors.end()) {
     throw SceneValueError("sensors", "'second_pad' names the pad on the other finger; allowed: another name");
   }
   const Parameters &grip = scene.grasp->grip, &box = scene.grasp->box;
@@ -81,10 +80,10 @@ Scene laid_out(const Scene& scene, const Grasp& grasp) {
   second.name = second_pad_name;
   corners.name = corners_name;
   corners.friction = {box.number("table_friction"), box.number("table_friction"), 1.0};
-  const SensorScene& sensor = scene.sensors.front();
-  result.sensors = {mounted(sensor, finger_names[0].site, box_name, sensor.damping),
-                    mounted(second, finger_names[1].site, box_name, grip.number("pad_damping")),
-                    mounted(corners, corner_site, table_name, corner_damping)};
+  SensorScene& sensor = result.sensors.front();
+  sensor = mounted(sensor, finger_names[0].site, box_name, sensor.damping);
+  result.sensors.push_back(mounted(second, finger_names[1].site, box_name, grip.number("pad_damping")));
+  result.sensors.push_back(mounted(corners, corner_site, table_name, corner_damping));
   return result;
 }
 
@@ -113,28 +112,31 @@ struct GraspBench::State {
     BodyState carriage;  // now
   };
 
-  State(const Scene& scene, const PadLayout& layout, double rate, std::uint64_t trial, const DynamicBenchOptions& options)
+  State(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> rates, std::uint64_t trial,
+        const DynamicBenchOptions& options)
       : grasp(draw_grasp(*scene.grasp, scene.seed, trial)),
         gripper(scene.grasp->grip, grasp.opening, grasp.phase),
         motion(make_motion(scene, trial)),
         guided(dynamic_cast<Guided*>(motion.get())),
         lift(guided != nullptr ? LiftTimes{never, never} : lift_times(scene.motion.parameters)),
         spring(finger_spring(scene.grasp->grip)),
-        layouts{layout, second_pad(scene.grasp->grip, layout), box_corners(scene.grasp->box, grasp.box_size)} {
+        layouts{*pads.front(), second_pad(scene.grasp->grip, *pads.front()), box_corners(scene.grasp->box, grasp.box_size)} {
     const Parameters& grip = scene.grasp->grip;
     const Hand hand{grip, grasp.yaw, grasp.pitch, gripper.opening(0.0), box_name};
     DynamicBenchOptions with_hand = options;
     with_hand.hand = &hand;
-    const std::array<const PadLayout*, 3> pads{&layouts[0], &layouts[1], &layouts[2]};
+    std::vector<const PadLayout*> all(pads.begin(), pads.end());
+    all.push_back(&layouts[1]);
+    all.push_back(&layouts[2]);
     const Scene inner = laid_out(scene, grasp);
-    bench = std::make_unique<DynamicBench>(inner, pads, std::array{rate}, trial, with_hand);
+    bench = std::make_unique<DynamicBench>(inner, all, rates, trial, with_hand);
     const mjModel* m = bench->model();
     for (std::size_t k = 0; k < 2; ++k) {
       const int joint = m->body_jntadr[mj_name2id(m, mjOBJ_BODY, finger_names[k].body)];
       Finger& finger = fingers[k];
       finger.qpos = m->jnt_qposadr[joint];
       finger.dof = m->jnt_dofadr[joint];
-      finger.pad = pad_named(inner.sensors[k].name);
+      finger.pad = pad_named(k == 0 ? inner.sensors.front().name : std::string(second_pad_name));
       finger.impact = 0.5 * grip.number("fastest") * std::sqrt(stiffness_of(layouts[k]) * grip.number("finger_mass"));
       finger.at_rest = carriage_in_arm(hand, k, 0.0);
     }
@@ -266,9 +268,9 @@ void GraspBench::State::observe(double time) {
   truth.dropped = truth.dropped || (on_table ? time >= lift.end : let_go);
 }
 
-GraspBench::GraspBench(const Scene& scene, const PadLayout& pad, double rate, std::uint64_t trial,
-                       const DynamicBenchOptions& options)
-    : state_((refuse_textures(scene, pad), std::make_unique<State>(scene, pad, rate, trial, options))) {}
+GraspBench::GraspBench(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
+                       std::uint64_t trial, const DynamicBenchOptions& options)
+    : state_((refuse_textures(scene, *pads.front()), std::make_unique<State>(scene, pads, output_rates, trial, options))) {}
 
 GraspBench::~GraspBench() = default;
 
@@ -291,8 +293,9 @@ DynamicBench& GraspBench::dynamics() { return *state_->bench; }
 void GraspBench::step() {
   State& s = *state_;
   const double time = static_cast<double>(s.tick) * s.bench->time_step(0);
-  s.drive(time);
+  if (s.bench->at_tick()) s.drive(time);
   s.bench->step();
+  if (!s.bench->at_tick()) return;
   s.observe(time);
   ++s.tick;
 }

@@ -31,8 +31,10 @@ namespace slipbench {
 // finger's spring has had, as a mass that falls onto a spring, and what stops a finger that closes at the fastest speed, v sqrt(k m).
 class GraspBench final : public Bench, public HeldBox {
  public:
-  // `scene.grasp` must be there; the rest as DynamicBench's. `rate` [Hz]: of the scene's one sensor.
-  GraspBench(const Scene& scene, const PadLayout& pad, double rate, std::uint64_t trial, const DynamicBenchOptions& options = {});
+  // `scene.grasp` must be there; the rest as DynamicBench's. The first sensor's pad is on the finger that feels; the others follow it, or
+  // that of the other finger, second_pad_name.
+  GraspBench(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
+             std::uint64_t trial, const DynamicBenchOptions& options = {});
   ~GraspBench() override;
 
   [[nodiscard]] std::size_t ticks(std::size_t pad) const override;

@@ -67,12 +67,6 @@ Surface kind_of_surface(int geom_type) {
 // Whether the fields of a state have been stepped (Field::save_state).
 bool is_placed(std::span<const double> fields) { return fields[0] != 0.0; }
 
-// A layout whose dashpots are left to the instance: it knows the velocities, which a field would have to guess.
-PadLayout without_dashpots(PadLayout layout) {
-  for (Element& element : layout.elements) element.c_normal = element.c_tangential = 0.0;
-  return layout;
-}
-
 using MjMatrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
 using MjVector = Eigen::Map<const Eigen::Vector3d>;
 
@@ -115,6 +109,11 @@ void write_truth(const ContactFrame& frame, double* out) {
 }
 
 }  // namespace
+
+PadLayout without_dashpots(PadLayout layout) {
+  for (Element& element : layout.elements) element.c_normal = element.c_tangential = 0.0;
+  return layout;
+}
 
 std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const PadCatalogue& catalogue) {
   const std::unique_ptr<Sensor> sensor = config.make_sensor(catalogue);

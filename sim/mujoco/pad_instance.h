@@ -40,6 +40,9 @@ namespace slipbench {
 std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const PadCatalogue& catalogue);
 std::size_t pad_sensor_size(const PadConfig& config, const PadCatalogue& catalogue);
 
+// A layout whose dashpots are left to the instance: it knows the velocities, which a field would have to guess.
+PadLayout without_dashpots(PadLayout layout);
+
 class PadInstance {
  public:
   // Throws InputError when a geom cannot be touched or an effect does not suit it.
@@ -80,6 +83,9 @@ class PadInstance {
   [[nodiscard]] Sensor& sensor() { return *sensor_; }
   [[nodiscard]] const PadConfig& config() const { return config_; }
   [[nodiscard]] std::span<const Field> fields() const { return fields_; }
+  // After a commit and until the next kinematics: where the pad was in the frame of the surface that field `k` meets, and how it moved.
+  [[nodiscard]] const Pose& pad_in_surface(std::size_t k) const { return touched_[k].pad_in_surface; }
+  [[nodiscard]] const Twist& motion(std::size_t k) const { return touched_[k].motion; }
 
  private:
   // A touched geom, as the field sees it.

@@ -27,7 +27,8 @@ struct SensorScene {
   std::vector<Named> electronics;  // empty: ideal
 
   // In a scene whose bodies move by forces:
-  std::string site = {};                       // of the model, its frame is the pad frame P; empty: the pad rides on the stage
+  std::string follows = {};  // the pad whose contact it reads, and presses on nothing; empty: it has a pad of its own
+  std::string site = {};     // of the model, its frame is the pad frame P; empty: the pad rides on the stage
   std::vector<std::string> touches = {};       // geoms or bodies that the pad may touch
   double damping = 0.0;                        // s, time of a dashpot beside each spring
   std::optional<FrictionScene> friction = {};  // of what it touches, where that is not the scene's: no effects then
@@ -58,6 +59,9 @@ struct ControlScene {
 
 // The motion of a grasp's arm whose speed the controller commands.
 inline constexpr std::string_view guided_motion_name = "guided";
+
+// The pad on the other finger of a grasp, which no sensor reads but one that follows it.
+inline constexpr std::string_view second_pad_name = "second_pad";
 
 // A gripper that takes a box from a table: the entries of the catalogue `grasp`.
 struct GraspScene {

@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 2> arm_motions{"lift", guided_motion_name
 
 // Keys that only a scene with bodies that move by forces may have: of the scene, and of its sensors.
 constexpr std::array<std::string_view, 3> dynamic_keys{"controls", "field_solver", "gravity"};
-constexpr std::array<std::string_view, 3> dynamic_sensor_keys{"damping", "site", "touches"};
+constexpr std::array<std::string_view, 4> dynamic_sensor_keys{"damping", "follows", "site", "touches"};
 
 bool is_identifier(const std::string& name) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
@@ -161,7 +161,7 @@ class SceneReader : EntryReader {
     sensor.type = text_of(*type, path + ".type", "the name of a sensor");
     const Entry& entry = named(catalogues_.sensors, sensor.type, type->origin, "sensor");
     record(path + ".type", sensor.type);
-    sensor.parameters = parameters(&node, path, path, entry, {"damping", "electronics", "site", "touches", "type"});
+    sensor.parameters = parameters(&node, path, path, entry, {"damping", "electronics", "follows", "site", "touches", "type"});
     sensor.electronics = read_electronics(node.find("electronics"), sensor.type, path + ".electronics");
     return sensor;
   }
@@ -276,12 +276,14 @@ class SceneReader : EntryReader {
            "field_solver: 'implicit' is for pads as fields; with 'fidelity: articulated' leave it out");
     }
     if (const YamlNode* node = root.find("controls")) scene.controls = read_controls(*node);
+    read_followers(*root.find("sensors"), scene);
     if (scene.grasp) {
       read_pad_of_grasp(*root.find("sensors"), scene);
       return;
     }
     bool any_on_stage = false;
     for (SensorScene& sensor : scene.sensors) {
+      if (!sensor.follows.empty()) continue;
       read_mounting(*root.find("sensors")->find(sensor.name), sensor);
       any_on_stage = any_on_stage || sensor.site.empty();
     }
@@ -291,12 +293,53 @@ class SceneReader : EntryReader {
     }
   }
 
-  void read_pad_of_grasp(const YamlNode& sensors, Scene& scene) {
-    if (scene.sensors.size() != 1) {
-      fail(sensors.key_origin, std::to_string(scene.sensors.size()) + " sensors; a grasp allows: one, on the finger that feels");
+  // Sensors that read the contact of another one's pad, or of that on the other finger of a grasp.
+  void read_followers(const YamlNode& sensors, Scene& scene) {
+    std::vector<std::string_view> pads;
+    for (const SensorScene& sensor : scene.sensors) {
+      if (sensors.find(sensor.name)->find("follows") == nullptr) pads.push_back(sensor.name);
     }
+    if (scene.grasp) pads.push_back(second_pad_name);
+    for (SensorScene& sensor : scene.sensors) {
+      const YamlNode& node = *sensors.find(sensor.name);
+      const YamlNode* follows = node.find("follows");
+      if (follows == nullptr) continue;
+      const std::string path = "sensors." + sensor.name;
+      const std::string& name = text_of(*follows, path + ".follows", "the name of a sensor that has a pad of its own");
+      if (std::ranges::find(pads, name) == pads.end()) {
+        fail(follows->origin, path + ".follows: no pad " + quote(name) + allowed_names(name, pads));
+      }
+      for (const std::string_view key : {"damping", "site", "touches"}) {
+        if (const YamlNode* found = node.find(key)) {
+          fail(found->key_origin, quote(key) + " in " + path + " is that of the pad that it follows; leave it out");
+        }
+      }
+      if (scene.fidelity != "field") {
+        fail(follows->key_origin, "'follows' in " + path +
+                                      ": an articulated pad has no field to be read beside it; allowed with "
+                                      "'fidelity: field'");
+      }
+      record(path + ".follows", name);
+      sensor.follows = name;
+    }
+  }
+
+  void read_pad_of_grasp(const YamlNode& sensors, Scene& scene) {
     const YamlNode& node = sensors.children.front();
     const std::string path = "sensors." + node.key;
+    if (!scene.sensors.front().follows.empty()) {
+      fail(node.find("follows")->key_origin,
+           "'follows' in " + path +
+               ": the first sensor of a grasp has the pad on the finger that feels; allowed: one that follows none");
+    }
+    for (std::size_t i = 1; i < scene.sensors.size(); ++i) {
+      if (!scene.sensors[i].follows.empty()) continue;
+      fail(sensors.children[i].key_origin,
+           "sensors." + scene.sensors[i].name +
+               " has no place of its own: a finger carries one pad; allowed beside it: sensors that "
+               "say 'follows: " +
+               node.key + "' or 'follows: " + std::string(second_pad_name) + "'");
+    }
     for (const std::string_view key : {"site", "touches"}) {
       if (const YamlNode* found = node.find(key)) {
         fail(found->key_origin,

@@ -315,8 +315,9 @@ std::string scene_text(const Scene& scene, const Catalogues& catalogues, const S
     text += wrap_text("bodies:  " + bodies, width, 2);
   }
   // Where every sensor is at a site of the model there is no stage.
-  const bool on_stage =
-      !scene.dynamic() || std::ranges::any_of(scene.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); });
+  const bool on_stage = !scene.dynamic() || std::ranges::any_of(scene.sensors, [](const SensorScene& sensor) {
+    return sensor.site.empty() && sensor.follows.empty();
+  });
   if (on_stage) text += wrap_text(fmt::format("motion:  {}{}", scene.motion.name, motion_values(scene, catalogues)), width, 2);
   text += wrap_text("effects: " + (effects.empty() ? "none" : effects), width, 2);
   return text + '\n';

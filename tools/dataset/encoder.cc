@@ -36,6 +36,7 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
     attributes.push_back({samples, "type", sensor.type});
     attributes.push_back({samples, "rate_hz", sensor.rate});
     attributes.push_back({samples, "frame", sensor.frame});
+    if (!sensor.follows.empty()) attributes.push_back({samples, "follows", sensor.follows});
     attributes.push_back({samples, "channels", std::move(channels)});
     attributes.push_back({samples, "channel_names", sensor.channel_names});
     attributes.push_back({label_group(sensor.name), "frame", std::string(label_frame_text)});

@@ -470,6 +470,7 @@ SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& se
   record.type = read_text(place, group, "type");
   record.rate = read_number<double>(place, group, "rate_hz");
   record.frame = read_text(place, group, "frame");
+  if (H5Aexists(group.get(), "follows") > 0) record.follows = read_text(place, group, "follows");
   record.channel_names = read_texts(place, group, "channel_names");
   record.time = read_array<double>(place.below("t")).values;
   for (const std::string& name : read_texts(place, group, "channels")) {

@@ -69,6 +69,7 @@ struct SensorRecord {
   std::vector<double> time;                // [T] s
   std::vector<SensorColumn> channels;
   LabelRecord labels;
+  std::string follows = {};  // the pad whose contact it reads and which carries, as the scene names it; empty: it has its own
 };
 
 // Samples by true state (strict) and by detector class: [truth][class].
@@ -132,7 +133,8 @@ struct GraspOutcome {
   std::optional<TurnOutcome> turn = {};  // empty where the arm's motion is prescribed
 };
 
-// How a trial ended. NaN: it never happened. With several sensors the earliest time and the largest distance count.
+// How a trial ended. NaN: it never happened. With several sensors the earliest time and the largest distance count, but for those that follow
+// another's pad.
 struct TrialOutcome {
   double touch_time = std::numeric_limits<double>::quiet_NaN();             // s
   double first_micro_slip_time = std::numeric_limits<double>::quiet_NaN();  // s, a first part of a unit slips
@@ -169,11 +171,11 @@ struct TrialRecord {
   std::string model_sha256 = {};  // of the scene's model file, 64 hexadecimal digits; empty: it has none. Not read back
   TrialOutcome outcome;
   std::vector<SensorRecord> sensors;  // empty, as are the bodies: only the outcome was recorded
-  std::vector<double> body_time;      // [T] s, samples of the fastest sensor
+  std::vector<double> body_time;      // [T] s, samples of the fastest sensor that follows no other's pad
   std::vector<BodyRecord> bodies;
   std::optional<ControlRecord> control;  // empty: the scene has no detector and no controller
 
-  // Samples of the fastest sensor.
+  // Samples of that sensor.
   [[nodiscard]] std::size_t num_samples() const { return body_time.size(); }
 };
 

@@ -109,6 +109,7 @@ Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std
                   {"type", sensor.type},
                   {"rate_hz", sensor.rate},
                   {"frame", sensor.frame},
+                  {"place", sensor.follows.empty() ? sensor.name : sensor.follows},
                   {"touch_s", numbers_or_null(touch_times(labels))},
                   {"micro_onset_s", numbers_or_null(labels.micro_onset_time)},
                   {"onset_s", numbers_or_null(labels.onset_time)},

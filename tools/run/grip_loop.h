@@ -18,9 +18,9 @@ class GripLoop {
   // controller sees the estimate of no contact.
   GripLoop(HeldBox& box, std::unique_ptr<Controller> controller, std::optional<DetectorLoop> detector);
 
-  // A frame of the grasp's one sensor. Its values must stay until the next.
+  // A frame of any pad's sensor; the controller sees those of the first. Its values must stay until the next.
   void sample(std::size_t pad, const SensorFrame& frame) {
-    frame_ = frame;
+    if (pad == 0) frame_ = frame;
     if (detector_) detector_->sample(pad, frame);
   }
 
@@ -28,6 +28,8 @@ class GripLoop {
   // what is there of the detector at that tick; its command goes with the next write, to a guided arm at the same instant. Throws what the controller and the gripper refuse.
   void act(double time);
 
+  // The pad whose sensor the detector, else the controller reads.
+  [[nodiscard]] std::size_t pad() const { return detector_ ? detector_->pad() : 0; }
   // Whether there is a detector or a controller.
   [[nodiscard]] bool closed() const { return detector_.has_value() || controller_ != nullptr; }
   // What the loop sees of the detector at the tick last acted at.

@@ -28,10 +28,14 @@ void keep_earliest(double& time, double candidate) {
 
 Sampling sampling_of(const Sensor& sensor, const Bench& bench, std::size_t pad) { return {bench.stride(pad), sensor.scans()}; }
 
-// With whose samples the bodies are recorded: those of the fastest sensor, of equals the first.
-std::size_t fastest_of(std::span<const std::unique_ptr<Sensor>> sensors) {
-  return static_cast<std::size_t>(std::ranges::max_element(sensors, {}, [](const auto& sensor) { return sensor->rate(); }) -
-                                  sensors.begin());
+// With whose samples the bodies are recorded: those of the fastest sensor that has a pad of its own, of equals the first.
+std::size_t fastest_of(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors) {
+  const auto rate = [&](std::size_t pad) { return scene.sensors[pad].follows.empty() ? sensors[pad]->rate() : 0.0; };
+  std::size_t fastest = 0;
+  for (std::size_t pad = 1; pad < sensors.size(); ++pad) {
+    if (rate(pad) > rate(fastest)) fastest = pad;
+  }
+  return fastest;
 }
 
 // Rows that a channel has of `samples` samples of its sensor.
@@ -84,7 +88,7 @@ bool begins_slip(const ContactEvent& event, const LabelRecord& labels) {
 // Whose samples the loop's rows go with; empty: the scene has no loop.
 std::optional<std::size_t> control_pad(const Scene& scene) {
   if (scene.detector) return scene.detector->sensor;
-  if (scene.controller) return 0;  // a grasp has one sensor
+  if (scene.controller) return 0;  // the pad of a grasp
   return std::nullopt;
 }
 
@@ -130,7 +134,7 @@ double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>>
       body_row += row_bytes(tail, column);
     });
   }
-  const std::size_t fastest = fastest_of(sensors);
+  const std::size_t fastest = fastest_of(scene, sensors);
   const std::size_t rows = sampling_of(*sensors[fastest], bench, fastest).samples(bench.ticks(fastest));
   return bytes + static_cast<double>(body_row) * static_cast<double>(rows);
 }
@@ -177,7 +181,7 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
     record_.control->sensor = scene.sensors[*pad].name;
     record_.control->rate = sensors[*pad]->rate();
   }
-  body_pad_ = fastest_of(sensors);
+  body_pad_ = fastest_of(scene, sensors);
   if (recording == Recording::full) allocate();
 }
 
@@ -188,6 +192,7 @@ void TrialRecorder::allocate() {
     SensorRecord& sensor = record_.sensors[pad];
     const std::size_t rows = sampling_[pad].samples(bench_.ticks(pad));
     sensor.type = scene_.sensors[pad].type;
+    sensor.follows = scene_.sensors[pad].follows;
     sensor.rate = sensors_[pad]->rate();
     sensor.frame = pad_frame_text;
     sensor.time.resize(rows);
@@ -220,7 +225,8 @@ void TrialRecorder::allocate() {
 
 void TrialRecorder::note_events(std::size_t pad, const ContactFrame& truth) {
   LabelRecord& labels = record_.sensors[pad].labels;
-  TrialOutcome& outcome = record_.outcome;
+  TrialOutcome nobody;
+  TrialOutcome& outcome = follows(pad) ? nobody : record_.outcome;
   if (recording_ == Recording::full) {
     static const double one_event = event_bytes();
     bytes_ += one_event * static_cast<double>(truth.events.size());
@@ -248,6 +254,7 @@ void TrialRecorder::note_events(std::size_t pad, const ContactFrame& truth) {
 // The event that left no touching unit sticking is the last one of the step.
 void TrialRecorder::note_gross_slip(std::size_t pad, const ContactFrame& truth) {
   all_slipped_[pad] = 1;
+  if (follows(pad)) return;
   keep_earliest(record_.outcome.gross_slip_time, truth.events.empty() ? truth.time : truth.events.back().time);
 }
 
@@ -304,7 +311,7 @@ void TrialRecorder::loop(std::size_t tick, const ContactFrame& truth, PadState s
   control.detector_class.push_back(static_cast<std::uint8_t>(seen));
 }
 
-void TrialRecorder::grip(std::size_t tick, const ContactFrame& truth, const HeldBox& box, const GripLoop& loop) {
+void TrialRecorder::grip(const ContactFrame& truth, const HeldBox& box, const GripLoop& loop) {
   const GraspTruth& now = box.truth();
   if (!record_.outcome.grasp) {
     record_.outcome.grasp.emplace();
@@ -326,14 +333,17 @@ void TrialRecorder::grip(std::size_t tick, const ContactFrame& truth, const Held
   if (std::isnan(grasp.reaction_time) && !grasp.dropped && loop.tightening().read >= true_slip_) {
     grasp.reaction_time = loop.tightening().acts - true_slip_;
   }
-  if (!record_.control || recording_ == Recording::outcome || !sampling_[*control_pad(scene_)].completes_at(tick)) return;
+}
+
+void TrialRecorder::grip_row(std::size_t tick, const HeldBox& box, const GripLoop& loop) {
+  if (recording_ == Recording::outcome || !sampling_[*control_pad(scene_)].completes_at(tick)) return;
   GripRecord& rows = record_.control->grip;
   const GripCommand& written = loop.written();
   for (const int value : {written.position, written.speed, written.force}) {
     rows.command.push_back(static_cast<std::uint8_t>(value));
   }
   rows.measured_position.push_back(static_cast<std::uint8_t>(loop.measured_position()));
-  rows.grip_force.push_back(static_cast<float>(now.grip_force));
+  rows.grip_force.push_back(static_cast<float>(box.truth().grip_force));
   if (!scene_.guided()) return;
   for (const double speed : {loop.told_arm().sideways, loop.told_arm().up}) rows.arm.push_back(static_cast<float>(speed));
 }
@@ -373,7 +383,9 @@ TrialResult TrialRecorder::finish() {
     const ContactFrame& last = bench_.contact(pad);
     check_finite(record_.sensors[pad].name, last);
     check_finite(record_.sensors[pad].name, sensors_[pad]->channels(), last_[pad]);
-    record_.outcome.max_slip_distance = std::max(record_.outcome.max_slip_distance, last.slip_distance.maxCoeff());
+    if (!follows(pad)) {
+      record_.outcome.max_slip_distance = std::max(record_.outcome.max_slip_distance, last.slip_distance.maxCoeff());
+    }
     if (const std::uint64_t samples = sensors_[pad]->saturated(); samples > 0) {
       record_.outcome.saturated.emplace(record_.sensors[pad].name, samples);
     }

@@ -27,7 +27,8 @@ double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>>
 // A trial is recorded in memory before it is written. Throws SceneValueError when `bytes` are more than `max_bytes`.
 void check_record_size(const Scene& scene, double bytes, double max_bytes);
 
-// Columns are allocated whole before the run; a sample is written in place.
+// Columns are allocated whole before the run; a sample is written in place. A sensor that follows another one's pad says nothing of the
+// outcome, nor how often bodies are recorded.
 class TrialRecorder {
  public:
   // All must outlive the recorder. Throws SceneValueError when the record would take more than `max_bytes`, or the trial ends before a
@@ -54,8 +55,10 @@ class TrialRecorder {
   // Called at every tick of the pad whose sensor the scene's detector or controller reads, after its sample: its truth, and what the loop
   // sees.
   void loop(std::size_t tick, const ContactFrame& truth, PadState seen);
-  // Called every tick of a grasp after the pads: the truth of the sensor's pad, the box, and what its loop has done.
-  void grip(std::size_t tick, const ContactFrame& truth, const HeldBox& box, const GripLoop& loop);
+  // Called at every tick of the first sensor's pad in a grasp, before loop(): its truth, the box, and what the loop has done.
+  void grip(const ContactFrame& truth, const HeldBox& box, const GripLoop& loop);
+  // Called with loop() in a grasp.
+  void grip_row(std::size_t tick, const HeldBox& box, const GripLoop& loop);
   // Called at every tick of a pad.
   void bodies(std::size_t pad, std::size_t tick, double time, const std::vector<NamedBody>& bodies) {
     if (pad != body_pad_ || recording_ != Recording::full) return;
@@ -66,6 +69,7 @@ class TrialRecorder {
   TrialResult finish();
 
  private:
+  [[nodiscard]] bool follows(std::size_t pad) const { return !scene_.sensors[pad].follows.empty(); }
   void allocate();
   void note_events(std::size_t pad, const ContactFrame& truth);
   void note_gross_slip(std::size_t pad, const ContactFrame& truth);

@@ -41,7 +41,7 @@ std::unique_ptr<Bench> make_mujoco_bench(const Scene& scene, std::span<const Pad
                                          std::span<const double> rates, std::uint64_t trial) {
   if (!scene.dynamic()) return std::make_unique<ArticulatedTestbench>(scene, pads, rates, trial);
   [[maybe_unused]] static const bool registered = (register_field_plugin({pad_catalogues(), &make_sensor}), true);
-  if (scene.grasp) return std::make_unique<GraspBench>(scene, *pads.front(), rates.front(), trial);
+  if (scene.grasp) return std::make_unique<GraspBench>(scene, pads, rates, trial);
   return std::make_unique<DynamicBench>(scene, pads, rates, trial);
 }
 #else
@@ -105,10 +105,15 @@ void close_loop(TrialRecorder& recorder, const Ticks& had, const Bench& bench, D
   recorder.loop(had[loop.pad()] - 1, truth, loop.seen_at(truth.time).state);
 }
 void close_loop(TrialRecorder& recorder, const Ticks& had, Bench& bench, GripLoop& loop) {
-  const ContactFrame& truth = bench.contact(0);
-  loop.act(truth.time);
-  recorder.grip(had[0] - 1, truth, *bench.held_box(), loop);
-  if (loop.closed()) recorder.loop(had[0] - 1, truth, loop.seen());
+  if (has_tick(bench, 0)) {
+    const ContactFrame& truth = bench.contact(0);
+    loop.act(truth.time);
+    recorder.grip(truth, *bench.held_box(), loop);
+  }
+  if (!loop.closed() || !has_tick(bench, loop.pad())) return;
+  const std::size_t tick = had[loop.pad()] - 1;
+  recorder.grip_row(tick, *bench.held_box(), loop);
+  recorder.loop(tick, bench.contact(loop.pad()), loop.seen());
 }
 
 template <class Loop>

@@ -169,6 +169,41 @@ TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
   EXPECT_EQ(refusal("grip: {}\nbox: {}\nscatter: {}\ngravity: 1.6 m/s2\n"), "");
 }
 
+TEST(GraspScene, EverySensorButTheFirstFollows) {
+  const auto refusal_of = [](const std::string& sensors) -> std::string {
+    try {
+      parse_scene(SceneFile::from_text("slipbench: 1\ngrip: {}\nsensors:\n" + sensors, "scene.yaml"), program_catalogues());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string pad = "  pad: {type: papillarray}\n";
+  EXPECT_EQ(refusal_of(pad + "  skin: {type: piezo_skin, follows: pad}\n  nib: {type: nib_pad, follows: second_pad}\n"), "");
+  EXPECT_EQ(refusal_of(pad + "  skin: {type: piezo_skin}\n"),
+            "scene.yaml:5: sensors.skin has no place of its own: a finger carries one pad; allowed beside it: sensors that say "
+            "'follows: pad' or 'follows: second_pad'");
+  EXPECT_EQ(
+      refusal_of("  skin: {type: piezo_skin, follows: pad}\n" + pad),
+      "scene.yaml:4: 'follows' in sensors.skin: the first sensor of a grasp has the pad on the finger that feels; allowed: one "
+      "that follows none");
+  EXPECT_EQ(refusal_of(pad + "  skin: {type: piezo_skin, follows: first_pad}\n"),
+            "scene.yaml:5: sensors.skin.follows: no pad 'first_pad'; allowed: pad, second_pad");
+}
+
+TEST(GraspScene, ShippedTwoSkinsReadOneContact) {
+  const Scene scene = parse_scene(SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/grasp/two_skins.yaml"), program_catalogues());
+  ASSERT_EQ(scene.sensors.size(), 3U);
+  EXPECT_EQ(scene.sensors[0].type, "papillarray");
+  EXPECT_EQ(scene.sensors[0].follows, "");
+  EXPECT_EQ(scene.sensors[1].type, "piezo_skin");
+  EXPECT_EQ(scene.sensors[2].type, "nib_pad");
+  for (const std::size_t i : {1U, 2U}) EXPECT_EQ(scene.sensors[i].follows, scene.sensors[0].name);
+  EXPECT_EQ(scene.detector->sensor, 0U);
+  // 0.4 kg on two pads of mu 0.35 needs 5.6 N each: the 4 N of the preset let it slip, and the loop has something to do.
+  EXPECT_GT(ideal_grip_force(scene, 1.0, 9.81), scene.grasp->grip.number("preset"));
+}
+
 TEST(GraspScene, ShippedLiftIsAsRecordedAndTakesWhatIsSet) {
   SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml");
   const Scene scene = parse_scene(file, program_catalogues());

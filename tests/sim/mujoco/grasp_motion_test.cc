@@ -169,7 +169,9 @@ TEST(GraspMotion, RefusesASensorThatIsNamedAsTheOtherPad) {
                   program_catalogues());
   register_plugin_once();
   const auto sensor = make_sensor(scene.sensors.front(), 0, 0);
-  EXPECT_THROW(GraspBench(scene, sensor->layout(), sensor->rate(), 0), SceneValueError);
+  const PadLayout* pad = &sensor->layout();
+  const double rate = sensor->rate();
+  EXPECT_THROW(GraspBench(scene, {&pad, 1}, {&rate, 1}, 0), SceneValueError);
 }
 
 }  // namespace

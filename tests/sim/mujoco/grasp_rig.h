@@ -1,6 +1,7 @@
 // A grasp from text, with the simplest of loops.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 
@@ -21,7 +22,8 @@ class GraspRig {
             pad_catalogues())) {
     register_plugin_once();
     sensor_ = make_sensor(scene_.sensors.front(), scene_.seed, trial);
-    bench_ = std::make_unique<GraspBench>(scene_, sensor_->layout(), sensor_->rate(), trial, options);
+    const std::array<const PadLayout*, 1> pads{&sensor_->layout()};
+    bench_ = std::make_unique<GraspBench>(scene_, pads, std::array{sensor_->rate()}, trial, options);
     preset_ = scene_.grasp->grip.number("preset");
   }
 

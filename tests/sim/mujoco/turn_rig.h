@@ -1,6 +1,7 @@
 // The box of the reorientation bench between two pads of a layout of one's own, on an arm that a test commands.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -30,7 +31,8 @@ class TurnRig {
         pad_(std::move(pad)),
         counts_(counts) {
     register_plugin_once();
-    bench_ = std::make_unique<GraspBench>(scene_, pad_, 1000.0, 0, options);
+    const std::array<const PadLayout*, 1> pads{&pad_};
+    bench_ = std::make_unique<GraspBench>(scene_, pads, std::array{1000.0}, 0, options);
   }
 
   GraspBench* operator->() { return bench_.get(); }

@@ -45,7 +45,8 @@ const std::string scene_keys =
     "bodies, box, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, "
     "gravity, grip, "
     "model, motion, scatter, seed, sensors, slipbench, surface, sweep, time_step";
-const std::string sensor_keys = "bias, bristle_spread, bristles, damping, electronics, profile, rate, site, touches, type";
+const std::string sensor_keys =
+    "bias, bristle_spread, bristles, damping, electronics, follows, profile, rate, site, touches, type";
 const std::string materials =
     "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic, "
     "wet_felt, wet_paper, wet_ptfe, wet_rubber";
@@ -212,6 +213,19 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:4: sensors.pad.touches is empty; allowed: names of geoms or bodies, such as [box]"},
         Case{"TouchesTwice", with_sensor("{type: papillarray, touches: [box, box]}"),
              "s.yaml:4: 'box' is named twice in sensors.pad.touches"},
+        Case{"FollowsWithoutBodies",
+             "slipbench: 1\nsensors: {pad: {type: papillarray}, skin: {type: papillarray, follows: pad}}\n",
+             "s.yaml:2: 'follows' in sensors.skin needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"FollowsNobody", bodies_head + "  skin: {type: papillarray, follows: pat}\n",
+             "s.yaml:5: sensors.skin.follows: no pad 'pat'; did you mean 'pad'? allowed: pad"},
+        Case{"FollowsAFollower",
+             bodies_head + "  skin: {type: papillarray, follows: nib}\n  nib: {type: papillarray, follows: pad}\n",
+             "s.yaml:5: sensors.skin.follows: no pad 'nib'; allowed: pad"},
+        Case{"FollowerThatTouches", bodies_head + "  skin: {type: papillarray, follows: pad, touches: [box]}\n",
+             "s.yaml:5: 'touches' in sensors.skin is that of the pad that it follows; leave it out"},
+        Case{"FollowsPillars", bodies_head + "  skin: {type: papillarray, follows: pad}\nfidelity: articulated\n",
+             "s.yaml:5: 'follows' in sensors.skin: an articulated pad has no field to be read beside it; allowed with 'fidelity: "
+             "field'"},
         Case{"Damping", with_sensor("{type: papillarray, touches: [box], damping: -1 ms}"),
              "s.yaml:4: sensors.pad.damping: '-1 ms' is out of range; allowed: >= 0 s"},
         Case{"MotionThatMovesNothing",

@@ -51,7 +51,8 @@ std::vector<std::vector<std::vector<double>>> histories(const Scene& scene, cons
     for (const std::size_t pad : b.stepped()) {
       EXPECT_GE(b.contact(pad).time, last) << "the bench never goes back";
       last = b.contact(pad).time;
-      EXPECT_EQ(b.bodies().front().state.pose.position.x(), b.contact(pad).stage_position.x()) << "bodies are those of the instant";
+      EXPECT_EQ(b.bodies().front().state.pose.position.x(), b.contact(pad).stage_position.x())
+          << "bodies are those of the instant";
       result[pad].push_back(bytes_of(b.contact(pad)));
     }
   }
@@ -59,7 +60,7 @@ std::vector<std::vector<std::vector<double>>> histories(const Scene& scene, cons
 }
 
 Scene pressed_and_slid(std::size_t pads) {
-  Scene asked = scene(pads, {{"compression", 0.4e-3}, {"start", 0.3}, {"speed", 8e-3}, {"vibration", 1.0}});
+  Scene asked = scene(pads, {{"compression", 0.4e-3}, {"start", 0.31}, {"speed", 8e-3}, {"vibration", 1.0}});
   asked.duration = 0.5;
   asked.time_step.reset();
   return asked;

@@ -210,6 +210,29 @@ TEST_F(AnySensor, EpisodesHoldSlowChannels) {
   EXPECT_EQ(episode.steps, 8U);
 }
 
+// Two sensors on one contact, 1 kHz and 300 Hz: an archive keeps each at its own times, a demonstration holds the latest of both at the slower
+// one's rate from 1/300 s on. Row r of the pad is its sample at or before (r + 1)/300 s: 3, 6, 10, 13 ms.
+TEST_F(AnySensor, SensorsOfDifferentRatesShareADemonstration) {
+  TrialRecord record = make_record(0, 16);
+  record.sensors[0].rate = 1000.0;
+  for (std::size_t row = 0; row < 16; ++row) record.sensors[0].channels[1].values[row] = static_cast<float>(row);
+  record.sensors.push_back(nib_pad(4));
+  dataset({record});
+  const DatasetReader reader(path("a.h5"));
+  EXPECT_EQ(slowest_rate(reader, 0, ""), 300.0);
+  const Episode episode = make_episode(reader, 0, "", 300.0, action_space(reader, {0}));
+  EXPECT_EQ(episode.steps, 3U);
+  ASSERT_THAT(episode.observations, SizeIs(5));
+  EXPECT_EQ(episode.observations[1].name, "pad_displacement");
+  EXPECT_THAT(episode.observations[1].values, ElementsAre(3.0F, 6.0F, 10.0F, 13.0F));
+  EXPECT_EQ(episode.observations[3].name, "nib_fl");
+  EXPECT_THAT(episode.observations[3].values, ElementsAre(7000, 7000, 7003, 7001, 7006, 7002, 7009, 7003));
+  const std::string archive = bytes_of(run(ExportFormat::npz).front());
+  for (const char* key : {"sensors/pad/t.npy", "sensors/nib/t.npy", "labels/pad/state.npy", "labels/nib/state.npy"}) {
+    EXPECT_THAT(archive, HasSubstr(key));
+  }
+}
+
 TEST_F(AnySensor, DemonstrationsRepeatToTheByteAndReplaceTheirOwn) {
   dataset({moving_pad(0), moving_pad(1), moving_pad(2)});
   EXPECT_THAT(run(ExportFormat::robomimic), ElementsAre(path("out/robomimic.hdf5")));

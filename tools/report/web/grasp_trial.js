@@ -16,6 +16,9 @@ class GraspRecording {
     for (const body of payload.poses.bodies) {
       grasp.bodies[body.name] = {size: body.size, position: await sb.unpack(body.position), turn: await sb.unpack(body.turn)};
     }
+    // The pads that carry: the sensor's, then that of the other finger.
+    const others = ['arm', 'table', 'box', 'second_pad'];
+    grasp.pads = [...Object.keys(grasp.bodies).filter(name => !others.includes(name)), 'second_pad'];
     return grasp;
   }
 

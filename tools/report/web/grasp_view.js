@@ -67,6 +67,9 @@ class GraspView {
   constructor(parent, grasp, recording, timeline) {
     this.grasp = grasp;
     this.recording = recording;
+    // The pads are those that carry; the sensor has one of them or follows it.
+    this.own = recording.place;
+    this.other = grasp.pads.find(name => name !== this.own);
     this.timeline = timeline;
     this.pad = new PadSolids(recording);
     this.camera = new Camera();
@@ -81,7 +84,7 @@ class GraspView {
     const first = grasp.poseAt(timeline.full[0]);
     this.boxSize = grasp.size('box') || [0.06, 0.06, 0.1];
     this.tableHeight = first.table.position[2];
-    const across = subtract(first.second_pad.position, first[recording.name].position);
+    const across = subtract(first.second_pad.position, first[grasp.pads[0]].position);
     const yaw = 0.5 * Math.atan2(across[1], across[0]);
     this.handTurn = [Math.cos(yaw), 0, 0, Math.sin(yaw)];
     this.start = first.arm;
@@ -133,28 +136,28 @@ class GraspView {
   }
 
   solids(poses, sample) {
-    const {recording, pad} = this;
+    const {pad, own, other} = this;
     const face = this.faceOf(poses.box);
     const half = this.boxSize.map(s => 0.5 * s);
-    const silicone = this.grasp.size('second_pad');
+    const silicone = this.grasp.size(other);
     const sensorFinger = {colour: 'faint', alpha: 0.13}, body = {colour: 'faint', alpha: 1};
     const arm = poses.arm;
     const hand = {position: arm.position, turn: product(arm.turn, this.handTurn)};
     const fingerFrom = z => block([-finger.halfWidth, -finger.below, z], [finger.halfWidth, finger.above, z + finger.thick]);
     const list = [
       solid(block(half.map(h => -h), half), poses.box, {colour: 'box', alpha: 1}),
-      ...pad.solids(poses[recording.name], face, sample),
-      solid(fingerFrom(pad.back), poses[recording.name], sensorFinger),
+      ...pad.solids(poses[own], face, sample),
+      solid(fingerFrom(pad.back), poses[own], sensorFinger),
       solid(block([-palm.halfLength, -palm.halfWidth, palm.from], [palm.halfLength, palm.halfWidth, palm.to]), hand, body),
       solid(bar(0, 0, wrist.radius, palm.to, palm.to + wrist.height), hand, body)
     ];
     if (silicone) {
       const [w, h] = silicone;
       list.push(
-          solid(block([-0.5 * w, -0.5 * h, 0], [0.5 * w, 0.5 * h, layer]), poses.second_pad, {colour: 'soft', alpha: 1}),
-          solid(fingerFrom(layer), poses.second_pad, body));
+          solid(block([-0.5 * w, -0.5 * h, 0], [0.5 * w, 0.5 * h, layer]), poses[other], {colour: 'soft', alpha: 1}),
+          solid(fingerFrom(layer), poses[other], body));
     } else {
-      list.push(...pad.solids(poses.second_pad, face, null), solid(fingerFrom(pad.back), poses.second_pad, body));
+      list.push(...pad.solids(poses[other], face, null), solid(fingerFrom(pad.back), poses[other], body));
     }
     return list;
   }
