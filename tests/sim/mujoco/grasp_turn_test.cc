@@ -1,5 +1,6 @@
 // A box that is gripped beside its middle and lifted: whether it turns on its far edge by rotational slip or lifts off, and how fast it turns.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -47,7 +48,9 @@ TEST(GraspTurn, BoxIsTwoMasses) {
                            "box: {mass: 118 g, weight: 200 g, weight_place: [0 mm, 20 mm, 5 mm], size: [33 mm, 155 mm, 54 mm]}\n",
                            "scene.yaml"),
       pad_catalogues());
-  GraspBench bench(scene, two_abreast(), 1000.0, 0);
+  const PadLayout layout = two_abreast();
+  const std::array<const PadLayout*, 1> pads{&layout};
+  GraspBench bench(scene, pads, std::array{1000.0}, 0);
   const mjModel* m = bench.dynamics().model();
   const int body = mj_name2id(m, mjOBJ_BODY, "box");
   EXPECT_NEAR(m->body_mass[body], 0.318, 1e-15);

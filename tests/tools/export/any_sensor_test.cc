@@ -223,10 +223,10 @@ TEST_F(AnySensor, SensorsOfDifferentRatesShareADemonstration) {
   const Episode episode = make_episode(reader, 0, "", 300.0, action_space(reader, {0}));
   EXPECT_EQ(episode.steps, 3U);
   ASSERT_THAT(episode.observations, SizeIs(5));
-  EXPECT_EQ(episode.observations[1].name, "pad_displacement");
-  EXPECT_THAT(episode.observations[1].values, ElementsAre(3.0F, 6.0F, 10.0F, 13.0F));
-  EXPECT_EQ(episode.observations[3].name, "nib_fl");
-  EXPECT_THAT(episode.observations[3].values, ElementsAre(7000, 7000, 7003, 7001, 7006, 7002, 7009, 7003));
+  EXPECT_EQ(episode.observations[4].name, "pad_displacement");  // sensors in the order of their names
+  EXPECT_THAT(episode.observations[4].values, ElementsAre(3.0F, 6.0F, 10.0F, 13.0F));
+  EXPECT_EQ(episode.observations[1].name, "nib_fl");
+  EXPECT_THAT(episode.observations[1].values, ElementsAre(7000, 7000, 7003, 7001, 7006, 7002, 7009, 7003));
   const std::string archive = bytes_of(run(ExportFormat::npz).front());
   for (const char* key : {"sensors/pad/t.npy", "sensors/nib/t.npy", "labels/pad/state.npy", "labels/nib/state.npy"}) {
     EXPECT_THAT(archive, HasSubstr(key));
