@@ -77,6 +77,8 @@ Formats of any sensor:
 Formats of the PapillArray:
   vendor-csv    the log layout of the sensor vendor's own software, one file a trial
   training-csv  73 columns, no header, 1000 Hz, one file a trial: time, then contact, slip, displacement, force of each pillar
+Format of grasps with three BioTac SP:
+  grasp-csv     one file, a row a grasp: object, whether it slipped, the 72 electrodes before the lift
 
 Examples:
   slipbench export hexapod.h5 --format npz --trial 3 -o arrays

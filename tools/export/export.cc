@@ -16,6 +16,7 @@
 #include "tools/dataset/guarded.h"
 #include "tools/dataset/reader.h"
 #include "tools/export/commanded_motion.h"
+#include "tools/export/grasp_csv.h"
 #include "tools/export/npz.h"
 #include "tools/export/output_folder.h"
 #include "tools/export/papillarray_trial.h"
@@ -28,11 +29,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<const char*, ExportFormat>, 5> formats{{{"csv", ExportFormat::csv},
+constexpr std::array<std::pair<const char*, ExportFormat>, 6> formats{{{"csv", ExportFormat::csv},
                                                                        {"npz", ExportFormat::npz},
                                                                        {"robomimic", ExportFormat::robomimic},
                                                                        {"vendor-csv", ExportFormat::vendor_csv},
-                                                                       {"training-csv", ExportFormat::training_csv}}};
+                                                                       {"training-csv", ExportFormat::training_csv},
+                                                                       {"grasp-csv", ExportFormat::grasp_csv}}};
 constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
                                                                  {"micro", SlipRule::micro},
                                                                  {"paper", SlipRule::paper},
@@ -150,6 +152,9 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
   for (const std::size_t trial : trials) reader.check_recorded(trial);
   OutputFolder out(out_dir, reader.files());
   if (options.format == ExportFormat::robomimic) return {export_robomimic(reader, trials, out, options)};
+  if (options.format == ExportFormat::grasp_csv) {
+    return {out.write("grasps.csv", {"table of grasps", &begins_as_grasp_csv}, grasp_csv(reader, trials))};
+  }
   std::vector<std::string> files;
   for (const std::size_t trial : trials) {
     switch (options.format) {
@@ -157,7 +162,8 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
       case ExportFormat::npz: files.push_back(export_archive(reader, trial, out)); break;
       case ExportFormat::vendor_csv: files.push_back(export_vendor(reader, trial, out, options)); break;
       case ExportFormat::training_csv: files.push_back(export_training(reader, trial, out, options)); break;
-      case ExportFormat::robomimic: break;  // is one file
+      case ExportFormat::robomimic:
+      case ExportFormat::grasp_csv: break;  // are one file
     }
   }
   return files;
@@ -188,8 +194,10 @@ std::vector<std::string> export_dataset(const std::string& dataset_path, const s
   if (options.rate && options.format != ExportFormat::robomimic) {
     throw InputError("a rate was given, at which only robomimic is sampled; allowed: --rate with --format robomimic");
   }
-  if (!options.sensor.empty() && options.format == ExportFormat::npz) {
-    throw InputError("npz holds all sensors of a trial; allowed: --sensor with the other formats");
+  const bool all_sensors = options.format == ExportFormat::npz || options.format == ExportFormat::grasp_csv;
+  if (!options.sensor.empty() && all_sensors) {
+    throw InputError(fmt::format("{} holds all sensors of a trial; allowed: --sensor with the other formats",
+                                 options.format == ExportFormat::npz ? "npz" : "grasp-csv"));
   }
   // A path holds no zero byte, which therefore ends each in what the child process hands back.
   const std::string names = guarded(dataset_path, [&] {

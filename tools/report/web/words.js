@@ -25,16 +25,20 @@ sb.rules = [
   {key: 'paper', name: 'paper', note: "the label rule of the sensor's paper"},
 ];
 
+// What a unit is called: the word, its letter, and the number of the first where that is not 0.
 const unitWords = {
   papillarray: ['pillar', 'P'],
   nib_pad: ['nib', 'N'],
   piezo_skin: ['patch', 'S'],
   myrmex: ['taxel', 'T'],
-  biotac_sp: ['electrode', 'E']
+  biotac_sp: ['electrode', 'E', 1],
 };
 sb.unitWord = type => (unitWords[type] || ['unit', 'U'])[0];
 sb.unitWords = type => sb.unitWord(type) + (/(ch|s|x)$/.test(sb.unitWord(type)) ? 'es' : 's');
-sb.unitName = (type, index) => (unitWords[type] || ['unit', 'U'])[1] + index;
+sb.unitName = (type, index) => {
+  const [, letter, first = 0] = unitWords[type] || ['unit', 'U'];
+  return letter + (index + first);
+};
 
 // How a pad is drawn: which axis points right and which up, and where the eye is.
 const fromBelow = {right: 1, up: 0, note: 'seen from the surface it touches; +Z points away from the reader, into the sensor'};
