@@ -18,45 +18,50 @@ namespace biotac_sp {
 namespace {
 
 constexpr std::size_t slots = 28;         // of a round: the electrodes, then pdc, and three that are not modelled
+constexpr std::size_t slots_a_cycle = 2;  // and as many readings of pac
+constexpr std::size_t cycles = slots / slots_a_cycle;  // of a round
 constexpr std::size_t pdc = electrodes;   // its slot, and its place among the values
 constexpr std::size_t pac = electrodes + 1;  // first of its places among the values
 constexpr double pdc_step = 0.0365e3, pac_step = 0.37;  // Pa a count: SP manual, section 5
 constexpr double lowest_pac = 10.0, highest_pac = 1040.0;  // Hz: the same
 constexpr double pac_middle = 2048.0;  // counts, of no vibration
 
-std::size_t readings_a_sample(const Parameters& parameters, const std::string& sensor_name) {
+std::size_t cycles_a_sample(const Parameters& parameters, const std::string& sensor_name) {
   constexpr double rounding = 1e-9;  // of a quotient of decimal numbers
-  const double rate = parameters.number("rate"), ratio = parameters.number("slot_rate") / rate, whole = std::round(ratio);
+  const double rate = parameters.number("rate"), ratio = parameters.number("cycle_rate") / rate, whole = std::round(ratio);
   if (whole < 1.0 || std::abs(ratio - whole) > rounding * whole) {
-    throw SceneValueError("sensors." + sensor_name + ".slot_rate",
-                          format_quantity(parameters.number("slot_rate"), Quantity::frequency) + " is no whole multiple of the rate " +
+    throw SceneValueError("sensors." + sensor_name + ".cycle_rate",
+                          format_quantity(parameters.number("cycle_rate"), Quantity::frequency) + " is no whole multiple of the rate " +
                               format_quantity(rate, Quantity::frequency) + "; allowed: the rate times a whole number");
   }
   return static_cast<std::size_t>(whole);
 }
 
-// Mean time from the reading of the slots `first` to before `end` to the end of a sample of `readings` [s].
-double mean_age(std::size_t first, std::size_t end, std::size_t readings, double slot_rate) {
+// Mean time from the reading of the slots `first` to before `end` to the end of a sample of so many cycles [s].
+double mean_age(std::size_t first, std::size_t end, std::size_t cycles_a_sample, double cycle_rate) {
   double sum = 0.0;
-  for (std::size_t sample = 1; sample <= slots; ++sample) {
-    for (std::size_t slot = first; slot < end; ++slot) sum += static_cast<double>((sample * readings - 1 + slots - slot) % slots);
+  for (std::size_t sample = 1; sample <= cycles; ++sample) {
+    for (std::size_t slot = first; slot < end; ++slot) {
+      sum += static_cast<double>((sample * cycles_a_sample - 1 + cycles - slot / slots_a_cycle) % cycles);
+    }
   }
-  return sum / static_cast<double>(slots * (end - first)) / slot_rate;
+  return sum / static_cast<double>(cycles * (end - first)) / cycle_rate;
 }
 
-std::vector<Channel> make_channels(const Parameters& parameters, std::size_t readings) {
+std::vector<Channel> make_channels(const Parameters& parameters, std::size_t cycles_a_sample) {
+  const std::size_t readings = slots_a_cycle * cycles_a_sample;
   std::vector<std::string> names, pac_names;
   for (std::size_t e = 0; e < electrodes; ++e) names.push_back("E" + std::to_string(e + 1));
   for (std::size_t k = 0; k < readings; ++k) pac_names.push_back("PAC_" + std::to_string(k));
   std::vector<Channel> channels{{"electrodes", "counts", {electrodes}, std::move(names)},
                                 {"pdc", "counts", {}, {"PDC"}},
                                 {"pac", "counts", {readings}, std::move(pac_names)}};
-  const double slot_rate = parameters.number("slot_rate");
+  const double cycle_rate = parameters.number("cycle_rate");
   if (parameters.choice("scan") == "device") {
-    channels[0].age = mean_age(0, electrodes, readings, slot_rate);
-    channels[1].age = mean_age(pdc, pdc + 1, readings, slot_rate);
+    channels[0].age = mean_age(0, electrodes, cycles_a_sample, cycle_rate);
+    channels[1].age = mean_age(pdc, pdc + 1, cycles_a_sample, cycle_rate);
   }
-  channels[2].age = 0.5 * static_cast<double>(readings - 1) / slot_rate;
+  channels[2].age = 0.5 * static_cast<double>(readings - 1) / (slots_a_cycle * cycle_rate);
   return channels;
 }
 
@@ -118,7 +123,7 @@ class BioTacSp final : public Sensor {
  public:
   BioTacSp(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
       : rate_(parameters.number("rate")),
-        readings_(readings_a_sample(parameters, key.sensor_name)),
+        cycles_(cycles_a_sample(parameters, key.sensor_name)),
         device_scan_(parameters.choice("scan") == "device"),
         common_(parameters.number("common")),
         fluid_stiffness_(parameters.number("fluid_stiffness") * 1e12),
@@ -127,18 +132,18 @@ class BioTacSp final : public Sensor {
         label_step_(parameters.number("label_step")),
         skin_(skin_of(parameters)),
         area_(Eigen::Map<const Eigen::ArrayXd>(skin_.area.data(), static_cast<Eigen::Index>(skin_.area.size()))),
-        channels_(make_channels(parameters, readings_)),
+        channels_(make_channels(parameters, cycles_)),
         dents_(skin_, {.near = parameters.number("near"),
                        .far = parameters.number("far"),
                        .far_share = parameters.number("far_share"),
                        .swell = parameters.number("swell"),
                        .stretch = parameters.number("stretch")}),
-        memory_(begin_of_values + pac + readings_),
-        vibration_(lowest_pac, highest_pac, parameters.number("slot_rate"), std::span(memory_).first<BandPass::memory_size>()),
+        memory_(begin_of_values + pac + slots_a_cycle * cycles_),
+        vibration_(lowest_pac, highest_pac, slots_a_cycle * parameters.number("cycle_rate"), std::span(memory_).first<BandPass::memory_size>()),
         electrode_electronics_(parts(electronics, {"gain", "offset", "noise"}, false),
-                               electrode_model(device_scan_ ? parameters.number("slot_rate") / slots : rate_), key),
-        vibration_electronics_(parts(electronics, {"noise"}, true), vibration_model(parameters.number("slot_rate")), key),
-        reported_(pac + readings_) {
+                               electrode_model(device_scan_ ? parameters.number("cycle_rate") / cycles : rate_), key),
+        vibration_electronics_(parts(electronics, {"noise"}, true), vibration_model(slots_a_cycle * parameters.number("cycle_rate")), key),
+        reported_(pac + slots_a_cycle * cycles_) {
     std::array<float, 2 * electrodes> spread{};
     std::fill_n(spread.begin(), electrodes, 1.0F);
     Electronics(parts(electronics, {"gain", "offset"}, true), spread_model(rate_), key).apply(spread, 0.0);
@@ -157,27 +162,29 @@ class BioTacSp final : public Sensor {
 
   [[nodiscard]] const PadLayout& layout() const override { return skin_.layout; }
   [[nodiscard]] double rate() const override { return rate_; }
-  [[nodiscard]] std::size_t scans() const override { return readings_; }
+  [[nodiscard]] std::size_t scans() const override { return cycles_; }
   [[nodiscard]] const std::vector<Channel>& channels() const override { return channels_; }
 
   const SensorFrame& measure(const ContactFrame& truth) override {
     assert(truth.element_depth.size() == area_.size());
-    const auto reading = static_cast<std::size_t>(memory_[next_reading]);
-    const bool last = reading + 1 == readings_;
+    const auto cycle = static_cast<std::size_t>(memory_[next_cycle]);
+    const bool last = cycle + 1 == cycles_;
     const double pressure = fluid_stiffness_ * (truth.element_depth.min(core_gap_) * area_).sum();
-    values()[pac + reading] = vibration(pressure, truth.time);
+    hear(pressure, truth.time, pac + slots_a_cycle * cycle);
     if (device_scan_) {
-      const auto slot = static_cast<std::size_t>(memory_[next_slot]);
-      if (slot == 0) draw_disturbances(truth.time);
-      if (slot < electrodes) values()[slot] = electrode(slot, truth);
-      if (slot == pdc) values()[pdc] = converted(pdc_rest_ + pressure / pdc_step);
-      memory_[next_slot] = static_cast<double>((slot + 1) % slots);
+      const auto first = static_cast<std::size_t>(memory_[next_slot]);
+      if (first == 0) draw_disturbances(truth.time);
+      for (std::size_t slot = first; slot < first + slots_a_cycle; ++slot) {
+        if (slot < electrodes) values()[slot] = electrode(slot, truth);
+        if (slot == pdc) values()[pdc] = converted(pdc_rest_ + pressure / pdc_step);
+      }
+      memory_[next_slot] = static_cast<double>((first + slots_a_cycle) % slots);
     } else if (last) {
       draw_disturbances(truth.time);
       for (std::size_t e = 0; e < electrodes; ++e) values()[e] = electrode(e, truth);
       values()[pdc] = converted(pdc_rest_ + pressure / pdc_step);
     }
-    memory_[next_reading] = last ? 0.0 : static_cast<double>(reading + 1);
+    memory_[next_cycle] = last ? 0.0 : static_cast<double>(cycle + 1);
     if (last) read_position(truth);
     std::ranges::transform(values(), reported_.begin(), [](double value) { return static_cast<float>(value); });
     frame_.time = truth.time;
@@ -199,8 +206,10 @@ class BioTacSp final : public Sensor {
  private:
   // Of memory_, after the band-pass's: counters, the position read last, what disturbs the electrodes in this round, the values held.
   enum Place : std::size_t {
-    next_reading = BandPass::memory_size,
+    next_cycle = BandPass::memory_size,
     next_slot,
+    begun,
+    pressure_before,
     known,
     moving,
     stage_x,
@@ -219,10 +228,17 @@ class BioTacSp final : public Sensor {
     return converted(counts_of(impedance) + disturbances()[e]);
   }
 
-  [[nodiscard]] double vibration(double pressure, double time) {
-    std::array<float, 1> heard{static_cast<float>(vibration_.next(pressure) / pac_step)};
-    vibration_electronics_.apply(heard, time);
-    return converted(pac_middle + static_cast<double>(heard[0]));
+  // The readings of pac in a cycle that ends with this pressure, which has gone straight there; from place `first` of the values on.
+  void hear(double pressure, double time, std::size_t first) {
+    const double before = memory_[begun] != 0.0 ? memory_[pressure_before] : pressure;
+    for (std::size_t k = 0; k < slots_a_cycle; ++k) {
+      const double share = static_cast<double>(k + 1) / slots_a_cycle;
+      std::array<float, 1> heard{static_cast<float>(vibration_.next(before + share * (pressure - before)) / pac_step)};
+      vibration_electronics_.apply(heard, time);
+      values()[first + k] = converted(pac_middle + static_cast<double>(heard[0]));
+    }
+    memory_[begun] = 1.0;
+    memory_[pressure_before] = pressure;
   }
 
   // Of a whole round at once: each electrode is read once in it.
@@ -243,7 +259,7 @@ class BioTacSp final : public Sensor {
   }
 
   double rate_;
-  std::size_t readings_;
+  std::size_t cycles_;  // a sample
   bool device_scan_;
   double common_;           // kOhm
   double fluid_stiffness_;  // Pa/m3

@@ -43,14 +43,15 @@ Entry biotac_sp_entry() {
           "p = K sum_i min(d_i, core_gap) A_i;  pdc = round(pdc_rest + p/36.5 Pa);  pac = round(2048 + band-pass(p)/0.37 Pa),\n"
           "of first order at 10 and 1040 Hz, moved exactly for a pressure that goes straight between readings\n"
           "skin: elements of stiffness k_normal A_i/A on half an ellipsoid, each along its own normal\n"
-          "scan: slot_rate slots a second, round after round of 28: E1 to E24, PDC, TAC, TDC and one more; held, logged at rate",
+          "scan: cycle_rate cycles a second, two slots of a round of 28 and two of pac each: E1 to E24, PDC, TAC, TDC and one more;\n"
+          "held, logged at rate",
       .source = "BioTac SP product manual, section 5 (divider, conversions, filters) and 9; timing, levels and kernel: measured on " +
                 recordings + " and fitted in a dry run on the same; the rest assumed, see each",
       .parameters = {
           number_spec("rate", Quantity::frequency, "100 Hz", positive, "Samples a second, rows of the log.", "log of " + recordings),
-          number_spec("slot_rate", Quantity::frequency, "2 kHz", positive,
-                      "Readings a second, each one of pac and one slot of the round; a whole multiple of rate.",
-                      "Shadow hand's driver: 2 of pac and 2 others in a millisecond; so 20 slots a row, as the repeats in " + recordings +
+          number_spec("cycle_rate", Quantity::frequency, "1 kHz", positive,
+                      "Cycles a second, each of two readings of pac and two slots of the round; a whole multiple of rate.",
+                      "Shadow hand's driver; so 20 slots a row, as the repeats in " + recordings +
                           " show (5/7 of the electrodes new in a row)"),
           choice("scan", {"device", "ideal"}, "Whether electrodes and pdc are read by turns and held, or all with each row.",
                  "device: measured; ideal: to see what the scan does"),

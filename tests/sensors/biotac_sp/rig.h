@@ -40,7 +40,7 @@ inline std::unique_ptr<Sensor> make(const Changes& changes = {}, const std::vect
 }
 
 // All electrodes in every reading, nothing but the dent itself.
-inline Changes at_once() { return {{"scan", std::string("ideal")}, {"slot_rate", 100.0}}; }
+inline Changes at_once() { return {{"scan", std::string("ideal")}, {"cycle_rate", 100.0}}; }
 inline Changes at_once_and(const Changes& more) {
   Changes changes = at_once();
   changes.insert(changes.end(), more.begin(), more.end());

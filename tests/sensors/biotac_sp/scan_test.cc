@@ -1,4 +1,4 @@
-// When each electrode is read: the round of 28 slots, held, in a log of 20 slots a row.
+// When each electrode is read: the round of 28 slots, two a cycle, held, in a log of 10 cycles a row.
 #include <gmock/gmock.h>
 
 #include <array>
@@ -10,25 +10,25 @@ namespace slipbench::biotac_sp_test {
 namespace {
 
 TEST(BioTacScan, ReadsEachElectrodeInItsSlotAndHoldsIt) {
-  // Reading n has slot n mod 28. The skin sinks by 1 um a reading, so that each value tells when it was read: it is that of a finger which reads all
+  // Cycle n has the slots 2n and 2n + 1, modulo 28. The skin sinks by 1 um a cycle, so that each value tells when it was read: it is that of a finger which reads all
   // at once at that depth.
   const auto depth = [](std::size_t n) { return 1e-6 * static_cast<double>(n); };
   const auto sensor = make(), all = make(at_once());
-  std::array<std::vector<float>, 141> at_once_at;
+  std::array<std::vector<float>, 71> at_once_at;
   for (std::size_t n = 0; n < at_once_at.size(); ++n) {
     const SensorFrame& frame = all->measure(evenly_dented(*all, depth(n)));
     at_once_at[n].assign(frame.values.begin(), frame.values.end());
   }
-  ASSERT_EQ(sensor->scans(), 20U);
+  ASSERT_EQ(sensor->scans(), 10U);
   std::size_t refreshed = 0;
-  for (std::size_t n = 0; n < 140; ++n) {
+  for (std::size_t n = 0; n < 70; ++n) {
     const SensorFrame& frame = sensor->measure(evenly_dented(*sensor, depth(n)));
-    if (n % 20 != 19) continue;
+    if (n % 10 != 9) continue;
     for (std::size_t e = 0; e <= electrodes; ++e) {  // and pdc, in slot 24
-      // The last reading up to n in slot e; before the first: at rest.
-      const std::size_t since = (n + 28 - e) % 28;
+      // The last cycle up to n with slot e; before the first: at rest.
+      const std::size_t since = (n + 14 - e / 2) % 14;
       EXPECT_EQ(frame.values[e], since > n ? at_once_at[0][e] : at_once_at[n - since][e]) << n << ' ' << e;
-      refreshed += e < electrodes && since < 20 ? 1U : 0U;
+      refreshed += e < electrodes && since < 10 ? 1U : 0U;
     }
   }
   // 7 rows are 5 rounds: 120 of 168 values are new, as in the recordings; 2/7 = 0.29 repeat, and more where a new one happens to be equal.
@@ -36,12 +36,12 @@ TEST(BioTacScan, ReadsEachElectrodeInItsSlotAndHoldsIt) {
 }
 
 TEST(BioTacScan, SaysHowOldItsValuesAreInTheMean) {
-  // Rows end with slot 19, 11, 3, 23, 15, 7, 27: of the slots 0 to 23, each at every distance of 3 mod 4 less itself, 13.5 slots of 0.5 ms in the
-  // mean. Slot 24: 3 to 27 by 4, 15 slots. pac: the middle of 20 readings.
+  // Rows end with cycle 9, 5, 1, 11, 7, 3, 13 of a round, odd ones: electrodes in even cycles are 1, 3 .. 13 ms old, those in odd ones 0, 2 .. 12, and
+  // there are as many of either: 6.5 ms. pdc in cycle 12: 7 ms. pac: the middle of 20 readings, 9.5 of 0.5 ms before the last.
   const auto sensor = make();
   ASSERT_EQ(sensor->channels().size(), 3u);
-  EXPECT_NEAR(sensor->channels()[0].age, 6.75e-3, 1e-12);
-  EXPECT_NEAR(sensor->channels()[1].age, 7.5e-3, 1e-12);
+  EXPECT_NEAR(sensor->channels()[0].age, 6.5e-3, 1e-12);
+  EXPECT_NEAR(sensor->channels()[1].age, 7e-3, 1e-12);
   EXPECT_NEAR(sensor->channels()[2].age, 4.75e-3, 1e-12);
   EXPECT_EQ(sensor->channels()[0].size(), 24u);
   EXPECT_EQ(sensor->channels()[1].size(), 1u);
@@ -49,14 +49,14 @@ TEST(BioTacScan, SaysHowOldItsValuesAreInTheMean) {
   const auto ideal = make({{"scan", std::string("ideal")}});
   EXPECT_EQ(ideal->channels()[0].age, 0.0);
   EXPECT_EQ(ideal->channels()[1].age, 0.0);
-  EXPECT_EQ(ideal->scans(), 20u) << "pac goes on";
+  EXPECT_EQ(ideal->scans(), 10u) << "pac goes on";
 }
 
-TEST(BioTacScan, IdealReadsAllWithTheLastReadingOfARow) {
+TEST(BioTacScan, IdealReadsAllInTheLastCycleOfARow) {
   const auto ideal = make({{"scan", std::string("ideal")}}), all = make(at_once());
-  for (std::size_t n = 0; n < 20; ++n) {
+  for (std::size_t n = 0; n < 10; ++n) {
     const SensorFrame& frame = ideal->measure(evenly_dented(*ideal, 1e-5 * static_cast<double>(n)));
-    const SensorFrame& expected = all->measure(evenly_dented(*all, n == 19 ? 1.9e-4 : 0.0));
+    const SensorFrame& expected = all->measure(evenly_dented(*all, n == 9 ? 0.9e-4 : 0.0));
     for (std::size_t e = 0; e <= electrodes; ++e) EXPECT_EQ(frame.values[e], expected.values[e]) << n << ' ' << e;
   }
 }
@@ -67,11 +67,11 @@ TEST(BioTacScan, NoiseIsDrawnOnceARefresh) {
   const ContactFrame truth = evenly_dented(*sensor, 0.2e-3);
   std::vector<float> before;
   std::size_t changed = 0, kept = 0;
-  for (std::size_t n = 0; n < 28 * 20 * 10; ++n) {
+  for (std::size_t n = 0; n < 14 * 20 * 10; ++n) {
     const SensorFrame& frame = sensor->measure(truth);
-    if (n % 20 != 19) continue;
-    for (std::size_t e = 0; e < electrodes && n > 100; ++e) {
-      if ((n + 28 - e) % 28 < 20) {
+    if (n % 10 != 9) continue;
+    for (std::size_t e = 0; e < electrodes && n > 50; ++e) {
+      if ((n + 14 - e / 2) % 14 < 10) {
         changed += frame.values[e] != before[e] ? 1U : 0U;
       } else {
         EXPECT_EQ(frame.values[e], before[e]) << n << ' ' << e;
@@ -87,15 +87,15 @@ TEST(BioTacScan, NoiseIsDrawnOnceARefresh) {
   EXPECT_LT(share, 0.95);
 }
 
-TEST(BioTacScan, NeedsAWholeNumberOfSlotsARow) {
+TEST(BioTacScan, NeedsAWholeNumberOfCyclesARow) {
+  EXPECT_NO_THROW(make({{"rate", 500.0}}));
   EXPECT_NO_THROW(make({{"rate", 1000.0}}));
-  EXPECT_NO_THROW(make({{"rate", 2000.0}}));
-  for (const double rate : {300.0, 4000.0}) {
+  for (const double rate : {300.0, 2000.0}) {
     try {
       make({{"rate", rate}});
       FAIL() << "accepted " << rate;
     } catch (const SceneValueError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("sensors.finger.slot_rate: "));
+      EXPECT_THAT(error.what(), testing::HasSubstr("sensors.finger.cycle_rate: "));
       EXPECT_THAT(error.what(), testing::HasSubstr("the rate times a whole number"));
     }
   }
