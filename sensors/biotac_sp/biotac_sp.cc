@@ -154,6 +154,7 @@ class BioTacSp final : public Sensor {
     }
     values()[pdc] = converted(pdc_rest_);
     std::ranges::fill(values().subspan(pac), pac_middle);
+    touching_.reserve(skin_.area.size());
     frame_.values = reported_;
   }
 
@@ -169,7 +170,7 @@ class BioTacSp final : public Sensor {
     assert(truth.element_depth.size() == area_.size());
     const auto cycle = static_cast<std::size_t>(memory_[next_cycle]);
     const bool last = cycle + 1 == cycles_;
-    const double pressure = fluid_stiffness_ * (truth.element_depth.min(core_gap_) * area_).sum();
+    const double pressure = fluid_stiffness_ * displaced_volume(truth);
     hear(pressure, truth.time, pac + slots_a_cycle * cycle);
     if (device_scan_) {
       const auto first = static_cast<std::size_t>(memory_[next_slot]);
@@ -220,11 +221,24 @@ class BioTacSp final : public Sensor {
   [[nodiscard]] std::span<double> disturbances() { return std::span(memory_).subspan(begin_of_disturbances, electrodes); }
   [[nodiscard]] std::span<double> values() { return std::span(memory_).subspan(begin_of_values); }
 
+  // What the skin drives away [m3]. Keeps which elements touch.
+  [[nodiscard]] double displaced_volume(const ContactFrame& truth) {
+    double volume = 0.0;
+    touching_.clear();
+    for (Eigen::Index i = 0; i < area_.size(); ++i) {
+      const double depth = truth.element_depth[i];
+      if (!(depth > 0.0)) continue;
+      touching_.push_back(i);
+      volume += std::min(depth, core_gap_) * area_[i];
+    }
+    return volume;
+  }
+
   // What the converter makes of a signal: whole counts, and one of its end codes beyond its range.
   [[nodiscard]] static double converted(double counts) { return std::clamp(std::round(counts), 0.0, last_code); }
 
   [[nodiscard]] double electrode(std::size_t e, const ContactFrame& truth) {
-    const double impedance = rest_[e] * std::exp(dents_.of(e, truth) * scale_[e]) + common_;
+    const double impedance = rest_[e] * std::exp(dents_.of(e, truth, touching_) * scale_[e]) + common_;
     return converted(counts_of(impedance) + disturbances()[e]);
   }
 
@@ -270,6 +284,7 @@ class BioTacSp final : public Sensor {
   Eigen::ArrayXd area_;  // [N] m2
   std::vector<Channel> channels_;
   Dents dents_;
+  std::vector<Eigen::Index> touching_;  // elements, in this reading
   std::vector<double> memory_;
   BandPass vibration_;
   Electronics electrode_electronics_, vibration_electronics_;

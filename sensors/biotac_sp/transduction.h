@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -30,15 +31,19 @@ class Dents {
  public:
   Dents(const Skin& skin, const Kernel& kernel);
 
-  // w_e [m] of electrode e. `truth` with element_depth and element_deflection. Costs nothing for the other electrodes.
-  [[nodiscard]] double of(std::size_t e, const ContactFrame& truth) const {
+  // w_e [m] of electrode e. `truth` with element_depth and element_deflection; `touching`: the elements that are deeper than 0, which is
+  // all that costs time.
+  [[nodiscard]] double of(std::size_t e, const ContactFrame& truth, std::span<const Eigen::Index> touching) const {
     const auto column = static_cast<Eigen::Index>(e);
-    double w = depth_.col(column).dot(truth.element_depth.matrix());
-    if (drag_.size() > 0) {
-      const Eigen::Index n = depth_.rows();
-      for (const Eigen::Index k : {0, 1, 2}) {
-        w += (truth.element_depth * truth.element_deflection.col(k) * drag_.col(column).segment(k * n, n).array()).sum();
-      }
+    const Eigen::Index n = depth_.rows();
+    const double* const felt = depth_.col(column).data();
+    const double* const drag = drag_.size() > 0 ? drag_.col(column).data() : nullptr;
+    const double* const q = truth.element_deflection.data();
+    double w = 0.0;
+    for (const Eigen::Index i : touching) {
+      double share = felt[i];
+      if (drag != nullptr) share += q[i] * drag[i] + q[n + i] * drag[n + i] + q[2 * n + i] * drag[2 * n + i];
+      w += share * truth.element_depth[i];
     }
     return w;
   }

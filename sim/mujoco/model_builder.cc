@@ -514,7 +514,7 @@ class Builder {
       for (const std::string& geom : touched_[i]) geoms += (geoms.empty() ? "" : " ") + geom;
       text += fmt::format("<instance name=\"{}\">", sensor.name);
       text += config("pad", site_of(sensor)) + config("touch", geoms) + config("elements", element_rows(*pads_[i])) +
-              config("units", unit_counts(*pads_[i])) +
+              config("units", unit_counts(*pads_[i])) + (pads_[i]->element_truth ? config("element_truth", "true") : "") +
               config("friction", fmt::format("{{static: {}, kinetic: {}}}", format_number(friction.static_coefficient),
                                              format_number(friction.kinetic_coefficient))) +
               config("effects", sensor.friction ? "[]" : yaml_of(scene_.effects)) + config("seed", std::to_string(scene_.seed)) +

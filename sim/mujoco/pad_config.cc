@@ -32,6 +32,12 @@ const ParameterSpec truth_spec{.name = "truth",
                                .choices = {},
                                .doc = "whether the truth follows the sensor's values",
                                .source = "free"};
+const ParameterSpec element_truth_spec{.name = "element_truth",
+                                       .type = ParameterType::flag,
+                                       .default_text = "false",
+                                       .choices = {},
+                                       .doc = "whether the truth tells of each element, too",
+                                       .source = "free"};
 const ParameterSpec solver_spec{.name = "solver",
                                 .type = ParameterType::choice,
                                 .default_text = "explicit",
@@ -169,6 +175,8 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
   }
   if (attributes.has("units") && !attributes.has("elements"))
     attributes.refuse("units belongs to elements; allowed: both or neither");
+  if (attributes.has("element_truth") && !attributes.has("elements"))
+    attributes.refuse("element_truth belongs to elements; allowed: both or neither");
   if (attributes.has("elements")) {
     const YamlNode rows = attributes.yaml("elements");
     if (attributes.has("units")) {
@@ -177,6 +185,7 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
     } else {
       config.table = {read_element_table(rows, nullptr)};
     }
+    config.table.front().element_truth = std::get<bool>(attributes.value(element_truth_spec));
   }
   const Scene scene = read_contact(attributes, catalogue.catalogues);
   config.sensor = scene.sensors.front();

@@ -23,13 +23,14 @@ namespace slipbench {
 //   elements  [[x, y, z, k_n, k_t], ...]: tip [m] in P and stiffness [N/m] of each element, and its axis in three more columns
 //             [ax, ay, az] where it is not -Z
 //   units     [6, 6, ...]: how many elements each unit of `elements` has; default: one
+//   element_truth  true: the contact of the pad also tells of each element (PadLayout::element_truth), for who reads it in C++
 //   material, friction, effects, seed  as in a scene
 //   trial     keys the random draws together with the seed; default 0
 //   damping   time tau of a dashpot tau*k beside each spring; default 1 ms (assumed)
 //   truth     true: the sensor's values are followed by the truth (pad_instance.h)
 //   solver    explicit or implicit
-inline constexpr const char* pad_attributes[] = {"pad",     "touch", "sensor", "elements", "units", "material", "friction",
-                                                 "effects", "seed",  "trial",  "damping",  "truth", "solver"};
+inline constexpr const char* pad_attributes[] = {"pad",      "touch",   "sensor", "elements", "units",   "element_truth", "material",
+                                                 "friction", "effects", "seed",   "trial",    "damping", "truth",         "solver"};
 
 struct PadConfig {
   std::string name;  // of the instance

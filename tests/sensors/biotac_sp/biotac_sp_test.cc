@@ -73,13 +73,15 @@ TEST(BioTacSp, FeelsByTheDistanceFromTheSkinOverAnElectrode) {
   ContactFrame frame;
   frame.element_depth.setZero(300);
   frame.element_depth[100] = 1e-3;
+  frame.element_deflection.setZero(300, 3);
+  const std::array<Eigen::Index, 1> one{100};
   const auto distance = [&](std::size_t e) { return (skin.layout.elements[100].tip - skin.above[e]).norm(); };
   const biotac_sp::Dents near(skin, {.near = 3.5e-3, .far = 9e-3, .far_share = 0.0, .swell = 0.0, .stretch = 0.0});
   const biotac_sp::Dents far(skin, {.near = 3.5e-3, .far = 9e-3, .far_share = 1.0, .swell = 0.0, .stretch = 0.0});
   for (std::size_t e = 1; e < electrodes; ++e) {
     const double r = distance(e), r0 = distance(0);
-    EXPECT_NEAR(std::log(near.of(e, frame) / near.of(0, frame)), -(r * r - r0 * r0) / (2.0 * 3.5e-3 * 3.5e-3), 1e-9);
-    EXPECT_NEAR(std::log(far.of(e, frame) / far.of(0, frame)), -(r - r0) / 9e-3, 1e-9);
+    EXPECT_NEAR(std::log(near.of(e, frame, one) / near.of(0, frame, one)), -(r * r - r0 * r0) / (2.0 * 3.5e-3 * 3.5e-3), 1e-9);
+    EXPECT_NEAR(std::log(far.of(e, frame, one) / far.of(0, frame, one)), -(r - r0) / 9e-3, 1e-9);
   }
 }
 
@@ -94,13 +96,14 @@ TEST(BioTacSp, ADentThatIsDraggedTowardsAnElectrodeIsFeltMore) {
     const Element& element = skin.layout.elements[i];
     const Eigen::Vector3d towards = skin.above[e] - element.tip;
     const Eigen::Vector3d tangent = (towards - element.axis * element.axis.dot(towards)).normalized();
+    const std::array<Eigen::Index, 1> one{static_cast<Eigen::Index>(i)};
     const auto dragged = [&](const Eigen::Vector3d& by) {
       ContactFrame frame;
       frame.element_depth.setZero(300);
       frame.element_depth[static_cast<Eigen::Index>(i)] = 1e-3;
       frame.element_deflection.setZero(300, 3);
       frame.element_deflection.row(static_cast<Eigen::Index>(i)) = by.transpose().array();
-      return dents.of(e, frame);
+      return dents.of(e, frame, one);
     };
     const double still = dragged(Eigen::Vector3d::Zero());
     EXPECT_NEAR(dragged(q * tangent) / still - 1.0, stretch * q * towards.dot(tangent) / (l * l), 1e-12);

@@ -212,9 +212,14 @@ double deepest_dent(std::size_t n, Depth&& depth) {
   ContactFrame frame;
   frame.element_depth.setZero(static_cast<Eigen::Index>(n));
   frame.element_deflection.setZero(static_cast<Eigen::Index>(n), 3);
-  for (std::size_t i = 0; i < n; ++i) frame.element_depth[static_cast<Eigen::Index>(i)] = depth(mesh.layout.elements[i]);
+  std::vector<Eigen::Index> touching;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto place = static_cast<Eigen::Index>(i);
+    frame.element_depth[place] = depth(mesh.layout.elements[i]);
+    if (frame.element_depth[place] > 0.0) touching.push_back(place);
+  }
   double deepest = 0.0;
-  for (std::size_t e = 0; e < electrodes; ++e) deepest = std::max(deepest, dents.of(e, frame));
+  for (std::size_t e = 0; e < electrodes; ++e) deepest = std::max(deepest, dents.of(e, frame, touching));
   return deepest;
 }
 
