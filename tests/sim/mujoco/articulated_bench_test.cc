@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "sim/core/error.h"
 #include "sim/mujoco/articulated.h"
 #include "sim/mujoco/articulated_bench.h"
 #include "tests/oracle/pads.h"
@@ -305,6 +306,9 @@ TEST(ArticulatedBench, RefusesWhatItCannotModel) {
   EXPECT_THROW(ArticulatedBench(pad, Plane{}, {0.6, 0.5}, 1e-3), std::invalid_argument) << "MuJoCo has one coefficient";
   EXPECT_THROW(ArticulatedBench(pad, Plane{}, {mu, mu}, 0.0), std::invalid_argument);
   EXPECT_THROW(ArticulatedBench(PadLayout{}, Plane{}, {mu, mu}, 1e-3), std::invalid_argument);
+  PadLayout between_units = pad;
+  between_units.element_truth = true;
+  EXPECT_THROW(ArticulatedBench(between_units, Plane{}, {mu, mu}, 1e-3), SceneValueError);
   PadLayout bad = pad;
   bad.elements[3].k_tangential = 0.0;
   EXPECT_THROW(ArticulatedBench(bad, Plane{}, {mu, mu}, 1e-3), std::invalid_argument);

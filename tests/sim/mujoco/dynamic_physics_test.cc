@@ -207,6 +207,25 @@ TEST(DynamicBench, StageIsWhereItsMotionSaysAtEveryTick) {
   EXPECT_TRUE(rig->rotating());
 }
 
+// A fingertip's sensor reads between its units: what each element does comes with the truth of its pad, and their springs make up its force.
+TEST(DynamicBench, TellsOfEachElementWhereAPadAsksForIt) {
+  DynamicRig rig(
+      "duration: 0.5 s\nfriction: {static: 0, kinetic: 0}\nbodies: {table: {shape: plane}}\n"
+      "motion: {kind: stage, compression: 1 mm, approach_speed: 20 mm/s}\nsensors: {finger: {type: biotac_sp, touches: [table]}}\n");
+  for (std::size_t tick = 0; tick < rig->ticks(); ++tick) rig->step();
+  const ContactFrame& truth = rig->contact(0);
+  const auto finger = make_sensor(rig.scene().sensors[0], rig.scene().seed, 0);
+  const std::vector<Element>& elements = finger->layout().elements;
+  ASSERT_EQ(truth.element_depth.size(), static_cast<Eigen::Index>(elements.size()));
+  double force = 0.0;
+  for (std::size_t i = 0; i < elements.size(); ++i) force += elements[i].k_normal * truth.element_depth[static_cast<Eigen::Index>(i)];
+  EXPECT_GT(force, 1.0);
+  EXPECT_NEAR(force, truth.contact_force.row(2).sum(), 1e-9 * force);
+  // Without friction the tips go straight up by their depth.
+  EXPECT_LT((truth.element_deflection.col(2) - truth.element_depth).abs().maxCoeff(), 1e-12);
+  EXPECT_EQ(truth.element_deflection.leftCols(2).abs().maxCoeff(), 0.0);
+}
+
 // A box of every shape that lies on a table stays there and is recorded.
 TEST(DynamicBench, EveryShapeComesToRestOnATable) {
   for (const std::string shape :
