@@ -17,22 +17,23 @@ namespace slipbench {
 namespace biotac_sp {
 namespace {
 
-constexpr std::size_t slots = 28;         // of a round: the electrodes, then pdc, and three that are not modelled
-constexpr std::size_t slots_a_cycle = 2;  // and as many readings of pac
-constexpr std::size_t cycles = slots / slots_a_cycle;  // of a round
-constexpr std::size_t pdc = electrodes;   // its slot, and its place among the values
-constexpr std::size_t pac = electrodes + 1;  // first of its places among the values
+constexpr std::size_t slots = 28;                       // of a round: the electrodes, then pdc, and three that are not modelled
+constexpr std::size_t slots_a_cycle = 2;                // and as many readings of pac
+constexpr std::size_t cycles = slots / slots_a_cycle;   // of a round
+constexpr std::size_t pdc = electrodes;                 // its slot, and its place among the values
+constexpr std::size_t pac = electrodes + 1;             // first of its places among the values
 constexpr double pdc_step = 0.0365e3, pac_step = 0.37;  // Pa a count: SP manual, section 5
 constexpr double lowest_pac = 10.0, highest_pac = 1040.0;  // Hz: the same
-constexpr double pac_middle = 2048.0;  // counts, of no vibration
+constexpr double pac_middle = 2048.0;                      // counts, of no vibration
 
 std::size_t cycles_a_sample(const Parameters& parameters, const std::string& sensor_name) {
   constexpr double rounding = 1e-9;  // of a quotient of decimal numbers
   const double rate = parameters.number("rate"), ratio = parameters.number("cycle_rate") / rate, whole = std::round(ratio);
   if (whole < 1.0 || std::abs(ratio - whole) > rounding * whole) {
     throw SceneValueError("sensors." + sensor_name + ".cycle_rate",
-                          format_quantity(parameters.number("cycle_rate"), Quantity::frequency) + " is no whole multiple of the rate " +
-                              format_quantity(rate, Quantity::frequency) + "; allowed: the rate times a whole number");
+                          format_quantity(parameters.number("cycle_rate"), Quantity::frequency) +
+                              " is no whole multiple of the rate " + format_quantity(rate, Quantity::frequency) +
+                              "; allowed: the rate times a whole number");
   }
   return static_cast<std::size_t>(whole);
 }
@@ -139,10 +140,12 @@ class BioTacSp final : public Sensor {
                        .swell = parameters.number("swell"),
                        .stretch = parameters.number("stretch")}),
         memory_(begin_of_values + pac + slots_a_cycle * cycles_),
-        vibration_(lowest_pac, highest_pac, slots_a_cycle * parameters.number("cycle_rate"), std::span(memory_).first<BandPass::memory_size>()),
+        vibration_(lowest_pac, highest_pac, slots_a_cycle * parameters.number("cycle_rate"),
+                   std::span(memory_).first<BandPass::memory_size>()),
         electrode_electronics_(parts(electronics, {"gain", "offset", "noise"}, false),
                                electrode_model(device_scan_ ? parameters.number("cycle_rate") / cycles : rate_), key),
-        vibration_electronics_(parts(electronics, {"noise"}, true), vibration_model(slots_a_cycle * parameters.number("cycle_rate")), key),
+        vibration_electronics_(parts(electronics, {"noise"}, true),
+                               vibration_model(slots_a_cycle * parameters.number("cycle_rate")), key),
         reported_(pac + slots_a_cycle * cycles_) {
     std::array<float, 2 * electrodes> spread{};
     std::fill_n(spread.begin(), electrodes, 1.0F);
@@ -186,7 +189,11 @@ class BioTacSp final : public Sensor {
       values()[pdc] = converted(pdc_rest_ + pressure / pdc_step);
     }
     memory_[next_cycle] = last ? 0.0 : static_cast<double>(cycle + 1);
-    if (last) read_position(truth);
+    if (last) {
+      read_position(truth);
+      if (beyond_) ++saturated_;
+      beyond_ = false;
+    }
     std::ranges::transform(values(), reported_.begin(), [](double value) { return static_cast<float>(value); });
     frame_.time = truth.time;
     return frame_;
@@ -198,6 +205,8 @@ class BioTacSp final : public Sensor {
     memories.emplace_back(memory_);
     return memories;
   }
+
+  [[nodiscard]] std::uint64_t saturated() const override { return saturated_; }
 
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool rotating) const override {
     if (truth.state == PadState::no_contact) return PadState::no_contact;
@@ -235,9 +244,13 @@ class BioTacSp final : public Sensor {
   }
 
   // What the converter makes of a signal: whole counts, and one of its end codes beyond its range.
-  [[nodiscard]] static double converted(double counts) { return std::clamp(std::round(counts), 0.0, last_code); }
+  double converted(double signal) {
+    const double counts = std::round(signal), held = std::clamp(counts, 0.0, last_code);
+    beyond_ |= held != counts;
+    return held;
+  }
 
-  [[nodiscard]] double electrode(std::size_t e, const ContactFrame& truth) {
+  double electrode(std::size_t e, const ContactFrame& truth) {
     const double impedance = rest_[e] * std::exp(dents_.of(e, truth, touching_) * scale_[e]) + common_;
     return converted(counts_of(impedance) + disturbances()[e]);
   }
@@ -291,6 +304,8 @@ class BioTacSp final : public Sensor {
   std::array<double, electrodes> scale_{}, rest_{};  // 1/m, kOhm
   std::vector<float> reported_;
   SensorFrame frame_;
+  bool beyond_ = false;  // something that this sample read lies beyond the converter's range
+  std::uint64_t saturated_ = 0;
 };
 
 }  // namespace

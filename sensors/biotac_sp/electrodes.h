@@ -21,6 +21,8 @@ const std::array<double, electrodes>& relative_noise();
 
 // A position in the device's own axes in the pad frame P, whose origin is the skin's outermost point and whose +Z goes into the finger.
 // `bulge`: how far the skin reaches outwards, along -y, from the device's origin [m].
-inline Eigen::Vector3d in_pad_frame(const Eigen::Vector3d& place, double bulge) { return {place.x(), -place.z(), place.y() + bulge}; }
+inline Eigen::Vector3d in_pad_frame(const Eigen::Vector3d& place, double bulge) {
+  return {place.x(), -place.z(), place.y() + bulge};
+}
 
 }  // namespace slipbench::biotac_sp

@@ -43,12 +43,15 @@ Entry biotac_sp_entry() {
           "p = K sum_i min(d_i, core_gap) A_i;  pdc = round(pdc_rest + p/36.5 Pa);  pac = round(2048 + band-pass(p)/0.37 Pa),\n"
           "of first order at 10 and 1040 Hz, moved exactly for a pressure that goes straight between readings\n"
           "skin: elements of stiffness k_normal A_i/A on half an ellipsoid, each along its own normal\n"
-          "scan: cycle_rate cycles a second, two slots of a round of 28 and two of pac each: E1 to E24, PDC, TAC, TDC and one more;\n"
+          "scan: cycle_rate cycles a second, two slots of a round of 28 and two of pac each: E1 to E24, PDC, TAC, TDC and one "
+          "more;\n"
           "held, logged at rate",
-      .source = "BioTac SP product manual, section 5 (divider, conversions, filters) and 9; timing, levels and kernel: measured on " +
-                recordings + " and fitted in a dry run on the same; the rest assumed, see each",
+      .source =
+          "BioTac SP product manual, section 5 (divider, conversions, filters) and 9; timing, levels and kernel: measured on " +
+          recordings + " and fitted in a dry run on the same; the rest assumed, see each",
       .parameters = {
-          number_spec("rate", Quantity::frequency, "100 Hz", positive, "Samples a second, rows of the log.", "log of " + recordings),
+          number_spec("rate", Quantity::frequency, "100 Hz", positive, "Samples a second, rows of the log.",
+                      "log of " + recordings),
           number_spec("cycle_rate", Quantity::frequency, "1 kHz", positive,
                       "Cycles a second, each of two readings of pac and two slots of the round; a whole multiple of rate.",
                       "Shadow hand's driver; so 20 slots a row, as the repeats in " + recordings +
@@ -59,9 +62,10 @@ Entry biotac_sp_entry() {
           vector_spec(3, "radii", Quantity::length, "[13.85 mm, 10.1 mm, 9.85 mm]", some_length,
                       "Of the ellipsoid whose lower half is the skin: along the finger, outwards, across.",
                       "bsadr/biotac, a finite element model of the SP: 13.85 x 10.1 x 9.74 to 9.99 mm"),
-          number_spec("k_normal", Quantity::stiffness, "37 N/mm", positive, "Stiffness of all elements together.",
-                      "assumed: 0.047 N/mm3 of 786 mm2, so that a plane dents the skin by core_gap with 2 N, from where on the manual's "
-                      "pressure saturates"),
+          number_spec(
+              "k_normal", Quantity::stiffness, "37 N/mm", positive, "Stiffness of all elements together.",
+              "assumed: 0.047 N/mm3 of 786 mm2, so that a plane dents the skin by core_gap with 2 N, from where on the manual's "
+              "pressure saturates"),
           number_spec("shear", Quantity::none, "0.5", {.min = 0.0, .max = 2.0, .open_min = true},
                       "Tangential stiffness against the normal one.", "assumed: 0.25 to 1 did not matter in the dry run"),
           number_spec("near", Quantity::length, "3.5 mm", some_length, "l, width of what an electrode feels.",
@@ -95,9 +99,13 @@ std::vector<Entry> biotac_sp_electronics() {
   const std::string recordings = "44 public recordings of a touch (yayaneath/BioTacSP-DoS)";
   return electronics_of(
       "BioTac SP",
-      {{"gain", "10 % on each electrode's `gap`, which stands in the exponent: assumed; the levels of electrodes differ so much", {}},
-       {"offset", "on the logarithm of each electrode's impedance at rest, sd 0.02: assumed; scale 10 to 30 gives the hundreds of "
-                  "counts between fingers and sessions of public grasps (3dperceptionlab, bts3v2)", {}},
+      {{"gain",
+        "10 % on each electrode's `gap`, which stands in the exponent: assumed; the levels of electrodes differ so much",
+        {}},
+       {"offset",
+        "on the logarithm of each electrode's impedance at rest, sd 0.02: assumed; scale 10 to 30 gives the hundreds of "
+        "counts between fingers and sessions of public grasps (3dperceptionlab, bts3v2)",
+        {}},
        {"drift", "1.5 counts/s, electrodes: " + recordings + ", median of the slope 1.7"},
        {"skewed_noise", "electrodes: 3.1 counts times each one's own noise against the mean, once a reading: " + recordings},
        {"noise",

@@ -11,8 +11,8 @@
 namespace slipbench::biotac_sp {
 
 struct Skin {
-  PadLayout layout;          // in P; unit e: what is nearer to electrode e than to any other
-  std::vector<double> area;  // m2, of each element
+  PadLayout layout;                               // in P; unit e: what is nearer to electrode e than to any other
+  std::vector<double> area;                       // m2, of each element
   std::array<Eigen::Vector3d, electrodes> above;  // m, in P: the skin's point over each electrode
 };
 

@@ -54,8 +54,8 @@ class Dents {
 };
 
 // The divider in which an electrode is measured: Z = (4095/E - 1) 10 kOhm, E in counts (SP manual, section 5).
-inline constexpr double load_resistor = 10.0;   // kOhm
-inline constexpr double last_code = 4095.0;     // of 12 bit
+inline constexpr double load_resistor = 10.0;  // kOhm
+inline constexpr double last_code = 4095.0;    // of 12 bit
 inline double counts_of(double impedance) { return last_code / (1.0 + impedance / load_resistor); }
 inline double impedance_of(double counts) { return (last_code / counts - 1.0) * load_resistor; }
 

@@ -116,10 +116,12 @@ void ContactLabels::tell_elements(std::span<const Field> fields) {
   };
   const Field& first = fields.front();
   frame_.element_depth = (-column(first, kernel::gap)).max(0.0);
-  for (const int k : {0, 1, 2}) frame_.element_deflection.col(k) = column(first, kernel::deflection_x + static_cast<std::size_t>(k));
+  for (const int k : {0, 1, 2})
+    frame_.element_deflection.col(k) = column(first, kernel::deflection_x + static_cast<std::size_t>(k));
   for (const Field& field : fields.subspan(1)) {
     frame_.element_depth += (-column(field, kernel::gap)).max(0.0);
-    for (const int k : {0, 1, 2}) frame_.element_deflection.col(k) += column(field, kernel::deflection_x + static_cast<std::size_t>(k));
+    for (const int k : {0, 1, 2})
+      frame_.element_deflection.col(k) += column(field, kernel::deflection_x + static_cast<std::size_t>(k));
   }
 }
 

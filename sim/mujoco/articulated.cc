@@ -31,7 +31,8 @@ bool positive(double x) { return std::isfinite(x) && x > 0.0; }
 
 void check(const PadLayout& layout, Friction friction) {
   if (layout.elements.empty()) throw std::invalid_argument("an articulated pad needs at least one element");
-  if (layout.element_truth) throw SceneValueError("fidelity", "articulated pads do not serve a sensor that reads between its units; allowed: field");
+  if (layout.element_truth)
+    throw SceneValueError("fidelity", "articulated pads do not serve a sensor that reads between its units; allowed: field");
   for (const Element& e : layout.elements) {
     if (!positive(e.k_normal) || !positive(e.k_tangential)) throw std::invalid_argument("stiffness must be positive and finite");
     if (!(e.c_normal >= 0.0) || !(e.c_tangential >= 0.0)) throw std::invalid_argument("a dashpot must not be negative");

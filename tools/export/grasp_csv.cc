@@ -38,14 +38,16 @@ const BodyRecord& body_of(const TrialRecord& record, const std::string& name) {
 const SensorColumn& electrodes_of(const TrialRecord& record, const char* finger) {
   const auto sensor = std::ranges::find(record.sensors, finger, &SensorRecord::name);
   if (sensor == record.sensors.end() || sensor->type != "biotac_sp") {
-    throw InputError(fmt::format("trial {}: no biotac_sp '{}'; allowed: a grasp with three, named ff, mf and th", record.trial, finger));
+    throw InputError(
+        fmt::format("trial {}: no biotac_sp '{}'; allowed: a grasp with three, named ff, mf and th", record.trial, finger));
   }
   return *std::ranges::find(sensor->channels, "electrodes", &SensorColumn::name);
 }
 
 // Where it is in row `row` [m].
 std::array<double, 3> place(const BodyRecord& body, std::size_t row) {
-  return {static_cast<double>(body.pose[7 * row]), static_cast<double>(body.pose[7 * row + 1]), static_cast<double>(body.pose[7 * row + 2])};
+  return {static_cast<double>(body.pose[7 * row]), static_cast<double>(body.pose[7 * row + 1]),
+          static_cast<double>(body.pose[7 * row + 2])};
 }
 
 // "box_60x50x90": what does not change from grasp to grasp of the same object.
@@ -69,7 +71,8 @@ std::string row_of(const TrialRecord& record) {
     way2 += (of_object - of_thumb) * (of_object - of_thumb);
   }
   const auto params = nlohmann::json::parse(record.params);
-  std::string text = fmt::format("{},{}", object_name(params.value("bodies.object.shape", ""), object.size), way2 > lost * lost ? 1 : 0);
+  std::string text =
+      fmt::format("{},{}", object_name(params.value("bodies.object.shape", ""), object.size), way2 > lost * lost ? 1 : 0);
   for (const char* finger : fingers) {
     const SensorColumn& column = electrodes_of(record, finger);
     const auto sensor = std::ranges::find(record.sensors, finger, &SensorRecord::name);

@@ -62,9 +62,12 @@ TEST(BioTacSp, StopsAtTheRailsOfItsConverter) {
   const auto sensor = make(at_once_and({{"swell", 0.0}}));
   for (int e = 0; e < 24; ++e) EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 10e-3), static_cast<std::size_t>(e)), 0.0F);
   EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 10e-3), pdc), 4095.0F);
+  EXPECT_EQ(sensor->saturated(), 25U)
+      << "the pressure is beyond pdc's range in each; an electrode that reads 0 is within its own";
   // Skin that swells far over its rest: Z falls to Zc alone, 4095/1.01 = 4054.5.
   const auto swollen = make(at_once_and({{"swell", 100.0}}));
-  for (int e = 0; e < 24; ++e) EXPECT_NEAR(read(*swollen, evenly_dented(*swollen, 1e-3), static_cast<std::size_t>(e)), 4054.5, 0.51);
+  for (int e = 0; e < 24; ++e)
+    EXPECT_NEAR(read(*swollen, evenly_dented(*swollen, 1e-3), static_cast<std::size_t>(e)), 4054.5, 0.51);
 }
 
 TEST(BioTacSp, FeelsByTheDistanceFromTheSkinOverAnElectrode) {
@@ -114,7 +117,8 @@ TEST(BioTacSp, ADentThatIsDraggedTowardsAnElectrodeIsFeltMore) {
 TEST(BioTacSp, PressureIsThatOfTheFluidDrivenAwayUntilTheSkinMeetsTheCore) {
   // Half a sphere of 10 mm: 628.3 mm2. 0.1 mm drives 62.8 mm3 away, at 0.01 kPa/mm3 628.3 Pa, 17.2 counts of 36.5 Pa; from core_gap on, here
   // 0.4 mm and 68.9 counts, no more.
-  const auto sensor = make(at_once_and({{"radii", std::vector{10e-3, 10e-3, 10e-3}}, {"fluid_stiffness", 0.01}, {"core_gap", 0.4e-3}}));
+  const auto sensor =
+      make(at_once_and({{"radii", std::vector{10e-3, 10e-3, 10e-3}}, {"fluid_stiffness", 0.01}, {"core_gap", 0.4e-3}}));
   EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 0.1e-3), pdc), 2617.0F);
   EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 0.4e-3), pdc), 2669.0F);
   EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 0.9e-3), pdc), 2669.0F);
@@ -160,7 +164,8 @@ TEST(BioTacSp, TypicalElectronicsSpreadRestAndSensitivityByFingerAndTrial) {
     const auto sensor = make(at_once_and({{"common", 0.0}}), {"offset"}, trial);
     std::vector<double> logs;
     const SensorFrame& frame = sensor->measure(evenly_dented(*sensor, 0.0));
-    for (std::size_t e = 0; e < electrodes; ++e) logs.push_back(std::log(impedance(static_cast<double>(frame.values[e])) / impedance(rest[e])));
+    for (std::size_t e = 0; e < electrodes; ++e)
+      logs.push_back(std::log(impedance(static_cast<double>(frame.values[e])) / impedance(rest[e])));
     return logs;
   };
   double square = 0.0;
@@ -173,7 +178,8 @@ TEST(BioTacSp, TypicalElectronicsSpreadRestAndSensitivityByFingerAndTrial) {
   std::set<int> differences;
   for (std::size_t e = 0; e < electrodes; ++e) {
     EXPECT_EQ(read(*first, evenly_dented(*first, 0.5e-3), e), read(*second, evenly_dented(*second, 0.5e-3), e)) << "one device";
-    differences.insert(static_cast<int>(read(*first, evenly_dented(*first, 0.5e-3), e) - read(*ideal, evenly_dented(*ideal, 0.5e-3), e)));
+    differences.insert(
+        static_cast<int>(read(*first, evenly_dented(*first, 0.5e-3), e) - read(*ideal, evenly_dented(*ideal, 0.5e-3), e)));
   }
   EXPECT_GT(differences.size(), 10U);
   const auto redrawn = make(at_once_and({{"device", std::string("redrawn")}}), {"gain"}, 1);

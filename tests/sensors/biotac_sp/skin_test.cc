@@ -17,7 +17,9 @@ using biotac_sp::Skin;
 
 constexpr double k_normal = 37e3;
 
-Skin skin(std::size_t elements, const Eigen::Vector3d& of_radii = radii) { return make_skin({elements, of_radii, k_normal, 0.5}); }
+Skin skin(std::size_t elements, const Eigen::Vector3d& of_radii = radii) {
+  return make_skin({elements, of_radii, k_normal, 0.5});
+}
 
 double sum(const std::vector<double>& values) {
   double total = 0.0;
@@ -102,7 +104,8 @@ TEST(BioTacSkin, CarriesTheForceOfAnElasticFoundation) {
   const Skin finger = skin(4000);
   const double q = k_normal / sum(finger.area), d = 0.2e-3;
   const double r1 = radii.x() * radii.x() / radii.y(), r2 = radii.z() * radii.z() / radii.y();
-  EXPECT_NEAR(force_on_plane(finger, {0.0, 0.0, -1.0}, d, radii) / (q * pi * std::sqrt(r1 * r2) * d * d), 1.0, 0.04) << "d/R, rim";
+  EXPECT_NEAR(force_on_plane(finger, {0.0, 0.0, -1.0}, d, radii) / (q * pi * std::sqrt(r1 * r2) * d * d), 1.0, 0.04)
+      << "d/R, rim";
   EXPECT_NEAR(force_on_plane(finger, {0.0, 0.0, -1.0}, 1e-3, radii), 2.0, 0.15);
 }
 

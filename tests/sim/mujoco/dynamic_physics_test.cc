@@ -211,14 +211,16 @@ TEST(DynamicBench, StageIsWhereItsMotionSaysAtEveryTick) {
 TEST(DynamicBench, TellsOfEachElementWhereAPadAsksForIt) {
   DynamicRig rig(
       "duration: 0.5 s\nfriction: {static: 0, kinetic: 0}\nbodies: {table: {shape: plane}}\n"
-      "motion: {kind: stage, compression: 1 mm, approach_speed: 20 mm/s}\nsensors: {finger: {type: biotac_sp, touches: [table]}}\n");
+      "motion: {kind: stage, compression: 1 mm, approach_speed: 20 mm/s}\nsensors: {finger: {type: biotac_sp, touches: "
+      "[table]}}\n");
   for (std::size_t tick = 0; tick < rig->ticks(); ++tick) rig->step();
   const ContactFrame& truth = rig->contact(0);
   const auto finger = make_sensor(rig.scene().sensors[0], rig.scene().seed, 0);
   const std::vector<Element>& elements = finger->layout().elements;
   ASSERT_EQ(truth.element_depth.size(), static_cast<Eigen::Index>(elements.size()));
   double force = 0.0;
-  for (std::size_t i = 0; i < elements.size(); ++i) force += elements[i].k_normal * truth.element_depth[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    force += elements[i].k_normal * truth.element_depth[static_cast<Eigen::Index>(i)];
   EXPECT_GT(force, 1.0);
   EXPECT_NEAR(force, truth.contact_force.row(2).sum(), 1e-9 * force);
   // Without friction the tips go straight up by their depth.

@@ -32,7 +32,8 @@ SensorRecord finger(const std::string& name, int number) {
   for (std::size_t row = 0; row < rows; ++row) {
     sensor.time[row] = 0.01 * static_cast<double>(row + 1);
     sensor.channels[0].time->push_back(sensor.time[row] - 6.75e-3);
-    for (int e = 1; e <= 24; ++e) sensor.channels[0].values.push_back(static_cast<float>(1000 * number + 100 * static_cast<int>(row) + e));
+    for (int e = 1; e <= 24; ++e)
+      sensor.channels[0].values.push_back(static_cast<float>(1000 * number + 100 * static_cast<int>(row) + e));
   }
   return sensor;
 }
