@@ -213,7 +213,7 @@ TEST(DynamicBench, TellsOfEachElementWhereAPadAsksForIt) {
       "duration: 0.5 s\nfriction: {static: 0, kinetic: 0}\nbodies: {table: {shape: plane}}\n"
       "motion: {kind: stage, compression: 1 mm, approach_speed: 20 mm/s}\nsensors: {finger: {type: biotac_sp, touches: "
       "[table]}}\n");
-  for (std::size_t tick = 0; tick < rig->ticks(); ++tick) rig->step();
+  rig.run();
   const ContactFrame& truth = rig->contact(0);
   const auto finger = make_sensor(rig.scene().sensors[0], rig.scene().seed, 0);
   const std::vector<Element>& elements = finger->layout().elements;
