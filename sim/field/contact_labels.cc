@@ -97,13 +97,23 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
   const kernel::UnitColumns units = one_field && single_ ? elements_as_units(fields.front()) : sum_fields(fields);
   const std::size_t count = units_.size();
   const double rate = 1.0 / dt;
+  if (one_field && single_ && fields.front().sparse()) {
+    const Field& field = fields.front();
+    kernel::label_groups(units, field.pad_in_surface().rotation.transpose(), rate, {field.viewed().data(), field.viewed().size()},
+                         count, frame_);
+    for (std::size_t u = 0; u < count; ++u) frame_.slip_distance[static_cast<Eigen::Index>(u)] = units.share[u] * units.path[u];
+    return;
+  }
   const auto hardest = [&](std::size_t u) { return one_field ? &fields.front() : hardest_[u]; };
   const auto normal = [&](std::size_t u) { return Eigen::Vector3d(units.normal[0][u], units.normal[1][u], units.normal[2][u]); };
-  for (std::size_t first = 0, end = 0; first < count; first = end) {  // units that meet the same normal are turned together
-    const Field& field = *hardest(first);
-    const Eigen::Vector3d met = normal(first);
-    end = one_field && field.on_plane() ? count : first + 1;
-    while (end < count && hardest(end) == &field && normal(end) == met) ++end;
+  // Units that meet the same normal are turned together, and with them those that touch nothing: all of theirs is 0.
+  const auto apart = [&](std::size_t u) { return units.touching[u] == 0.0; };
+  for (std::size_t first = 0, end = 0; first < count; first = end) {
+    while (end + 1 < count && apart(end)) ++end;
+    const Field& field = *hardest(end);
+    const Eigen::Vector3d met = normal(end);
+    end = one_field && field.on_plane() ? count : end + 1;
+    while (end < count && (apart(end) || (hardest(end) == &field && normal(end) == met))) ++end;
     contact_plane_.face(field.pad_in_surface().rotation.transpose() * met);
     kernel::label_units(units, contact_plane_.turn(), rate, field.effect_cone(), first, end, frame_);
   }

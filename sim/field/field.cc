@@ -18,6 +18,9 @@ namespace {
 
 constexpr std::size_t alignment = 64;
 
+// From so many elements on a field looks for those that take part.
+constexpr std::size_t least_sparse = 64;
+
 // The columns that outlive a step. What a step calls "before" is filled from them.
 constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_z, kernel::gap,      kernel::press,
                           kernel::limit,     kernel::mode,      kernel::anchor_x,  kernel::anchor_y, kernel::anchor_z,
@@ -133,6 +136,9 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   state_size_ = 1 + (kept.size() + (on_plane() ? 0 : kept_of_faces.size())) * count_;
   for_each_memory([this](std::span<double> memory) { state_size_ += memory.size(); });
   plain_ = on_plane() && flat_pad_ && !extended_ && !effects_.cone;
+  sparse_ = count_ >= least_sparse && !on_plane() && !extended_ && !effects_.cone;
+  for (std::vector<std::uint32_t>* groups : {&busy_, &shown_}) groups->resize(sparse_ ? padded_ / kernel::lanes : 0);
+  lit_.resize(busy_.size(), 1);
 }
 
 void Field::save_state(std::span<double> state) {
@@ -158,6 +164,7 @@ void Field::load_state(std::span<const double> state) {
     in += static_cast<std::ptrdiff_t>(memory.size());
   });
   count_states();
+  unsettled_ = 2;
 }
 
 void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
@@ -183,6 +190,10 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
 
 void Field::step_in_stages(double dt, const Twist* motion) {
   find_contact_points();
+  if (sparse_) {
+    step_sparsely();
+    return;
+  }
   if (extended_) place_tips();
   for (const auto& effect : effects_.surface) {
     effect->displace(count_, columns_[place_x], columns_[place_y], columns_[normal_z], columns_[gap]);
@@ -212,46 +223,6 @@ void Field::step_in_stages(double dt, const Twist* motion) {
     kernel::map(columns_, on_plane(), extended_, padded_);
   }
   if (has_memory()) commit_rheology(dt);
-}
-
-// Whether the axes of a flat pad look at the plane.
-bool Field::looks_at_plane() const { return pose_.rotation.row(2).dot(layout_.elements.front().axis) < 0.0; }
-
-void Field::find_contact_points() {
-  if (on_plane()) {
-    kernel::plane_gap(columns_, pose_, padded_);
-    if (!flat_pad_ || !looks_at_plane()) kernel::turn_away(columns_, pose_, padded_);
-    return;
-  }
-  keep_as_before(faces, faces_before);
-  if (const Box* box = std::get_if<Box>(&surface_)) {
-    kernel::meet_box(columns_, *box, pose_, padded_);
-    return;
-  }
-  std::visit([this](const auto& shape) { meet(shape); }, surface_);
-}
-
-template <class Shape>
-void Field::meet(const Shape& shape) {
-  // Copies: the compiler cannot know that what is written to the columns is none of these.
-  const kernel::Columns c = columns_;
-  const Pose pose = pose_;
-  const Shape met_by = shape;  // NOLINT(performance-unnecessary-copy-initialization)
-  Eigen::Vector3d axis = pose.rotation * vector(kernel::axis_x, 0);
-  for (std::size_t i = 0; i < count_; ++i) {
-    const Eigen::Vector3d tip = pose * Eigen::Vector3d(c[kernel::tip_x][i], c[kernel::tip_y][i], c[kernel::tip_z][i]);
-    if (!flat_pad_) axis = pose.rotation * Eigen::Vector3d(c[kernel::axis_x][i], c[kernel::axis_y][i], c[kernel::axis_z][i]);
-    const SurfacePoint met = met_by.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z());
-    c[kernel::gap][i] = met.gap;
-    c[kernel::normal_x][i] = met.nx;
-    c[kernel::normal_y][i] = met.ny;
-    c[kernel::normal_z][i] = met.nz;
-    c[kernel::contact_x][i] = tip.x() - met.gap * met.nx;
-    c[kernel::contact_y][i] = tip.y() - met.gap * met.ny;
-    c[kernel::contact_z][i] = tip.z() - met.gap * met.nz;
-    const bool away = met.faces == SurfacePoint::only_face && !(met.nx * axis.x() + met.ny * axis.y() + met.nz * axis.z() < 0.0);
-    c[kernel::faces][i] = away ? 0.0 : met.faces;
-  }
 }
 
 // Where the tips meet effects. One that has come to another face will be anchored there anew, under its root (keep_energy).
@@ -568,7 +539,9 @@ ElementColumns Field::view(double dt) const {
           columns_[mode_before]};
 }
 
-void Field::view_from_pad() { kernel::view_from_pad(columns_, pose_.rotation.transpose(), felt_, padded_); }
+void Field::view_from_pad() {
+  sparse_ ? view_sparsely() : kernel::view_from_pad(columns_, pose_.rotation.transpose(), felt_, padded_);
+}
 
 Wrench Field::wrench_on_surface() const {
   Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -594,7 +567,7 @@ Wrench Field::damped_wrench_on_pad(const Twist& motion, double tau) const {
   if (std::all_of(columns_[mode], columns_[mode] + count_, [](double state) { return state == 0.0; })) {
     return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   }
-  return kernel::damped_wrench_on_pad(columns_, pose_.position, motion, tau, effects_.cone.get(), padded_);
+  return kernel::damped_wrench_on_pad(columns_, pose_.position, motion, tau, effects_.cone.get(), busy());
 }
 
 }  // namespace slipbench

@@ -122,7 +122,7 @@ class Field {
 
   // What the springs of all elements together do to the pad, hold, and have lost by slip in the last step. Where a rheology takes
   // part or columns lean the energy is not what is held.
-  [[nodiscard]] kernel::SpringSums spring_sums() const { return kernel::sum_springs(columns_, padded_); }
+  [[nodiscard]] kernel::SpringSums spring_sums() const { return kernel::sum_springs(columns_, busy()); }
 
   // Of all elements, where entries come in the order of elements: a column of the structure of arrays.
   [[nodiscard]] const double* column(kernel::Column c) const { return columns_[c]; }
@@ -133,6 +133,11 @@ class Field {
   [[nodiscard]] double stop_stiffness() const { return effects_.lean ? effects_.lean->stop_stiffness : 0.0; }
   // The effect that replaces the circular friction cone, or null.
   [[nodiscard]] const ConeEffect* effect_cone() const { return effects_.cone.get(); }
+
+  // Where there are many elements of which few touch (sparse.cc): the groups of them whose labels the last view_from_pad() may have changed. All
+  // others touch nothing, and nothing of theirs has changed but the gap. Empty: not such a field.
+  [[nodiscard]] std::span<const std::uint32_t> viewed() const { return {shown_.data(), sparse_ ? shown_count_ : 0}; }
+  [[nodiscard]] bool sparse() const { return sparse_; }
 
   // Whether the surface is a plane, so that all elements meet one normal.
   [[nodiscard]] bool on_plane() const { return std::holds_alternative<Plane>(surface_); }
@@ -148,6 +153,12 @@ class Field {
   void find_contact_points();
   template <class Shape>
   void meet(const Shape& shape);
+  void step_sparsely();
+  void view_sparsely();
+  // The groups that may touch.
+  [[nodiscard]] kernel::Groups busy() const {
+    return sparse_ ? kernel::Groups{busy_.data(), busy_count_} : kernel::Groups{nullptr, padded_ / kernel::lanes};
+  }
   void place_tips();
   [[nodiscard]] bool share_face(std::size_t i) const;
   void keep_energy();
@@ -195,6 +206,12 @@ class Field {
   bool flat_pad_;
   bool extended_;  // the columns from plain_columns on are there
   bool plain_;     // springs on a plane, and no effect: one pass does it all
+  bool sparse_;    // plain springs on no plane, and many of them
+  std::vector<std::uint32_t> busy_,
+      shown_;                      // first element of each group: of those that take part in the step, and of those viewed last
+  std::vector<std::uint8_t> lit_;  // of each group, whether its labels may differ from those of what touches nothing
+  std::size_t busy_count_ = 0, shown_count_ = 0;
+  int unsettled_ = 2;  // steps for which what the columns hold from before is not known of all groups
   bool placed_ = false;
   double step_ = 0.0;  // s, the last one in stages
   std::size_t touching_ = 0, slipping_ = 0;

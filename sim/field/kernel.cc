@@ -1,5 +1,6 @@
 #include "sim/field/kernel.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "sim/field/vectorise.h"
@@ -76,8 +77,8 @@ SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
   const double scale = slides ? ratio : 1.0;
   const double loss = (size - limit_slide) * softness;
 
-  const double held = touches ? scale : 0.0;
-  const double fx = held * tx, fy = held * ty, fz = held * tz;
+  // Of what does not touch every zero has the same sign, whatever it has come from: it is part of the state.
+  const double fx = touches ? scale * tx : 0.0, fy = touches ? scale * ty : 0.0, fz = touches ? scale * tz : 0.0;
   // With u = (f - h) / k the anchor lies at c - u; the slip of this step is what the stretch lost.
   const double lost = slides ? (1.0 - scale) * softness : 0.0;
   const double sx = lost * tx, sy = lost * ty, sz = kPlane ? 0.0 : lost * tz;
@@ -153,7 +154,10 @@ SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::siz
   }
 }
 
-SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose& pose, std::size_t count) {
+namespace {
+
+template <class Shape>
+SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose& pose, std::size_t count) {
   const Eigen::Matrix3d& r = pose.rotation;
   for (std::size_t i = 0; i < count; i += lanes) {
     const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
@@ -161,7 +165,7 @@ SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose&
     const Lanes tip[3] = {turned(r, 0, x, y, z) + pose.position.x(), turned(r, 1, x, y, z) + pose.position.y(),
                           turned(r, 2, x, y, z) + pose.position.z()};
     const Lanes axis[3] = {turned(r, 0, u, v, w), turned(r, 1, u, v, w), turned(r, 2, u, v, w)};
-    const Box::Met<Lanes> met = box.met(tip, axis);
+    const Met<Lanes> met = shape.met(tip, axis);
     put(c, gap, i, met.gap);
     put(c, normal_x, i, met.nx);
     put(c, normal_y, i, met.ny);
@@ -170,6 +174,44 @@ SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose&
     put(c, contact_y, i, tip[1] - met.gap * met.ny);
     put(c, contact_z, i, tip[2] - met.gap * met.nz);
     put(c, faces, i, met.faces);
+  }
+}
+
+}  // namespace
+
+SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose& pose, std::size_t count) {
+  meet_all(c, box, pose, count);
+}
+
+SLIPBENCH_DISPATCHED void meet_cylinder(const Columns& c, const Cylinder& cylinder, const Pose& pose, std::size_t count) {
+  meet_all(c, cylinder, pose, count);
+}
+
+SLIPBENCH_DISPATCHED std::size_t find_active(const Columns& c, std::size_t count, std::uint32_t* groups) {
+  const Lanes none{};
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Lanes now = at(c, gap, i), raw = raw_press(now, at(c, k_normal, i), none);
+    // The column of modes that this step will write still has those of two steps ago.
+    const Mask busy = (raw > 0.0) | (at(c, mode_before, i) != 0.0) | (at(c, mode, i) != 0.0);
+    groups[found] = static_cast<std::uint32_t>(i);
+    if (any(busy)) {
+      ++found;
+      continue;
+    }
+    put(c, press, i, raw);
+    put(c, anchor_x, i, at(c, contact_x, i));
+    put(c, anchor_y, i, at(c, contact_y, i));
+    put(c, anchor_z, i, at(c, contact_z, i));
+  }
+  return found;
+}
+
+SLIPBENCH_DISPATCHED void map_active(const Columns& c, const Groups& groups) {
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t first = groups[k];
+    SLIPBENCH_VECTORISE
+    for (std::size_t i = first; i < first + lanes; ++i) map_element<false, false>(c, i);
   }
 }
 
@@ -230,29 +272,52 @@ SLIPBENCH_DISPATCHED void press_tips(const Columns& c, std::size_t count) {
   }
 }
 
+namespace {
+
+struct Rotation {
+  double r00, r01, r02, r10, r11, r12, r20, r21, r22;
+};
+
+SLIPBENCH_INLINE void view_element(const Columns& c, const double* tx, const double* ty, const double* tz, const Rotation& r,
+                                   std::size_t i) {
+  const double nx = c[normal_x][i], ny = c[normal_y][i], nz = c[normal_z][i];
+  const double f_n = 0.5 * (c[press][i] + std::abs(c[press][i]));
+  const double indentation = 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
+  const double fx = f_n * nx - tx[i], fy = f_n * ny - ty[i], fz = f_n * nz - tz[i];
+  const double dx = indentation * nx - (c[contact_x][i] - c[anchor_x][i]);
+  const double dy = indentation * ny - (c[contact_y][i] - c[anchor_y][i]);
+  const double dz = indentation * nz - (c[contact_z][i] - c[anchor_z][i]);
+  c[pad_force_x][i] = r.r00 * fx + r.r01 * fy + r.r02 * fz;
+  c[pad_force_y][i] = r.r10 * fx + r.r11 * fy + r.r12 * fz;
+  c[pad_force_z][i] = r.r20 * fx + r.r21 * fy + r.r22 * fz;
+  c[deflection_x][i] = r.r00 * dx + r.r01 * dy + r.r02 * dz;
+  c[deflection_y][i] = r.r10 * dx + r.r11 * dy + r.r12 * dz;
+  c[deflection_z][i] = r.r20 * dx + r.r21 * dy + r.r22 * dz;
+  c[pad_slip_x][i] = r.r00 * c[slip_x][i] + r.r01 * c[slip_y][i] + r.r02 * c[slip_z][i];
+  c[pad_slip_y][i] = r.r10 * c[slip_x][i] + r.r11 * c[slip_y][i] + r.r12 * c[slip_z][i];
+  c[pad_slip_z][i] = r.r20 * c[slip_x][i] + r.r21 * c[slip_y][i] + r.r22 * c[slip_z][i];
+}
+
+SLIPBENCH_INLINE Rotation entries_of(const Eigen::Matrix3d& r) {
+  return {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)};
+}
+
+}  // namespace
+
 SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, Column felt, std::size_t count) {
   const double *const tx = c[felt], *const ty = c[felt + 1], *const tz = c[felt + 2];
-  const double r00 = to_pad(0, 0), r01 = to_pad(0, 1), r02 = to_pad(0, 2);
-  const double r10 = to_pad(1, 0), r11 = to_pad(1, 1), r12 = to_pad(1, 2);
-  const double r20 = to_pad(2, 0), r21 = to_pad(2, 1), r22 = to_pad(2, 2);
+  const Rotation r = entries_of(to_pad);
   SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    const double nx = c[normal_x][i], ny = c[normal_y][i], nz = c[normal_z][i];
-    const double f_n = 0.5 * (c[press][i] + std::abs(c[press][i]));
-    const double indentation = 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
-    const double fx = f_n * nx - tx[i], fy = f_n * ny - ty[i], fz = f_n * nz - tz[i];
-    const double dx = indentation * nx - (c[contact_x][i] - c[anchor_x][i]);
-    const double dy = indentation * ny - (c[contact_y][i] - c[anchor_y][i]);
-    const double dz = indentation * nz - (c[contact_z][i] - c[anchor_z][i]);
-    c[pad_force_x][i] = r00 * fx + r01 * fy + r02 * fz;
-    c[pad_force_y][i] = r10 * fx + r11 * fy + r12 * fz;
-    c[pad_force_z][i] = r20 * fx + r21 * fy + r22 * fz;
-    c[deflection_x][i] = r00 * dx + r01 * dy + r02 * dz;
-    c[deflection_y][i] = r10 * dx + r11 * dy + r12 * dz;
-    c[deflection_z][i] = r20 * dx + r21 * dy + r22 * dz;
-    c[pad_slip_x][i] = r00 * c[slip_x][i] + r01 * c[slip_y][i] + r02 * c[slip_z][i];
-    c[pad_slip_y][i] = r10 * c[slip_x][i] + r11 * c[slip_y][i] + r12 * c[slip_z][i];
-    c[pad_slip_z][i] = r20 * c[slip_x][i] + r21 * c[slip_y][i] + r22 * c[slip_z][i];
+  for (std::size_t i = 0; i < count; ++i) view_element(c, tx, ty, tz, r, i);
+}
+
+SLIPBENCH_DISPATCHED void view_active(const Columns& c, const Eigen::Matrix3d& to_pad, const Groups& groups) {
+  const double *const tx = c[force_x], *const ty = c[force_y], *const tz = c[force_z];
+  const Rotation r = entries_of(to_pad);
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t first = groups[k];
+    SLIPBENCH_VECTORISE
+    for (std::size_t i = first; i < first + lanes; ++i) view_element(c, tx, ty, tz, r, i);
   }
 }
 
@@ -286,13 +351,14 @@ SLIPBENCH_DISPATCHED void rate(const Columns& c, const Pose& pose, const Twist* 
   }
 }
 
-SLIPBENCH_DISPATCHED SpringSums sum_springs(const Columns& c, std::size_t count) {
+SLIPBENCH_DISPATCHED SpringSums sum_springs(const Columns& c, const Groups& groups) {
   const bool extended = c[k_normal_spring] != nullptr;
   const Column normal_spring = extended ? k_normal_spring : k_normal,
                tangential_spring = extended ? k_tangential_spring : k_tangential;
   const Lanes none{};
   Lanes x{}, y{}, z{}, elastic{}, loss{};
-  for (std::size_t i = 0; i < count; i += lanes) {
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t i = groups[k];
     const Lanes raw = at(c, press, i), pressed = raw > 0.0 ? raw : none;
     const Lanes tx = at(c, force_x, i), ty = at(c, force_y, i), tz = at(c, force_z, i);
     x += pressed * at(c, normal_x, i) - tx;
@@ -307,14 +373,15 @@ SLIPBENCH_DISPATCHED SpringSums sum_springs(const Columns& c, std::size_t count)
 }
 
 SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::Vector3d& origin, const Twist& motion, double tau,
-                                                 const ConeEffect* cone, std::size_t count) {
+                                                 const ConeEffect* cone, const Groups& groups) {
   const bool extended = c[k_normal_spring] != nullptr;
   const Column normal_spring = extended ? k_normal_spring : k_normal,
                tangential_spring = extended ? k_tangential_spring : k_tangential;
   const Eigen::Vector3d &v = motion.linear, &w = motion.angular;
   const Lanes none{};
   Lanes force_sum_x{}, force_sum_y{}, force_sum_z{}, torque_sum_x{}, torque_sum_y{}, torque_sum_z{};
-  for (std::size_t i = 0; i < count; i += lanes) {
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t i = groups[k];
     const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i);
     const Lanes ax = at(c, contact_x, i) - origin.x(), ay = at(c, contact_y, i) - origin.y(),
                 az = at(c, contact_z, i) - origin.z();
@@ -402,6 +469,53 @@ SLIPBENCH_DISPATCHED void label_turned(const UnitColumns& units, const Eigen::Ma
 }
 
 }  // namespace
+
+// The turn of unit_rules::ContactPlane, entry by entry in the order in which it is worked out there, for units with a normal each.
+SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix3d& to_pad, double rate, const Groups& groups,
+                                       std::size_t count, ContactFrame& frame) {
+  double* const force = frame.force.data();
+  double* const contact_force = frame.contact_force.data();
+  double* const displacement = frame.displacement.data();
+  double* const slip_velocity = frame.slip_velocity.data();
+  double* const slip_distance = frame.slip_distance.data();
+  double* const margin = frame.margin.data();
+  const Rotation to = entries_of(to_pad);
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t end = std::min(count, groups[k] + lanes);
+    SLIPBENCH_VECTORISE
+    for (std::size_t u = groups[k]; u < end; ++u) {
+      const double sx = c.normal[0][u], sy = c.normal[1][u], sz = c.normal[2][u];
+      const double nx = to.r00 * sx + to.r01 * sy + to.r02 * sz, ny = to.r10 * sx + to.r11 * sy + to.r12 * sz,
+                   nz = to.r20 * sx + to.r21 * sy + to.r22 * sz;
+      const double mz = nz + 1.0, size = 1.0 + nz;
+      const bool opposite = nx == 0.0 && ny == 0.0 && nz == -1.0;
+      const double r00 = opposite ? 1.0 : 1.0 - nx * nx / size, r01 = opposite ? 0.0 : 0.0 - nx * ny / size,
+                   r02 = opposite ? 0.0 : 0.0 - nx * mz / size;
+      const double r11 = opposite ? -1.0 : 1.0 - ny * ny / size, r12 = opposite ? 0.0 : 0.0 - ny * mz / size;
+      const double r20 = opposite ? 0.0 : 0.0 - mz * nx / size + 2.0 * nx, r21 = opposite ? 0.0 : 0.0 - mz * ny / size + 2.0 * ny,
+                   r22 = opposite ? -1.0 : 1.0 - mz * mz / size + 2.0 * nz;
+      const double share = c.share[u], pace = share * rate;
+      const double fx = c.force[0][u], fy = c.force[1][u], fz = c.force[2][u];
+      const double vx = c.slip[0][u], vy = c.slip[1][u], vz = c.slip[2][u];
+      force[3 * u] = fx;
+      force[3 * u + 1] = fy;
+      force[3 * u + 2] = fz;
+      contact_force[3 * u] = r00 * fx + r01 * fy + r02 * fz;
+      contact_force[3 * u + 1] = r01 * fx + r11 * fy + r12 * fz;
+      contact_force[3 * u + 2] = r20 * fx + (r21 * fy + r22 * fz);
+      displacement[3 * u] = share * c.deflection[0][u];
+      displacement[3 * u + 1] = share * c.deflection[1][u];
+      displacement[3 * u + 2] = share * c.deflection[2][u];
+      slip_velocity[2 * u] = pace * (r00 * vx + r01 * vy + r02 * vz);
+      slip_velocity[2 * u + 1] = pace * (r01 * vx + r11 * vy + r12 * vz);
+      slip_distance[u] = share * c.path[u];
+      const double tx = c.tangential[0][u], ty = c.tangential[1][u], tz = c.tangential[2][u], limit = c.limit[u];
+      const double gauge = std::sqrt(tx * tx + ty * ty + tz * tz) / limit;
+      const double left = limit == 0.0 ? 0.0 : 1.0 - gauge;
+      margin[u] = c.touching[u] == 0.0 ? std::numeric_limits<double>::quiet_NaN() : left;
+    }
+  }
+}
 
 void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double rate, const ConeEffect* cone, std::size_t first,
                  std::size_t end, ContactFrame& frame) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include <Eigen/Core>
 
@@ -56,6 +57,14 @@ inline constexpr std::size_t lanes = 4;
 // cone sticks. Slower motion is not lost; the stretch gathers it until it is longer.
 inline constexpr double shortest_slip = 1e-13;
 
+// Which entries a pass works on: `count` groups of `lanes`, those that begin at `first`[0 .. count), or, where that is null, the first ones.
+struct Groups {
+  const std::uint32_t* first;
+  std::size_t count;
+
+  [[nodiscard]] std::size_t operator[](std::size_t k) const { return first != nullptr ? first[k] : k * lanes; }
+};
+
 // Raw normal force [N] at a gap [m]: negative while apart, so that its zero is the instant of touch. `h` is the history of a rheology.
 // `Real`: double, or several at once.
 template <class Real>
@@ -69,8 +78,9 @@ void plane_gap(const Columns& columns, const Pose& pose, std::size_t count);
 // Opens the gaps of elements whose axis does not look at the plane.
 void turn_away(const Columns& columns, const Pose& pose, std::size_t count);
 
-// Pass 1 against a box: contact points, gaps, normals and faces. `pose`: of the pad in the surface.
+// Pass 1 against a box and a cylinder: contact points, gaps, normals and faces. `pose`: of the pad in the surface.
 void meet_box(const Columns& columns, const Box& box, const Pose& pose, std::size_t count);
+void meet_cylinder(const Columns& columns, const Cylinder& cylinder, const Pose& pose, std::size_t count);
 
 // Whether nothing is for Field::keep_energy() to do, and whether an element touches that did not before: nearly always, and nearly never.
 bool all_keep_faces(const Columns& columns, std::size_t count);
@@ -106,11 +116,18 @@ struct SpringSums {
   double elastic;                // J
   double slip_loss;              // J, of the last step, with the force at its end
 };
-SpringSums sum_springs(const Columns& columns, std::size_t count);
+SpringSums sum_springs(const Columns& columns, const Groups& groups);
 
 // Field::damped_wrench_on_pad(); `origin`: of the pad, in S.
 Wrench damped_wrench_on_pad(const Columns& columns, const Eigen::Vector3d& origin, const Twist& motion, double tau,
-                            const ConeEffect* cone, std::size_t count);
+                            const ConeEffect* cone, const Groups& groups);
+
+// For fields of which few elements touch (sparse.cc), plain springs on a surface that is no plane; after pass 1.
+// Writes to `groups` where those groups begin that touch, or have touched in the last two steps, whose columns are among those before: for them
+// there are map_active() and view_active(), for all others this leaves what map() would. Returns how many they are.
+std::size_t find_active(const Columns& columns, std::size_t count, std::uint32_t* groups);
+void map_active(const Columns& columns, const Groups& groups);
+void view_active(const Columns& columns, const Eigen::Matrix3d& to_pad, const Groups& groups);
 
 // What labels are made of, an entry a unit: sums over its elements, vectors by component.
 struct UnitColumns {
@@ -125,5 +142,8 @@ struct UnitColumns {
 // `turn`: into the contact plane, null where that is the pad's own; `rate`: 1/step [1/s]; `cone`: in place of the circular one, or null.
 void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double rate, const ConeEffect* cone, std::size_t first,
                  std::size_t end, ContactFrame& frame);
+// The same of groups of units of one element, each of which meets a normal of its own. `to_pad`: rotation of the surface in the pad.
+void label_groups(const UnitColumns& units, const Eigen::Matrix3d& to_pad, double rate, const Groups& groups, std::size_t count,
+                  ContactFrame& frame);
 
 }  // namespace slipbench::kernel

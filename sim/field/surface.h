@@ -20,6 +20,24 @@ namespace slipbench {
 // the nearest in distance, so that a pillar close to an edge presses on the top and not on the side. That is what one position
 // tells; what an element does whose face changes under way is the field's to say (Field::keep_energy).
 
+// What at() says, of one element or of as many as a vector of the compiler's (kernel::Lanes) holds. met() is without a branch, since every
+// element may be another case; each is worked out in the order in which a branch would.
+template <class Real>
+struct Met {
+  Real gap, nx, ny, nz, faces;
+};
+
+template <class Real>
+[[gnu::always_inline]] inline Real root_of(const Real& values) {
+  if constexpr (std::is_same_v<Real, double>) {
+    return std::sqrt(values);
+  } else {
+    Real roots;
+    for (std::size_t lane = 0; lane < sizeof(Real) / sizeof(double); ++lane) roots[lane] = std::sqrt(values[lane]);
+    return roots;
+  }
+}
+
 // The half-space z <= 0.
 struct Plane {
   [[nodiscard]] SurfacePoint at(double, double, double z, double, double, double az) const {
@@ -42,12 +60,6 @@ struct Sphere {
 struct Box {
   Eigen::Vector3d half;  // m, half extents along x, y, z; centre at the origin
 
-  // What at() says, of one element or of as many as a vector of the compiler's (kernel::Lanes) holds. Without a branch, since every element
-  // may be another case; each is worked out in the order in which a branch would.
-  template <class Real>
-  struct Met {
-    Real gap, nx, ny, nz, faces;
-  };
   template <class Real>
   [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3]) const {
     constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -81,7 +93,7 @@ struct Box {
     const Real face = looks_in ? entry : exit;
 
     const auto is_outside = distance2 > 0.0;
-    const Real distance = root(distance2);
+    const Real distance = root_of(distance2);
     Real n[3], depth = none, within = none;
     for (int k = 0; k < 3; ++k) {
       const auto here = face == static_cast<double>(k);
@@ -107,16 +119,6 @@ struct Box {
   [[gnu::always_inline]] static inline Real face_bit(int k, const Real& side) {
     return (3.0 - side) * static_cast<double>(1U << (2 * k));
   }
-  template <class Real>
-  [[gnu::always_inline]] static inline Real root(const Real& values) {
-    if constexpr (std::is_same_v<Real, double>) {
-      return std::sqrt(values);
-    } else {
-      Real roots;
-      for (std::size_t lane = 0; lane < sizeof(Real) / sizeof(double); ++lane) roots[lane] = std::sqrt(values[lane]);
-      return roots;
-    }
-  }
 };
 
 // Axis along z of S.
@@ -124,28 +126,50 @@ struct Cylinder {
   double radius;       // m
   double half_length;  // m
 
-  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
-    const double r = std::hypot(x, y);
-    const double nx = r > 0.0 ? x / r : 1.0, ny = r > 0.0 ? y / r : 0.0;
-    const double side = r - radius, cap = std::abs(z) - half_length;
-    if (side > 0.0 && cap > 0.0) {
-      const double distance = std::hypot(side, cap);
-      return {distance, nx * side / distance, ny * side / distance, std::copysign(cap, z) / distance, side_bit | cap_bit(z)};
-    }
-    const double nz = az < 0.0 ? 1.0 : -1.0;  // the cap that looks at the element
-    if (side > 0.0) return {side, nx, ny, 0.0, side_bit};
-    if (cap > 0.0) return {cap, 0.0, 0.0, std::copysign(1.0, z), cap_bit(z)};
-    const double towards_side = -(nx * ax + ny * ay), towards_cap = std::abs(az);
-    const double cap_depth = half_length - nz * z;
-    if (towards_side > 0.0 && -side * towards_cap <= cap_depth * towards_side) return {side, nx, ny, 0.0, side_bit};
+  template <class Real>
+  [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3]) const {
+    const Real none{}, one = none + 1.0;
+    const Real r = root_of(p[0] * p[0] + p[1] * p[1]);
+    const Real way = r > 0.0 ? r : one;
+    const Real nx = r > 0.0 ? p[0] / way : one, ny = r > 0.0 ? p[1] / way : none;
+    const Real height = p[2] < 0.0 ? -p[2] : p[2];
+    const Real side = r - radius, cap = height - half_length;
+    const auto beside = side > 0.0, beyond = cap > 0.0;
+    const Real end = p[2] < 0.0 ? -one : one,
+               looks = a[2] < 0.0 ? one : -one;  // the cap that is near, that which looks at the element
+    const Real corner = root_of(side * side + cap * cap);
+
+    const Real towards_side = -(nx * a[0] + ny * a[1]), towards_cap = a[2] < 0.0 ? -a[2] : a[2];
+    const Real depth = half_length - looks * p[2];
+    const auto by_side = (towards_side > 0.0) & (-side * towards_cap <= depth * towards_side);
     // It came in through the cap, unless it looks out through the side and leaves by it sooner.
-    if (cap_depth * -towards_side <= -side * towards_cap) return {-cap_depth, 0.0, 0.0, nz, cap_bit(nz)};
-    return {-side, nx, ny, 0.0, 0U};
+    const auto by_cap = depth * -towards_side <= -side * towards_cap;
+    const Real behind_gap = by_cap ? -depth : -side, behind_z = by_cap ? looks : none,
+               behind_faces = by_cap ? cap_bit(looks) : none;
+    const Real inside_gap = by_side ? side : behind_gap, inside_z = by_side ? none : behind_z;
+    const Real inside_faces = by_side ? none + side_bit : behind_faces;
+    const Real within = by_side ? one : (by_cap ? none : one);  // how much of the side's normal the one inside has
+
+    const Real past_gap = beyond ? cap : inside_gap, past_z = beyond ? end : inside_z;
+    const Real past_faces = beyond ? cap_bit(end) : inside_faces, past = beyond ? none : within;
+    const Real out_gap = beyond ? corner : side, out_z = beyond ? end * cap / corner : none;
+    const Real out_faces = beyond ? none + side_bit + cap_bit(end) : none + side_bit, out = beyond ? side / corner : one;
+    const Real share = beside ? out : past;
+    return {beside ? out_gap : past_gap, share * nx, share * ny, beside ? out_z : past_z, beside ? out_faces : past_faces};
+  }
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
+    const Met<double> point = met({x, y, z}, {ax, ay, az});
+    return {point.gap, point.nx, point.ny, point.nz, static_cast<unsigned>(point.faces)};
   }
 
  private:
-  static constexpr unsigned side_bit = 2;
-  static unsigned cap_bit(double end) { return end < 0.0 ? 8U : 4U; }
+  static constexpr double side_bit = 2.0;
+  template <class Real>
+  [[gnu::always_inline]] static inline Real cap_bit(const Real& end) {
+    const Real none{};
+    return end < 0.0 ? none + 8.0 : none + 4.0;
+  }
 };
 
 // The points nearer than `radius` to the piece of the z axis with |z| <= half_length.

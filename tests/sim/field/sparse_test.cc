@@ -1,0 +1,151 @@
+// A pad of many elements, of which the field works out those that take part, against pads of a few rows of it, of which it works out all.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/field/contact_labels.h"
+#include "tests/sim/field/random_case.h"
+
+namespace slipbench::testing_field::sparse_test {
+namespace {
+
+constexpr std::size_t rows = 16, columns = 15,
+                      rows_a_part = 4;  // 15: groups run over the ends of rows, and the pad's last is not whole
+
+PadLayout part_of_pad(std::size_t first_row, std::size_t count) {
+  PadLayout pad;
+  for (std::size_t r = first_row; r < first_row + count; ++r) {
+    for (std::size_t c = 0; c < columns; ++c) {
+      Element element;
+      element.tip = {2e-3 * (static_cast<double>(c) - 7.0), 2e-3 * (static_cast<double>(r) - 7.5),
+                     1e-5 * static_cast<double>((r * c) % 7)};
+      element.k_normal = 100.0 + static_cast<double>(c);
+      element.k_tangential = 50.0 + static_cast<double>(r);
+      pad.units.push_back({pad.elements.size(), 1});
+      pad.elements.push_back(element);
+    }
+  }
+  return pad;
+}
+
+struct Bench {
+  Bench(const PadLayout& pad, const Surface& surface, Friction friction) : field(pad, surface, friction), labels(pad) {}
+  void step(const Pose& pose, double time) {
+    field.step(pose, 1e-3);
+    labels.update({&field, 1}, time, 1e-3);
+  }
+  Field field;
+  ContactLabels labels;
+};
+
+// 0 and -0 are the same, and so is what is not a number on both sides.
+::testing::AssertionResult same(double a, double b, const char* what) {
+  if (a == b || (std::isnan(a) && std::isnan(b))) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << what << ": " << a << " and " << b;
+}
+
+::testing::AssertionResult same_element(const Bench& whole, std::size_t i, const Bench& part, std::size_t j) {
+  if (whole.field.state(i) != part.field.state(j)) return ::testing::AssertionFailure() << "state";
+  if (auto r = same(whole.field.normal_force(i), part.field.normal_force(j), "normal force"); !r) return r;
+  if (auto r = same(whole.field.penetration(i), part.field.penetration(j), "penetration"); !r) return r;
+  if (auto r = same(whole.field.stick_limit(i), part.field.stick_limit(j), "limit"); !r) return r;
+  if (auto r = same(whole.field.slip_path(i), part.field.slip_path(j), "path"); !r) return r;
+  const ContactFrame &a = whole.labels.frame(), &b = part.labels.frame();
+  const auto u = static_cast<Eigen::Index>(i), v = static_cast<Eigen::Index>(j);
+  if (auto r = same(a.margin[u], b.margin[v], "margin"); !r) return r;
+  if (auto r = same(a.slip_distance[u], b.slip_distance[v], "slip distance"); !r) return r;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    if (auto r = same(whole.field.tangential_force(i)[k], part.field.tangential_force(j)[k], "tangential force"); !r) return r;
+    if (auto r = same(whole.field.stretch(i)[k], part.field.stretch(j)[k], "stretch"); !r) return r;
+    if (auto r = same(whole.field.slip_step(i)[k], part.field.slip_step(j)[k], "slip"); !r) return r;
+    if (auto r = same(whole.field.contact_point(i)[k], part.field.contact_point(j)[k], "contact point"); !r) return r;
+    if (auto r = same(a.force(k, u), b.force(k, v), "force"); !r) return r;
+    if (auto r = same(a.contact_force(k, u), b.contact_force(k, v), "force in the contact plane"); !r) return r;
+    if (auto r = same(a.displacement(k, u), b.displacement(k, v), "displacement"); !r) return r;
+    if (k < 2) {
+      if (auto r = same(a.slip_velocity(k, u), b.slip_velocity(k, v), "slip velocity"); !r) return r;
+    }
+  }
+  return ::testing::AssertionSuccess();
+}
+
+TEST(SparseField, IsTheDenseOneElementByElement) {
+  std::size_t touched = 0, slid = 0, events = 0, steps = 0;
+  for (const Shape shape : {Shape::box, Shape::cylinder, Shape::sphere}) {
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+      RandomStream draw(seed, 0, "sparse field");
+      const Target met = target(shape);
+      const Friction friction = random_friction(draw);
+      const RandomMotion motion(draw, met.facing);
+      Bench whole(part_of_pad(0, rows), met.surface, friction);
+      ASSERT_TRUE(whole.field.sparse());
+      std::vector<std::unique_ptr<Bench>> parts;
+      for (std::size_t r = 0; r < rows; r += rows_a_part) {
+        parts.push_back(std::make_unique<Bench>(part_of_pad(r, rows_a_part), met.surface, friction));
+        ASSERT_FALSE(parts.back()->field.sparse());
+      }
+      std::vector<double> state(whole.field.state_size());
+      for (int tick = 0; tick < 300; ++tick) {
+        const double time = tick * 1e-3;
+        if (tick % 70 == 69) {  // its state in a field with another past
+          whole.field.save_state(state);
+          for (int k = 0; k < 3; ++k) whole.field.step(met.facing, 1e-3);
+          whole.field.load_state(state);
+        }
+        whole.step(motion.at(time), time);
+        std::size_t happened = 0;
+        for (std::size_t p = 0; p < parts.size(); ++p) {
+          parts[p]->step(motion.at(time), time);
+          for (std::size_t j = 0; j < parts[p]->field.size(); ++j) {
+            const std::size_t i = p * rows_a_part * columns + j;
+            ASSERT_TRUE(same_element(whole, i, *parts[p], j))
+                << "shape " << static_cast<int>(shape) << ", seed " << seed << ", tick " << tick << ", element " << i;
+            slid += whole.field.state(i) == ElementState::slip ? 1 : 0;
+          }
+          for (const ContactEvent& event : parts[p]->labels.frame().events) {
+            const std::vector<ContactEvent>& all = whole.labels.frame().events;
+            EXPECT_TRUE(std::ranges::any_of(all,
+                                            [&](const ContactEvent& other) {
+                                              return other.time == event.time && other.kind == event.kind &&
+                                                     other.unit == event.unit + p * rows_a_part * columns;
+                                            }))
+                << "event of unit " << event.unit;
+            ++happened;
+          }
+        }
+        EXPECT_EQ(whole.labels.frame().events.size(), happened);
+        events += happened;
+        touched += whole.field.touching();
+        ++steps;
+      }
+    }
+  }
+  EXPECT_LT(touched, steps * rows * columns / 2) << "the test is of fields of which few touch";
+  EXPECT_GT(touched, steps * 10);
+  EXPECT_GT(slid, 10000u);
+  EXPECT_GT(events, 1000u);
+}
+
+// Forces and energies are sums over the groups that take part, in the order of all.
+TEST(SparseField, SumsWhatTakesPart) {
+  const Target met = target(Shape::cylinder);
+  RandomStream draw(2, 0, "sparse sums");
+  const RandomMotion motion(draw, met.facing);
+  Field field(part_of_pad(0, rows), met.surface, {0.5, 0.4});
+  for (int tick = 0; tick < 200; ++tick) {
+    field.step(motion.at(tick * 1e-3), 1e-3);
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < field.size(); ++i) force += field.normal(i) * field.normal_force(i) - field.tangential_force(i);
+    const double rounding = 1e-13 * (1.0 + force.norm());
+    EXPECT_NEAR((field.spring_sums().force_on_pad - force).norm(), 0.0, rounding) << tick;
+    EXPECT_NEAR((field.damped_wrench_on_pad({{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 1e-3).force - force).norm(), 0.0, rounding)
+        << tick;
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::testing_field::sparse_test
