@@ -386,6 +386,9 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
   s.find_bodies(carrying);
   s.leads = s.model->opt.integrator == mjINT_RK4;
   if (s.articulated) s.settle_tips();
+  if (!s.articulated && !s.implicit && !s.leads && options.hand == nullptr) {
+    for (const State::Pad& pad : s.pads) pad.instance->keep_state();
+  }
   call_mujoco([&s] { mj_forward(s.model.get(), s.data.get()); });
   s.find_watched(options.limits);
 }

@@ -229,7 +229,7 @@ bool PadInstance::locate(const mjModel* model, const mjData* data) {
 
 // Makes the fields hold the trial at `time` of what locate() has found.
 void PadInstance::evaluate(const Parts& state, double time) {
-  const bool same_start = std::memcmp(state.fields.data(), began_with_.data(), state.fields.size_bytes()) == 0;
+  const bool same_start = keeps_state_ || std::memcmp(state.fields.data(), began_with_.data(), state.fields.size_bytes()) == 0;
   if (evaluated_ && same_start && time == time_) return;
   const double dt = is_placed(state.fields) ? time - state.header[committed_time] : 0.0;
   if (dt < 0.0) {
@@ -238,7 +238,10 @@ void PadInstance::evaluate(const Parts& state, double time) {
                     "state by mj_setState",
                     config_.name, state.header[committed_time], time));
   }
-  if (!(fields_hold_state_ && same_start)) {
+  if (keeps_state_) {
+    if (std::exchange(tried_, true))
+      throw std::logic_error("slipbench.field: a pad that keeps its state was tried twice from it");
+  } else if (!(fields_hold_state_ && same_start)) {
     std::copy(state.fields.begin(), state.fields.end(), began_with_.begin());
     std::span<const double> rest = state.fields;
     for (Field& field : fields_) {
@@ -402,6 +405,12 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
   evaluate(state, computed_at_);
   state.header[committed_time] = time_;
   if (watched_) remember_readings(state);
+  evaluated_ = false;
+  if (keeps_state_) {
+    tried_ = false;
+    state.fields[0] = 1.0;  // is_placed()
+    return;
+  }
   std::span<double> rest = state.fields;
   for (Field& field : fields_) {
     field.save_state(rest.first(field.state_size()));
@@ -409,7 +418,6 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
   }
   std::copy(state.fields.begin(), state.fields.end(), began_with_.begin());
   fields_hold_state_ = true;
-  evaluated_ = false;
 }
 
 // What labels and sensor carry to the next step.

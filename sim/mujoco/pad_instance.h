@@ -1,6 +1,7 @@
 // One pad inside MuJoCo: what the plugin `slipbench.field` does for one instance in one mjData.
 //
-// Everything that outlives a step is in mjData's plugin_state, so that mj_getState, mj_setState, mj_copyData and resets carry it.
+// Everything that outlives a step is in mjData's plugin_state (unless keep_state() has been called), so that mj_getState,
+// mj_setState, mj_copyData and resets carry it.
 // (MuJoCo's keyframes hold no plugin state: they start the pads afresh.) What stands in this object besides is worked out from there
 // and from the kinematics again whenever either has changed.
 //
@@ -80,6 +81,10 @@ class PadInstance {
   // sensor of the model refers to; for others only after watch(), to be called before the first step, since nobody could read it.
   [[nodiscard]] const ContactFrame& truth() const { return labels_.frame(); }
   void watch() { watched_ = true; }
+  // Leaves the fields' state out of plugin_state from here on, which a large pad spends a quarter of its time on. For the only user of an mjData,
+  // who steps it straight on from its beginning, explicitly and by an integrator of one stage: mj_setState, mj_copyData and resets then do not
+  // carry it, and a second trial from the same state is refused.
+  void keep_state() { keeps_state_ = true; }
   [[nodiscard]] Sensor& sensor() { return *sensor_; }
   [[nodiscard]] const PadConfig& config() const { return config_; }
   [[nodiscard]] std::span<const Field> fields() const { return fields_; }
@@ -134,11 +139,12 @@ class PadInstance {
   bool evaluated_ = false;
   bool judged_ = false;
   bool measured_ = false;
-  bool fields_hold_state_ = false;  // the fields are as the state says: no load needed
-  double time_ = 0.0;               // s
-  double dt_ = 0.0;                 // s, since the commit
-  bool sampled_ = false;            // the sensor has taken a sample; else what it holds is in the state
-  std::span<const float> sample_;   // valid until it takes the next one
+  bool keeps_state_ = false, tried_ = false;  // keep_state(); the fields are beyond the state committed last
+  bool fields_hold_state_ = false;            // the fields are as the state says: no load needed
+  double time_ = 0.0;                         // s
+  double dt_ = 0.0;                           // s, since the commit
+  bool sampled_ = false;                      // the sensor has taken a sample; else what it holds is in the state
+  std::span<const float> sample_;             // valid until it takes the next one
   double next_sample_ = 0.0;
 };
 
