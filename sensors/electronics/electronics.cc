@@ -14,8 +14,9 @@ namespace slipbench {
 namespace {
 
 const std::vector<PartKind>& part_kinds() {
-  static const std::vector<PartKind> kinds{coupling_part(), gain_part(),         offset_part(),      drift_part(),
-                                           noise_part(),    skewed_noise_part(), quantisation_part()};
+  static const std::vector<PartKind> kinds{scan_part(),        coupling_part(),     gain_part(),
+                                           offset_part(),      drift_part(),        noise_part(),
+                                           white_noise_part(), skewed_noise_part(), quantisation_part()};
   return kinds;
 }
 

@@ -19,11 +19,13 @@ struct PartKind {
   std::unique_ptr<ElectronicsStage> (*make)(const Parameters& parameters, const SignalModel& model, RandomStream stream);
 };
 
+PartKind scan_part();
 PartKind coupling_part();
 PartKind gain_part();
 PartKind offset_part();
 PartKind drift_part();
 PartKind noise_part();
+PartKind white_noise_part();
 PartKind skewed_noise_part();
 PartKind quantisation_part();
 

@@ -10,6 +10,9 @@
 namespace slipbench {
 namespace {
 
+// What a number below 2^51 is added to so that its fraction is rounded off, to the nearest even: std::nearbyint without a call.
+constexpr double to_whole = 0x1.8p52;
+
 class Quantisation final : public ElectronicsStage {
  public:
   Quantisation(const Parameters& parameters, const SignalModel& model) {
@@ -23,8 +26,8 @@ class Quantisation final : public ElectronicsStage {
   void apply(std::span<float> values, double /*time*/) override {
     bool beyond = false;
     for (std::size_t v = 0; v < values_.size(); ++v) {
-      const double code = std::nearbyint((values[v] - values_[v].lowest) / values_[v].step);
-      const double held = std::clamp(code, 0.0, last_code_);
+      const double code = ((values[v] - values_[v].lowest) / values_[v].step + to_whole) - to_whole;
+      const double held = std::min(std::max(code, 0.0), last_code_);
       beyond |= held != code;
       values[v] = static_cast<float>(values_[v].lowest + values_[v].step * held);
     }

@@ -49,9 +49,10 @@ TEST(Electronics, ListsItsPartsInTheOrderOfTheSignalPath) {
     EXPECT_FALSE(entry.law.empty()) << entry.name;
     EXPECT_FALSE(entry.source.empty()) << entry.name;
     const Parameters defaults = defaults_of(entry.parameters);
-    EXPECT_TRUE(entry.name == "quantisation" || defaults.number("scale") == 1.0) << entry.name;
+    EXPECT_TRUE(entry.name == "quantisation" || entry.name == "scan" || defaults.number("scale") == 1.0) << entry.name;
   }
-  EXPECT_THAT(names, ElementsAre("coupling", "gain", "offset", "drift", "noise", "skewed_noise", "quantisation"));
+  EXPECT_THAT(names,
+              ElementsAre("scan", "coupling", "gain", "offset", "drift", "noise", "white_noise", "skewed_noise", "quantisation"));
 }
 
 TEST(Electronics, RefusesAnUnknownPart) {
@@ -61,7 +62,7 @@ TEST(Electronics, RefusesAnUnknownPart) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(),
                 AllOf(HasSubstr("sensors.pad.electronics"), HasSubstr("'ofset'"), HasSubstr("did you mean 'offset'"),
-                      HasSubstr("coupling, gain, offset, drift, noise, skewed_noise, quantisation")));
+                      HasSubstr("scan, coupling, gain, offset, drift, noise, white_noise, skewed_noise, quantisation")));
   }
 }
 
@@ -77,7 +78,7 @@ TEST(Electronics, RefusesAPartNamedTwice) {
 TEST(Electronics, ScaleZeroLeavesTheSampleAlone) {
   SignalModel model = two_values_a_source(10);
   model.couplings = {{0, 1, 1.0}};
-  for (const std::string name : {"coupling", "gain", "offset", "drift", "noise", "skewed_noise"}) {
+  for (const std::string name : {"coupling", "gain", "offset", "drift", "noise"}) {
     const auto y = outputs({part(name, 0.0)}, model, 0.1F, {0.0, 0.5});
     for (const auto& sample : y) EXPECT_THAT(sample, testing::Each(0.1F)) << name;
   }
@@ -85,7 +86,7 @@ TEST(Electronics, ScaleZeroLeavesTheSampleAlone) {
 
 TEST(Electronics, ScaleIsAFactorOnTheDisturbance) {
   // A factor of two is exact in binary, so the disturbance of zero doubles to the bit.
-  for (const std::string name : {"offset", "drift", "noise", "skewed_noise"}) {
+  for (const std::string name : {"offset", "drift", "noise"}) {
     const auto once = outputs({part(name)}, two_values_a_source(10), 0.0F, {0.25, 0.5});
     auto twice = outputs({part(name, 2.0)}, two_values_a_source(10), 0.0F, {0.25, 0.5});
     for (auto& sample : twice) std::for_each(sample.begin(), sample.end(), [](float& value) { value /= 2.0F; });
@@ -116,7 +117,7 @@ TEST(Electronics, StreamsAreKeyedBySeedTrialDeviceAndName) {
   const ElectronicsKey trial{.seed = 11, .trial = 4, .device = 0, .sensor_name = "pad"};
   const ElectronicsKey device{.seed = 11, .trial = 3, .device = 1, .sensor_name = "pad"};
   const ElectronicsKey sensor{.seed = 11, .trial = 3, .device = 0, .sensor_name = "pad2"};
-  for (const std::string name : {"offset", "drift", "noise", "skewed_noise", "gain"}) {
+  for (const std::string name : {"offset", "drift", "noise", "gain"}) {
     const auto reference = with(name, default_key);
     EXPECT_EQ(with(name, default_key), reference) << name;
     EXPECT_NE(with(name, seed), reference) << name;

@@ -1,0 +1,68 @@
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sensors/electronics/part_kind.h"
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+class Scan final : public ElectronicsStage {
+ public:
+  Scan(const Parameters& parameters, const SignalModel& model) : memory_(model.source.size() + 1) {
+    const double duration = parameters.number("duration");
+    if (!(duration * model.rate <= 1.0)) {
+      throw InputError("electronics: scan: its duration " + format_quantity(duration, Quantity::time) + " is longer than the " +
+                       format_quantity(1.0 / model.rate, Quantity::time) + " between two samples; allowed: up to that");
+    }
+    const auto count = static_cast<double>(model.source.size());
+    for (std::size_t v = 0; v < model.source.size(); ++v) {
+      age_.push_back(duration * model.rate * (count - 1.0 - static_cast<double>(v)) / count);
+    }
+  }
+
+  void apply(std::span<float> values, double /*time*/) override {
+    double *const last = memory_.data(), &begun = memory_.back();
+    if (begun == 0.0) std::ranges::copy(values, memory_.begin());
+    begun = 1.0;
+    for (std::size_t v = 0; v < age_.size(); ++v) {
+      const double now = values[v];
+      values[v] = static_cast<float>(now - age_[v] * (now - last[v]));
+      last[v] = now;
+    }
+  }
+
+  [[nodiscard]] std::span<double> memory() override { return memory_; }
+
+ private:
+  std::vector<double> age_;     // [V] in samples
+  std::vector<double> memory_;  // [V] the sample before, then whether there was one
+};
+
+std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const SignalModel& model, RandomStream /*stream*/) {
+  return std::make_unique<Scan>(parameters, model);
+}
+
+}  // namespace
+
+PartKind scan_part() {
+  return {.entry = {.name = "scan",
+                    .summary = "values are read one after the other, the last of them at the sample's own time",
+                    .law = "y_v = x_v(t - a_v),  a_v = duration (V - 1 - v)/V,  v = 0 .. V - 1,  x straight between two samples",
+                    .source = "the definition of a converter that many values share",
+                    .parameters = {{.name = "duration",
+                                    .type = ParameterType::number,
+                                    .quantity = Quantity::time,
+                                    .default_text = "0 s",
+                                    .range = non_negative,
+                                    .choices = {},
+                                    .size = 1,
+                                    .doc = "Time to read all values once; at most that between two samples.",
+                                    .source = "assumed"}}},
+          .drawn_per = DrawnPer::device,
+          .make = &make};
+}
+
+}  // namespace slipbench
