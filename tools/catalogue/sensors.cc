@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sensors/biotac_sp/biotac_sp.h"
+#include "sensors/myrmex/myrmex.h"
 #include "sensors/nib_pad/nib_pad.h"
 #include "sensors/papillarray/papillarray.h"
 #include "sensors/piezo_skin/piezo_skin.h"
@@ -34,6 +35,7 @@ const std::vector<SensorKind>& sensor_catalogue() {
       {nib_pad_entry(), nib_pad_electronics(), make_nib_pad},
       {piezo_skin_entry(), piezo_skin_electronics(), make_piezo_skin},
       {biotac_sp_entry(), biotac_sp_electronics(), make_biotac_sp},
+      {myrmex_entry(), myrmex_electronics(), make_myrmex},
   };
   return kinds;
 }

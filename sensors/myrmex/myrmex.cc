@@ -1,0 +1,191 @@
+#include "sensors/myrmex/myrmex.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "sensors/myrmex/foam_cell.h"
+#include "sim/core/parameter_specs.h"
+
+namespace slipbench {
+namespace myrmex {
+namespace {
+
+PadLayout make_layout(const Parameters& parameters) {
+  const auto rows = static_cast<std::size_t>(parameters.integer("rows"));
+  const auto columns = static_cast<std::size_t>(parameters.integer("columns"));
+  const double pitch = parameters.number("pitch");
+  const double stiffness = parameters.number("modulus") * pitch * pitch / parameters.number("thickness");
+  const double right = 0.5 * static_cast<double>(columns - 1), top = 0.5 * static_cast<double>(rows - 1);
+  PadLayout layout;
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t column = 0; column < columns; ++column) {
+      Element element;
+      element.tip = {(static_cast<double>(column) - right) * pitch, (top - static_cast<double>(row)) * pitch, 0.0};
+      element.k_normal = stiffness;
+      element.k_tangential = parameters.number("shear_share") * stiffness;
+      layout.units.push_back({layout.elements.size(), 1});
+      layout.elements.push_back(element);
+    }
+  }
+  return layout;
+}
+
+Channel make_channel(const Parameters& parameters) {
+  const auto rows = static_cast<std::size_t>(parameters.integer("rows"));
+  const auto columns = static_cast<std::size_t>(parameters.integer("columns"));
+  Channel channel{"taxels", "counts", {rows, columns}, {}};
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t column = 0; column < columns; ++column) {
+      channel.channel_names.push_back("T" + std::to_string(row) + "_" + std::to_string(column));
+    }
+  }
+  return channel;
+}
+
+SignalModel signal_model(double rate, std::size_t taxels) {
+  SignalModel model;
+  model.rate = rate;
+  model.sources = taxels;
+  for (std::size_t taxel = 0; taxel < taxels; ++taxel) model.source.push_back(taxel);
+  model.noise_sd.assign(taxels, 9.0 / 1024.0 * full_scale);
+  model.converter.assign(taxels, {0.0, full_scale});
+  return model;
+}
+
+class Myrmex final : public Sensor {
+ public:
+  Myrmex(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
+      : rate_(parameters.number("rate")),
+        layout_(make_layout(parameters)),
+        channels_{make_channel(parameters)},
+        cell_{parameters.number("hysteresis"), 2.0 * parameters.number("resistance") / parameters.number("reference"),
+              parameters.number("contact_resistance") / parameters.number("reference")},
+        electronics_(electronics, signal_model(rate_, layout_.units.size()), key),
+        plays_(2 * layout_.units.size()),
+        values_(layout_.units.size()) {
+    frame_.values = values_;
+  }
+
+  Myrmex(const Myrmex&) = delete;  // the frame points into the object
+  Myrmex& operator=(const Myrmex&) = delete;
+
+  [[nodiscard]] const PadLayout& layout() const override { return layout_; }
+  [[nodiscard]] double rate() const override { return rate_; }
+  [[nodiscard]] const std::vector<Channel>& channels() const override { return channels_; }
+
+  const SensorFrame& measure(const ContactFrame& truth) override {
+    const std::size_t taxels = values_.size();
+    assert(static_cast<std::size_t>(truth.force.cols()) == taxels);
+    const FoamCell cell = cell_;
+    const double* const force = truth.force.data() + 2;
+    double *const first = plays_.data(), *const second = first + taxels;
+    float* const values = values_.data();
+    float least = 1.0F;
+    for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
+      const double pressed = std::max(0.0, force[3 * taxel]);
+      values[taxel] = static_cast<float>(cell.reading(cell.felt(pressed, first[taxel], second[taxel])));
+      least = std::min(least, values[taxel]);
+    }
+    if (least == 0.0F) ++saturated_;
+    electronics_.apply(values_, truth.time);
+    frame_.time = truth.time;
+    return frame_;
+  }
+
+  [[nodiscard]] std::vector<std::span<double>> memory() override {
+    std::vector<std::span<double>> memories = electronics_.memory();
+    memories.emplace_back(plays_);
+    return memories;
+  }
+
+  // Images with a taxel at the lower end of the divider. At the upper one is its rest, where noise is cut off in every image.
+  [[nodiscard]] std::uint64_t saturated() const override { return saturated_; }
+
+  // The paper labels by a third sensor on the object, of which this one knows nothing: it can tell contact alone.
+  [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override {
+    return truth.state == PadState::no_contact ? PadState::no_contact : PadState::non_slip;
+  }
+
+ private:
+  double rate_;
+  PadLayout layout_;
+  std::vector<Channel> channels_;
+  FoamCell cell_;
+  Electronics electronics_;
+  std::uint64_t saturated_ = 0;
+  std::vector<double> plays_;  // p_1 of all taxels, then p_2 [N]
+  std::vector<float> values_;
+  SensorFrame frame_;
+};
+
+ParameterSpec count_spec(std::string name, std::string default_text, std::string doc, std::string source) {
+  ParameterSpec spec = number_spec(std::move(name), Quantity::none, std::move(default_text),
+                                   {.min = 1.0, .max = 64.0, .open_min = false}, std::move(doc), std::move(source));
+  spec.type = ParameterType::integer;
+  return spec;
+}
+
+}  // namespace
+}  // namespace myrmex
+
+Entry myrmex_entry() {
+  const std::string paper = "Tactile Convolutional Networks paper, section 2";
+  const std::string cell = "fit to a comparable piezoresistive cell, bare (TAMS-Group/tams_tactile_sensor_array_hardware)";
+  return {
+      .name = "myrmex",
+      .summary = "array of piezoresistive cells under conductive foam: an image of counts, 4095 at rest, less under load",
+      .law =
+          "counts = 4095 (1 - reference/R),  R = 2 resistance/f + contact_resistance,  not below 0\n"
+          "f: the normal force F of a taxel as the foam remembers it, by plays p <- min(max(p, (1 - w) F), (1 + w) F):\n"
+          "f = (F + p_1 + p_2)/3 with w = hysteresis and 2 hysteresis; (1 - hysteresis) F in first loading, (1 + hysteresis) F\n"
+          "in unloading: more counts are missing at the same force\n"
+          "foam: k_n = modulus pitch^2/thickness a taxel, k_t = shear_share k_n",
+      .source = cell + "; A. Visintin, Differential Models of Hysteresis (1994), ch. III (generalised play)",
+      .parameters = {
+          number_spec("rate", Quantity::frequency, "1 kHz", {.min = 0.0, .max = 1900.0, .open_min = true}, "Images a second.",
+                      paper + ": logged at 1 kHz, up to 1.9 kHz"),
+          myrmex::count_spec("rows", "16", "Taxels along Y.", paper),
+          myrmex::count_spec("columns", "16", "Taxels along X.", paper),
+          number_spec("pitch", Quantity::length, "5 mm", positive, "Edge of a taxel.", paper),
+          number_spec(
+              "modulus", Quantity::none, "20000", positive, "Stress of the foam by strain [Pa].",
+              "assumed: a soft conductive foam. The makers' own simulation (ubi-agni/mujoco_contact_surfaces) has 5e4 Pa over a "
+              "slab of 40 mm, which is a third as stiff"),
+          number_spec("thickness", Quantity::length, "5 mm", positive, "Of the foam; only modulus/thickness counts.",
+                      "assumed, as nothing is published"),
+          number_spec(
+              "shear_share", Quantity::none, "0.5", positive, "Tangential stiffness of a taxel against its normal one.",
+              "G/E = 1/2 of a foam that does not bulge (Poisson's ratio 0): Gibson and Ashby, Cellular Solids (1997), ch. 5"),
+          number_spec("resistance", Quantity::none, "16.96", positive,
+                      "Rs, resistance times force of one electrode's contact [kOhm N].", cell),
+          number_spec("contact_resistance", Quantity::none, "0.5", non_negative, "R0, what is left under any force [kOhm].",
+                      cell),
+          number_spec("reference", Quantity::none, "6.03", positive, "Reference resistance of the divider [kOhm].",
+                      "fitted to that cell's counts at 0.2 to 4 N, which the fit of R then meets to 4 % of the range"),
+          number_spec("hysteresis", Quantity::none, "0.03", {.min = 0.0, .max = 0.25, .open_min = false},
+                      "By what share unloading reads as more, and loading as less, than the force.",
+                      "that cell: unloading minus loading up to 3 to 10 % of the range; 2 h (1 - 2h)/(1 + 2h) = 5.3 %"),
+      }};
+}
+
+std::vector<Entry> myrmex_electronics() {
+  return electronics_of(
+      "myrmex",
+      {{"scan",
+        "taxel by taxel, row by row, in the time of the fastest image",
+        {{"duration", "526 us", "1/1.9 kHz, the paper's highest rate"}}},
+       {"white_noise",
+        "9 of 1024 counts at rest (the comparable cell), of every taxel its own; white: assumed, no spectrum is published",
+        {}},
+       {"quantisation", "over 0 to 4095 counts", {{"bits", "12", "the paper, section 2"}}}});
+}
+
+std::unique_ptr<Sensor> make_myrmex(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
+                                    std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
+  return std::make_unique<myrmex::Myrmex>(parameters, electronics, ElectronicsKey{seed, trial, 0, sensor_name});
+}
+
+}  // namespace slipbench

@@ -1,0 +1,39 @@
+// Arrays of foam cells and contacts for them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sensors/myrmex/myrmex.h"
+
+namespace slipbench::myrmex_test {
+
+using Changes = std::vector<std::pair<std::string, Parameters::Value>>;
+
+inline ElectronicsPart part(const std::string& name) {
+  for (const Entry& entry : myrmex_electronics()) {
+    if (entry.name == name) return {name, defaults_of(entry.parameters)};
+  }
+  return {};
+}
+
+inline std::unique_ptr<Sensor> array(const Changes& changes = {}, const std::vector<ElectronicsPart>& parts = {},
+                                     std::uint64_t trial = 0) {
+  Parameters parameters = defaults_of(myrmex_entry().parameters);
+  for (const auto& [name, value] : changes) parameters.set(name, value);
+  return make_myrmex(parameters, parts, 7, trial, "pad");
+}
+
+// All taxels under one force [N], each pressed by the same share.
+inline ContactFrame pressed(std::size_t taxels, double force) {
+  ContactFrame truth;
+  truth.force.setZero(3, static_cast<Eigen::Index>(taxels));
+  truth.force.row(2) = force / static_cast<double>(taxels);
+  truth.unit_state.assign(taxels, UnitState::stick);
+  truth.state = PadState::non_slip;
+  return truth;
+}
+
+}  // namespace slipbench::myrmex_test
