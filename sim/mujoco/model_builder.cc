@@ -381,6 +381,7 @@ class Builder {
                                                    : mjGEOM_CYLINDER;
       geom->size[0] = p.number("radius");
       if (geom->type != mjGEOM_SPHERE) geom->size[1] = 0.5 * p.number("length");
+      if (geom->type == mjGEOM_CYLINDER) hollow_out(body, scene);
     }
     if (p.flag("free")) {
       mjs_addFreeJoint(body);
@@ -411,6 +412,26 @@ class Builder {
     mju_copy3(body->fullinertia, body->inertia);
     mju_zero3(body->inertia);  // MuJoCo takes the one or the other
     mju_copy3(body->fullinertia + 3, products.data());
+  }
+
+  // Instead of the geom's own mass, where the cylinder is hollow or its centre of mass is not its middle: I_z = m/2 (R^2 + r^2),
+  // I_x = I_y = m/12 (3 R^2 + 3 r^2 + L^2).
+  static void hollow_out(mjsBody* body, const BodyScene& scene) {
+    const Parameters& cylinder = scene.shape.parameters;
+    const auto centre = Eigen::Vector3d::Map(cylinder.vector("centre_of_mass").data());
+    const double mass = cylinder.number("mass"), radius = cylinder.number("radius"), bore = cylinder.number("bore");
+    if (centre.isZero(0.0) && bore == 0.0) return;
+    if (!(bore < radius)) {
+      throw SceneValueError("bodies." + scene.name + ".bore", format_quantity(bore, Quantity::length) +
+                                                                  " leaves no wall; allowed: below the radius, " +
+                                                                  format_quantity(radius, Quantity::length));
+    }
+    const double squares = radius * radius + bore * bore, length = cylinder.number("length");
+    body->explicitinertial = 1;
+    body->mass = mass;
+    mju_copy3(body->ipos, centre.data());
+    body->inertia[0] = body->inertia[1] = mass / 12.0 * (3.0 * squares + length * length);
+    body->inertia[2] = 0.5 * mass * squares;
   }
 
   static void add_stage(mjSpec* spec) {
