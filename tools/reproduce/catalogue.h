@@ -47,6 +47,7 @@ Result hd_table1(const ReproduceOptions& options);
 Result hd_table2(const ReproduceOptions& options);
 Result hd_latency(const ReproduceOptions& options);
 Result hd_resources(const ReproduceOptions& options);
+Result myrmex_onset_label(const ReproduceOptions& options);
 Result nib_table1(const ReproduceOptions& options);
 Result nib_table2(const ReproduceOptions& options);
 Result nib_slip_kinds(const ReproduceOptions& options);
