@@ -17,6 +17,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/export/commanded_motion.h"
 #include "tools/export/grasp_csv.h"
+#include "tools/export/myrmex_images.h"
 #include "tools/export/npz.h"
 #include "tools/export/output_folder.h"
 #include "tools/export/papillarray_trial.h"
@@ -29,12 +30,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<const char*, ExportFormat>, 6> formats{{{"csv", ExportFormat::csv},
+constexpr std::array<std::pair<const char*, ExportFormat>, 8> formats{{{"csv", ExportFormat::csv},
                                                                        {"npz", ExportFormat::npz},
                                                                        {"robomimic", ExportFormat::robomimic},
                                                                        {"vendor-csv", ExportFormat::vendor_csv},
                                                                        {"training-csv", ExportFormat::training_csv},
-                                                                       {"grasp-csv", ExportFormat::grasp_csv}}};
+                                                                       {"grasp-csv", ExportFormat::grasp_csv},
+                                                                       {"myrmex-csv", ExportFormat::myrmex_csv},
+                                                                       {"myrmex-rotated", ExportFormat::myrmex_rotated}}};
 constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
                                                                  {"micro", SlipRule::micro},
                                                                  {"paper", SlipRule::paper},
@@ -128,8 +131,21 @@ std::string about_trial(const DatasetReader& reader, const TrialRecord& record) 
   return about.dump();
 }
 
-std::string export_archive(const DatasetReader& reader, std::size_t trial, OutputFolder& out) {
-  const TrialRecord record = reader.read_trial(trial);
+// A file for each myrmex.
+std::vector<std::string> export_images(const DatasetReader& reader, std::size_t trial, OutputFolder& out,
+                                       const ExportOptions& options) {
+  std::vector<std::string> files;
+  for (const std::string& sensor : chosen_sensors(reader, trial, options.sensor)) {
+    if (options.sensor.empty() && reader.sensor_type(trial, sensor) != "myrmex") continue;
+    files.push_back(out.write(fmt::format("demo_{}-{}.csv", trial, sensor), {"file of images", &begins_as_myrmex_csv},
+                              myrmex_csv(reader.read_sensor(trial, sensor))));
+  }
+  if (files.empty()) throw InputError(fmt::format("trial {}: no myrmex", trial));
+  return files;
+}
+
+std::string export_archive(const DatasetReader& reader, std::size_t trial, OutputFolder& out, bool rotated) {
+  const TrialRecord record = rotated ? turned_images(reader.read_trial(trial)) : reader.read_trial(trial);
   return out.write(fmt::format("demo_{}.npz", trial), {"numpy archive of a trial", &begins_as_npz},
                    npz(record, about_trial(reader, record)));
 }
@@ -159,9 +175,13 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
   for (const std::size_t trial : trials) {
     switch (options.format) {
       case ExportFormat::csv: std::ranges::move(export_tables(reader, trial, out, options), std::back_inserter(files)); break;
-      case ExportFormat::npz: files.push_back(export_archive(reader, trial, out)); break;
+      case ExportFormat::npz: files.push_back(export_archive(reader, trial, out, false)); break;
       case ExportFormat::vendor_csv: files.push_back(export_vendor(reader, trial, out, options)); break;
       case ExportFormat::training_csv: files.push_back(export_training(reader, trial, out, options)); break;
+      case ExportFormat::myrmex_csv:
+        std::ranges::move(export_images(reader, trial, out, options), std::back_inserter(files));
+        break;
+      case ExportFormat::myrmex_rotated: files.push_back(export_archive(reader, trial, out, true)); break;
       case ExportFormat::robomimic:
       case ExportFormat::grasp_csv: break;  // are one file
     }
@@ -194,10 +214,11 @@ std::vector<std::string> export_dataset(const std::string& dataset_path, const s
   if (options.rate && options.format != ExportFormat::robomimic) {
     throw InputError("a rate was given, at which only robomimic is sampled; allowed: --rate with --format robomimic");
   }
-  const bool all_sensors = options.format == ExportFormat::npz || options.format == ExportFormat::grasp_csv;
+  const bool all_sensors = options.format == ExportFormat::npz || options.format == ExportFormat::myrmex_rotated ||
+                           options.format == ExportFormat::grasp_csv;
   if (!options.sensor.empty() && all_sensors) {
     throw InputError(fmt::format("{} holds all sensors of a trial; allowed: --sensor with the other formats",
-                                 options.format == ExportFormat::npz ? "npz" : "grasp-csv"));
+                                 options.format == ExportFormat::grasp_csv ? "grasp-csv" : "npz"));
   }
   // A path holds no zero byte, which therefore ends each in what the child process hands back.
   const std::string names = guarded(dataset_path, [&] {

@@ -8,12 +8,14 @@
 namespace slipbench {
 
 enum class ExportFormat {
-  csv,           // a table a trial and sensor, with a header
-  npz,           // a numpy archive a trial
-  robomimic,     // one HDF5 file of demonstrations
-  vendor_csv,    // PapillArray: the log of the vendor's visualisation software
-  grasp_csv,     // BioTac SP: the public grasps with three fingers, one file
-  training_csv,  // PapillArray: the 73 columns of the published training code
+  csv,             // a table a trial and sensor, with a header
+  npz,             // a numpy archive a trial
+  robomimic,       // one HDF5 file of demonstrations
+  vendor_csv,      // PapillArray: the log of the vendor's visualisation software
+  grasp_csv,       // BioTac SP: the public grasps with three fingers, one file
+  training_csv,    // PapillArray: the 73 columns of the published training code
+  myrmex_csv,      // Myrmex: counts alone, an image a line, as the public tools read them
+  myrmex_rotated,  // npz, with the images of every Myrmex as its paper augments them
 };
 
 // When a pillar counts as slipping.
