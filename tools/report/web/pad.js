@@ -44,7 +44,7 @@ class Pad {
     const top = Math.min(...ys) - margin(ys, 160), bottom = Math.max(...ys) + margin(ys, 160) + beside;
     this.box = {left, right, top, bottom};
     this.labels = recording.units <= 25;
-    this.radius = (this.labels ? 0.27 : 0.4) * pitch;
+    this.radius = (this.labels || recording.type === 'myrmex' ? 0.27 : 0.4) * pitch;
 
     const svg = d3.select(parent)
                     .append('svg')
@@ -54,6 +54,7 @@ class Pad {
     this.arrowHeads(svg.append('defs'), Math.min(8, 0.4 * pitch));
     this.drawFrame(svg);
     this.electrodes = recording.type === 'nib_pad' && recording.channel('si') && new sb.NibElectrodes(svg, this, pitch);
+    this.image = recording.type === 'myrmex' && recording.channel('taxels') && new sb.TaxelImage(svg, this, pitch);
     const unit = svg.selectAll('g.unit')
                      .data(d3.range(recording.units))
                      .enter()
@@ -190,6 +191,7 @@ class Pad {
       this.loads.text(i => key(i) === 'detached' ? '' : sb.fixed(recording.at('labels/force', i, 2, sample), 2) + ' N');
     }
     if (this.electrodes) this.electrodes.update(recording.time[sample]);
+    if (this.image) this.image.update(recording.time[sample]);
     this.placeArrows(this.forces, 'labels/force', this.forceLength, sample);
     this.placeArrows(this.slips, 'labels/slip_velocity', this.slipLength, sample);
     this.placeLabels(sample);

@@ -44,6 +44,7 @@ sb.unitName = (type, index) => {
 const fromBelow = {right: 1, up: 0, note: 'seen from the surface it touches; +Z points away from the reader, into the sensor'};
 const padViews = {
   nib_pad: {right: 0, up: 1, note: 'seen through the sensor from behind, so that east is right and north is up; +Z points towards the reader'},
+  myrmex: {right: 0, up: 1, note: 'seen through the sensor from behind, row 0 of its image at the top; +Z points towards the reader. Squares: counts'},
 };
 sb.padView = type => padViews[type] || fromBelow;
 
