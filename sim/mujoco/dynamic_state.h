@@ -21,6 +21,7 @@
 #include "sim/mujoco/pad_instance.h"
 #include "sim/mujoco/stability.h"
 #include "sim/testbench/step_plan.h"
+#include "sim/testbench/tick_times.h"
 
 namespace slipbench {
 
@@ -147,7 +148,7 @@ struct DynamicBench::State {
     for (const Pad& pad : pads) pad.pillars->read(m(), d(), time, dt);
   }
   void prescribe(double time);
-  [[nodiscard]] double time_of(std::size_t at) const { return static_cast<double>(at) * dt; }
+  [[nodiscard]] double time_of(std::size_t at) const { return TickTimes(dt).at(at); }
   void advance(std::size_t from);
   [[nodiscard]] Vibration vibration(bool touching_only) const;
   void check_limit(double time);

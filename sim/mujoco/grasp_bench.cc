@@ -19,6 +19,7 @@
 #include "sim/mujoco/gripper_model.h"
 #include "sim/testbench/bodies.h"
 #include "sim/testbench/stage_setup.h"
+#include "sim/testbench/tick_times.h"
 
 namespace slipbench {
 namespace {
@@ -292,7 +293,7 @@ DynamicBench& GraspBench::dynamics() { return *state_->bench; }
 
 void GraspBench::step() {
   State& s = *state_;
-  const double time = static_cast<double>(s.tick) * s.bench->time_step(0);
+  const double time = TickTimes(s.bench->time_step(0)).at(s.tick);
   if (s.bench->at_tick()) s.drive(time);
   s.bench->step();
   if (!s.bench->at_tick()) return;

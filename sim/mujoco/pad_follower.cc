@@ -9,11 +9,12 @@
 
 #include "sim/effects/install.h"
 #include "sim/mujoco/geom_surface.h"
+#include "sim/testbench/tick_times.h"
 
 namespace slipbench {
 namespace {
 
-// Two times are one when they differ by less than this share of the bench's step: both are a whole number times a rounded step.
+// Two times are one when they differ by less than this share of the bench's step: where a step is no whole part of a second they are rounded.
 constexpr double same_time = 1e-6;
 
 Pose between(const Pose& from, const Pose& to, double share) {
@@ -73,7 +74,7 @@ void PadFollower::step() {
     shown_ = &frame_;
     since_.clear();
   }
-  due_ = static_cast<double>(++tick_) * step_;
+  due_ = TickTimes(step_).at(++tick_);
 }
 
 void PadFollower::catch_up() {

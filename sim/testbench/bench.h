@@ -20,7 +20,7 @@ struct NamedBody {
 
 class HeldBox;  // sim/grasp/held_box.h
 
-// Every pad has ticks of its own, the k-th (from 0) at t = k * time_step: those that it would have if it were alone, so that what it is told
+// Every pad has ticks of its own, the k-th (from 0) at t = k * time_step (tick_times.h): those that it would have if it were alone, so that what it is told
 // does not depend on who is beside it. The bench goes from one instant at which a pad has a tick to the next.
 class Bench {
  public:

@@ -7,16 +7,17 @@
 #include <vector>
 
 #include "sim/testbench/step_plan.h"
+#include "sim/testbench/tick_times.h"
 
 namespace slipbench {
 
-// Tick k of a pad is at k dt of its own step, to the bit what it is without the others; no common clock is sought, so any rates go
-// together. Where two times that ought to be one differ by a rounding there are two instants, which no pad can tell.
+// A pad ticks at the times of its own step, to the bit as without the others; no common clock is sought, so any rates go together. Where
+// pads tick at the same time they do so to the bit (tick_times.h).
 class PadClocks {
  public:
   // The next pad's. `plan`: of that pad alone.
   void add(const StepPlan& plan) {
-    clocks_.push_back({plan.dt, plan.ticks, plan.strides.front()});
+    clocks_.push_back({plan.dt, plan.ticks, plan.strides.front(), TickTimes(plan.dt)});
     stepped_.reserve(clocks_.size());
   }
 
@@ -28,7 +29,7 @@ class PadClocks {
     for (std::size_t pad = 0; pad < clocks_.size(); ++pad) {
       Clock& clock = clocks_[pad];
       if (clock.due != now) continue;
-      clock.due = static_cast<double>(++clock.tick) * clock.dt;
+      clock.due = clock.times.at(++clock.tick);
       stepped_.push_back(pad);
     }
     return now;
@@ -44,6 +45,7 @@ class PadClocks {
   struct Clock {
     double dt;  // s
     std::size_t ticks, stride;
+    TickTimes times;
     std::size_t tick = 0;  // the next one
     double due = 0.0;      // s, its time
   };

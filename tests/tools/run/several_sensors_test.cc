@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <set>
 #include <string>
 #include <vector>
@@ -94,6 +95,25 @@ TEST(SeveralSensors, AreComparedOnSomethingThatIsDrawn) {
 }
 
 // t of every sensor: whole multiples of its own sampling time, to the rounding of k dt (half a unit in the last place of dt and of the product).
+// Rates that do not divide each other, 2,400, 1,000 and 700 Hz: j/2400 and k/1000 meet every 5 ms, k/1000 and l/700 every 10 ms, so 140 and
+// 70 times in 0.7 s.
+TEST(SeveralSensors, HaveTheirCommonTimesToTheBit) {
+  const Scene scene = parse_scene(
+      SceneFile::from_text("slipbench: 1\nduration: 0.7 s\nmotion: {compression: 0.3 mm, start: 0.6 s}\nsensors:\n"
+                           "  fast: {type: papillarray, rate: 2.4 kHz}\n  middle: {type: papillarray, rate: 1 kHz}\n"
+                           "  slow: {type: papillarray, rate: 700 Hz}\n",
+                           "common.yaml"),
+      program_catalogues());
+  const TrialRecord record = run_trial(scene, 0, Recording::full).record;
+  const auto common = [&](std::size_t a, std::size_t b) {
+    std::vector<double> both;
+    std::ranges::set_intersection(record.sensors[a].time, record.sensors[b].time, std::back_inserter(both));
+    return both.size();
+  };
+  EXPECT_EQ(common(0, 1), 140U);
+  EXPECT_EQ(common(1, 2), 70U);
+}
+
 TEST(SeveralSensors, HaveTimesThatAreMultiplesOfTheirOwnSamplingTime) {
   const TrialRecord record = run(all_types(), "[]", "");
   for (const SensorRecord& sensor : record.sensors) {
