@@ -3,6 +3,7 @@
 #include "sim/motion/guided.h"
 #include "sim/motion/lift.h"
 #include "sim/motion/press.h"
+#include "sim/motion/rub.h"
 #include "sim/motion/stage.h"
 #include "sim/motion/wander.h"
 
@@ -10,7 +11,7 @@ namespace slipbench {
 
 const std::vector<MotionKind>& motion_catalogue() {
   static const std::vector<MotionKind> kinds{
-      stage_motion(), lift_motion(), guided_motion(), wander_motion(), press_motion(),
+      stage_motion(), lift_motion(), guided_motion(), wander_motion(), press_motion(), rub_motion(),
   };
   return kinds;
 }

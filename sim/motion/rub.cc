@@ -1,0 +1,368 @@
+#include "sim/motion/rub.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "sim/core/error.h"
+#include "sim/core/parameter_specs.h"
+#include "sim/core/random.h"
+
+namespace slipbench {
+namespace rub {
+namespace {
+
+constexpr const char* fitted = "assumed: fitted to 111 recordings of a BioTac SP (scenes/biotac_sp)";
+constexpr const char* outline = "COMSOL model of the BioTac SP by bsadr: half-ellipsoid of 13.85 x 10.1 x 9.85 mm";
+
+// Limits of what a finger could be or do; beyond them a number is a slip of the pen.
+constexpr Range axes{1e-3, 0.1, false};
+constexpr Range place{-0.1, 0.1, false};
+constexpr Range depth{0.0, 0.1, true};
+constexpr Range small_way{0.0, 0.01, false};
+constexpr Range top{0.0, 10.0, false};
+constexpr Range spread{0.0, 2.0, false};
+constexpr Range factor{0.0, 20.0, true};
+constexpr Range corner_frequency{0.01, 20.0, false};
+
+Entry about() {
+  return {
+      "rub",
+      "A finger is pressed on a spot of its round skin and slides, turns or only rests there, by fits and starts.",
+      "skin: the lower half of an ellipsoid in the pad frame; the spot (x, arc) has the parametric angle arc/mean(b, c) about "
+      "X,\n"
+      "counted towards +Y; the pad is rolled and pitched, Rz(yaw + turn) Ry Rx, until the spot is the skin's lowest point\n"
+      "p: Gaussian, mean 0, variance 1, white noise behind two equal low passes of corner f: E p(0) p(s) = (1 + a s) exp(-a s),\n"
+      "a = 2 pi f, in a time of its own that runs exp(warp p_w) times as fast, p_w such a process of warp_corner: fits and "
+      "starts\n"
+      "depth = deepest tanh(compression effort skin_share exp(gain load_sd p_1)/deepest): harder, the nearer the skin is to the "
+      "core\n"
+      "spot = site + offset + room tanh(gain wander (p_2, p_3)/room), room: from there to the skin's end; rocking in place\n"
+      "way and turn: integrals of speed q and rotation q with q = max(0, drive + p_4)\n"
+      "Between knots of 10 ms, at which the processes are drawn, p is cubic with continuous rate, and q straight.",
+      "BIOTAC.md section 4 (slipbench, 2026): what the recordings of yayaneath/BioTacSP-DoS need; exact transition of the "
+      "process",
+      {
+          vector_spec(3, "half_axes", Quantity::length, "[13.85 mm, 9.85 mm, 10.1 mm]", axes,
+                      "Half axes a, b, c of the skin's ellipsoid along the pad's X, Y, Z.", outline),
+          vector_spec(3, "centre", Quantity::length, "[0 mm, 0 mm, 10.1 mm]", place, "Its centre in the pad frame.",
+                      "of sensor biotac_sp"),
+          vector_spec(2, "site", Quantity::length, "[0 mm, 0 mm]", place,
+                      "Spot of the skin that is pressed: X, and the arc around the finger from its lowest line.", "free"),
+          vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", place,
+                      "Added to the site: what differs from trial to trial.", "free"),
+          number_spec("compression", Quantity::length, "1.5 mm", depth, "How far the skin's lowest point is below the surface.",
+                      fitted),
+          number_spec("deepest", Quantity::length, "3.5 mm", depth, "Depth that no load exceeds.",
+                      "assumed: the core is 2 to 3 mm below the skin (bsadr/biotac), and the skin on it yields"),
+          number_spec("effort", Quantity::none, "1", factor, "Multiplies the compression: how hard this motion is pressed.",
+                      "free"),
+          number_spec("skin_share", Quantity::none, "1", Range{0.0, 1.0, true},
+                      "Share of the compression by which the skin dents; by the rest the object does. 1: it is rigid.", "free"),
+          number_spec("speed", Quantity::speed, "0 mm/s", top, "Sliding speed where q is 1.", "8 mm/s fits recordings"),
+          number_spec("direction", Quantity::angle, "0 deg", any_value, "Where the pad slides to, from its own X axis.", "free"),
+          number_spec("yaw", Quantity::angle, "0 deg", any_value,
+                      "How far the pad is turned about the vertical before it begins.", "free"),
+          number_spec("rotation", Quantity::angular_speed, "0 deg/s", any_value,
+                      "Turning about the vertical through the spot where q is 1.", "38.2 deg/s fits recordings"),
+          number_spec("drive", Quantity::none, "0.6", Range{-3.0, 10.0, false}, "Mean of what drives: more is steadier.", fitted),
+          vector_spec(2, "wander", Quantity::length, "[0 mm, 0 mm]", small_way,
+                      "Standard deviation of the spot along X and of its arc.", fitted),
+          number_spec("load_sd", Quantity::none, "0", spread, "Standard deviation of the logarithm of the depth.", fitted),
+          number_spec("gain", Quantity::none, "1", Range{0.0, 20.0, false}, "Multiplies wander and load_sd.", fitted),
+          number_spec("corner", Quantity::frequency, "0.4 Hz", corner_frequency, "Corner f of either low pass.", fitted),
+          number_spec("warp", Quantity::none, "1.1", Range{0.0, 1.5, false},
+                      "Standard deviation of the logarithm of how fast the processes' time runs.", fitted),
+          number_spec("warp_corner", Quantity::frequency, "0.8 Hz", corner_frequency, "Corner of either low pass of that.",
+                      fitted),
+          number_spec("gap", Quantity::length, "0.5 mm", Range{0.0, 0.1, false},
+                      "Height of the spot above the surface until the start.", "assumed"),
+          number_spec("start", Quantity::time, "50 ms", non_negative, "When the finger begins to come down.", "assumed"),
+          number_spec("approach", Quantity::time, "0.1 s", positive,
+                      "How long it takes to come down, and then q to come up to its own.", "assumed"),
+      }};
+}
+
+// Bounds, so that top_speed() is one. A rate beyond is drawn again (one of 16,000); a value, which cannot turn back at once, is bent from 3 on.
+constexpr double limit = 4.0;
+constexpr double knot = 0.01;  // s
+
+struct Point {
+  double value = 0.0, rate = 0.0;
+};
+
+// White noise behind two equal low passes, as a Markov chain. With s the time over the time constant and u = x'/a, (x, u) is normal with
+// unit covariance P, and over s it becomes A (x, u) + L w with A = e^-s [1+s, s; -s, 1-s] and L L^T = P - A A^T.
+class Process {
+ public:
+  void begin(RandomStream& random) {
+    x_ = random.normal();
+    do u_ = random.normal();
+    while (std::abs(u_) > limit);
+  }
+
+  void advance(double s, RandomStream& random) {
+    const double d = std::exp(-s), q12 = 2.0 * d * d * s * s;
+    const double q11 = beyond_second(2.0 * s), q22 = 1.0 - d * d * (s * s + (1.0 - s) * (1.0 - s));
+    const double l11 = std::sqrt(q11), l21 = q12 / l11, l22 = std::sqrt(std::max(0.0, q22 - l21 * l21));
+    double x = 0.0, u = 0.0;
+    do {
+      const double w = random.normal();
+      x = d * ((1.0 + s) * x_ + s * u_) + l11 * w;
+      u = d * (-s * x_ + (1.0 - s) * u_) + l21 * w + l22 * random.normal();
+    } while (std::abs(u) > limit || std::abs(x - x_) > limit * s);
+    x_ = x;
+    u_ = u;
+  }
+
+  // x, and its rate over a: beyond limit - 1 they bend to the limit.
+  [[nodiscard]] Point bounded() const {
+    const double over = std::abs(x_) - (limit - 1.0);
+    if (over <= 0.0) return {x_, u_};
+    const double bent = std::tanh(over);
+    return {std::copysign(limit - 1.0 + bent, x_), (1.0 - bent * bent) * u_};
+  }
+
+ private:
+  // 1 - e^-y (1 + y + y^2/2), without cancellation where y is small.
+  static double beyond_second(double y) {
+    if (y > 1.0) return 1.0 - std::exp(-y) * (1.0 + y + 0.5 * y * y);
+    double term = y * y * y / 6.0, sum = term;
+    for (int k = 4; k < 20; ++k) sum += term *= y / k;
+    return std::exp(-y) * sum;
+  }
+
+  double x_ = 0.0, u_ = 0.0;
+};
+
+// The processes of one trial at any time. A chain can only be walked forwards; for a time before the last one it begins anew.
+class Restlessness {
+ public:
+  enum Which { load, along, around, drive, count };
+
+  struct Settings {
+    double corner, warp_corner;  // Hz
+    double warp, drive;
+    double begin, rise;  // s, from when on q comes up, and in how long
+  };
+
+  Restlessness(const Settings& settings, const MotionKey& key)
+      : settings_(settings), key_(key), pole_(2.0 * std::numbers::pi * settings.corner), walk_(start()) {}
+
+  [[nodiscard]] Point at(Which which, double t) const {
+    const double s = go_to(t);
+    const Point p = walk_.before.points[which], q = walk_.after.points[which];
+    const double rise = (q.value - p.value) / knot;
+    return {p.value + knot * s * (p.rate + s * (3.0 * rise - 2.0 * p.rate - q.rate + s * (p.rate + q.rate - 2.0 * rise))),
+            p.rate + s * (6.0 * rise - 4.0 * p.rate - 2.0 * q.rate + 3.0 * s * (p.rate + q.rate - 2.0 * rise))};
+  }
+
+  // The integral of q, and q.
+  [[nodiscard]] Point way(double t) const {
+    const double s = go_to(t), first = walk_.before.q, q = first + s * (walk_.after.q - first);
+    return {walk_.before.way + 0.5 * knot * s * (first + q), q};
+  }
+
+  // Bounds on the rate of the processes [1/s] and on q. Between knots a cubic is at most twice as steep as at them and as their chord.
+  [[nodiscard]] double top_rate() const { return 2.0 * limit * pole_ * std::exp(settings_.warp * limit); }
+  [[nodiscard]] double top_way_rate() const { return std::max(0.0, settings_.drive + limit); }
+
+ private:
+  struct Knot {
+    std::array<Point, count> points;
+    double pace, q, way;  // 1/s, 1, s
+  };
+  struct Walk {
+    RandomStream random;
+    Process time;
+    std::array<Process, count> processes;
+    std::size_t knots;  // up to `after`, which is number knots - 1
+    Knot before, after;
+  };
+
+  [[nodiscard]] Walk start() const {
+    Walk walk{RandomStream(key_.seed, key_.trial, "motion.rub"), {}, {}, 1, {}, {}};
+    walk.time.begin(walk.random);
+    for (Process& process : walk.processes) process.begin(walk.random);
+    walk.after = read(walk, 0.0);
+    step(walk);
+    return walk;
+  }
+
+  [[nodiscard]] Knot read(const Walk& walk, double t) const {
+    Knot made{{}, pole_ * std::exp(settings_.warp * walk.time.bounded().value), 0.0, 0.0};
+    for (std::size_t i = 0; i < count; ++i) {
+      const Point point = walk.processes[i].bounded();
+      made.points[i] = {point.value, made.pace * point.rate};
+    }
+    made.q =
+        std::clamp((t - settings_.begin) / settings_.rise, 0.0, 1.0) * std::max(0.0, settings_.drive + made.points[drive].value);
+    return made;
+  }
+
+  void step(Walk& walk) const {
+    walk.before = walk.after;
+    walk.time.advance(2.0 * std::numbers::pi * settings_.warp_corner * knot, walk.random);
+    const double mean = 0.5 * (walk.before.pace + pole_ * std::exp(settings_.warp * walk.time.bounded().value));
+    for (Process& process : walk.processes) process.advance(mean * knot, walk.random);
+    walk.after = read(walk, static_cast<double>(walk.knots) * knot);
+    walk.after.way = walk.before.way + 0.5 * knot * (walk.before.q + walk.after.q);
+    ++walk.knots;
+  }
+
+  // Share of the way from `before` to `after`.
+  [[nodiscard]] double go_to(double t) const {
+    const double place = std::max(0.0, t) / knot, floor = std::floor(place);
+    const auto before = static_cast<std::size_t>(floor);
+    if (before + 2 < walk_.knots) walk_ = start();
+    while (walk_.knots < before + 2) step(walk_);
+    return place - floor;
+  }
+
+  Settings settings_;
+  MotionKey key_;
+  double pole_;  // 1/s
+  mutable Walk walk_;
+};
+
+class Rub final : public Motion {
+ public:
+  Rub(const Parameters& p, const MotionKey& key)
+      : a_(p.vector("half_axes")[0]),
+        b_(p.vector("half_axes")[1]),
+        c_(p.vector("half_axes")[2]),
+        centre_(p.vector("centre")[0], p.vector("centre")[1], p.vector("centre")[2]),
+        site_{p.vector("site")[0] + p.vector("offset")[0], p.vector("site")[1] + p.vector("offset")[1]},
+        wander_{p.number("gain") * p.vector("wander")[0], p.number("gain") * p.vector("wander")[1]},
+        compression_(p.number("compression") * p.number("effort") * p.number("skin_share")),
+        deepest_(p.number("deepest")),
+        load_sd_(p.number("gain") * p.number("load_sd")),
+        gap_(p.number("gap")),
+        start_(p.number("start")),
+        approach_(p.number("approach")),
+        rotation_(p.number("rotation")),
+        yaw_(p.number("yaw")),
+        speed_(p.number("speed") *
+               Eigen::Vector3d(std::cos(yaw_ + p.number("direction")), std::sin(yaw_ + p.number("direction")), 0.0)),
+        restless_(
+            {p.number("corner"), p.number("warp_corner"), p.number("warp"), p.number("drive"), start_ + approach_, approach_},
+            key) {
+    room_ = {room(site_[0], reach_x * a_, "X"), room(site_[1], reach_arc * radius(), "its arc")};
+  }
+
+  [[nodiscard]] BodyState pad_at(double t) const override {
+    const Point down = come_down(t), load = restless_.at(Restlessness::load, t), way = restless_.way(t);
+    const double asked = compression_ * std::exp(load_sd_ * load.value), share = std::tanh(asked / deepest_);
+    const double pressed = deepest_ * share, pressing = (1.0 - share * share) * asked * load_sd_ * load.rate;
+    const Spot spot = spot_at(t);
+
+    const Eigen::Matrix3d turned = Eigen::AngleAxisd(yaw_ + rotation_ * way.value, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const Eigen::Matrix3d pitched = turned * Eigen::AngleAxisd(spot.pitch.value, Eigen::Vector3d::UnitY());
+    BodyState pad;
+    pad.pose.rotation = pitched * Eigen::AngleAxisd(spot.roll.value, Eigen::Vector3d::UnitX());
+    pad.angular_velocity =
+        rotation_ * way.rate * Eigen::Vector3d::UnitZ() + spot.pitch.rate * turned.col(1) + spot.roll.rate * pitched.col(0);
+    Eigen::Vector3d touch = speed_ * way.value, touch_rate = speed_ * way.rate;
+    touch.z() = gap_ * (1.0 - down.value) - pressed * down.value;
+    touch_rate.z() = -(gap_ + pressed) * down.rate - pressing * down.value;
+    const Eigen::Vector3d arm = pad.pose.rotation * spot.place;
+    pad.pose.position = touch - arm;
+    pad.velocity = touch_rate - pad.angular_velocity.cross(arm) - pad.pose.rotation * spot.rate;
+    return pad;
+  }
+
+  [[nodiscard]] double top_speed(double reach) const override {
+    const double rate = restless_.top_rate(), q = restless_.top_way_rate();
+    const double vertical = (gap_ + deepest_) * 1.5 / approach_ + most_pressing * deepest_ * load_sd_ * rate;
+    // (1 - tanh^2 y) y is at most 0.4477, where 2 y tanh y = 1.
+    // With x = a sin h and g the arc's angle: tan(pitch) = tan(h)/(a m), 1/m from the lesser to the greater of b and c, and
+    // tan(roll) = -(c/b) tan(g). An angle whose tangent is f times another's changes at most max(f, 1/f) times as fast. m itself changes by
+    // at most half of f^2 - 1 of it a radian, f = max(b, c)/min(b, c), and pitch by half of that.
+    const double most = std::max(b_, c_), least = std::min(b_, c_), f = most / least;
+    const double cosine = std::sqrt(1.0 - std::pow((std::abs(site_[0]) + std::min(limit * wander_[0], room_[0])) / a_, 2));
+    const double h_rate = wander_[0] * rate / (a_ * cosine), g_rate = wander_[1] * rate / radius();
+    const double pitching = std::max({a_ / least, most / a_, 1.0}) * h_rate + 0.25 * (f * f - 1.0) * g_rate;
+    const double turning = std::abs(rotation_) * q + pitching + f * g_rate;
+    const double skin = std::max(a_, most) * h_rate + most * g_rate, arm = centre_.norm() + std::max(a_, most);
+    return speed_.norm() * q + vertical + skin + (arm + reach) * turning;
+  }
+
+  [[nodiscard]] bool turns() const override { return rotation_ != 0.0; }
+
+ private:
+  // Shares of the half length, and angles [rad], up to which a skin can be pressed.
+  static constexpr double reach_x = 0.95, reach_arc = 1.4;
+  static constexpr double most_pressing = 0.448;
+
+  struct Spot {
+    Eigen::Vector3d place, rate;  // m, m/s, in the pad frame
+    Point roll, pitch;            // rad, rad/s
+  };
+
+  [[nodiscard]] double radius() const { return 0.5 * (b_ + c_); }
+
+  // What the skin leaves beside a site. Throws where that is none.
+  static double room(double site, double end, const char* what) {
+    if (std::abs(site) < end) return end - std::abs(site);
+    throw SceneValueError("motion.site", fmt::format("with the offset leads {} along {}; allowed: less than {} on this skin",
+                                                     format_quantity(std::abs(site), Quantity::length), what,
+                                                     format_quantity(end, Quantity::length)));
+  }
+
+  // A coordinate of the spot.
+  [[nodiscard]] Point wandered(std::size_t k, const Point& process) const {
+    const double bounded = std::tanh(wander_[k] * process.value / room_[k]);
+    return {site_[k] + room_[k] * bounded, (1.0 - bounded * bounded) * wander_[k] * process.rate};
+  }
+
+  // How far the finger has come down, from 0 to 1.
+  [[nodiscard]] Point come_down(double t) const {
+    if (t <= start_) return {0.0, 0.0};
+    if (t >= start_ + approach_) return {1.0, 0.0};
+    const double s = (t - start_) / approach_;
+    return {s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / approach_};
+  }
+
+  // The spot is centre + (x, k b sin g, -k c cos g) with k = sqrt(1 - (x/a)^2); the outward normal there is along
+  // (x/a^2, k sin(g)/b, -k cos(g)/c). Rx turns its Y component away, then Ry its X component.
+  [[nodiscard]] Spot spot_at(double t) const {
+    const Point along = wandered(0, restless_.at(Restlessness::along, t)),
+                around = wandered(1, restless_.at(Restlessness::around, t));
+    const double x = along.value, dx = along.rate, g = around.value / radius(), dg = around.rate / radius();
+    const double k = std::sqrt(1.0 - x * x / (a_ * a_)), dk = -x * dx / (a_ * a_ * k);
+    const double sine = std::sin(g), cosine = std::cos(g);
+    Spot spot;
+    spot.place = centre_ + Eigen::Vector3d(x, k * b_ * sine, -k * c_ * cosine);
+    spot.rate = {dx, b_ * (dk * sine + k * cosine * dg), -c_ * (dk * cosine - k * sine * dg)};
+    const double nx = x / (a_ * a_), ny = k * sine / b_, nz = -k * cosine / c_;
+    const double dny = (dk * sine + k * cosine * dg) / b_, dnz = -(dk * cosine - k * sine * dg) / c_;
+    const double m = std::hypot(ny, nz), dm = (ny * dny + nz * dnz) / m;
+    spot.roll = {std::atan(ny / nz), (dny * nz - ny * dnz) / (m * m)};
+    spot.pitch = {std::atan2(nx, m), (dx / (a_ * a_) * m - nx * dm) / (nx * nx + m * m)};
+    return spot;
+  }
+
+  double a_, b_, c_;
+  Eigen::Vector3d centre_;
+  std::array<double, 2> site_, wander_, room_;
+  double compression_, deepest_, load_sd_, gap_, start_, approach_, rotation_, yaw_;
+  Eigen::Vector3d speed_;
+  Restlessness restless_;
+};
+
+}  // namespace
+}  // namespace rub
+
+MotionKind rub_motion() {
+  return {rub::about(), [](const Parameters& p, const MotionKey& key) -> std::unique_ptr<Motion> {
+            return std::make_unique<rub::Rub>(p, key);
+          }};
+}
+
+}  // namespace slipbench
