@@ -79,6 +79,8 @@ Formats of the PapillArray:
   training-csv  73 columns, no header, 1000 Hz, one file a trial: time, then contact, slip, displacement, force of each pillar
 Format of grasps with three BioTac SP:
   grasp-csv     one file, a row a grasp: object, whether it slipped, the 72 electrodes before the lift
+Format of a BioTac SP that slides, turns or rests:
+  slip-csv      the layout of the public recordings, CLASS/OBJECT<trial>.csv: 24 electrodes, no time, 100 rows a second
 
 Examples:
   slipbench export hexapod.h5 --format npz --trial 3 -o arrays

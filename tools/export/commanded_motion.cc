@@ -46,34 +46,63 @@ const Entry& motion_of(const YamlNode& root, const std::string& file) {
   throw InputError(fmt::format("{}: attribute scene has the motion '{}', which this program does not know", file, name));
 }
 
-double value_of(const std::string& name, const Json& swept, const YamlNode& root, const Entry& motion, const std::string& file) {
-  const auto spec = std::find_if(motion.parameters.begin(), motion.parameters.end(),
-                                 [&](const ParameterSpec& candidate) { return candidate.name == name; });
-  if (spec == motion.parameters.end() || spec->type != ParameterType::number) {
+// What one trial was told: swept values before written ones.
+class Commanded {
+ public:
+  Commanded(const DatasetReader& reader, std::size_t trial)
+      : file_(reader.files()[reader.file_of(trial)]),
+        swept_(object_of(reader.info(trial).params, fmt::format("{}: trial {}: attribute params", file_, trial))),
+        scene_(scene_of(reader)) {}
+
+  // Empty where the motion has no such number.
+  [[nodiscard]] std::optional<double> number(const std::string& name) const {
+    const Entry& motion = motion_of(scene_.root(), file_);
+    const auto spec = std::find_if(motion.parameters.begin(), motion.parameters.end(),
+                                   [&](const ParameterSpec& candidate) { return candidate.name == name; });
+    if (spec == motion.parameters.end() || spec->type != ParameterType::number) return std::nullopt;
+    if (const auto found = swept_.find("motion." + name); found != swept_.end() && found->is_number())
+      return found->get<double>();
+    const YamlNode* written = node_at(scene_.root(), std::vector<std::string>{"motion", name});
+    if (written == nullptr) return std::get<double>(default_of(*spec));
+    try {
+      return std::get<double>(parse_scalar(*spec, written->text));
+    } catch (const std::invalid_argument& error) {
+      throw InputError(fmt::format("{}: motion.{}: {}", written->origin.text(), name, error.what()));
+    }
+  }
+
+  [[nodiscard]] double needed(const std::string& name) const {
+    if (const auto found = number(name)) return *found;
     throw InputError(
         fmt::format("{}: its motion '{}' has no {}; allowed: a dataset whose pad is pressed and slides, such as that of a stage",
-                    file, motion.name, name));
+                    file_, motion_of(scene_.root(), file_).name, name));
   }
-  if (const auto found = swept.find("motion." + name); found != swept.end() && found->is_number()) return found->get<double>();
-  const YamlNode* written = node_at(root, std::vector<std::string>{"motion", name});
-  if (written == nullptr) return std::get<double>(default_of(*spec));
-  try {
-    return std::get<double>(parse_scalar(*spec, written->text));
-  } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("{}: motion.{}: {}", written->origin.text(), name, error.what()));
+
+  [[nodiscard]] std::string word(const std::string& path) const {
+    if (const auto found = swept_.find(path); found != swept_.end() && found->is_string()) return found->get<std::string>();
+    const YamlNode* written = node_at(scene_.root(), split_path(path, scene_.root().origin));
+    return written != nullptr && written->kind == YamlNode::Kind::scalar ? written->text : "";
   }
-}
+
+ private:
+  std::string file_;
+  Json swept_;
+  SceneFile scene_;
+};
 
 }  // namespace
 
 CommandedMotion commanded_motion(const DatasetReader& reader, std::size_t trial) {
-  const std::string file = reader.files()[reader.file_of(trial)];
-  const Json swept = object_of(reader.info(trial).params, fmt::format("{}: trial {}: attribute params", file, trial));
-  const SceneFile scene = scene_of(reader);
-  const YamlNode& root = scene.root();
-  const Entry& motion = motion_of(root, file);
-  const auto value = [&](const std::string& name) { return value_of(name, swept, root, motion, file); };
-  return {value("speed"), value("rotation"), value("compression")};
+  const Commanded told(reader, trial);
+  return {told.needed("speed"), told.needed("rotation"), told.needed("compression")};
+}
+
+std::optional<double> commanded_number(const DatasetReader& reader, std::size_t trial, const std::string& name) {
+  return Commanded(reader, trial).number(name);
+}
+
+std::string commanded_word(const DatasetReader& reader, std::size_t trial, const std::string& path) {
+  return Commanded(reader, trial).word(path);
 }
 
 }  // namespace slipbench

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <string>
 
 #include "tools/dataset/reader.h"
 
@@ -19,5 +21,12 @@ struct CommandedMotion {
 // Takes the values from what was swept, else from the overrides and the scene that the dataset carries, else the motion's defaults.
 // Throws InputError when the scene cannot be read or its motion has no such values.
 CommandedMotion commanded_motion(const DatasetReader& reader, std::size_t trial);
+
+// One number of the motion, taken from there; empty: this kind of motion has none of that name. Throws InputError as commanded_motion().
+std::optional<double> commanded_number(const DatasetReader& reader, std::size_t trial, const std::string& name);
+
+// A word of the scene, such as that at "surface.material", as it was swept or written; "" where it is neither. Throws InputError where the scene
+// cannot be read.
+std::string commanded_word(const DatasetReader& reader, std::size_t trial, const std::string& path);
 
 }  // namespace slipbench

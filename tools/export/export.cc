@@ -23,6 +23,7 @@
 #include "tools/export/papillarray_trial.h"
 #include "tools/export/robomimic.h"
 #include "tools/export/samples.h"
+#include "tools/export/slip_csv.h"
 #include "tools/export/table_csv.h"
 
 namespace slipbench {
@@ -30,14 +31,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<const char*, ExportFormat>, 8> formats{{{"csv", ExportFormat::csv},
+constexpr std::array<std::pair<const char*, ExportFormat>, 9> formats{{{"csv", ExportFormat::csv},
                                                                        {"npz", ExportFormat::npz},
                                                                        {"robomimic", ExportFormat::robomimic},
                                                                        {"vendor-csv", ExportFormat::vendor_csv},
                                                                        {"training-csv", ExportFormat::training_csv},
                                                                        {"grasp-csv", ExportFormat::grasp_csv},
                                                                        {"myrmex-csv", ExportFormat::myrmex_csv},
-                                                                       {"myrmex-rotated", ExportFormat::myrmex_rotated}}};
+                                                                       {"myrmex-rotated", ExportFormat::myrmex_rotated},
+                                                                       {"slip-csv", ExportFormat::slip_csv}}};
 constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
                                                                  {"micro", SlipRule::micro},
                                                                  {"paper", SlipRule::paper},
@@ -113,6 +115,15 @@ std::vector<std::string> export_tables(const DatasetReader& reader, std::size_t 
   return files;
 }
 
+std::string export_slip(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
+  const std::vector<std::string> names = chosen_sensors(reader, trial, options.sensor);
+  if (names.size() != 1) {
+    throw InputError(fmt::format("trial {}: slip-csv holds one biotac_sp; which? allowed: {}", trial, fmt::join(names, ", ")));
+  }
+  const SlipRecording recording = slip_csv(reader, trial, names.front());
+  return out.write(recording.name, {"recording of 24 electrodes", &begins_as_slip_csv}, recording.text);
+}
+
 // What the arrays of a trial do not say.
 std::string about_trial(const DatasetReader& reader, const TrialRecord& record) {
   const DemoInfo info = reader.info(record.trial);
@@ -178,6 +189,7 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
       case ExportFormat::npz: files.push_back(export_archive(reader, trial, out, false)); break;
       case ExportFormat::vendor_csv: files.push_back(export_vendor(reader, trial, out, options)); break;
       case ExportFormat::training_csv: files.push_back(export_training(reader, trial, out, options)); break;
+      case ExportFormat::slip_csv: files.push_back(export_slip(reader, trial, out, options)); break;
       case ExportFormat::myrmex_csv:
         std::ranges::move(export_images(reader, trial, out, options), std::back_inserter(files));
         break;

@@ -12,6 +12,7 @@ enum class ExportFormat {
   npz,             // a numpy archive a trial
   robomimic,       // one HDF5 file of demonstrations
   vendor_csv,      // PapillArray: the log of the vendor's visualisation software
+  slip_csv,        // BioTac SP: the public slip recordings, one file a trial
   grasp_csv,       // BioTac SP: the public grasps with three fingers, one file
   training_csv,    // PapillArray: the 73 columns of the published training code
   myrmex_csv,      // Myrmex: counts alone, an image a line, as the public tools read them
