@@ -1,0 +1,179 @@
+"""Real and synthetic recordings side by side in one HTML page: no script, no network."""
+
+import html
+
+import numpy as np
+
+import recordings as rec
+from recordings import GROUPS
+
+COLOURS = {"real": "#1f4e8c", "synthetic": "#c2571a"}
+STYLE = """body{font:14px/1.45 system-ui,sans-serif;color:#222;max-width:1180px;margin:24px auto;padding:0 16px}
+h1{font-size:22px}h2{font-size:17px;margin-top:28px}figure{display:inline-block;margin:6px 10px 6px 0;vertical-align:top}
+figcaption{font-size:12px;color:#555}table{border-collapse:collapse;font-size:12px}td,th{padding:2px 8px;text-align:right;border-bottom:1px solid #e3e3e3}
+td:first-child,th:first-child{text-align:left}.out{background:#fbe3d3}svg text{font:10px system-ui,sans-serif;fill:#555}"""
+
+
+class Plot:
+    """Axes of one drawing, in the units of the data; logarithmic where asked."""
+
+    def __init__(self, x, y, size=(270, 170), log=(False, False), labels=("", "")):
+        self.size, self.log = size, log
+        self.low = [self._at(0, x[0]), self._at(1, y[0])]
+        self.high = [self._at(0, x[1]), self._at(1, y[1])]
+        self.parts = []
+        for axis, ends in ((0, x), (1, y)):
+            for value in self._ticks(axis, ends):
+                self._tick(axis, value)
+        width, height = size
+        self.parts.append(f'<rect x="42" y="6" width="{width - 50}" height="{height - 40}" fill="none" stroke="#999"/>')
+        self.parts.append(f'<text x="{(width + 34) / 2}" y="{height - 4}" text-anchor="middle">{html.escape(labels[0])}</text>')
+        self.parts.append(f'<text transform="translate(9 {(height - 34) / 2}) rotate(-90)" text-anchor="middle">{html.escape(labels[1])}</text>')
+
+    def _at(self, axis, value):
+        return np.log10(value) if self.log[axis] else value
+
+    def _ticks(self, axis, ends):
+        if self.log[axis]:
+            return 10.0 ** np.arange(np.ceil(self.low[axis] - 1e-9), np.floor(self.high[axis] + 1e-9) + 1)
+        step = (ends[1] - ends[0]) / 4
+        unit = 10.0 ** np.floor(np.log10(step))
+        step = next(unit * k for k in (1, 2, 5, 10) if unit * k >= step * 0.999)
+        return np.arange(np.ceil(ends[0] / step - 1e-9), np.floor(ends[1] / step + 1e-9) + 1) * step + 0.0  # no -0
+
+    def place(self, x, y):
+        (width, height), out = self.size, []
+        for axis, value, first, length in ((0, x, 42, width - 50), (1, y, height - 34, -(height - 40))):
+            share = (self._at(axis, np.asarray(value, dtype=float)) - self.low[axis]) / (self.high[axis] - self.low[axis])
+            out.append(first + length * np.clip(share, 0, 1))
+        return out
+
+    def _tick(self, axis, value):
+        x, y = self.place(*((value, 1 if self.log[1] else 0) if axis == 0 else (1 if self.log[0] else 0, value)))
+        height = self.size[1]
+        if axis == 0:
+            self.parts.append(f'<text x="{x:.1f}" y="{height - 21}" text-anchor="middle">{value:g}</text>')
+        else:
+            self.parts.append(f'<text x="38" y="{y + 3:.1f}" text-anchor="end">{value:g}</text>')
+
+    def line(self, x, y, colour, width=1.0, opacity=1.0):
+        points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(*self.place(x, y)))
+        self.parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{width}" opacity="{opacity}"/>')
+
+    def dot(self, x, y, colour, radius=2.5):
+        a, b = self.place(x, y)
+        self.parts.append(f'<circle cx="{a:.1f}" cy="{b:.1f}" r="{radius:.2f}" fill="{colour}"/>')
+
+    def drawn(self, caption):
+        width, height = self.size
+        return (f'<figure><svg width="{width}" height="{height}" role="img">{"".join(self.parts)}</svg>'
+                f"<figcaption>{html.escape(caption)}</figcaption></figure>")
+
+
+def colour_of(electrode):
+    return f"hsl({electrode * 360 / 24:.0f} 60% 45%)"
+
+
+def middle_one(recordings, kind):
+    """The recording of a class whose most active electrode is the median one."""
+    of = sorted((r for r in recordings if r.kind == kind), key=lambda r: rec.spreads(r)[1])
+    return of[len(of) // 2]
+
+
+def time_series(real, synthetic):
+    parts = []
+    for kind in rec.CLASSES:
+        pair = [middle_one(recordings, kind) for recordings in (real, synthetic)]
+        moves = [r.counts - r.counts.mean(0) for r in pair]
+        top = max(np.abs(m).max() for m in moves)
+        for whose, recording, move in zip(COLOURS, pair, moves):
+            plot = Plot((0, len(move) / rec.RATE), (-top, top), (540, 170), labels=("s", "counts from mean"))
+            for electrode in range(24):
+                plot.line(np.arange(len(move)) / rec.RATE, move[:, electrode], colour_of(electrode), 0.8)
+            parts.append(plot.drawn(f"{kind}, {whose}: {recording.object}, the median of its class by its most active electrode"))
+    return "".join(parts)
+
+
+def by_group(real, synthetic, draw, plot_of, caption):
+    parts = []
+    for group in GROUPS:
+        plot = plot_of()
+        for whose, recordings in (("real", real), ("synthetic", synthetic)):
+            draw(plot, [r for r in recordings if r.kind in GROUPS[group]], COLOURS[whose])
+        parts.append(plot.drawn(f"{group}: {caption}"))
+    return "".join(parts)
+
+
+def draw_spectra(plot, recordings, colour):
+    spectra = np.array([rec.active_spectrum(r)[1] for r in recordings])
+    f = rec.active_spectrum(recordings[0])[0]
+    for share, width in ((25, 0.5), (50, 1.8), (75, 0.5)):
+        plot.line(f[1:], np.percentile(spectra[:, 1:], share, axis=0), colour, width)
+
+
+def draw_correlation(plot, recordings, colour):
+    found = np.array([rec.distance_correlation(r) for r in recordings])
+    middles = [(low + high) / 2 for low, high in rec.DISTANCE_BINS]
+    plot.line(middles, found.mean(0), colour, 1.8)
+    for share in (25, 75):
+        plot.line(middles, np.percentile(found, share, axis=0), colour, 0.5)
+
+
+def pattern(recordings):
+    """Size of the first principal component at each electrode, mean over recordings."""
+    found = [np.abs(np.linalg.eigh(np.cov(rec.smoothed(r.counts).T))[1][:, -1]) for r in recordings]
+    return np.mean(found, axis=0)
+
+
+def patterns(real, synthetic):
+    parts = []
+    for kind in rec.CLASSES:
+        for whose, recordings in (("real", real), ("synthetic", synthetic)):
+            plot = Plot((-12, 12), (-9, 9), (250, 200), labels=("x mm (tip to the right)", "z mm"))
+            for place, size in zip(rec.ELECTRODES, pattern([r for r in recordings if r.kind == kind])):
+                plot.dot(place[0], place[2], COLOURS[whose], 1 + 24 * size)
+            parts.append(plot.drawn(f"{kind}, {whose}"))
+    return "".join(parts)
+
+
+def draw_shares(plot, recordings, colour):
+    shares = np.array([rec.components(r) for r in recordings])
+    plot.line((1, 2, 3), np.median(shares, axis=0), colour, 1.8)
+    for share in (25, 75):
+        plot.line((1, 2, 3), np.percentile(shares, share, axis=0), colour, 0.5)
+
+
+def shown(kind, distance):
+    """A distance as text: a factor, or a difference."""
+    if not np.isfinite(distance):
+        return "-"
+    return f"x{np.exp(distance):.2f}" if kind == "ratio" else f"{distance:.2f}"
+
+
+def table(rows, bars):
+    lines = ["<tr><th>figure</th><th>group</th><th>real</th><th>synthetic</th><th>apart</th><th>dry run</th></tr>"]
+    for row in rows:
+        mark = ' class="out"' if row["distance"] > bars[row["name"]] else ""
+        lines.append(f"<tr{mark}><td>{html.escape(row['name'])}</td><td>{row['group']}</td><td>{row['real']:.3g}</td>"
+                     f"<td>{row['synthetic']:.3g}</td><td>{shown(row['kind'], row['distance'])}</td><td>{shown(row['kind'], row['dry'])}</td></tr>")
+    return f"<table>{''.join(lines)}</table>"
+
+
+def drawn(real, synthetic, rows, bars):
+    key = " and ".join(f'<b style="color:{colour}">{whose}</b>' for whose, colour in COLOURS.items())
+    spectra = by_group(real, synthetic, draw_spectra, lambda: Plot((0.39, 50), (0.01, 3000), log=(True, True), labels=("Hz", "counts²/Hz")),
+                       "spectrum of the most active electrode")
+    correlations = by_group(real, synthetic, draw_correlation, lambda: Plot((0, 26), (-1, 1), labels=("mm between electrodes", "correlation")),
+                            "smoothed signals of two electrodes")
+    shares = by_group(real, synthetic, draw_shares, lambda: Plot((1, 3), (0, 1), labels=("principal component", "share")),
+                      "variance of the smoothed signals")
+    return f"""<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>BioTac SP: real and synthetic</title><style>{STYLE}</style></head>
+<body><h1>BioTac SP: real and synthetic recordings</h1>
+<p>{len(real)} recordings {key.split(" and ")[0]}, {len(synthetic)} {key.split(" and ")[1]}. Thick lines are medians (of correlations: means), thin ones
+quartiles. The contact sites, depths and spreads of the synthetic ones were read from these same real ones: this shows how well the model can be
+made to agree, not how well it foretells.</p>
+<h2>Time series, 24 electrodes in 24 colours</h2>{time_series(real, synthetic)}
+<h2>Spectra</h2>{spectra}<h2>Correlation against distance</h2>{correlations}<h2>Principal components</h2>{shares}
+<p>Size of the first component at each electrode, mean over the recordings of a class:</p>{patterns(real, synthetic)}
+<h2>Distances</h2><p>Shaded: outside the worst factor that the dry run reached in that row.</p>{table(rows, bars)}</body></html>
+"""

@@ -1,0 +1,156 @@
+"""Recordings of a BioTac SP as CSV files, and what can be said of one without knowing how it came about.
+
+The layout is that of github.com/yayaneath/BioTacSP-DoS: folders n e s w cw aw t (slip north, east, south, west, clockwise, anti-clockwise,
+touch), in them OBJECTNUMBER.csv with the columns ff_e1 to ff_e24, counts, 100 rows a second, no time.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+RATE = 100.0  # Hz
+CLASSES = ("n", "e", "s", "w", "cw", "aw", "t")
+GROUPS = {"cw,aw": ("cw", "aw"), "e,w": ("e", "w"), "n,s": ("n", "s"), "t": ("t",)}  # as in ../shared/BIOTAC.md
+COLUMNS = [f"ff_e{k}" for k in range(1, 25)]
+
+# Electrodes [mm]: x along the finger towards its tip, y into the finger, z sideways (SynTouch, in the repository above). E11 to E20 mirror E1
+# to E10 in z.
+_SIDE = [(9.8154, -2.7677, 3.9845), (8.1012, -5.2081, 3.0659), (2.2193, -3.2655, 7.1623), (2.1309, -5.9925, 5.1198),
+         (-0.4731, -7.6230, 2.4109), (-2.3339, -3.0591, 7.2379), (-3.4712, -6.0338, 4.7529), (-5.6757, -6.8751, 1.8170),
+         (-8.1471, -5.0673, 3.2454), (-10.0821, -2.5411, 3.8498)]
+_MIDDLE = [(6.5723, -6.4094, 0.0), (4.3219, -6.9705, 1.8519), (4.3219, -6.9705, -1.8519), (1.9133, -7.5710, 0.0)]
+ELECTRODES = np.array(_SIDE + [(x, y, -z) for x, y, z in _SIDE] + _MIDDLE)
+
+DISTANCE_BINS = [(0, 3), (3, 4.5), (4.5, 6), (6, 9), (9, 13), (13, 20), (20, 30)]  # mm
+BANDS = [(0.5, 2), (2, 5), (5, 10), (10, 20), (20, 35), (35, 50)]  # Hz
+SEGMENT = 256  # rows of a spectrum
+SMOOTHING = 5  # rows, standard deviation
+
+
+class BadInput(Exception):
+    """What is wrong with a file, and what is allowed."""
+
+
+class Recording:
+    def __init__(self, kind, path, counts):
+        self.kind = kind  # one of CLASSES
+        self.object = re.sub(r"\d*$", "", Path(path).stem)
+        self.path = str(path)
+        self.counts = counts  # [T, 24]
+
+
+def read_recording(kind, path):
+    with open(path, encoding="ascii", errors="replace") as file:
+        header = file.readline().strip().split(",")
+        if header != COLUMNS:
+            raise BadInput(f"{path}:1: columns {','.join(header)[:60]}...; allowed: ff_e1 to ff_e24")
+        try:
+            counts = np.loadtxt(file, delimiter=",", ndmin=2)
+        except ValueError as error:
+            raise BadInput(f"{path}: {error}; allowed: 24 numbers a row") from error
+    if counts.shape[0] < SEGMENT or counts.shape[1] != 24:
+        raise BadInput(f"{path}: {counts.shape[0]} rows of {counts.shape[1]}; allowed: at least {SEGMENT} rows of 24")
+    return Recording(kind, path, counts)
+
+
+def read_folder(folder):
+    """All recordings below a folder, by class and then by name."""
+    recordings = []
+    for kind in CLASSES:
+        files = sorted((Path(folder) / kind).glob("*.csv"))
+        if not files:
+            raise BadInput(f"{folder}/{kind}: holds no CSV file; allowed: folders {' '.join(CLASSES)} of them")
+        recordings += [read_recording(kind, path) for path in files]
+    return recordings
+
+
+def detrended(x):
+    """Columns without their mean and straight line."""
+    t = np.arange(len(x)) - (len(x) - 1) / 2
+    x = x - x.mean(0)
+    return x - np.outer(t, (t @ x) / (t @ t))
+
+
+def smoothed(x, sd=SMOOTHING):
+    """Columns under a Gaussian of `sd` rows cut at 4 sd, mirrored at the ends."""
+    reach = int(4 * sd + 0.5)
+    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sd) ** 2)
+    padded = np.pad(x, ((reach, reach), (0, 0)), "symmetric")
+    return np.stack([np.convolve(column, kernel / kernel.sum(), "valid") for column in padded.T], axis=1)
+
+
+def most_active(counts):
+    """The electrode with the largest detrended standard deviation."""
+    return int(detrended(counts).std(0).argmax())
+
+
+def spectrum(x):
+    """Welch's one-sided density [counts^2/Hz] of a series: Hann windows of 256 rows that overlap by half. Frequencies [Hz], density."""
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(SEGMENT) / SEGMENT)
+    starts = range(0, len(x) - SEGMENT + 1, SEGMENT // 2)
+    power = np.mean([np.abs(np.fft.rfft(window * x[a:a + SEGMENT])) ** 2 for a in starts], axis=0)
+    density = power / (window @ window) / RATE
+    density[1:-1] *= 2
+    return np.fft.rfftfreq(SEGMENT, 1 / RATE), density
+
+
+def active_spectrum(recording):
+    return spectrum(detrended(recording.counts)[:, most_active(recording.counts)])
+
+
+def band_rms(recording):
+    """Of the most active electrode [counts]."""
+    f, density = active_spectrum(recording)
+    return [np.sqrt(density[(f >= low) & ((f < high) | (high == f[-1]))].sum() * f[1]) for low, high in BANDS]
+
+
+_PAIRS = np.triu_indices(24, 1)
+_PAIR_DISTANCE = np.linalg.norm(ELECTRODES[_PAIRS[0]] - ELECTRODES[_PAIRS[1]], axis=1)
+
+
+def distance_correlation(recording):
+    """Mean correlation of the smoothed signals of two electrodes, by their distance."""
+    found = np.corrcoef(smoothed(recording.counts).T)[_PAIRS]
+    return [found[(_PAIR_DISTANCE >= low) & (_PAIR_DISTANCE < high)].mean() for low, high in DISTANCE_BINS]
+
+
+def components(recording):
+    """Shares of the variance of the smoothed signals that the first three principal components have."""
+    values = np.linalg.eigvalsh(np.cov(smoothed(recording.counts).T))[::-1]
+    return list(values[:3] / values.sum())
+
+
+def net_change(recording, least=20.0):
+    """Electrodes whose last 0.2 s are higher than their first by more than `least` counts, and lower."""
+    change = recording.counts[-20:].mean(0) - recording.counts[:20].mean(0)
+    return [int((change > least).sum()), int((change < -least).sum())]
+
+
+def step_figures(recording):
+    """Median over electrodes of the standard deviation from row to row [counts], and the share of rows that repeat the last."""
+    steps = np.diff(recording.counts, axis=0)
+    return [np.median(steps.std(0)), (steps == 0).mean()]
+
+
+def spreads(recording):
+    """Detrended standard deviation [counts]: median over electrodes, of the most active one."""
+    sd = detrended(recording.counts).std(0)
+    return [np.median(sd), sd.max()]
+
+
+def levels(recording):
+    """Mean count of all electrodes, of the one that is lowest in the mean."""
+    mean = recording.counts.mean(0)
+    return [mean.mean(), mean.min()]
+
+
+def extremes(recording):
+    """Largest peak to peak of an electrode [counts], largest slope of a smoothed one [counts/s]."""
+    slope = np.abs(np.gradient(smoothed(recording.counts), axis=0)).max() * RATE
+    return [np.ptp(recording.counts, axis=0).max(), slope]
+
+
+def windows(counts, rows=50, step=25):
+    """Pieces of 0.5 s, which overlap by half."""
+    return [counts[a:a + rows] for a in range(0, len(counts) - rows + 1, step)]
