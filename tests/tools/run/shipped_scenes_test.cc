@@ -1,6 +1,7 @@
-// The scenes of the nib pad and of the piezoelectric skin: what must stay true of each file. The skin's dataset.yaml is in piezo_skin_test.cc.
+// The scenes of the nib pad, of the piezoelectric skin and of the BioTac SP: what must stay true of each file. The skin's dataset.yaml is in piezo_skin_test.cc.
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <string>
 
@@ -131,6 +132,37 @@ TEST(ShippedScenes, NibPadReorientationHasThePublishedBox) {
   EXPECT_EQ(scene.motion.name, "guided");
   ASSERT_TRUE(scene.controller.has_value());
   EXPECT_EQ(scene.controller->name, "reorient");
+}
+
+// Seven classes on four objects, eight recordings each: the site is the class's in slip.yaml, and tells no class in slip_random_site.yaml.
+TEST(ShippedScenes, BiotacSlipsInSevenWays) {
+  for (const bool random : {false, true}) {
+    const TrialPlan plan(shipped(random ? "biotac_sp/slip_random_site.yaml" : "biotac_sp/slip.yaml"), catalogues(), 0, 1);
+    ASSERT_EQ(plan.size(), 224u);
+    std::map<std::string, int> ways;
+    std::map<std::string, double> along, around;  // the mean site of a class [m]
+    for (std::size_t i = 0; i < plan.size(); ++i) {
+      const Scene scene = plan.trial(i).scene;
+      const Parameters& motion = scene.motion.parameters;
+      EXPECT_EQ(scene.sensors.at(0).parameters.number("rate"), 100.0);
+      EXPECT_EQ(scene.friction.kinetic_coefficient, 0.9);
+      EXPECT_NEAR(std::cos(motion.number("direction") + motion.number("yaw")), 1.0, 1e-12)
+          << "all slide along the world's X, and so the pen";
+      const long direction = std::lround(motion.number("direction") * 180.0 / std::numbers::pi);
+      const double rotation = motion.number("rotation");
+      const std::string turn = rotation > 0.0 ? "cw" : rotation < 0.0 ? "aw" : "t";
+      const std::string way = motion.number("speed") > 0.0 ? std::to_string(direction) : turn;
+      ++ways[way];
+      along[way] += (motion.vector("site")[0] + motion.vector("offset")[0]) / 32.0;
+      around[way] += (motion.vector("site")[1] + motion.vector("offset")[1]) / 32.0;
+    }
+    ASSERT_EQ(ways.size(), 7u);
+    for (const auto& [way, count] : ways) EXPECT_EQ(count, 32) << way;
+    // Of 32 sites drawn with 1.3 mm, the mean has a standard error of 0.23 mm; evenly over +-8 mm, 4.62 mm, one of 0.82 mm. Five are allowed.
+    const double n = along["0"], s = along["180"], e = around["90"], w = around["270"];
+    EXPECT_NEAR(s - n, random ? 0.0 : 12.2e-3, (random ? 5.8e-3 : 1.65e-3));
+    EXPECT_NEAR(w - e, random ? 0.0 : 13.2e-3, (random ? 5.8e-3 : 1.65e-3));
+  }
 }
 
 }  // namespace
