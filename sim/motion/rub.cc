@@ -18,7 +18,7 @@ namespace slipbench {
 namespace rub {
 namespace {
 
-constexpr const char* fitted = "assumed: fitted to 111 recordings of a BioTac SP (scenes/biotac_sp)";
+constexpr const char* fitted = "assumed: fitted to 111 recordings of a BioTac SP (scenes/biotac_sp/slip.md)";
 constexpr const char* outline = "COMSOL model of the BioTac SP by bsadr: half-ellipsoid of 13.85 x 10.1 x 9.85 mm";
 
 // Limits of what a finger could be or do; beyond them a number is a slip of the pen.
