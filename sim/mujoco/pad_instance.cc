@@ -269,7 +269,8 @@ void PadInstance::measure(const Parts& state) {
   if (measured_) return;
   judge(state);
   next_sample_ = state.header[next_sample];
-  sampled_ = sample_time_ == 0.0 || time_ >= sample_time_ * (next_sample_ - rounding);
+  // A bench that keeps the state reads labels_ by sensors of its own.
+  sampled_ = !keeps_state_ && (sample_time_ == 0.0 || time_ >= sample_time_ * (next_sample_ - rounding));
   if (sampled_) {
     const double* remembered = is_placed(state.fields) ? state.memory.data() : first_memory_.data();
     for (const std::span<double> memory : sensor_memory_) {
@@ -391,6 +392,7 @@ void PadInstance::write_sensors(const mjModel* model, mjData* data) {
   evaluated_ = locate(model, data);
   evaluate(state, data->time);
   measure(state);
+  if (keeps_state_) return;
   for (const int address : outputs_) {
     mjtNum* const out = data->sensordata + address;
     sampled_ ? std::copy(sample_.begin(), sample_.end(), out) : std::copy(state.held.begin(), state.held.end(), out);

@@ -83,7 +83,7 @@ class PadInstance {
   void watch() { watched_ = true; }
   // Leaves the fields' state out of plugin_state from here on, which a large pad spends a quarter of its time on. For the only user of an mjData,
   // who steps it straight on from its beginning, explicitly and by an integrator of one stage: mj_setState, mj_copyData and resets then do not
-  // carry it, and a second trial from the same state is refused.
+  // carry it, and a second trial from the same state is refused. The sensor of the plugin is then not read, and its sensordata stays.
   void keep_state() { keeps_state_ = true; }
   [[nodiscard]] Sensor& sensor() { return *sensor_; }
   [[nodiscard]] const PadConfig& config() const { return config_; }
