@@ -1,5 +1,6 @@
 #include "sim/mujoco/field_plugin.h"
 
+#include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/register_plugin.h"
 
 #include <array>
@@ -21,7 +22,7 @@ PadCatalogue& catalogue() {
 }
 
 // Runs `action` and reports what it throws by mju_error, which does not return and may jump over the caller: nothing that must be
-// torn down is alive then.
+// torn down is alive then. A bench of this program gets the exception itself; to other callers the text says whose it is.
 template <class Action>
 void report_errors(Action&& action) {
   thread_local std::array<char, 1024> message;
@@ -30,6 +31,7 @@ void report_errors(Action&& action) {
     action();
   } catch (const std::exception& error) {
     std::snprintf(message.data(), message.size(), "slipbench: %s", error.what());
+    carry_to_caller(std::current_exception());
   }
   if (message[0] != '\0') mju_error("%s", message.data());
 }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,7 @@ namespace {
 
 thread_local std::jmp_buf* way_back = nullptr;
 thread_local std::array<char, 1024> text;
+thread_local std::exception_ptr carried;
 
 void on_error(const char* message) {
   if (way_back == nullptr) {  // not called by way of call_mujoco(): what MuJoCo itself would do
@@ -58,7 +60,12 @@ void call_mujoco(void (*action)(void* context), void* context) {
     return;
   }
   way_back = outer;
+  if (carried) std::rethrow_exception(std::exchange(carried, nullptr));
   throw InputError(text.data());
+}
+
+void carry_to_caller(std::exception_ptr error) {
+  if (way_back != nullptr) carried = std::move(error);
 }
 
 void refuse_warnings(const mjModel* model, const mjData* data, double time) {

@@ -1,6 +1,7 @@
 // MuJoCo's C interface for C++: owners of its objects, and its fatal errors as exceptions.
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <type_traits>
 
@@ -17,8 +18,8 @@ using SpecPointer = std::unique_ptr<mjSpec, MujocoFree>;
 using ModelPointer = std::unique_ptr<mjModel, MujocoFree>;
 using DataPointer = std::unique_ptr<mjData, MujocoFree>;
 
-// Runs action(context). Where MuJoCo would end the process (mju_error, and with it whatever the plugin refuses), throws InputError
-// with its text instead; the mjData in use is then good for nothing but to be deleted. `action` must own nothing that needs a
+// Runs action(context). Where MuJoCo would end the process (mju_error) throws InputError with its text instead, or what
+// carry_to_caller() was given; the mjData in use is then good for nothing but to be deleted. `action` must own nothing that needs a
 // destructor: it is left by longjmp. The first call takes over mju_user_error and mju_user_warning for the whole process; warnings
 // are then counted in mjData and not printed. Thread-safe.
 void call_mujoco(void (*action)(void* context), void* context);
@@ -27,6 +28,10 @@ template <class Action>
 void call_mujoco(Action&& action) {
   call_mujoco([](void* context) { (*static_cast<std::remove_reference_t<Action>*>(context))(); }, &action);
 }
+
+// For what MuJoCo calls back, before it ends with mju_error, which takes no more than a text: the call_mujoco() around it throws `error`
+// itself. Does nothing where MuJoCo was called by others.
+void carry_to_caller(std::exception_ptr error);
 
 // Throws InputError where mjData has counted a warning, with MuJoCo's text, the time [s] and the body that it names, if any.
 void refuse_warnings(const mjModel* model, const mjData* data, double time);

@@ -147,5 +147,26 @@ TEST_F(BodiesRun, RunThatGoesWrongFailsWithWhatWasSeen) {
   }
 }
 
+// A pillar has k_n/k_t = 1.2/0.65, so that a column of 1 mm without a stop buckles, k_n d = k_t length, at 0.54 mm: within a step of
+// MuJoCo, whose own errors are a text. The prescribed bench says the same of the same line.
+TEST_F(BodiesRun, ElementOverloadedInAStepOfMujocoNamesTheLine) {
+  const std::string first = "slipbench: 1\nduration: 0.5 s\n",
+                    second = "effects: [{lean: {length: 1 mm, stop_stiffness: 0 N/mm}}]\n";
+  const std::string rest = "motion: {kind: stage, compression: 0.8 mm}\n";
+  const std::string bodies =
+      "bodies: {table: {shape: plane, position: [0, 0, -0.02]}, box: {shape: box, size: [40 mm, 40 mm, 20 mm], mass: 100 g, "
+      "position: [0, 0, -0.01]}}\n";
+  for (const std::string& scene : {rest + "sensors: {pad: {type: papillarray}}\n",
+                                   rest + bodies + "sensors: {pad: {type: papillarray, touches: [box]}}\n"}) {
+    std::ofstream(file("scene.yaml")) << first << second << scene;
+    try {
+      run(file("scene.yaml"), "x.h5");
+      FAIL() << scene;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), StartsWith("trial 0: " + file("scene.yaml") + ":3: effects: lean: element ")) << scene;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace slipbench
