@@ -198,6 +198,12 @@ Handle create_file(const std::string& path) {
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), &H5Fclose};
 }
 
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (value_ >= 0) ::close(value_);
+}
+
 Descriptor lock_file(const std::string& path) {
   // A link that has come since the name was checked is not followed.
   Descriptor descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666));
@@ -205,13 +211,14 @@ Descriptor lock_file(const std::string& path) {
   if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0) {
     fail(path, errno == EWOULDBLOCK ? "another run is writing it" : std::strerror(errno));
   }
+  // Between the two calls the run that had the lock may have given the file its final name, under which it is not this run's.
+  struct stat locked {
+  }, named{};
+  if (::fstat(descriptor.get(), &locked) != 0) fail(path, std::strerror(errno));
+  if (::stat(path.c_str(), &named) != 0 || locked.st_ino != named.st_ino || locked.st_dev != named.st_dev) {
+    fail(path, "another run is writing it");
+  }
   return descriptor;
-}
-
-}  // namespace
-
-Descriptor::~Descriptor() {
-  if (value_ >= 0) ::close(value_);
 }
 
 Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned)

@@ -29,6 +29,10 @@ class Descriptor {
   int value_;
 };
 
+// Opens the file for reading and writing, makes it where there is none, and locks it against other runs for as long as the
+// descriptor lives. Throws InputError, "cannot write PATH: another run is writing it" or with the system's reason.
+Descriptor lock_file(const std::string& path);
+
 // Writes one HDF5 file. Two locks of the process on one path cannot be had, so that two runs never mix. A file whose writing has
 // failed once is left as it was after the last trial that succeeded. Throws InputError with the system's reason.
 class Shard {

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <iterator>
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -16,6 +15,7 @@
 #include "tools/dataset/guarded.h"
 #include "tools/dataset/hdf5_handle.h"
 #include "tools/dataset/output_file.h"
+#include "tools/dataset/shard.h"
 #include "tools/export/episode.h"
 
 namespace slipbench {
@@ -171,20 +171,13 @@ void put_all(hid_t file, const DatasetReader& reader, const std::vector<std::siz
   put_masks(file, reader, trials);
 }
 
-// The format of 1.8, as that of a dataset.
+// The format of 1.8, as that of a dataset. HDF5 would lock the file only after it has emptied it, so that the caller has to.
 Handle make_file(const std::string& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
+  check(H5Pset_file_locking(access.get(), false, true));
   const Handle creation = untimed(H5P_FILE_CREATE);
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), &H5Fclose};
-}
-
-void sync(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
-  const int reason = errno;
-  if (descriptor >= 0) ::close(descriptor);
-  if (!synced) throw std::runtime_error(std::strerror(reason));
 }
 
 // What stands under a name that holds something.
@@ -234,12 +227,14 @@ void check_robomimic_target(const std::string& path, const std::vector<std::stri
 void write_robomimic(const DatasetReader& reader, const std::vector<std::size_t>& trials, const std::string& path,
                      const RobomimicOptions& options) {
   const std::string temporary = temporary_path(path);
+  // From here on the file is this run's, to replace and to remove.
+  const Descriptor own = lock_file(temporary);
   Handle file;
   try {
     file = make_file(temporary);
     put_all(file.get(), reader, trials, options);
     file.close();
-    sync(temporary);
+    if (::fsync(own.get()) != 0) throw std::runtime_error(std::strerror(errno));
     if (std::rename(temporary.c_str(), path.c_str()) != 0) throw std::runtime_error(std::strerror(errno));
   } catch (const InputError&) {
     file.abandon();

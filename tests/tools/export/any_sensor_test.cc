@@ -9,6 +9,7 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/dataset/test_records.h"
+#include "tools/dataset/shard.h"
 #include "tools/dataset/writer.h"
 #include "tools/export/episode.h"
 #include "tools/export/export.h"
@@ -270,6 +271,27 @@ TEST_F(AnySensor, DemonstrationsReplaceWhatAKilledRunLeft) {
   std::filesystem::remove(path("out/robomimic.hdf5"));
   std::ofstream(left, std::ios::binary) << "notes";
   EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::robomimic); }), HasSubstr(left + " exists and is no robomimic"));
+}
+
+// Whatever of it has reached the disk by now: it is the other run's to finish.
+TEST_F(AnySensor, DemonstrationsThatAnotherRunIsWritingAreLeftToIt) {
+  dataset({moving_pad(0)});
+  run(ExportFormat::robomimic);
+  const std::string whole = bytes_of(path("out/robomimic.hdf5"));
+  const std::string other = path("out/robomimic.hdf5.partial");
+  for (const std::string& beginning : {whole, whole.substr(0, whole.size() / 2), std::string()}) {
+    std::ofstream(other, std::ios::binary) << beginning;
+    {
+      const Descriptor lock = lock_file(other);
+      EXPECT_EQ(message_of<InputError>([&] { run(ExportFormat::robomimic); }),
+                "cannot write " + other + ": another run is writing it");
+    }
+    EXPECT_TRUE(std::filesystem::exists(other)) << beginning.size();
+    EXPECT_EQ(bytes_of(other), beginning) << beginning.size();
+    EXPECT_EQ(bytes_of(path("out/robomimic.hdf5")), whole) << beginning.size();
+  }
+  run(ExportFormat::robomimic);  // the other run is gone
+  EXPECT_FALSE(std::filesystem::exists(other));
 }
 
 TEST_F(AnySensor, RatesMustFit) {
