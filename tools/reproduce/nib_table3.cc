@@ -238,9 +238,6 @@ Result nib_table3(const ReproduceOptions& options) {
       "The paper prints no threshold; slipbench describe reorient says where each of the controller's comes from, and the last "
       "rows "
       "what halving or doubling it does.",
-      "A slip of some tenths of a millimetre a second under the scene's rate law is as silent as the noise in a grip below 3 N: "
-      "the "
-      "grip is then left too loose, loosened though the box turns, and what slides in it looks upright at 6 to 8 Hz.",
       "Both fingers of the paper are read until both touch; here only one finger's pad has electronics.",
   };
   return result;
