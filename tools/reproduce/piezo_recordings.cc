@@ -58,6 +58,13 @@ class Unpacker {
 
 }  // namespace
 
+void check_recordings(std::size_t recordings, std::size_t least, const std::string& why) {
+  if (recordings >= least && recordings % 2 == 0) return;
+  throw InputError(fmt::format(
+      "reproduce: --trials {}: half of the recordings of a level have contact, and {}; allowed: even numbers, {} or more",
+      recordings, why, least));
+}
+
 PiezoRecording make_recording(const TrialRecord& record, const std::string& params) {
   const auto sensor = std::ranges::find(record.sensors, "piezo_skin", &SensorRecord::type);
   if (sensor == record.sensors.end())

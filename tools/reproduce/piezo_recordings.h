@@ -26,8 +26,11 @@ namespace slipbench::reproduce {
 
 inline constexpr const char* piezo_bench_scene = "scenes/piezo_skin/dataset.yaml";
 
+// Refuses a number of recordings a level that is odd or below `least`, in words that end with why it has to be that.
+void check_recordings(std::size_t recordings, std::size_t least, const std::string& why);
+
 // Runs the published bench, scenes/piezo_skin/dataset.yaml with `overrides`, each trial's scene changed by `change` (may be empty): of each cell
-// of its sweep half of `recordings`, so that half of them slip and half are of motors alone. What `reduce` makes of the scene, the full
+// of its sweep half of `recordings`, an even number, so that half of them slip and half are of motors alone. What `reduce` makes of the scene, the full
 // record and what was swept (a JSON object), in order. Throws InputError, Interrupted.
 template <class Outcome, class Reduce>
 std::vector<Outcome> run_piezo_bench(const std::vector<Override>& overrides, const std::function<void(Scene&)>& change,

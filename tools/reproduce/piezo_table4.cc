@@ -204,12 +204,7 @@ Result piezo_table4(const ReproduceOptions& options) {
     throw InputError("reproduce: --trials is for recordings that are made; allowed: --data alone");
   const std::vector<NetworkRow> rows = chosen_rows(options.only);
   const std::size_t recordings = options.trials != 0 ? options.trials : default_recordings;
-  if (recordings < 2 * fold_count) {
-    throw InputError(fmt::format(
-        "reproduce: --trials {}: half of the recordings of a level have contact, and {} folds need one each; allowed: {} "
-        "or more",
-        recordings, fold_count, 2 * fold_count));
-  }
+  check_recordings(recordings, 2 * fold_count, fmt::format("{} folds need one each", fold_count));
   const std::vector<MotorLevel> levels =
       levels_of(options.data.empty() ? run_recordings(all_levels(), recordings, options) : read_recordings(options.data));
 
@@ -324,10 +319,8 @@ Result piezo_table4(const ReproduceOptions& options) {
       "in the paper is "
       "the row MLP 32 of Table I. The paper trains no MLP without motor recordings. `--only gru_32` adds its own network at one "
       "level.",
-      "The true label is that a part of the patch slips. By the rule strict all of it would have to at once, which its elements, "
-      "that stick and "
-      "slip by turns, almost never do. Between them lie the stick phase at the beginning of the motion and instants at which all "
-      "stick.",
+      "The true label is that a part of the patch slips; by the rule strict all of its elements, which stick and slip by turns, "
+      "would have to at once. Between them lie the stick phase at the beginning of the motion and instants at which all stick.",
       "The paper keeps the state of the best validation result, from the recordings that also judge; here the last state is "
       "kept.",
       "Neither the paper's motors nor the size of its signal are printed: the level 1 is an assumption, and the curve shows what "
