@@ -38,7 +38,8 @@ Entry biotac_sp_entry() {
       .law =
           "w_e = sum_i d_i (G_ei + S q_i.grad G_ei) - B mean d,  G = (1 - a) exp(-r^2/(2 l^2)) + a exp(-r/L)\n"
           "Z_e = Zrest_e exp(w_e/g) + Zc;  E_e = round(4095/(1 + Z_e/10 kOhm)), 0 to 4095: pressing lowers the counts\n"
-          "d_i, q_i: depth and deflection of element i; r: from the skin over electrode e; each of G's two parts is scaled so\n"
+          "d_i, q_i: depth of element i, and its drag along the surface; r: from the skin over electrode e; each of G's two "
+          "parts is scaled so\n"
           "that a dent of the whole skin is felt in full by the electrode that feels it most; mean: by area\n"
           "p = K sum_i min(d_i, core_gap) A_i;  pdc = round(pdc_rest + p/36.5 Pa);  pac = round(2048 + band-pass(p)/0.37 Pa),\n"
           "of first order at 10 and 1040 Hz, moved exactly for a pressure that goes straight between readings\n"

@@ -16,7 +16,7 @@ namespace slipbench::biotac_sp {
 // How far each electrode feels the skin dented, w [m]:
 //   w_e = sum_i d_i (G_ei + S q_i . grad G_ei) - B sum_i d_i A_i / sum_i A_i
 //   G_ei = A_i ((1 - a) g(r_ei)/g_max + a h(r_ei)/h_max),  g = exp(-r^2/(2 l^2)),  h = exp(-r/L)
-// d_i: depth of element i in the object; q_i: its deflection; A_i: its area; r_ei: distance from the skin over electrode e; g_max: largest
+// d_i: depth of element i in the object; q_i: how far its tip is dragged along the surface; A_i: its area; r_ei: distance from the skin over electrode e; g_max: largest
 // over e of sum_i A_i g(r_ei), h_max likewise, so that no electrode feels more than a dent of the whole skin; S: `stretch`; grad: along the
 // skin, a dent that is dragged along comes nearer or goes; B: `swell`, the fluid that a dent drives elsewhere lifts the skin there.
 struct Kernel {
@@ -31,14 +31,14 @@ class Dents {
  public:
   Dents(const Skin& skin, const Kernel& kernel);
 
-  // w_e [m] of electrode e. `truth` with element_depth and element_deflection; `touching`: the elements that are deeper than 0, which is
+  // w_e [m] of electrode e. `truth` with element_depth and element_shear; `touching`: the elements that are deeper than 0, which is
   // all that costs time.
   [[nodiscard]] double of(std::size_t e, const ContactFrame& truth, std::span<const Eigen::Index> touching) const {
     const auto column = static_cast<Eigen::Index>(e);
     const Eigen::Index n = depth_.rows();
     const double* const felt = depth_.col(column).data();
     const double* const drag = drag_.size() > 0 ? drag_.col(column).data() : nullptr;
-    const double* const q = truth.element_deflection.data();
+    const double* const q = truth.element_shear.data();
     double w = 0.0;
     for (const Eigen::Index i : touching) {
       double share = felt[i];

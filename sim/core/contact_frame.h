@@ -57,8 +57,9 @@ struct ContactFrame {
   double slip_angle = 0.0;               // rad, rotation of the slip about the pad's normal, accumulated
   std::vector<ContactEvent> events;      // of the last step, in order of time
   // Of each of the E elements, summed over the surfaces, where the layout asks for it (PadLayout::element_truth); else empty.
-  Eigen::ArrayXd element_depth;        // [E] m, of the undeformed tip in the surface, along the surface's normal
-  Eigen::ArrayX3d element_deflection;  // [E,3] m, deformed tip minus undeformed tip, in P
+  Eigen::ArrayXd element_depth;  // [E] m, of the undeformed tip in the surface, along the surface's normal
+  Eigen::ArrayX3d
+      element_shear;  // [E,3] m, deformed tip minus undeformed tip along the surface, in P: without what it is pressed in
   // m, in the world: where the stage that carries the pad stands, as the bench's own position sensor would say. NaN where bodies move by
   // forces, and on articulated pads: nobody measures there.
   Eigen::Array3d stage_position = Eigen::Array3d::Constant(std::numeric_limits<double>::quiet_NaN());

@@ -52,7 +52,7 @@ ContactLabels::ContactLabels(const PadLayout& layout) : units_(layout.units) {
   if (layout.element_truth) {
     const auto elements = static_cast<Eigen::Index>(layout.elements.size());
     frame_.element_depth.setZero(elements);
-    frame_.element_deflection.setZero(elements, 3);
+    frame_.element_shear.setZero(elements, 3);
   }
   changes_.reserve(layout.elements.size());
   frame_.events.reserve(3 * layout.elements.size());
@@ -120,19 +120,11 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
 }
 
 void ContactLabels::tell_elements(std::span<const Field> fields) {
-  const Eigen::Index elements = frame_.element_depth.size();
-  const auto column = [&](const Field& field, std::size_t c) {
-    return Eigen::Map<const Eigen::ArrayXd>(field.column(static_cast<kernel::Column>(c)), elements);
-  };
-  const Field& first = fields.front();
-  frame_.element_depth = (-column(first, kernel::gap)).max(0.0);
-  for (const int k : {0, 1, 2})
-    frame_.element_deflection.col(k) = column(first, kernel::deflection_x + static_cast<std::size_t>(k));
-  for (const Field& field : fields.subspan(1)) {
-    frame_.element_depth += (-column(field, kernel::gap)).max(0.0);
-    for (const int k : {0, 1, 2})
-      frame_.element_deflection.col(k) += column(field, kernel::deflection_x + static_cast<std::size_t>(k));
-  }
+  frame_.element_depth.setZero();
+  frame_.element_shear.setZero();
+  const std::array<double*, 3> shear{frame_.element_shear.col(0).data(), frame_.element_shear.col(1).data(),
+                                     frame_.element_shear.col(2).data()};
+  for (const Field& field : fields) field.add_elements(frame_.element_depth.data(), shear);
 }
 
 // Units of one element on one surface are what their elements are.

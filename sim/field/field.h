@@ -99,6 +99,11 @@ class Field {
   [[nodiscard]] Eigen::Vector3d deflection(std::size_t i) const { return vector(deflection_x, i); }
   [[nodiscard]] Eigen::Vector3d slip_in_pad(std::size_t i) const { return vector(pad_slip_x, i); }
 
+  // Adds to `depth` [m] how deep each element is in the surface, and to the three of `shear` [m] its tip's deflection along the surface, in P.
+  void add_elements(double* depth, const std::array<double*, 3>& shear) const {
+    kernel::add_elements(columns_, pose_.rotation.transpose(), depth, shear, count_);
+  }
+
   // How far a tangential force t [N] reaches towards the friction cone of `limit` [N] around the normal n: |t|/limit for the
   // circular cone, 1 on the cone of an effect and where there is no friction at all.
   [[nodiscard]] double cone_gauge(const Eigen::Vector3d& t, const Eigen::Vector3d& n, double limit) const {

@@ -311,6 +311,22 @@ SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d&
   for (std::size_t i = 0; i < count; ++i) view_element(c, tx, ty, tz, r, i);
 }
 
+SLIPBENCH_DISPATCHED void add_elements(const Columns& c, const Eigen::Matrix3d& to_pad, double* depth,
+                                       const std::array<double*, 3>& shear, std::size_t count) {
+  const Rotation r = entries_of(to_pad);
+  double *const sx = shear[0], *const sy = shear[1], *const sz = shear[2];
+  SLIPBENCH_VECTORISE
+  for (std::size_t i = 0; i < count; ++i) {
+    // The anchor lies in the surface's tangent plane through the contact point: there is nothing along the normal to take off.
+    const double dx = c[anchor_x][i] - c[contact_x][i], dy = c[anchor_y][i] - c[contact_y][i],
+                 dz = c[anchor_z][i] - c[contact_z][i];
+    depth[i] += 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
+    sx[i] += r.r00 * dx + r.r01 * dy + r.r02 * dz;
+    sy[i] += r.r10 * dx + r.r11 * dy + r.r12 * dz;
+    sz[i] += r.r20 * dx + r.r21 * dy + r.r22 * dz;
+  }
+}
+
 SLIPBENCH_DISPATCHED void view_active(const Columns& c, const Eigen::Matrix3d& to_pad, const Groups& groups) {
   const double *const tx = c[force_x], *const ty = c[force_y], *const tz = c[force_z];
   const Rotation r = entries_of(to_pad);

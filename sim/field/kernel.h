@@ -106,6 +106,10 @@ void press_tips(const Columns& columns, std::size_t count);
 // force that the pad feels.
 void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, Column felt, std::size_t count);
 
+// Field::add_elements(). `to_pad`: rotation of the surface in the pad; `count`: of elements.
+void add_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, double* depth, const std::array<double*, 3>& shear,
+                  std::size_t count);
+
 // What friction effects look at: tangential velocity of the undeformed tips, depth and load. `motion`: of the pad in the surface, null for
 // the mean one of a step of `dt`, 0: none. `memory`: there is a history of the rheology.
 void rate(const Columns& columns, const Pose& pose, const Twist* motion, double dt, bool memory, std::size_t count);

@@ -53,7 +53,7 @@ ContactFrame dented(const Sensor& sensor, Depth&& depth) {
   const auto& elements = sensor.layout().elements;
   ContactFrame frame;
   frame.element_depth.setZero(static_cast<Eigen::Index>(elements.size()));
-  frame.element_deflection.setZero(static_cast<Eigen::Index>(elements.size()), 3);
+  frame.element_shear.setZero(static_cast<Eigen::Index>(elements.size()), 3);
   for (std::size_t i = 0; i < elements.size(); ++i) frame.element_depth[static_cast<Eigen::Index>(i)] = depth(elements[i]);
   frame.state = PadState::non_slip;
   return frame;

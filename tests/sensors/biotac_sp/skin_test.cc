@@ -207,6 +207,75 @@ TEST(BioTacSkin, UnitsAtTheRimOfTheContactSlipFirst) {
   EXPECT_EQ(frame.state, PadState::incipient);
 }
 
+// What a finger pressed onto `surface` from 0.5 mm above feels as it goes down by 2 mm, and then along X by `drag` [m].
+ContactFrame press_down(const Skin& mesh, const Surface& surface, double top, Friction friction, double drag) {
+  Field field(mesh.layout, surface, friction);
+  ContactLabels labels(mesh.layout);
+  Pose pose = pressed({0.3, -0.2, -1.0}, 1.5e-3, radii);
+  const double height = pose.position.z() + top;
+  for (int k = 0; k <= 20; ++k) {
+    pose.position.z() = height + 2e-3 - 1e-4 * k;
+    field.step(pose, 1e-3);
+  }
+  pose.position.x() += drag;
+  field.step(pose, 1e-3);
+  return labels.update({&field, 1}, 0.0, 1e-3);
+}
+
+// Largest change by the drag term of what an electrode feels [m].
+double largest_drag(const Skin& mesh, const ContactFrame& frame) {
+  const biotac_sp::Kernel kernel{.near = 3.5e-3, .far = 9e-3, .far_share = 0.5, .swell = 0.35, .stretch = 0.3};
+  biotac_sp::Kernel still = kernel;
+  still.stretch = 0.0;
+  const biotac_sp::Dents with(mesh, kernel), without(mesh, still);
+  std::vector<Eigen::Index> touching;
+  for (Eigen::Index i = 0; i < frame.element_depth.size(); ++i) {
+    if (frame.element_depth[i] > 0.0) touching.push_back(i);
+  }
+  double largest = 0.0;
+  for (std::size_t e = 0; e < electrodes; ++e) {
+    largest = std::max(largest, std::abs(with.of(e, frame, touching) - without.of(e, frame, touching)));
+  }
+  return largest;
+}
+
+TEST(BioTacSkin, APressDragsNothingAlong) {
+  // On a plane a tip goes straight in, with friction or without. On a ball without friction nothing holds it; what is held is no more than
+  // 1e-13 m, which is no slip (kernel::shortest_slip). Then |w| <= S q d sum_i|dG_i/dr|: sqrt(pi/2)/l = 358 /m on a flat skin for the near
+  // kernel, 1/L = 111 /m for the far one, half of each, so 0.3 * 1e-13 m * 1.5 mm * 235 /m = 1.1e-14 m.
+  const Skin mesh = skin(300);
+  for (const double mu : {0.0, 0.9}) {
+    const ContactFrame on_plane = press_down(mesh, Plane{}, 0.0, {mu, mu}, 0.0);
+    ASSERT_GT(on_plane.element_depth.maxCoeff(), 1.4e-3);
+    EXPECT_LE(on_plane.element_shear.abs().maxCoeff(), 1e-13) << mu;
+    EXPECT_LT(largest_drag(mesh, on_plane), 2e-14) << mu;
+  }
+  const ContactFrame on_ball = press_down(mesh, Sphere{20e-3}, 20e-3, {0.0, 0.0}, 0.0);
+  ASSERT_GT(on_ball.element_depth.maxCoeff(), 1.0e-3);
+  EXPECT_LE(on_ball.element_shear.abs().maxCoeff(), 1e-13);
+  EXPECT_LT(largest_drag(mesh, on_ball), 2e-14);
+}
+
+TEST(BioTacSkin, ADragIsHeldByFriction) {
+  // k_t q <= mu k_n d with k_t = k_n/2: what is deep enough sticks and trails by the whole drag, against it; all else by 2 mu d. On a plane
+  // nothing of it is along the normal.
+  const Skin mesh = skin(300);
+  constexpr double mu = 0.2, drag = 0.3e-3;
+  const Pose pose = pressed({0.3, -0.2, -1.0}, 1.5e-3, radii);
+  const ContactFrame frame = press_down(mesh, Plane{}, 0.0, {mu, mu}, drag);
+  std::size_t stuck = 0, slipping = 0;
+  for (Eigen::Index i = 0; i < frame.element_depth.size(); ++i) {
+    const double held = std::min(drag, 2.0 * mu * frame.element_depth[i]);
+    const Eigen::Vector3d in_world = pose.rotation * Eigen::Vector3d(frame.element_shear.row(i).transpose().matrix());
+    EXPECT_NEAR((in_world - Eigen::Vector3d(-held, 0.0, 0.0)).norm(), 0.0, 1e-12) << i;
+    stuck += held == drag ? 1U : 0U;
+    slipping += held > 0.0 && held < drag ? 1U : 0U;
+  }
+  EXPECT_GT(stuck, 5U);
+  EXPECT_GT(slipping, 5U);
+  EXPECT_GT(largest_drag(mesh, frame), 1e-6) << "is felt";
+}
+
 // The deepest dent that an electrode feels, under a plane pressed in direction `outward`.
 template <class Depth>
 double deepest_dent(std::size_t n, Depth&& depth) {
@@ -214,7 +283,7 @@ double deepest_dent(std::size_t n, Depth&& depth) {
   const biotac_sp::Dents dents(mesh, {.near = 3.5e-3, .far = 9e-3, .far_share = 0.5, .swell = 0.35, .stretch = 0.0});
   ContactFrame frame;
   frame.element_depth.setZero(static_cast<Eigen::Index>(n));
-  frame.element_deflection.setZero(static_cast<Eigen::Index>(n), 3);
+  frame.element_shear.setZero(static_cast<Eigen::Index>(n), 3);
   std::vector<Eigen::Index> touching;
   for (std::size_t i = 0; i < n; ++i) {
     const auto place = static_cast<Eigen::Index>(i);

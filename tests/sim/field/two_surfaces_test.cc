@@ -53,7 +53,7 @@ TEST(TwoSurfaces, PadOverTheirEdgeReadsAsOnOnePlane) {
     EXPECT_LT((a.slip_distance - b.slip_distance).abs().maxCoeff(), 1e-12) << tick;
     ASSERT_EQ(a.element_depth.size(), 6);
     EXPECT_LT((a.element_depth - b.element_depth).abs().maxCoeff(), 1e-12) << tick;
-    EXPECT_LT((a.element_deflection - b.element_deflection).abs().maxCoeff(), 1e-12) << tick;
+    EXPECT_LT((a.element_shear - b.element_shear).abs().maxCoeff(), 1e-12) << tick;
     EXPECT_NEAR(b.element_depth[0], std::max(0.0, -pose.position.z()), 1e-15) << tick;
     EXPECT_EQ(a.unit_state, b.unit_state) << tick;
     EXPECT_EQ(a.state, b.state) << tick;
