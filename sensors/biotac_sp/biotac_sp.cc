@@ -153,9 +153,7 @@ class BioTacSp final : public Sensor {
     for (std::size_t e = 0; e < electrodes; ++e) {
       scale_[e] = 1.0 / (parameters.number("gap") * static_cast<double>(spread[e]));
       rest_[e] = impedance_of(rest_readings()[e]) * std::exp(static_cast<double>(spread[electrodes + e]));
-      values()[e] = converted(counts_of(rest_[e] + common_));
     }
-    values()[pdc] = converted(pdc_rest_);
     std::ranges::fill(values().subspan(pac), pac_middle);
     touching_.reserve(skin_.area.size());
     frame_.values = reported_;
@@ -174,19 +172,21 @@ class BioTacSp final : public Sensor {
     const auto cycle = static_cast<std::size_t>(memory_[next_cycle]);
     const bool last = cycle + 1 == cycles_;
     const double pressure = fluid_stiffness_ * displaced_volume(truth);
+    const bool first_of_all = memory_[begun] == 0.0;
     hear(pressure, truth.time, pac + slots_a_cycle * cycle);
     if (device_scan_) {
       const auto first = static_cast<std::size_t>(memory_[next_slot]);
       if (first == 0) draw_disturbances(truth.time);
-      for (std::size_t slot = first; slot < first + slots_a_cycle; ++slot) {
-        if (slot < electrodes) values()[slot] = electrode(slot, truth);
-        if (slot == pdc) values()[pdc] = converted(pdc_rest_ + pressure / pdc_step);
+      // The device has run before the trial: what it holds of earlier rounds is of the contact that the trial begins in.
+      if (first_of_all) {
+        read(0, slots, truth, pressure);
+      } else {
+        read(first, first + slots_a_cycle, truth, pressure);
       }
       memory_[next_slot] = static_cast<double>((first + slots_a_cycle) % slots);
     } else if (last) {
       draw_disturbances(truth.time);
-      for (std::size_t e = 0; e < electrodes; ++e) values()[e] = electrode(e, truth);
-      values()[pdc] = converted(pdc_rest_ + pressure / pdc_step);
+      read(0, slots, truth, pressure);
     }
     memory_[next_cycle] = last ? 0.0 : static_cast<double>(cycle + 1);
     if (last) {
@@ -248,6 +248,14 @@ class BioTacSp final : public Sensor {
     const double counts = std::round(signal), held = std::clamp(counts, 0.0, last_code);
     beyond_ |= held != counts;
     return held;
+  }
+
+  // The slots from `first` to before `end`.
+  void read(std::size_t first, std::size_t end, const ContactFrame& truth, double pressure) {
+    for (std::size_t slot = first; slot < end; ++slot) {
+      if (slot < electrodes) values()[slot] = electrode(slot, truth);
+      if (slot == pdc) values()[pdc] = converted(pdc_rest_ + pressure / pdc_step);
+    }
   }
 
   double electrode(std::size_t e, const ContactFrame& truth) {

@@ -22,7 +22,7 @@ std::vector<Entry> biotac_sp_electronics();
 // outermost point, +X along the finger to its tip as the device's x, +Z into the finger (the device's y), so +Y is the device's -z. Unit e is the
 // part of the skin nearest to electrode E(e+1). A sample is cycle_rate/rate cycles, Sensor::scans(), each of which is two
 // readings of pac and, with `scan: device`, of the two slots whose turn it is: 24 electrodes, pdc, and three that are not modelled; electrodes and
-// pdc hold what was read last. With `scan: ideal` all electrodes and pdc are read in the last cycle of a sample.
+// pdc hold what was read last, before their first turn what the first reading's contact gives with the noise of that round. With `scan: ideal` all electrodes and pdc are read in the last cycle of a sample.
 // `parameters`: those of biotac_sp_entry(), all present. `electronics`: applied in this order; empty: ideal, which still rounds to counts.
 // `seed` of the dataset and `trial` key the random streams, together with `sensor_name`, the scene's name for the sensor.
 // Throws SceneValueError where cycle_rate is no whole multiple of the rate, InputError for unknown or repeated electronics.
