@@ -66,12 +66,13 @@ std::vector<Channel> make_channels(const Parameters& parameters, std::size_t cyc
   return channels;
 }
 
-Skin skin_of(const Parameters& parameters) {
+Skin skin_of(const Parameters& parameters, const std::string& sensor) {
   const std::vector<double>& radii = parameters.vector("radii");
   return make_skin({.elements = static_cast<std::size_t>(parameters.integer("elements")),
                     .radii = {radii[0], radii[1], radii[2]},
                     .k_normal = parameters.number("k_normal"),
-                    .shear = parameters.number("shear")});
+                    .shear = parameters.number("shear")},
+                   sensor);
 }
 
 // Electrodes at their own sensitivity, then their own logarithm of the impedance at rest: 1 and 0 but for `gain` and `offset`.
@@ -131,7 +132,7 @@ class BioTacSp final : public Sensor {
         core_gap_(parameters.number("core_gap")),
         pdc_rest_(parameters.number("pdc_rest")),
         label_step_(parameters.number("label_step")),
-        skin_(skin_of(parameters)),
+        skin_(skin_of(parameters, "sensors." + key.sensor_name)),
         area_(Eigen::Map<const Eigen::ArrayXd>(skin_.area.data(), static_cast<Eigen::Index>(skin_.area.size()))),
         channels_(make_channels(parameters, cycles_)),
         dents_(skin_, {.near = parameters.number("near"),

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <stdexcept>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
 
 namespace slipbench::biotac_sp {
 
-Skin make_skin(const SkinFigures& figures) {
+Skin make_skin(const SkinFigures& figures, const std::string& sensor) {
   const Eigen::Vector3d& radii = figures.radii;
   Skin skin;
   for (std::size_t e = 0; e < electrodes; ++e) {
@@ -53,7 +55,14 @@ Skin make_skin(const SkinFigures& figures) {
   }
   for (std::size_t e = 0, first = 0; e < electrodes; ++e) {
     const auto own = static_cast<std::size_t>(std::ranges::count(points, e, &Point::electrode));
-    if (own == 0) throw std::invalid_argument("an electrode without an element of the skin");
+    if (own == 0) {
+      const auto length = [](double value) { return format_quantity(value, Quantity::length); };
+      throw SceneValueError(sensor + ".radii", "[" + length(radii.x()) + ", " + length(radii.y()) + ", " + length(radii.z()) +
+                                                   "] leaves electrode E" + std::to_string(e + 1) + " without one of the " +
+                                                   std::to_string(points.size()) +
+                                                   " elements of the skin; allowed: radii near the device's own, [13.85 mm, " +
+                                                   "10.1 mm, 9.85 mm], or more elements");
+    }
     skin.layout.units.push_back({first, own});
     first += own;
   }

@@ -1,6 +1,7 @@
 // The skin of a BioTac SP: half an ellipsoid of compliant friction points over the core with the electrodes.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,7 +28,8 @@ struct SkinFigures {
 //   (x/a)^2 + (y/b)^2 + (z/c)^2 = 1,  y < 0.
 // Where the point u of the unit sphere comes to lie, an area of it is larger by a b c |(u_x/a, u_y/b, u_z/c)|: that is the element's weight,
 // so that sums over elements are integrals over the skin whatever n. Stiffness goes with the area (an elastic foundation).
-// Throws std::invalid_argument where the mesh is so coarse that an electrode has no element.
-Skin make_skin(const SkinFigures& figures);
+// `sensor`: its place in the scene, "sensors.finger". Throws SceneValueError of its radii where an electrode would have no element: the skin is
+// another shape than the electrodes', or the mesh too coarse for it.
+Skin make_skin(const SkinFigures& figures, const std::string& sensor);
 
 }  // namespace slipbench::biotac_sp

@@ -72,7 +72,7 @@ TEST(BioTacSp, StopsAtTheRailsOfItsConverter) {
 
 TEST(BioTacSp, FeelsByTheDistanceFromTheSkinOverAnElectrode) {
   // Of a dent of one element: w_e/w_f = exp(-(r_e^2 - r_f^2)/(2 l^2)) of the near kernel, exp(-(r_e - r_f)/L) of the far one.
-  const biotac_sp::Skin skin = biotac_sp::make_skin({300, radii, 37e3, 0.5});
+  const biotac_sp::Skin skin = biotac_sp::make_skin({300, radii, 37e3, 0.5}, "sensors.finger");
   ContactFrame frame;
   frame.element_depth.setZero(300);
   frame.element_depth[100] = 1e-3;
@@ -91,7 +91,7 @@ TEST(BioTacSp, FeelsByTheDistanceFromTheSkinOverAnElectrode) {
 TEST(BioTacSp, ADentThatIsDraggedTowardsAnElectrodeIsFeltMore) {
   // Along the skin by q: w changes by S d q dG/dr cos, to first order what the kernel says of the dent moved there. Towards the electrode the near
   // kernel exp(-r^2/2l^2) gains r q/l^2 of itself, times the cosine between the skin's tangent and the line to the electrode.
-  const biotac_sp::Skin skin = biotac_sp::make_skin({300, radii, 37e3, 0.5});
+  const biotac_sp::Skin skin = biotac_sp::make_skin({300, radii, 37e3, 0.5}, "sensors.finger");
   constexpr double l = 3.5e-3, q = 1e-5, stretch = 0.3;
   const biotac_sp::Dents dents(skin, {.near = l, .far = 9e-3, .far_share = 0.0, .swell = 0.0, .stretch = stretch});
   for (const std::size_t e : {4U, 20U}) {

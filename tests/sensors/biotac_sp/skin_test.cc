@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "sensors/biotac_sp/transduction.h"
+#include "sim/core/error.h"
 #include "tests/sensors/biotac_sp/rig.h"
 
 namespace slipbench::biotac_sp_test {
@@ -18,7 +19,7 @@ using biotac_sp::Skin;
 constexpr double k_normal = 37e3;
 
 Skin skin(std::size_t elements, const Eigen::Vector3d& of_radii = radii) {
-  return make_skin({elements, of_radii, k_normal, 0.5});
+  return make_skin({elements, of_radii, k_normal, 0.5}, "sensors.finger");
 }
 
 double sum(const std::vector<double>& values) {
@@ -80,6 +81,18 @@ TEST(BioTacSkin, UnitsAreWhatIsNearestToAnElectrode) {
     }
   }
   for (const std::size_t n : {200U, 250U, 400U, 1000U, 4000U}) EXPECT_NO_THROW(skin(n)) << n;
+}
+
+TEST(BioTacSkin, RefusesRadiiThatLeaveAnElectrodeWithoutSkin) {
+  // A needle of 100 mm: 300 points over 200 mm of its length, and electrodes that stand by pairs at nearly the same place of it.
+  try {
+    make({{"radii", std::vector{100e-3, 1e-3, 1e-3}}});
+    FAIL() << "accepted";
+  } catch (const SceneValueError& error) {
+    EXPECT_EQ(error.path(), "sensors.finger.radii");
+    EXPECT_THAT(error.what(), testing::ContainsRegex("\\[100 mm, 1 mm, 1 mm\\] leaves electrode E[0-9]+ without"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("allowed: radii near the device's own, [13.85 mm, 10.1 mm, 9.85 mm]"));
+  }
 }
 
 double force_on_plane(const Skin& mesh, const Eigen::Vector3d& outward, double depth, const Eigen::Vector3d& of_radii) {
