@@ -135,11 +135,13 @@ class BioTacSp final : public Sensor {
         skin_(skin_of(parameters, "sensors." + key.sensor_name)),
         area_(Eigen::Map<const Eigen::ArrayXd>(skin_.area.data(), static_cast<Eigen::Index>(skin_.area.size()))),
         channels_(make_channels(parameters, cycles_)),
-        dents_(skin_, {.near = parameters.number("near"),
-                       .far = parameters.number("far"),
-                       .far_share = parameters.number("far_share"),
-                       .swell = parameters.number("swell"),
-                       .stretch = parameters.number("stretch")}),
+        dents_(skin_,
+               {.near = parameters.number("near"),
+                .far = parameters.number("far"),
+                .far_share = parameters.number("far_share"),
+                .swell = parameters.number("swell"),
+                .stretch = parameters.number("stretch")},
+               "sensors." + key.sensor_name),
         memory_(begin_of_values + pac + slots_a_cycle * cycles_),
         vibration_(lowest_pac, highest_pac, slots_a_cycle * parameters.number("cycle_rate"),
                    std::span(memory_).first<BandPass::memory_size>()),
@@ -195,7 +197,9 @@ class BioTacSp final : public Sensor {
       if (beyond_) ++saturated_;
       beyond_ = false;
     }
-    std::ranges::transform(values(), reported_.begin(), [](double value) { return static_cast<float>(value); });
+    // What a slow sample has heard so far is many values: those of this cycle, and all with the last, whatever memory was loaded since.
+    report(0, pac);
+    report(pac + slots_a_cycle * (last ? 0 : cycle), pac + slots_a_cycle * (cycle + 1));
     frame_.time = truth.time;
     return frame_;
   }
@@ -282,6 +286,11 @@ class BioTacSp final : public Sensor {
     std::array<float, electrodes> drawn{};
     electrode_electronics_.apply(drawn, time);
     std::ranges::copy(drawn, disturbances().begin());
+  }
+
+  // The values from `first` to before `end` as the frame has them.
+  void report(std::size_t first, std::size_t end) {
+    for (std::size_t v = first; v < end; ++v) reported_[v] = static_cast<float>(values()[v]);
   }
 
   // What the bench says of where it is, once a sample, and whether that has changed.

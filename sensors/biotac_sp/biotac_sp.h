@@ -25,7 +25,7 @@ std::vector<Entry> biotac_sp_electronics();
 // pdc hold what was read last, before their first turn what the first reading's contact gives with the noise of that round. With `scan: ideal` all electrodes and pdc are read in the last cycle of a sample.
 // `parameters`: those of biotac_sp_entry(), all present. `electronics`: applied in this order; empty: ideal, which still rounds to counts.
 // `seed` of the dataset and `trial` key the random streams, together with `sensor_name`, the scene's name for the sensor.
-// Throws SceneValueError where cycle_rate is no whole multiple of the rate and where its radii leave an electrode without skin, InputError for unknown or repeated electronics.
+// Throws SceneValueError where cycle_rate is no whole multiple of the rate and where radii, near or far leave an electrode without skin, InputError for unknown or repeated electronics.
 std::unique_ptr<Sensor> make_biotac_sp(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
                                        std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name);
 

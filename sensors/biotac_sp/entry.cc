@@ -32,6 +32,8 @@ ParameterSpec element_count() {
 Entry biotac_sp_entry() {
   using namespace biotac_sp;
   constexpr Range some_length{0.0, 0.1, true};
+  constexpr Range some_rate{
+      .min = 1.0, .max = 10e3, .open_min = false};  // the device's own converter makes 4.4 k readings a second
   return {
       .name = "biotac_sp",
       .summary = "BioTac SP fingertip: 24 electrodes under fluid and a curved skin, static pressure, vibration",
@@ -51,9 +53,9 @@ Entry biotac_sp_entry() {
           "BioTac SP product manual, section 5 (divider, conversions, filters) and 9; timing, levels and kernel: measured on " +
           recordings + " and fitted in a dry run on the same; the rest assumed, see each",
       .parameters = {
-          number_spec("rate", Quantity::frequency, "100 Hz", positive, "Samples a second, rows of the log.",
+          number_spec("rate", Quantity::frequency, "100 Hz", some_rate, "Samples a second, rows of the log.",
                       "log of " + recordings),
-          number_spec("cycle_rate", Quantity::frequency, "1 kHz", positive,
+          number_spec("cycle_rate", Quantity::frequency, "1 kHz", some_rate,
                       "Cycles a second, each of two readings of pac and two slots of the round; a whole multiple of rate.",
                       "Shadow hand's driver; so 20 slots a row, as the repeats in " + recordings +
                           " show (5/7 of the electrodes new in a row)"),

@@ -2,9 +2,12 @@
 
 #include <cmath>
 
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+
 namespace slipbench::biotac_sp {
 
-Dents::Dents(const Skin& skin, const Kernel& kernel) {
+Dents::Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor) {
   const std::vector<Element>& elements = skin.layout.elements;
   const auto n = static_cast<Eigen::Index>(elements.size());
   const Eigen::Map<const Eigen::ArrayXd> area(skin.area.data(), n);
@@ -15,12 +18,22 @@ Dents::Dents(const Skin& skin, const Kernel& kernel) {
       distance(i, e) = (elements[static_cast<std::size_t>(i)].tip - skin.above[static_cast<std::size_t>(e)]).norm();
     }
   }
-  const auto scaled = [&](const Eigen::ArrayXXd& felt, double share) {
+  const auto scaled = [&](const Eigen::ArrayXXd& felt, double share, const char* parameter, double reach) {
     const Eigen::ArrayXXd weighted = felt.colwise() * area;
-    return Eigen::ArrayXXd(share / weighted.colwise().sum().maxCoeff() * weighted);
+    const Eigen::ArrayXXd sums = weighted.colwise().sum();
+    if (sums.minCoeff() == 0.0) {
+      throw SceneValueError(
+          sensor + "." + parameter,
+          format_quantity(reach, Quantity::length) +
+              " is so short that an electrode feels no element of the skin at all; allowed: lengths not far below "
+              "the distance of two elements, some " +
+              format_quantity(std::round(1e4 * std::sqrt(area.mean())) / 1e4, Quantity::length));
+    }
+    return Eigen::ArrayXXd(share / sums.maxCoeff() * weighted);
   };
-  const Eigen::ArrayXXd near = scaled((-0.5 * (distance / kernel.near).square()).exp(), 1.0 - kernel.far_share);
-  const Eigen::ArrayXXd far = scaled((-distance / kernel.far).exp(), kernel.far_share);
+  const Eigen::ArrayXXd near =
+      scaled((-0.5 * (distance / kernel.near).square()).exp(), 1.0 - kernel.far_share, "near", kernel.near);
+  const Eigen::ArrayXXd far = scaled((-distance / kernel.far).exp(), kernel.far_share, "far", kernel.far);
   depth_ = (near + far).colwise() - kernel.swell / area.sum() * area;
   if (kernel.stretch == 0.0) return;
 

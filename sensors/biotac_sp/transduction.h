@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <string>
 
 #include <Eigen/Core>
 
@@ -29,7 +30,9 @@ struct Kernel {
 
 class Dents {
  public:
-  Dents(const Skin& skin, const Kernel& kernel);
+  // `sensor`: its place in the scene, "sensors.finger". Throws SceneValueError of near or far where it is so short that no element of the skin
+  // reaches an electrode.
+  Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor);
 
   // w_e [m] of electrode e. `truth` with element_depth and element_shear; `touching`: the elements that are deeper than 0, which is
   // all that costs time.

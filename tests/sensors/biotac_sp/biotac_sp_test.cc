@@ -79,8 +79,10 @@ TEST(BioTacSp, FeelsByTheDistanceFromTheSkinOverAnElectrode) {
   frame.element_shear.setZero(300, 3);
   const std::array<Eigen::Index, 1> one{100};
   const auto distance = [&](std::size_t e) { return (skin.layout.elements[100].tip - skin.above[e]).norm(); };
-  const biotac_sp::Dents near(skin, {.near = 3.5e-3, .far = 9e-3, .far_share = 0.0, .swell = 0.0, .stretch = 0.0});
-  const biotac_sp::Dents far(skin, {.near = 3.5e-3, .far = 9e-3, .far_share = 1.0, .swell = 0.0, .stretch = 0.0});
+  const biotac_sp::Dents near(skin, {.near = 3.5e-3, .far = 9e-3, .far_share = 0.0, .swell = 0.0, .stretch = 0.0},
+                              "sensors.finger");
+  const biotac_sp::Dents far(skin, {.near = 3.5e-3, .far = 9e-3, .far_share = 1.0, .swell = 0.0, .stretch = 0.0},
+                             "sensors.finger");
   for (std::size_t e = 1; e < electrodes; ++e) {
     const double r = distance(e), r0 = distance(0);
     EXPECT_NEAR(std::log(near.of(e, frame, one) / near.of(0, frame, one)), -(r * r - r0 * r0) / (2.0 * 3.5e-3 * 3.5e-3), 1e-9);
@@ -93,7 +95,8 @@ TEST(BioTacSp, ADentThatIsDraggedTowardsAnElectrodeIsFeltMore) {
   // kernel exp(-r^2/2l^2) gains r q/l^2 of itself, times the cosine between the skin's tangent and the line to the electrode.
   const biotac_sp::Skin skin = biotac_sp::make_skin({300, radii, 37e3, 0.5}, "sensors.finger");
   constexpr double l = 3.5e-3, q = 1e-5, stretch = 0.3;
-  const biotac_sp::Dents dents(skin, {.near = l, .far = 9e-3, .far_share = 0.0, .swell = 0.0, .stretch = stretch});
+  const biotac_sp::Dents dents(skin, {.near = l, .far = 9e-3, .far_share = 0.0, .swell = 0.0, .stretch = stretch},
+                               "sensors.finger");
   for (const std::size_t e : {4U, 20U}) {
     const std::size_t i = skin.layout.units[e].first;
     const Element& element = skin.layout.elements[i];
@@ -111,6 +114,39 @@ TEST(BioTacSp, ADentThatIsDraggedTowardsAnElectrodeIsFeltMore) {
     const double still = dragged(Eigen::Vector3d::Zero());
     EXPECT_NEAR(dragged(q * tangent) / still - 1.0, stretch * q * towards.dot(tangent) / (l * l), 1e-12);
   }
+}
+
+TEST(BioTacSp, RefusesAKernelThatReachesNoElement) {
+  // exp(-r^2/(2 l^2)) and exp(-r/L) of r = 0.1 mm and more are 0 in a double below exp(-745).
+  for (const char* const reach : {"near", "far"}) {
+    try {
+      make({{reach, 1e-9}});
+      FAIL() << "accepted " << reach;
+    } catch (const SceneValueError& error) {
+      EXPECT_EQ(error.path(), std::string("sensors.finger.") + reach);
+      EXPECT_THAT(error.what(), testing::HasSubstr("1 nm is so short"));
+      // 786 mm2 of 300 elements: the root of 2.62 mm2.
+      EXPECT_THAT(error.what(), testing::HasSubstr("allowed: lengths not far below the distance of two elements, some 1.6 mm"));
+    }
+  }
+}
+
+TEST(BioTacSp, SamplesAtRatesThatItsConverterCouldServe) {
+  for (const ParameterSpec& spec : biotac_sp_entry().parameters) {
+    if (spec.name != "rate" && spec.name != "cycle_rate") continue;
+    EXPECT_EQ(spec.range.min, 1.0) << spec.name;
+    EXPECT_EQ(spec.range.max, 10e3) << spec.name;
+  }
+  // A sample a second of 10,000 cycles: what is read in each is that of its cycle, from the first to the last.
+  const auto slow = make({{"rate", 1.0}, {"cycle_rate", 10e3}});
+  ASSERT_EQ(slow->scans(), 10000U);
+  std::vector<float> values;
+  for (std::size_t n = 0; n < slow->scans(); ++n) {
+    const SensorFrame& frame = slow->measure(evenly_dented(*slow, 0.0));
+    values.assign(frame.values.begin() + static_cast<std::ptrdiff_t>(n == 9999 ? pac : frame.values.size()), frame.values.end());
+  }
+  ASSERT_EQ(values.size(), 20000U);
+  EXPECT_EQ(std::ranges::count(values, 2048.0F), 20000);
 }
 
 TEST(BioTacSp, PressureIsThatOfTheFluidDrivenAwayUntilTheSkinMeetsTheCore) {
@@ -202,7 +238,8 @@ TEST(BioTacSp, GoesOnFromItsMemory) {
   for (std::size_t m = 0; m < saved.size(); ++m) std::ranges::copy(saved[m], loaded[m].begin());
   for (int k = 333; k < 700; ++k) {
     const SensorFrame &a = lasting->measure(truth(k)), &b = fresh->measure(truth(k));
-    for (std::size_t v = 0; v < a.values.size(); ++v) ASSERT_EQ(a.values[v], b.values[v]) << k << ' ' << v;
+    // A sample, complete with cycle 9 of 10, is the same, and so are the electrodes and pdc at any time.
+    for (std::size_t v = 0; v < (k % 10 == 9 ? a.values.size() : pac); ++v) ASSERT_EQ(a.values[v], b.values[v]) << k << ' ' << v;
     ASSERT_EQ(lasting->paper_label(truth(k), false), fresh->paper_label(truth(k), false)) << k;
   }
 }

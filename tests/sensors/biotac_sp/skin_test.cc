@@ -240,7 +240,7 @@ double largest_drag(const Skin& mesh, const ContactFrame& frame) {
   const biotac_sp::Kernel kernel{.near = 3.5e-3, .far = 9e-3, .far_share = 0.5, .swell = 0.35, .stretch = 0.3};
   biotac_sp::Kernel still = kernel;
   still.stretch = 0.0;
-  const biotac_sp::Dents with(mesh, kernel), without(mesh, still);
+  const biotac_sp::Dents with(mesh, kernel, "sensors.finger"), without(mesh, still, "sensors.finger");
   std::vector<Eigen::Index> touching;
   for (Eigen::Index i = 0; i < frame.element_depth.size(); ++i) {
     if (frame.element_depth[i] > 0.0) touching.push_back(i);
@@ -293,7 +293,8 @@ TEST(BioTacSkin, ADragIsHeldByFriction) {
 template <class Depth>
 double deepest_dent(std::size_t n, Depth&& depth) {
   const Skin mesh = skin(n);
-  const biotac_sp::Dents dents(mesh, {.near = 3.5e-3, .far = 9e-3, .far_share = 0.5, .swell = 0.35, .stretch = 0.0});
+  const biotac_sp::Dents dents(mesh, {.near = 3.5e-3, .far = 9e-3, .far_share = 0.5, .swell = 0.35, .stretch = 0.0},
+                               "sensors.finger");
   ContactFrame frame;
   frame.element_depth.setZero(static_cast<Eigen::Index>(n));
   frame.element_shear.setZero(static_cast<Eigen::Index>(n), 3);
