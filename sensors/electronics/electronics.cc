@@ -57,6 +57,7 @@ Electronics::Electronics(const std::vector<ElectronicsPart>& parts, const Signal
       throw InputError("sensors." + key.sensor_name + ".electronics: part '" + part->name +
                        "' is listed twice; name it once and use its scale");
     }
+    if (kind.check != nullptr) kind.check(part->parameters, "sensors." + key.sensor_name + ".electronics." + part->name);
     const std::uint64_t drawn_for = kind.drawn_per == DrawnPer::device ? key.device : key.trial;
     stages_.push_back(kind.make(part->parameters, model,
                                 RandomStream(key.seed, drawn_for, "electronics." + key.sensor_name + "." + part->name)));

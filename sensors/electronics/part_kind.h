@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "sensors/electronics/electronics.h"
 #include "sim/core/parameters.h"
@@ -17,6 +18,8 @@ struct PartKind {
   DrawnPer drawn_per;
   // `stream` is the part's own.
   std::unique_ptr<ElectronicsStage> (*make)(const Parameters& parameters, const SignalModel& model, RandomStream stream);
+  // Throws SceneValueError for parameters that do not go together; null: all that are in their ranges do. `path`: of the part in the scene.
+  void (*check)(const Parameters& parameters, const std::string& path) = nullptr;
 };
 
 PartKind scan_part();

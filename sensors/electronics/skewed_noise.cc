@@ -2,10 +2,13 @@
 #include <cmath>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "sensors/electronics/part_kind.h"
+#include "sim/core/error.h"
 #include "sim/core/parameter_specs.h"
+#include "sim/core/quantity.h"
 
 namespace slipbench {
 namespace {
@@ -55,9 +58,18 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
   return std::make_unique<SkewedNoise>(parameters, model, stream);
 }
 
+void check(const Parameters& parameters, const std::string& path) {
+  const std::vector<double>& spike = parameters.vector("spike");
+  if (spike[0] <= spike[1]) return;
+  throw SceneValueError(path + ".spike", "[" + format_number(spike[0]) + ", " + format_number(spike[1]) +
+                                             "] has the greatest depth first; allowed: the least, then the greatest");
+}
+
 }  // namespace
 
 PartKind skewed_noise_part() {
+  // Deeper than a converter of 12 bit is wide, whose noise is a few counts: 4095/3.1 is 1321.
+  constexpr Range depth{0.0, 1000.0, false};
   const std::string fitted =
       "fitted to the readings of 44 BioTac SP recordings of a touch (yayaneath/BioTacSP-DoS), against 3.1 counts";
   return {
@@ -71,15 +83,16 @@ PartKind skewed_noise_part() {
                 .parameters = {scale_parameter(),
                                number_spec("tail_share", Quantity::none, "0.1", fraction, "Share of the samples in the tail.",
                                            fitted),
-                               number_spec("tail", Quantity::none, "1.29", non_negative,
+                               number_spec("tail", Quantity::none, "1.29", depth,
                                            "Mean depth of the tail, in sd of the normal part.", fitted + ": 4 counts"),
                                number_spec("spike_share", Quantity::none, "0.0075", fraction, "Share of the samples in a spike.",
                                            fitted),
-                               vector_spec(2, "spike", Quantity::none, "[3.2, 11.6]", non_negative,
+                               vector_spec(2, "spike", Quantity::none, "[3.2, 11.6]", depth,
                                            "Least and greatest depth of a spike, in sd of the normal part.",
                                            fitted + ": 10 to 36 counts")}},
       .drawn_per = DrawnPer::trial,
-      .make = &make};
+      .make = &make,
+      .check = &check_spike};
 }
 
 }  // namespace slipbench

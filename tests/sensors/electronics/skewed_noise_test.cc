@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "sim/core/error.h"
 #include "tests/sensors/electronics/model.h"
 
 namespace slipbench {
@@ -39,6 +40,21 @@ TEST(SkewedNoise, HasTheMomentsAndTheSpikesOfItsLaw) {
   EXPECT_NEAR(m.variance, 1.7679, 5.0 * 0.052);
   EXPECT_NEAR(m.below, 0.0062, 5.0 * 0.00056);
   EXPECT_LT(m.above, 4.0 / 20000.0) << "0.1 are expected";
+}
+
+TEST(SkewedNoise, NeedsTheLeastDepthOfASpikeFirst) {
+  ElectronicsPart reversed = part("skewed_noise"), even = part("skewed_noise");
+  reversed.parameters.set("spike", std::vector{11.6, 3.2});
+  even.parameters.set("spike", std::vector{5.0, 5.0});
+  EXPECT_NO_THROW(Electronics({even}, two_values_a_source(1), default_key));
+  try {
+    Electronics({reversed}, two_values_a_source(1), default_key);
+    FAIL() << "accepted";
+  } catch (const SceneValueError& error) {
+    EXPECT_EQ(error.path(), "sensors.pad.electronics.skewed_noise.spike");
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("[11.6, 3.2] has the greatest depth first; allowed: the least, then the greatest"));
+  }
 }
 
 TEST(SkewedNoise, IsDrawnAnewForEachSourceAndSample) {
