@@ -131,6 +131,20 @@ TEST(Reorient, LoosensWhileItDoesNotTurnAndStopsWhereItTurnsFast) {
   EXPECT_EQ(hand.command().arm->sideways, 10e-3);
 }
 
+// Without a time of quiet a single spectrum below the threshold loosens, but none above it, and none while the last count settles.
+TEST(Reorient, LoosensAtOnceWhatIsQuietWhereNoTimeIsAskedFor) {
+  Hand hand({{"adjust_speed", "3 mm/s"}, {"midpoint", "3 mm"}, {"fr_slip", "60"}, {"fr_quiet", "0 s"}, {"settle", "0.4 s"}});
+  const int first = touched(hand);
+  hand.fr = 61.0;
+  hand.run_to(4.0);  // it turns from 2 s on
+  EXPECT_EQ(hand.command().position, first);
+  hand.fr = 59.0;
+  hand.run_to(4.3);
+  EXPECT_EQ(hand.command().position, first - 1);
+  hand.run_to(4.5);
+  EXPECT_EQ(hand.command().position, first - 2);
+}
+
 // One spectrum above the threshold is a turn: quiet is what stays below it for fr_quiet on end, and anew after each count's wait.
 TEST(Reorient, LoosensOnlyWhatHasNotTurnedForAWhile) {
   Hand hand({{"adjust_speed", "3 mm/s"}, {"midpoint", "3 mm"}, {"fr_slip", "60"}, {"fr_quiet", "1 s"}, {"settle", "0.4 s"}});

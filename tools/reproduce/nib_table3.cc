@@ -206,9 +206,10 @@ Result nib_table3(const ReproduceOptions& options) {
       row.push_back(fmt::format("{}", n));
       counted[turn_end_names[end]] = n;
     }
-    row.push_back(
-        fmt::format("{:.1f} deg", degrees * median_over(runs, [](const ReorientFigures& run) { return run.turn.tilt; })));
-    row.push_back(fmt::format("{:.2f} N", median_over(runs, [](const ReorientFigures& run) { return run.turn.force; })));
+    const double released_at = degrees * median_over(runs, [](const ReorientFigures& run) { return run.turn.tilt; });
+    const double held_by = median_over(runs, [](const ReorientFigures& run) { return run.turn.force; });
+    row.push_back(std::isnan(released_at) ? "-" : fmt::format("{:.1f} deg", released_at));
+    row.push_back(std::isnan(held_by) ? "-" : fmt::format("{:.2f} N", held_by));
     ends.rows.push_back(std::move(row));
     const Interval share = clopper_pearson(standing, runs.size());
     result.figures["cells"].push_back({{"name", cells[i].name},
