@@ -103,6 +103,24 @@ TEST_F(SequencesTest, KnowTheMotion) {
   }
 }
 
+// With a faster sensor beside the pad the bodies have that one's times. It samples at k/100 s and 0.1 ms before; the motion begins
+// between the two, so that frame k is the first to move only where its own time is known again among the bodies'.
+TEST_F(SequencesTest, MotionIsThatOfTheFramesOwnTime) {
+  std::string starts;
+  for (int k = 21; k <= 36; ++k) starts += (k == 21 ? "" : ", ") + std::to_string(10 * k - 1) + ".95 ms";
+  const std::string file =
+      dataset({{"time_step", "auto"},
+               {"sensors", "{pad: {type: papillarray, rate: 1 kHz}, fast: {type: piezo_skin, rate: 10 kHz}}"},
+               {"sweep", "{motion.start: [" + starts + "]}"}});
+  const TrainingData data = read_sequences(file, {SlipRule::strict, "pad"});
+  ASSERT_EQ(data.sequences.size(), 16U);
+  for (std::size_t trial = 0; trial < 16; ++trial) {
+    const std::vector<std::uint8_t>& moving = data.sequences[trial].moving;
+    // Before it is slid the pad is at rest along the surface.
+    EXPECT_EQ(std::ranges::find(moving, 1) - moving.begin(), 21 + static_cast<std::ptrdiff_t>(trial));
+  }
+}
+
 TEST_F(SequencesTest, OtherRatesOfTheDevice) {
   EXPECT_EQ(read_sequences(dataset({{"sensors.pad.rate", "500 Hz"}}), {}).sequences[0].time.size(), 40U);
   EXPECT_THAT(refusal(dataset({{"sensors.pad.rate", "250 Hz"}}, "b.h5")),
