@@ -17,7 +17,8 @@ struct RobomimicOptions {
 
 // Writes the trials as one HDF5 file in robomimic's layout (README.md) under a temporary name, syncs and renames it. The same dataset gives
 // the same bytes. Throws InputError when a trial does not fit: no such sensor, a rate beyond the fastest sensor's, fewer than two rows, a
-// grasp without a loop, nothing that moves; or when the file cannot be written, of which nothing is left then. Every trial has a recording.
+// grasp without a loop, nothing that moves; or when the file cannot be written, of which nothing is left then, or another run is writing it,
+// which is left to that run. Every trial has a recording.
 void write_robomimic(const DatasetReader& reader, const std::vector<std::size_t>& trials, const std::string& path,
                      const RobomimicOptions& options);
 

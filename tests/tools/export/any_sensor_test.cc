@@ -4,12 +4,14 @@
 #include <optional>
 #include <sstream>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "sim/core/error.h"
 #include "tests/tools/dataset/test_records.h"
-#include "tools/dataset/shard.h"
 #include "tools/dataset/writer.h"
 #include "tools/export/episode.h"
 #include "tools/export/export.h"
@@ -281,11 +283,11 @@ TEST_F(AnySensor, DemonstrationsThatAnotherRunIsWritingAreLeftToIt) {
   const std::string other = path("out/robomimic.hdf5.partial");
   for (const std::string& beginning : {whole, whole.substr(0, whole.size() / 2), std::string()}) {
     std::ofstream(other, std::ios::binary) << beginning;
-    {
-      const Descriptor lock = lock_file(other);
-      EXPECT_EQ(message_of<InputError>([&] { run(ExportFormat::robomimic); }),
-                "cannot write " + other + ": another run is writing it");
-    }
+    const int locked = ::open(other.c_str(), O_RDWR | O_CLOEXEC);
+    ASSERT_EQ(::flock(locked, LOCK_EX | LOCK_NB), 0);
+    EXPECT_EQ(message_of<InputError>([&] { run(ExportFormat::robomimic); }),
+              "cannot write " + other + ": another run is writing it");
+    ::close(locked);
     EXPECT_TRUE(std::filesystem::exists(other)) << beginning.size();
     EXPECT_EQ(bytes_of(other), beginning) << beginning.size();
     EXPECT_EQ(bytes_of(path("out/robomimic.hdf5")), whole) << beginning.size();
