@@ -94,14 +94,13 @@ TEST(SeveralSensors, AreComparedOnSomethingThatIsDrawn) {
   }
 }
 
-// t of every sensor: whole multiples of its own sampling time, to the rounding of k dt (half a unit in the last place of dt and of the product).
 // Rates that do not divide each other, 2,400, 1,000 and 700 Hz: j/2400 and k/1000 meet every 5 ms, k/1000 and l/700 every 10 ms, so 140 and
 // 70 times in 0.7 s.
 TEST(SeveralSensors, HaveTheirCommonTimesToTheBit) {
   const Scene scene =
       parse_scene(SceneFile::from_text("slipbench: 1\nduration: 0.7 s\nmotion: {compression: 0.3 mm, start: 0.6 s}\nsensors:\n"
-                                       "  fast: {type: papillarray, rate: 2.4 kHz}\n  middle: {type: papillarray, rate: 1 kHz}\n"
-                                       "  slow: {type: papillarray, rate: 700 Hz}\n",
+                                       "  fast: {type: piezo_skin, rate: 2.4 kHz}\n  middle: {type: piezo_skin, rate: 1 kHz}\n"
+                                       "  slow: {type: piezo_skin, rate: 700 Hz}\n",
                                        "common.yaml"),
                   program_catalogues());
   const TrialRecord record = run_trial(scene, 0, Recording::full).record;
@@ -114,6 +113,7 @@ TEST(SeveralSensors, HaveTheirCommonTimesToTheBit) {
   EXPECT_EQ(common(1, 2), 70U);
 }
 
+// t of every sensor: whole multiples of its own sampling time, to the rounding of k dt (half a unit in the last place of dt and of the product).
 TEST(SeveralSensors, HaveTimesThatAreMultiplesOfTheirOwnSamplingTime) {
   const TrialRecord record = run(all_types(), "[]", "");
   for (const SensorRecord& sensor : record.sensors) {
