@@ -49,7 +49,7 @@ TEST(DynamicBench, HeldBoxIsTheModelWrittenByHandToTheBit) {
   ASSERT_EQ(model->nq, rig->model()->nq);
   for (std::size_t tick = 0; tick < rig->ticks(0); ++tick) {
     rig->step();
-    const double t = static_cast<double>(tick) * 0.00025;
+    const double t = static_cast<double>(tick) / 4000.0;
     data->ctrl[0] = data->ctrl[1] = t <= 0.25 ? 4.0 : 4.0 + (0.5 - 4.0) * ((t - 0.25) / 0.25);
     mj_step(model.get(), data.get());
     ASSERT_EQ(std::memcmp(data->qpos, rig->data()->qpos, static_cast<std::size_t>(model->nq) * sizeof(mjtNum)), 0)
@@ -72,7 +72,7 @@ TEST(DynamicBench, TruthAndBodiesAreOfTheSameInstant) {
   Pose before;
   for (std::size_t tick = 0; tick < rig->ticks(0); ++tick) {
     rig->step();
-    EXPECT_EQ(rig->contact(0).time, static_cast<double>(tick) * 0.00025);
+    EXPECT_EQ(rig->contact(0).time, static_cast<double>(tick) / 4000.0);
     const Pose& box = rig.body("box").pose;
     const double depth = 0.02 + (box.inverse() * rig.body("left").pose.position).x();
     const double force = rig->contact(0).contact_force(2, middle);
@@ -196,7 +196,7 @@ TEST(DynamicBench, StageIsWhereItsMotionSaysAtEveryTick) {
   const std::unique_ptr<Motion> motion = make_motion(rig.scene(), 0);
   for (std::size_t tick = 0; tick < rig->ticks(0); ++tick) {
     rig->step();
-    const BodyState told = motion->pad_at(static_cast<double>(tick) * rig->time_step(0));
+    const BodyState told = motion->pad_at(static_cast<double>(tick) / std::round(1.0 / rig->time_step(0)));
     const BodyState& is = rig.body("pad");
     ASSERT_EQ((is.pose.position - told.pose.position).norm(), 0.0) << tick;
     // By way of a quaternion: rounding.

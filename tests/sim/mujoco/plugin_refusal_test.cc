@@ -57,7 +57,8 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
   refuses(site + plate + one + config("sensor", "{type: papillarray}"),
           ": the pad is given by one of the attributes sensor and elements; found: both");
   refuses(site + plate + config("sensor", "{type: papilarray}"),
-          " sensor='{type: papilarray}': unknown sensor 'papilarray'; did you mean 'papillarray'? allowed: biotac_sp, nib_pad, "
+          " sensor='{type: papilarray}': unknown sensor 'papilarray'; did you mean 'papillarray'? allowed: biotac_sp, myrmex, "
+          "nib_pad, "
           "papillarray, piezo_skin");
   refuses(site + plate + config("sensor", "{type: papillarray, rate: 333}"),
           ": sensors.left.rate: 333 Hz is not a rate of the PapillArray; allowed: 100 Hz, 250 Hz, 500 Hz, 1000 Hz");
