@@ -18,18 +18,19 @@ Dents::Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor) 
       distance(i, e) = (elements[static_cast<std::size_t>(i)].tip - skin.above[static_cast<std::size_t>(e)]).norm();
     }
   }
+  // Of what an electrode would feel of an element right over it. Below, its sum over the skin is the rounding of exp, and scaled no kernel.
+  constexpr double nothing = 1e-12;
   const auto scaled = [&](const Eigen::ArrayXXd& felt, double share, const char* parameter, double reach) {
     const Eigen::ArrayXXd weighted = felt.colwise() * area;
-    const Eigen::ArrayXXd sums = weighted.colwise().sum();
-    if (sums.minCoeff() == 0.0) {
+    if (felt.colwise().maxCoeff().minCoeff() < nothing) {
       throw SceneValueError(
           sensor + "." + parameter,
           format_quantity(reach, Quantity::length) +
-              " is so short that an electrode feels no element of the skin at all; allowed: lengths not far below "
+              " is so short that an electrode feels nothing of the element nearest to it; allowed: lengths not far below "
               "the distance of two elements, some " +
               format_quantity(std::round(1e4 * std::sqrt(area.mean())) / 1e4, Quantity::length));
     }
-    return Eigen::ArrayXXd(share / sums.maxCoeff() * weighted);
+    return Eigen::ArrayXXd(share / weighted.colwise().sum().maxCoeff() * weighted);
   };
   const Eigen::ArrayXXd near =
       scaled((-0.5 * (distance / kernel.near).square()).exp(), 1.0 - kernel.far_share, "near", kernel.near);

@@ -30,8 +30,8 @@ struct Kernel {
 
 class Dents {
  public:
-  // `sensor`: its place in the scene, "sensors.finger". Throws SceneValueError of near or far where it is so short that no element of the skin
-  // reaches an electrode.
+  // `sensor`: its place in the scene, "sensors.finger". Throws SceneValueError of near or far where it is so short that an electrode feels nothing of
+  // the element nearest to it.
   Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor);
 
   // w_e [m] of electrode e. `truth` with element_depth and element_shear; `touching`: the elements that are deeper than 0, which is

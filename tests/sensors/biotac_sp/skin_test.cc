@@ -90,7 +90,7 @@ TEST(BioTacSkin, RefusesRadiiThatLeaveAnElectrodeWithoutSkin) {
     FAIL() << "accepted";
   } catch (const SceneValueError& error) {
     EXPECT_EQ(error.path(), "sensors.finger.radii");
-    EXPECT_THAT(error.what(), testing::ContainsRegex("\\[100 mm, 1 mm, 1 mm\\] leaves electrode E[0-9]+ without"));
+    EXPECT_THAT(error.what(), testing::ContainsRegex("\\[0.1 m, 1 mm, 1 mm\\] leaves electrode E[0-9]+ without"));
     EXPECT_THAT(error.what(), testing::HasSubstr("allowed: radii near the device's own, [13.85 mm, 10.1 mm, 9.85 mm]"));
   }
 }
