@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -171,26 +170,20 @@ class BioTacSp final : public Sensor {
   [[nodiscard]] const std::vector<Channel>& channels() const override { return channels_; }
 
   const SensorFrame& measure(const ContactFrame& truth) override {
-    assert(truth.element_depth.size() == area_.size());
     const auto cycle = static_cast<std::size_t>(memory_[next_cycle]);
     const bool last = cycle + 1 == cycles_;
     const double pressure = fluid_stiffness_ * displaced_volume(truth);
     const bool first_of_all = memory_[begun] == 0.0;
     hear(pressure, truth.time, pac + slots_a_cycle * cycle);
-    if (device_scan_) {
-      const auto first = static_cast<std::size_t>(memory_[next_slot]);
-      if (first == 0) draw_disturbances(truth.time);
-      // The device has run before the trial: what it holds of earlier rounds is of the contact that the trial begins in.
-      if (first_of_all) {
-        read(0, slots, truth, pressure);
-      } else {
-        read(first, first + slots_a_cycle, truth, pressure);
-      }
-      memory_[next_slot] = static_cast<double>((first + slots_a_cycle) % slots);
-    } else if (last) {
-      draw_disturbances(truth.time);
+    const auto slot = static_cast<std::size_t>(memory_[next_slot]);
+    if (device_scan_ ? slot == 0 : last) draw_disturbances(truth.time);
+    // The device has run before the trial: what it holds of earlier rounds is of the contact that the trial begins in.
+    if (first_of_all || (!device_scan_ && last)) {
       read(0, slots, truth, pressure);
+    } else if (device_scan_) {
+      read(slot, slot + slots_a_cycle, truth, pressure);
     }
+    memory_[next_slot] = static_cast<double>((slot + slots_a_cycle) % slots);
     memory_[next_cycle] = last ? 0.0 : static_cast<double>(cycle + 1);
     if (last) {
       read_position(truth);
