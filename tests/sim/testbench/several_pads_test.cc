@@ -18,7 +18,12 @@ struct Rig {
 
 // All that a sensor can read of a tick.
 std::vector<double> bytes_of(const ContactFrame& frame) {
-  std::vector<double> all{frame.time, frame.stuck_fraction, frame.slip_angle, static_cast<double>(frame.state)};
+  std::vector<double> all{frame.time,
+                          frame.stuck_fraction,
+                          frame.slip_angle,
+                          frame.slip_direction,
+                          static_cast<double>(frame.state),
+                          static_cast<double>(frame.state_micro)};
   const auto add = [&all](const auto& array) { all.insert(all.end(), array.data(), array.data() + array.size()); };
   add(frame.force);
   add(frame.contact_force);
@@ -27,8 +32,13 @@ std::vector<double> bytes_of(const ContactFrame& frame) {
   add(frame.slip_distance);
   add(frame.margin);
   add(frame.stage_position);
+  add(frame.slip_centre);
+  add(frame.element_depth);
+  add(frame.element_shear);
   for (const UnitState state : frame.unit_state) all.push_back(static_cast<double>(state));
-  for (const ContactEvent& event : frame.events) all.push_back(event.time);
+  for (const ContactEvent& event : frame.events) {
+    all.insert(all.end(), {event.time, static_cast<double>(event.unit), static_cast<double>(event.kind)});
+  }
   return all;
 }
 
@@ -87,10 +97,15 @@ void expect_each_as_alone(const std::vector<Named>& effects, const std::vector<R
   }
 }
 
+PadLayout with_elements(PadLayout layout) {
+  layout.element_truth = true;
+  return layout;
+}
+
 const std::vector<Rig> rigs{{oracle::nine_pillars(), 1000.0},
                             {oracle::nine_pillars(6), 10000.0},
                             {oracle::nine_pillars(), 2400.0},
-                            {oracle::nine_pillars(3), 500.0},
+                            {with_elements(oracle::nine_pillars(3)), 500.0},
                             {oracle::nine_pillars(), 100.0}};
 
 TEST(SeveralPads, EachHasItsOwnStepAndTheHistoryThatItHasAlone) {
