@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -100,6 +102,14 @@ void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBa
       values.template cast<float>();
 }
 
+// A sensor that reads between its units must ride on a pad that tells of each element.
+void refuse_without_elements(const std::string& sensor, const PadLayout& layout, const ContactFrame& truth) {
+  const auto elements = static_cast<Eigen::Index>(layout.elements.size());
+  if (!layout.element_truth || (truth.element_depth.size() == elements && truth.element_shear.rows() == elements)) return;
+  throw std::logic_error(fmt::format("sensor '{}' reads {} elements of its pad, and the bench's frames tell of {}", sensor,
+                                     elements, truth.element_depth.size()));
+}
+
 }  // namespace
 
 double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench) {
@@ -164,6 +174,7 @@ TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr
   record_.sensors.resize(sensors.size());
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
     record_.sensors[pad].name = scene.sensors[pad].name;
+    refuse_without_elements(scene.sensors[pad].name, sensors[pad]->layout(), bench.contact(pad));
     describe_units(sensors[pad]->layout(), scene.friction, bench.friction_scale(), record_.sensors[pad].labels);
     units_.emplace_back(sensors[pad]->layout().units.size());
     sampling_.push_back(sampling_of(*sensors[pad], bench, pad));

@@ -32,7 +32,7 @@ void check_record_size(const Scene& scene, double bytes, double max_bytes);
 class TrialRecorder {
  public:
   // All must outlive the recorder. Throws SceneValueError when the record would take more than `max_bytes`, or the trial ends before a
-  // sensor's first sample is complete.
+  // sensor's first sample is complete; std::logic_error when a sensor asks for element_truth and the bench's frames do not carry it.
   TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench, std::uint64_t trial,
                 Recording recording, double max_bytes);
 

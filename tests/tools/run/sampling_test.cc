@@ -124,5 +124,20 @@ TEST(Sampling, ATrialWithoutAWholeSampleIsRefused) {
   }
 }
 
+TEST(Sampling, ASensorBetweenItsUnitsNeedsABenchThatTellsOfElements) {
+  const Scene scene = scene_of("30 ms");
+  PadLayout with = make_sensor(scene.sensors.front(), scene.seed, 0)->layout(), without = with;
+  with.element_truth = true;
+  std::vector<std::unique_ptr<Sensor>> sensors;
+  sensors.push_back(std::make_unique<Multiplexed>(with));
+  const double readings = 1000.0;
+  const auto record_on = [&](const PadLayout* pad) {
+    const Testbench bench(scene, {&pad, 1}, {&readings, 1}, 0);
+    const TrialRecorder recorder(scene, sensors, bench, 0, Recording::full, max_record_bytes);
+  };
+  EXPECT_NO_THROW(record_on(&with));
+  EXPECT_THROW(record_on(&without), std::logic_error);
+}
+
 }  // namespace
 }  // namespace slipbench::sampling_test
