@@ -150,6 +150,29 @@ std::vector<int> touched_geoms(const Attributes& attributes) {
   return geoms;
 }
 
+// The pad of the attributes elements and units. MuJoCo asks for it three times a pad and model, and pads of one kind and the trials of a sweep have
+// the same: the one that this thread read last serves as long as its text does.
+const PadLayout& table_of(const Attributes& attributes) {
+  struct Table {
+    std::string rows, units;
+    PadLayout layout;
+  };
+  thread_local Table last;
+  std::string rows = attributes.text("elements"), units = attributes.has("units") ? attributes.text("units") : "";
+  if (last.rows != rows || last.units != units) {
+    const YamlNode table = attributes.yaml("elements");
+    if (attributes.has("units")) {
+      const YamlNode counts = attributes.yaml("units");
+      last.layout = read_element_table(table, &counts);
+    } else {
+      last.layout = read_element_table(table, nullptr);
+    }
+    last.rows = std::move(rows);
+    last.units = std::move(units);
+  }
+  return last.layout;
+}
+
 }  // namespace
 
 std::unique_ptr<Sensor> PadConfig::make_sensor(const PadCatalogue& catalogue) const {
@@ -178,13 +201,7 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
   if (attributes.has("element_truth") && !attributes.has("elements"))
     attributes.refuse("element_truth belongs to elements; allowed: both or neither");
   if (attributes.has("elements")) {
-    const YamlNode rows = attributes.yaml("elements");
-    if (attributes.has("units")) {
-      const YamlNode units = attributes.yaml("units");
-      config.table = {read_element_table(rows, &units)};
-    } else {
-      config.table = {read_element_table(rows, nullptr)};
-    }
+    config.table = {table_of(attributes)};
     config.table.front().element_truth = std::get<bool>(attributes.value(element_truth_spec));
   }
   const Scene scene = read_contact(attributes, catalogue.catalogues);
