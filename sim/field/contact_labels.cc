@@ -67,6 +67,9 @@ const ContactFrame& ContactLabels::update(std::span<Field> fields, double time, 
 const ContactFrame& ContactLabels::judge(std::span<Field> fields, double time, double dt) {
   frame_.time = time;
   label_units(fields, dt);
+  for (Field& field : fields) {
+    if (field.sparse()) field.labels_have_read();
+  }
   if (frame_.element_depth.size() > 0) tell_elements(fields);
   unit_rules::judge_pad(frame_, elements_);
   const bool one_plane = fields.size() == 1 && fields.front().on_plane();

@@ -91,7 +91,7 @@ class Field {
   [[nodiscard]] Eigen::Vector3d normal(std::size_t i) const { return vector(normal_x, i); }
   [[nodiscard]] Eigen::Vector3d contact_point(std::size_t i) const { return vector(contact_x, i); }
 
-  // Works out the three below for all elements; to be called after step() by whoever reads them.
+  // Works out the three below for all elements; to be called after step() by whoever reads them, as often as wanted.
   void view_from_pad();
   // Of element i, in the pad frame P: force of the surface on the pad, as the element passes it on [N], deformed tip minus undeformed
   // tip [m], and slip of the tip over the surface in the last step [m].
@@ -139,10 +139,12 @@ class Field {
   // The effect that replaces the circular friction cone, or null.
   [[nodiscard]] const ConeEffect* effect_cone() const { return effects_.cone.get(); }
 
-  // Where there are many elements of which few touch (sparse.cc): the groups of them whose labels the last view_from_pad() may have changed. All
-  // others touch nothing, and nothing of theirs has changed but the gap. Empty: not such a field.
+  // Where there are many elements of which few touch (sparse.cc): the groups of them that the last view_from_pad() worked out: those whose
+  // labels may differ from the labels' last view. All others touch nothing, and nothing of theirs has changed but the gap. Empty: not such a field.
   [[nodiscard]] std::span<const std::uint32_t> viewed() const { return {shown_.data(), sparse_ ? shown_count_ : 0}; }
   [[nodiscard]] bool sparse() const { return sparse_; }
+  // Of a sparse field: its labels, which are the only ones, have read the view of this step. Other views, whenever taken, take nothing from them.
+  void labels_have_read();
 
   // Whether the surface is a plane, so that all elements meet one normal.
   [[nodiscard]] bool on_plane() const { return std::holds_alternative<Plane>(surface_); }

@@ -28,6 +28,9 @@ void Field::view_sparsely() {
     if (lit_[g] != 0) shown_[shown_count_++] = static_cast<std::uint32_t>(g * kernel::lanes);
   }
   kernel::view_active(columns_, pose_.rotation.transpose(), {shown_.data(), shown_count_});
+}
+
+void Field::labels_have_read() {
   for (std::size_t k = 0; k < shown_count_; ++k) {
     const double* const state = columns_[mode] + shown_[k];
     lit_[shown_[k] / kernel::lanes] = std::any_of(state, state + kernel::lanes, [](double m) { return m != 0.0; }) ? 1 : 0;

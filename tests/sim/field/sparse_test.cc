@@ -34,8 +34,9 @@ PadLayout part_of_pad(std::size_t first_row, std::size_t count) {
 
 struct Bench {
   Bench(const PadLayout& pad, const Surface& surface, Friction friction) : field(pad, surface, friction), labels(pad) {}
-  void step(const Pose& pose, double time) {
+  void step(const Pose& pose, double time, bool drawn = false) {
     field.step(pose, 1e-3);
+    if (drawn) field.view_from_pad();  // as a viewer does, between the step and the labels
     labels.update({&field, 1}, time, 1e-3);
   }
   Field field;
@@ -96,7 +97,7 @@ TEST(SparseField, IsTheDenseOneElementByElement) {
           for (int k = 0; k < 3; ++k) whole.field.step(met.facing, 1e-3);
           whole.field.load_state(state);
         }
-        whole.step(motion.at(time), time);
+        whole.step(motion.at(time), time, tick % 3 != 0);
         std::size_t happened = 0;
         for (std::size_t p = 0; p < parts.size(); ++p) {
           parts[p]->step(motion.at(time), time);
@@ -128,6 +129,32 @@ TEST(SparseField, IsTheDenseOneElementByElement) {
   EXPECT_GT(touched, steps * 10);
   EXPECT_GT(slid, 10000u);
   EXPECT_GT(events, 1000u);
+}
+
+// Drawn or not, every unit of what has been lifted off reads 0, and touches nothing.
+TEST(SparseField, LooksChangeNoLabel) {
+  const Target met = target(Shape::cylinder);
+  for (const int looks : {0, 1, 2}) {
+    Bench bench(part_of_pad(0, rows), met.surface, {0.5, 0.4});
+    const auto step = [&](double height, double time) {
+      bench.field.step(met.facing * at(0.0, 0.0, height), 1e-3);
+      for (int look = 0; look < looks; ++look) bench.field.view_from_pad();
+      bench.labels.update({&bench.field, 1}, time, 1e-3);
+    };
+    for (int tick = 0; tick < 5; ++tick) step(-1e-3, 1e-3 * tick);
+    const ContactFrame& frame = bench.labels.frame();
+    ASSERT_GT(bench.field.touching(), 0U);
+    // The deepest of the pad, in the middle of its column, is 1 mm to within its height in the surface: k_n d, k_n from 100 N/m on.
+    ASSERT_GT(frame.force.row(2).maxCoeff(), 100.0 * 0.9e-3);
+    for (int tick = 5; tick < 8; ++tick) {
+      step(12e-3, 1e-3 * tick);
+      EXPECT_EQ(bench.field.touching(), 0U);
+      EXPECT_EQ(frame.force.abs().maxCoeff(), 0.0) << looks << " looks, tick " << tick;
+      EXPECT_EQ(frame.contact_force.abs().maxCoeff(), 0.0) << looks << " looks, tick " << tick;
+      EXPECT_EQ(frame.displacement.abs().maxCoeff(), 0.0) << looks << " looks, tick " << tick;
+      EXPECT_TRUE(frame.margin.isNaN().all()) << looks << " looks, tick " << tick;
+    }
+  }
 }
 
 // Forces and energies are sums over the groups that take part, in the order of all.
