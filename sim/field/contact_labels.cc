@@ -109,8 +109,9 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
   }
   const auto hardest = [&](std::size_t u) { return one_field ? &fields.front() : hardest_[u]; };
   const auto normal = [&](std::size_t u) { return Eigen::Vector3d(units.normal[0][u], units.normal[1][u], units.normal[2][u]); };
-  // Units that meet the same normal are turned together, and with them those that touch nothing: all of theirs is 0.
-  const auto apart = [&](std::size_t u) { return units.touching[u] == 0.0; };
+  // Units that meet the same normal are turned together, and with them those that touch nothing: all of theirs is 0, unless their tips ring.
+  const bool rings = std::ranges::any_of(fields, &Field::has_tips);
+  const auto apart = [&](std::size_t u) { return !rings && units.touching[u] == 0.0; };
   for (std::size_t first = 0, end = 0; first < count; first = end) {
     while (end + 1 < count && apart(end)) ++end;
     const Field& field = *hardest(end);

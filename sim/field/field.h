@@ -138,6 +138,8 @@ class Field {
   [[nodiscard]] double stop_stiffness() const { return effects_.lean ? effects_.lean->stop_stiffness : 0.0; }
   // The effect that replaces the circular friction cone, or null.
   [[nodiscard]] const ConeEffect* effect_cone() const { return effects_.cone.get(); }
+  // Whether tips have mass: what touches nothing then goes on swinging, and its root feels that.
+  [[nodiscard]] bool has_tips() const { return effects_.tip != nullptr; }
 
   // Where there are many elements of which few touch (sparse.cc): the groups of them that the last view_from_pad() worked out: those whose
   // labels may differ from the labels' last view. All others touch nothing, and nothing of theirs has changed but the gap. Empty: not such a field.

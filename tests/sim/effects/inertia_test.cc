@@ -1,9 +1,12 @@
 // Tips with mass in a field: what labels and sensors get, and what they cannot be joined with. The law itself: tests/oracle/inertia_test.cc.
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "sim/core/error.h"
 #include "sim/effects/install.h"
@@ -41,6 +44,40 @@ TEST(InertiaLabels, TheMarginIsOfFrictionAndTheForceIsFelt) {
   EXPECT_GT(slid, 665);
   // It starts to slip (mu_s - mu_k) f_n from its rest, and swings beyond that with the speed of the root.
   EXPECT_GT(farthest, 0.9 * (mu_s - mu_k) * k_n * depth);
+}
+
+// A tip that has been lifted off goes on swinging, so that what its root feels has a direction. It is told in the plane of the surface that it
+// left, which is level, whatever the tilted one does that another unit touches.
+TEST(InertiaLabels, WhatRingsInTheAirIsNotTurnedByAnotherUnitsSurface) {
+  const double dt = 1e-4, mu = 0.6, dragged = 0.2e-3;
+  PadLayout pad;
+  for (const double x : {0.0, 10e-3}) {
+    Element element;
+    element.tip = {x, 0.0, 0.2 * x};  // the second stays above the level surface
+    element.k_normal = k_n;
+    element.k_tangential = k_t;
+    pad.units.push_back({pad.elements.size(), 1});
+    pad.elements.push_back(element);
+  }
+  std::vector<Field> fields;
+  for (int k = 0; k < 2; ++k) fields.push_back(field_with(pad, {mu, mu}, {{"inertia", {{"damping", 0.05}}}}));
+  Pose tilted;  // 30 degrees about y: the second tip is 0.5 mm under the surface, the first one above it
+  tilted.rotation = Eigen::AngleAxisd(std::numbers::pi / 6.0, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  tilted.position.z() = -0.5e-3 - (tilted.rotation * pad.elements[1].tip).z();
+  ContactLabels labels(pad);
+  double most = 0.0;
+  for (int tick = 0; tick < 60; ++tick) {
+    const bool lifted = tick >= 40;
+    fields[0].step(at(dragged * std::min(1.0, tick / 30.0), 0.0, lifted ? 0.1e-3 : -depth), dt);
+    fields[1].step(tilted, dt);
+    const ContactFrame& frame = labels.update(fields, tick * dt, dt);
+    ASSERT_EQ(frame.unit_state[1], UnitState::stick);
+    ASSERT_EQ(frame.unit_state[0], lifted ? UnitState::detached : UnitState::stick);
+    EXPECT_EQ((frame.contact_force.col(0) - frame.force.col(0)).abs().maxCoeff(), 0.0) << tick;
+    if (lifted) most = std::max(most, std::abs(frame.force(0, 0)));
+  }
+  // It lets go of k_t x = 0.12 N, and of a swing damped at 0.05 there is exp(-0.05 pi) = 85 % left at the other end.
+  EXPECT_GT(most, 0.8 * k_t * dragged);
 }
 
 TEST(InertiaLabels, EveryChangeInsideAStepIsToldInOrder) {
