@@ -102,6 +102,7 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
   const double rate = 1.0 / dt;
   if (one_field && single_ && fields.front().sparse()) {
     const Field& field = fields.front();
+    if (shaken_) frame_.force.row(2).setZero();  // of the units that touch nothing too
     kernel::label_groups(units, field.pad_in_surface().rotation.transpose(), rate, {field.viewed().data(), field.viewed().size()},
                          count, frame_);
     for (std::size_t u = 0; u < count; ++u) frame_.slip_distance[static_cast<Eigen::Index>(u)] = units.share[u] * units.path[u];

@@ -31,6 +31,7 @@ class ContactLabels {
   void ride(const Eigen::Array3d& stage_position, double shaking) {
     frame_.stage_position = stage_position;
     if (shaking != 0.0) frame_.force.row(2) += shaking;
+    shaken_ = shaking != 0.0;
   }
   // All that the labels carry from one step to the next beside the fields' state is frame().slip_angle [rad].
   void set_slip_angle(double angle) { frame_.slip_angle = angle; }
@@ -47,6 +48,7 @@ class ContactLabels {
   std::vector<double> shares_;  // 1/elements of the unit
   std::vector<std::uint32_t> unit_of_element_;
   bool single_ = false;                // every unit is one element
+  bool shaken_ = false;                // ride() has added to all forces
   Eigen::ArrayXXd sums_;               // [N, columns] units of several elements, or on several surfaces
   Eigen::ArrayXXd on_one_;             // the same on one of several surfaces
   std::vector<const Field*> hardest_;  // [N] of several fields: the one that presses the unit hardest

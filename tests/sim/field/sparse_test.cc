@@ -157,6 +157,21 @@ TEST(SparseField, LooksChangeNoLabel) {
   }
 }
 
+// A stage's vibration presses every unit alike, in each step anew.
+TEST(SparseField, IsShakenAnewInEveryStep) {
+  const Target met = target(Shape::cylinder);
+  Bench bench(part_of_pad(0, rows), met.surface, {0.5, 0.4});
+  const ContactFrame& frame = bench.labels.frame();
+  for (int tick = 0; tick < 5; ++tick) {
+    bench.step(met.facing * at(0.0, 0.0, -1e-3), 1e-3 * tick);
+    const Eigen::ArrayXd pressed = frame.force.row(2);
+    const double shaking = tick < 3 ? 0.125 * (tick + 1) : 0.0;
+    bench.labels.ride({0.0, 0.0, 0.0}, shaking);
+    EXPECT_EQ(frame.force(2, 0), shaking) << "N, a corner touches nothing";
+    EXPECT_TRUE((frame.force.row(2).transpose() == pressed + shaking).all());
+  }
+}
+
 // Forces and energies are sums over the groups that take part, in the order of all.
 TEST(SparseField, SumsWhatTakesPart) {
   const Target met = target(Shape::cylinder);
