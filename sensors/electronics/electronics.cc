@@ -20,7 +20,8 @@ const std::vector<PartKind>& part_kinds() {
   return kinds;
 }
 
-const PartKind& kind_of(const std::string& name, const std::string& sensor_name) {
+// `path`: of the electronics in the scene.
+const PartKind& kind_of(const std::string& name, const std::string& path) {
   const auto& kinds = part_kinds();
   const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const PartKind& kind) { return kind.entry.name == name; });
   if (found != kinds.end()) return *found;
@@ -32,8 +33,8 @@ const PartKind& kind_of(const std::string& name, const std::string& sensor_name)
     allowed += (allowed.empty() ? "" : ", ") + kind.entry.name;
   }
   const std::string near = nearest_name(name, names);
-  throw InputError("sensors." + sensor_name + ".electronics: unknown part '" + name + "'" +
-                   (near.empty() ? "" : "; did you mean '" + near + "'?") + "; allowed: " + allowed);
+  throw SceneValueError(
+      path, "unknown part '" + name + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") + "; allowed: " + allowed);
 }
 
 }  // namespace
@@ -51,13 +52,13 @@ ParameterSpec scale_parameter() {
 }
 
 Electronics::Electronics(const std::vector<ElectronicsPart>& parts, const SignalModel& model, const ElectronicsKey& key) {
+  const std::string path = "sensors." + key.sensor_name + ".electronics";
   for (auto part = parts.begin(); part != parts.end(); ++part) {
-    const PartKind& kind = kind_of(part->name, key.sensor_name);
+    const PartKind& kind = kind_of(part->name, path);
     if (std::any_of(parts.begin(), part, [&](const ElectronicsPart& earlier) { return earlier.name == part->name; })) {
-      throw InputError("sensors." + key.sensor_name + ".electronics: part '" + part->name +
-                       "' is listed twice; name it once and use its scale");
+      throw SceneValueError(path, "part '" + part->name + "' is listed twice; name it once and use its scale");
     }
-    if (kind.check != nullptr) kind.check(part->parameters, "sensors." + key.sensor_name + ".electronics." + part->name);
+    if (kind.check != nullptr) kind.check(part->parameters, model, path + "." + part->name);
     const std::uint64_t drawn_for = kind.drawn_per == DrawnPer::device ? key.device : key.trial;
     stages_.push_back(kind.make(part->parameters, model,
                                 RandomStream(key.seed, drawn_for, "electronics." + key.sensor_name + "." + part->name)));

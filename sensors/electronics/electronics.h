@@ -70,7 +70,7 @@ class ElectronicsStage {
 // The parts of one sensor, applied in the order in which they are listed. Empty: ideal.
 class Electronics {
  public:
-  // Throws InputError for an unknown part and for a part that is listed twice, SceneValueError for parameters that do not go together.
+  // Throws SceneValueError for an unknown part, a part that is listed twice, and parameters that do not go together or with the sensor.
   Electronics(const std::vector<ElectronicsPart>& parts, const SignalModel& model, const ElectronicsKey& key);
 
   void apply(std::span<float> values, double time) {

@@ -18,8 +18,9 @@ struct PartKind {
   DrawnPer drawn_per;
   // `stream` is the part's own.
   std::unique_ptr<ElectronicsStage> (*make)(const Parameters& parameters, const SignalModel& model, RandomStream stream);
-  // Throws SceneValueError for parameters that do not go together; null: all that are in their ranges do. `path`: of the part in the scene.
-  void (*check)(const Parameters& parameters, const std::string& path) = nullptr;
+  // Throws SceneValueError for parameters that do not go together or with the sensor; null: all that are in their ranges do. `path`: of the part
+  // in the scene.
+  void (*check)(const Parameters& parameters, const SignalModel& model, const std::string& path) = nullptr;
 };
 
 PartKind scan_part();

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "sensors/electronics/part_kind.h"
@@ -13,10 +14,6 @@ class Scan final : public ElectronicsStage {
  public:
   Scan(const Parameters& parameters, const SignalModel& model) : memory_(model.source.size() + 1) {
     const double duration = parameters.number("duration");
-    if (!(duration * model.rate <= 1.0)) {
-      throw InputError("electronics: scan: its duration " + format_quantity(duration, Quantity::time) + " is longer than the " +
-                       format_quantity(1.0 / model.rate, Quantity::time) + " between two samples; allowed: up to that");
-    }
     const auto count = static_cast<double>(model.source.size());
     for (std::size_t v = 0; v < model.source.size(); ++v) {
       age_.push_back(duration * model.rate * (count - 1.0 - static_cast<double>(v)) / count);
@@ -45,6 +42,14 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
   return std::make_unique<Scan>(parameters, model);
 }
 
+void check_duration(const Parameters& parameters, const SignalModel& model, const std::string& path) {
+  const double duration = parameters.number("duration");
+  if (duration * model.rate <= 1.0) return;
+  throw SceneValueError(path + ".duration", format_quantity(duration, Quantity::time) + " is longer than the " +
+                                                format_quantity(1.0 / model.rate, Quantity::time) +
+                                                " between two samples; allowed: up to that");
+}
+
 }  // namespace
 
 PartKind scan_part() {
@@ -62,7 +67,8 @@ PartKind scan_part() {
                                     .doc = "Time to read all values once; at most that between two samples.",
                                     .source = "assumed"}}},
           .drawn_per = DrawnPer::device,
-          .make = &make};
+          .make = &make,
+          .check = &check_duration};
 }
 
 }  // namespace slipbench

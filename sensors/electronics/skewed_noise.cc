@@ -58,7 +58,7 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
   return std::make_unique<SkewedNoise>(parameters, model, stream);
 }
 
-void check_spike(const Parameters& parameters, const std::string& path) {
+void check_spike(const Parameters& parameters, const SignalModel& /*model*/, const std::string& path) {
   const std::vector<double>& spike = parameters.vector("spike");
   if (spike[0] <= spike[1]) return;
   throw SceneValueError(path + ".spike", "[" + format_number(spike[0]) + ", " + format_number(spike[1]) +

@@ -59,9 +59,10 @@ TEST(Electronics, RefusesAnUnknownPart) {
   try {
     const Electronics electronics({{"ofset", {}}}, two_values_a_source(1), default_key);
     FAIL() << "accepted";
-  } catch (const InputError& error) {
+  } catch (const SceneValueError& error) {
+    EXPECT_EQ(error.path(), "sensors.pad.electronics");
     EXPECT_THAT(error.what(),
-                AllOf(HasSubstr("sensors.pad.electronics"), HasSubstr("'ofset'"), HasSubstr("did you mean 'offset'"),
+                AllOf(HasSubstr("'ofset'"), HasSubstr("did you mean 'offset'"),
                       HasSubstr("scan, coupling, gain, offset, drift, noise, white_noise, skewed_noise, quantisation")));
   }
 }
@@ -70,8 +71,9 @@ TEST(Electronics, RefusesAPartNamedTwice) {
   try {
     const Electronics electronics({part("gain"), part("noise"), part("gain")}, two_values_a_source(1), default_key);
     FAIL() << "accepted";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("sensors.pad.electronics"), HasSubstr("'gain' is listed twice")));
+  } catch (const SceneValueError& error) {
+    EXPECT_EQ(error.path(), "sensors.pad.electronics");
+    EXPECT_THAT(error.what(), HasSubstr("'gain' is listed twice"));
   }
 }
 
