@@ -183,8 +183,13 @@ TEST(MyrmexElectronics, ScanReadsOneTaxelAfterTheOther) {
   }
   ElectronicsPart slow = part("scan");
   slow.parameters.set("duration", 1.5e-3);
-  EXPECT_THAT([&] { array({}, {slow}); },
-              testing::ThrowsMessage<InputError>(testing::HasSubstr("1.5 ms is longer than the 1 ms")));
+  try {
+    array({}, {slow});
+    FAIL() << "accepted";
+  } catch (const SceneValueError& error) {
+    EXPECT_EQ(error.path(), "sensors.pad.electronics.scan.duration");
+    EXPECT_THAT(error.what(), testing::HasSubstr("1.5 ms is longer than the 1 ms between two samples"));
+  }
 }
 
 TEST(MyrmexElectronics, NoiseIsThatOfTheComparableCell) {
