@@ -83,14 +83,14 @@ class Myrmex final : public Sensor {
     const double* const force = truth.force.data() + 2;
     double *const first = plays_.data(), *const second = first + taxels;
     float* const values = values_.data();
-    float least = 1.0F;
     for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
       const double pressed = std::max(0.0, force[3 * taxel]);
       values[taxel] = static_cast<float>(cell.reading(cell.felt(pressed, first[taxel], second[taxel])));
-      least = std::min(least, values[taxel]);
     }
-    if (least == 0.0F) ++saturated_;
     electronics_.apply(values_, truth.time);
+    float least = values[0];
+    for (std::size_t taxel = 1; taxel < taxels; ++taxel) least = std::min(least, values[taxel]);
+    if (least <= 0.0F) ++saturated_;
     frame_.time = truth.time;
     return frame_;
   }
@@ -101,7 +101,8 @@ class Myrmex final : public Sensor {
     return memories;
   }
 
-  // Images with a taxel at the lower end of the divider. At the upper one is its rest, where noise is cut off in every image.
+  // Images with a taxel that reads no more than 0, its loaded end. At the other end is its rest, where the converter cuts off half of the noise in
+  // every image: that is not counted.
   [[nodiscard]] std::uint64_t saturated() const override { return saturated_; }
 
   // The paper labels by a third sensor on the object, of which this one knows nothing: it can tell contact alone.

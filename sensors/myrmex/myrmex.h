@@ -23,7 +23,7 @@ std::vector<Entry> myrmex_electronics();
 // upright where X is to the right and Y upwards.
 // `parameters`: those of myrmex_entry(), all present. `electronics`: applied in this order; empty: ideal, without rounding.
 // `seed` of the dataset and `trial` key the random streams, together with `sensor_name`, the scene's name for the sensor.
-// Throws InputError for unknown or repeated electronics and for a scan that takes longer than a sample.
+// Throws SceneValueError for unknown or repeated electronics and for a scan that takes longer than a sample.
 std::unique_ptr<Sensor> make_myrmex(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
                                     std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name);
 

@@ -209,6 +209,19 @@ TEST(MyrmexElectronics, NoiseIsThatOfTheComparableCell) {
   EXPECT_NEAR(product / expected, 0.0, 5.0 / std::sqrt(2560.0));
 }
 
+TEST(MyrmexElectronics, SaturationIsCountedOfWhatIsReadAtTheLoadedEndAlone) {
+  const std::vector<ElectronicsPart> parts{part("white_noise"), part("quantisation")};
+  const auto sensor = array({{"hysteresis", 0.0}}, parts);
+  for (int k = 0; k < 10; ++k) sensor->measure(pressed(256, 0.0));
+  EXPECT_EQ(sensor->saturated(), 0u) << "at rest half of the noise is cut off at 4095";
+  // 2.5 N a taxel: R = 14.07 kOhm, 2340 counts, 65 sd of the noise from either end.
+  sensor->measure(pressed(256, 256.0 * 2.5));
+  EXPECT_EQ(sensor->saturated(), 0u);
+  // 6.1 N a taxel: R = 6.061 kOhm, 21 counts, where the noise of 36 takes a reading to 0 with probability 0.28: none of 256 with 0.72^256 = 1e-36.
+  sensor->measure(pressed(256, 256.0 * 6.1));
+  EXPECT_EQ(sensor->saturated(), 1u);
+}
+
 TEST(MyrmexLabel, TellsContactAlone) {
   const auto sensor = array();
   ContactFrame truth = pressed(256, 1.0);
