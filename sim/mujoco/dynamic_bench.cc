@@ -390,6 +390,11 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
     for (const State::Pad& pad : s.pads) pad.instance->keep_state();
   }
   call_mujoco([&s] { mj_forward(s.model.get(), s.data.get()); });
+  // RK4 commits at the end of a step only. What touches at t = 0 sticks there, unstrained, as by any other integrator: else no tip would hold in
+  // the first step, and tick 0 would have no truth.
+  if (s.leads) {
+    for (const State::Pad& pad : s.pads) pad.instance->commit(s.m(), s.d());
+  }
   s.find_watched(options.limits);
 }
 
