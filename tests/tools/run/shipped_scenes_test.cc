@@ -1,4 +1,5 @@
-// The scenes of the nib pad, of the piezoelectric skin and of the BioTac SP: what must stay true of each file. The skin's dataset.yaml is in piezo_skin_test.cc.
+// The scenes of the nib pad, of the piezoelectric skin, of the BioTac SP and of the Myrmex: what must stay true of each file. The skin's dataset.yaml is in piezo_skin_test.cc.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -163,6 +164,56 @@ TEST(ShippedScenes, BiotacSlipsInSevenWays) {
     EXPECT_NEAR(s - n, random ? 0.0 : 12.2e-3, (random ? 5.8e-3 : 1.65e-3));
     EXPECT_NEAR(w - e, random ? 0.0 : 13.2e-3, (random ? 5.8e-3 : 1.65e-3));
   }
+}
+
+const ControlScene& control_of(const Scene& scene, const std::string& actuator) {
+  return *std::ranges::find(scene.controls, actuator, &ControlScene::actuator);
+}
+
+// Section 2.1 of the paper: 64 trials, 662.8 s in all, a third sensor at 500 Hz; the kind of slip by where the centre of mass is.
+TEST(ShippedScenes, MyrmexHasThePublishedTrialsAndEachEndsInAFall) {
+  const TrialPlan plan(shipped("myrmex/dataset.yaml"), catalogues(), 0, 1);
+  ASSERT_EQ(plan.size(), 64u);
+  double duration = 0.0;
+  std::map<bool, int> kinds;
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    const Scene scene = plan.trial(i).scene;
+    duration += scene.duration;
+    ASSERT_EQ(scene.sensors.size(), 3u);
+    std::map<std::string, double> rates;
+    for (const SensorScene& sensor : scene.sensors) {
+      EXPECT_EQ(sensor.type, "myrmex");
+      EXPECT_FALSE(sensor.electronics.empty());
+      rates[sensor.name] = sensor.parameters.number("rate");
+    }
+    EXPECT_EQ(rates, (std::map<std::string, double>{{"left", 1000.0}, {"right", 1000.0}, {"top", 500.0}}));
+
+    // The Z of what lies, turned by -90 degrees about X, is the world's Y.
+    const Parameters& body = scene.bodies.at(0).shape.parameters;
+    const bool turned = body.vector("rotation")[0] != 0.0;
+    const double own = turned && body.values().contains("centre_of_mass") ? body.vector("centre_of_mass")[2] : 0.0;
+    const double side = body.vector("position")[1] + own;
+    ++kinds[side != 0.0];
+    if (side != 0.0) {
+      EXPECT_GE(side, 20e-3) << i;
+      EXPECT_LE(side, 35e-3) << i;
+    }
+
+    // The foams bear nothing once the arms have gone as far apart as they were told to squeeze. The object's middle is then at most 15 mm above the
+    // grip, and it has fallen past the pads when its top, half of 160 mm above that, is 40 mm below: sqrt(2 0.135 m/g) = 0.17 s.
+    const double squeeze = control_of(scene, "squeeze").points.back().value;
+    const ControlScene::Point& apart = control_of(scene, "apart").points.back();
+    EXPECT_GE(apart.value, squeeze) << i;
+    EXPECT_GT(scene.duration, apart.time + 0.17) << i;
+  }
+  EXPECT_NEAR(duration, 662.8, 0.05) << "as published, to a tenth of a second";
+  EXPECT_EQ(kinds, (std::map<bool, int>{{false, 32}, {true, 32}}));
+}
+
+TEST(ShippedScenes, MyrmexSlipIsAsLongAsATrialOfTheDataset) {
+  const Scene scene = scene_of("myrmex/slip.yaml");
+  EXPECT_NEAR(64.0 * scene.duration, 662.8, 0.05);
+  EXPECT_GE(control_of(scene, "apart").points.back().value, control_of(scene, "squeeze").points.back().value);
 }
 
 }  // namespace
