@@ -229,8 +229,9 @@ std::vector<std::string> export_dataset(const std::string& dataset_path, const s
   const bool all_sensors = options.format == ExportFormat::npz || options.format == ExportFormat::myrmex_rotated ||
                            options.format == ExportFormat::grasp_csv;
   if (!options.sensor.empty() && all_sensors) {
-    throw InputError(fmt::format("{} holds all sensors of a trial; allowed: --sensor with the other formats",
-                                 options.format == ExportFormat::grasp_csv ? "grasp-csv" : "npz"));
+    throw InputError(
+        fmt::format("{} holds all sensors of a trial; allowed: --sensor with the other formats",
+                    std::ranges::find(formats, options.format, [](const auto& known) { return known.second; })->first));
   }
   // A path holds no zero byte, which therefore ends each in what the child process hands back.
   const std::string names = guarded(dataset_path, [&] {

@@ -1,6 +1,7 @@
 #include "tools/export/myrmex_images.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -8,12 +9,13 @@
 
 #include <fmt/format.h>
 
+#include "sensors/myrmex/foam_cell.h"
 #include "sim/core/error.h"
 
 namespace slipbench {
 namespace {
 
-constexpr double full_scale = 4095.0;  // counts
+using myrmex::full_scale;
 
 // Of a turn by 30 degrees times `turn`; exact where it is a quarter turn.
 std::pair<double, double> sine_cosine(std::size_t turn) {
@@ -51,11 +53,15 @@ std::string myrmex_csv(const SensorRecord& sensor) {
 
 bool begins_as_myrmex_csv(std::string_view text) {
   std::string_view line = text.substr(0, text.find('\n'));
-  if (line.empty()) return false;
+  // A single number is what any file may begin with.
+  if (line.find(',') == std::string_view::npos) return false;
   while (!line.empty()) {
     const std::string_view number = line.substr(0, line.find(','));
     const bool digits = std::ranges::all_of(number, [](char c) { return c >= '0' && c <= '9'; });
     if (number.empty() || number.size() > 4 || !digits) return false;
+    int counts = 0;
+    std::from_chars(number.data(), number.data() + number.size(), counts);
+    if (counts > full_scale) return false;
     if (number.size() == line.size()) break;
     line.remove_prefix(number.size() + 1);
   }

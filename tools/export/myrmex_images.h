@@ -15,7 +15,8 @@ namespace slipbench {
 // A line an image, without a header: its counts, 0 to 4095, rounded, column by column, so that what reads it row by row (the public tools) sees
 // the image transposed, as the hardware sends it. Throws InputError when the sensor is no myrmex or a value is no count.
 std::string myrmex_csv(const SensorRecord& sensor);
-// Whether a file that begins so is one: a first line of whole numbers up to 4095 and nothing else.
+// Whether a file that begins so is one: a first line of at least two whole numbers up to 4095 and nothing else. That of an array of a single taxel
+// is told from no other file, and so is not written over.
 bool begins_as_myrmex_csv(std::string_view text);
 
 // The paper's augmentation (section 4): the image turned by 0 to 330 degrees in steps of 30, its innermost 12 x 12 taxels.

@@ -98,6 +98,9 @@ TEST(MyrmexCsv, IsTransposedAndRounded) {
   EXPECT_TRUE(begins_as_myrmex_csv("1,4,2,5\n"));
   EXPECT_FALSE(begins_as_myrmex_csv("t [s],T0_0 [counts]\n"));
   EXPECT_FALSE(begins_as_myrmex_csv("1,,2\n"));
+  EXPECT_FALSE(begins_as_myrmex_csv("2024\n")) << "a year, which any file may begin with";
+  EXPECT_FALSE(begins_as_myrmex_csv("4095,4096\n")) << "no count";
+  EXPECT_TRUE(begins_as_myrmex_csv("4095,0\n"));
   EXPECT_FALSE(begins_as_myrmex_csv(""));
 }
 
