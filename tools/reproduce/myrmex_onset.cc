@@ -5,18 +5,30 @@
 
 #include <Eigen/Geometry>
 
+#include "sensors/myrmex/foam_cell.h"
 #include "sim/core/error.h"
 
 namespace slipbench::reproduce {
 namespace {
 
-constexpr double rest = 4095.0;  // counts
+constexpr double rest = myrmex::full_scale;
 
 const std::vector<float>& taxels_of(const SensorRecord& sensor) {
   for (const SensorColumn& column : sensor.channels) {
     if (column.name == "taxels") return column.values;
   }
   throw InputError("sensor " + sensor.name + " has no taxels; allowed: a myrmex");
+}
+
+// Of each sample, the counts that are missing of the taxel that misses most.
+std::vector<double> most_missing(const SensorRecord& sensor) {
+  const std::vector<float>& taxels = taxels_of(sensor);
+  const std::size_t units = sensor.labels.units();
+  std::vector<double> most;
+  for (std::size_t k = 0; k < sensor.time.size(); ++k) {
+    most.push_back(rest - static_cast<double>(*std::ranges::min_element(std::span(taxels).subspan(k * units, units))));
+  }
+  return most;
 }
 
 }  // namespace
@@ -33,16 +45,22 @@ std::vector<double> sum_of_contacts(const SensorRecord& sensor) {
   return sums;
 }
 
-std::optional<double> decrease_onset(std::span<const double> time, std::span<const double> sum, const OnsetRule& rule,
-                                     double from, double to, double end, double least) {
-  std::vector<double> averaged(sum.begin(), sum.end());
+std::vector<double> backward_mean(std::span<const double> time, std::span<const double> values, double window) {
+  std::vector<double> averaged(values.begin(), values.end());
+  if (!(window > 0.0)) return averaged;
   std::size_t first = 0;
   double total = 0.0;
-  for (std::size_t k = 0; k < sum.size(); ++k) {
-    total += sum[k];
-    while (first < k && time[k] - time[first] >= rule.window) total -= sum[first++];
-    if (rule.window > 0.0) averaged[k] = total / static_cast<double>(k - first + 1);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    total += values[k];
+    while (first < k && time[k] - time[first] >= window) total -= values[first++];
+    averaged[k] = total / static_cast<double>(k - first + 1);
   }
+  return averaged;
+}
+
+std::optional<double> decrease_onset(std::span<const double> time, std::span<const double> sum, const OnsetRule& rule,
+                                     double from, double to, double end, double least) {
+  const std::vector<double> averaged = backward_mean(time, sum, rule.window);
   double n = 0.0, mean = 0.0, squares = 0.0;
   for (std::size_t k = 0; k < sum.size(); ++k) {
     if (time[k] < from || time[k] >= to) continue;
@@ -97,14 +115,13 @@ TrueSlip true_slip(const SensorRecord& left, const SensorRecord& right, double f
   return slip;
 }
 
-double contact_end(const SensorRecord& left, const SensorRecord& right, double gate) {
+double contact_end(const SensorRecord& left, const SensorRecord& right, const ContactGate& gate) {
   double end = 0.0;
   for (const SensorRecord* sensor : {&left, &right}) {
-    const std::vector<float>& taxels = taxels_of(*sensor);
-    const std::size_t units = sensor->labels.units();
-    for (std::size_t k = 0; k < sensor->time.size(); ++k) {
-      const auto image = std::span(taxels).subspan(k * units, units);
-      if (rest - static_cast<double>(*std::ranges::min_element(image)) > gate) end = std::max(end, sensor->time[k]);
+    const std::vector<double> missing =
+        backward_mean(sensor->time, gate.of_sum ? sum_of_contacts(*sensor) : most_missing(*sensor), gate.window);
+    for (std::size_t k = 0; k < missing.size(); ++k) {
+      if (missing[k] > gate.counts) end = std::max(end, sensor->time[k]);
     }
   }
   return end;

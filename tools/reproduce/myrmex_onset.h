@@ -22,6 +22,9 @@ struct OnsetRule {
 std::optional<double> decrease_onset(std::span<const double> time, std::span<const double> sum, const OnsetRule& rule,
                                      double from, double to, double end, double least = 0.0);
 
+// Of each sample, the mean of `values` over the samples of the last `window` [s] up to it; 0: the values themselves.
+std::vector<double> backward_mean(std::span<const double> time, std::span<const double> values, double window);
+
 // Of each sample, the sum of 4095 - counts over all taxels of a myrmex.
 std::vector<double> sum_of_contacts(const SensorRecord& sensor);
 
@@ -30,15 +33,21 @@ std::vector<double> slipping_share(const SensorRecord& sensor);
 
 // When the object begins to slip: the first sample's time from which on, as long as both pads touch, slipping taxels carry at least half of the
 // normal force on both. At the limit of friction that is so of a translation and of a turn, whose centre sticks. Empty: it is not so at the end.
-// `end`: when the first of the pads has lost contact [s].
+// `end`: the last sample at which both pads touch [s].
 struct TrueSlip {
   std::optional<double> onset;
   double end = 0.0;
 };
 TrueSlip true_slip(const SensorRecord& left, const SensorRecord& right, double from);
 
-// The end by the paper's rule: the last sample at which a taxel of either holding array misses more counts than `gate`.
-double contact_end(const SensorRecord& left, const SensorRecord& right, double gate);
+// The end by the paper's rule, "no more contacts were detected on the sensors holding the object". What it leaves open is what a contact is:
+struct ContactGate {
+  bool of_sum;    // of an array: its sum of contacts; else its taxel that misses most counts
+  double window;  // s, over whose samples up to each that is averaged; 0: not at all
+  double counts;  // that must be missing; more is a contact
+};
+// The last sample at which either array has a contact [s]; 0: there is none.
+double contact_end(const SensorRecord& left, const SensorRecord& right, const ContactGate& gate);
 
 // How far the body's centre of mass lies to the side of the grip, along Y [m]: what makes a trial one of rotation.
 double side_of_mass(const BodyScene& body);

@@ -83,7 +83,14 @@ TEST(TrueSlip, BeginsWhereHalfOfTheLoadSlipsForGoodOnBothPads) {
   EXPECT_FALSE(true_slip(pad({{stick, stick}}), pad({{slip, slip}}), 0.0).onset.has_value());
   EXPECT_EQ(slipping_share(pad(one))[0], 0.25);
   EXPECT_EQ(slipping_share(pad(one))[6], 0.0);
-  EXPECT_EQ(contact_end(pad(one), pad(other), 205.0), 6.0);
+  // The other pad touches to the end, with 1,095 counts missing of each of its two taxels.
+  EXPECT_EQ(contact_end(pad(one), pad(other), {false, 0.0, 205.0}), 6.0);
+  EXPECT_EQ(contact_end(pad(one), pad(one), {false, 0.0, 205.0}), 5.0);
+  EXPECT_EQ(contact_end(pad(one), pad(other), {false, 0.0, 1100.0}), 0.0) << "no taxel misses so much";
+  EXPECT_EQ(contact_end(pad(one), pad(one), {true, 0.0, 1100.0}), 5.0) << "but both together";
+  // A mean of two samples: at 6 s of 2,190 and 0.
+  EXPECT_EQ(contact_end(pad(one), pad(one), {true, 2.0, 1090.0}), 6.0);
+  EXPECT_EQ(contact_end(pad(one), pad(one), {true, 2.0, 1100.0}), 5.0);
   EXPECT_EQ(sum_of_contacts(pad(one))[0], 2.0 * 1095.0);
 }
 
