@@ -137,6 +137,8 @@ TEST_F(AnySensor, ArchivesRepeatToTheByte) {
   EXPECT_EQ(bytes_of(path("again/demo_0.npz")), first);
   EXPECT_TRUE(begins_as_npz(first));
   EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::npz, "pad"); }), HasSubstr("npz holds all sensors"));
+  EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::myrmex_rotated, "pad"); }),
+              HasSubstr("myrmex-rotated holds all sensors"));
 }
 
 TEST(LatestRow, IsTheOneAtOrBefore) {
