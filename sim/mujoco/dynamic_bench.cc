@@ -386,9 +386,7 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
   s.find_bodies(carrying);
   s.leads = s.model->opt.integrator == mjINT_RK4;
   if (s.articulated) s.settle_tips();
-  if (!s.articulated && !s.implicit && !s.leads && options.hand == nullptr) {
-    for (const State::Pad& pad : s.pads) pad.instance->keep_state();
-  }
+  s.to_keep = !s.articulated && !s.implicit && !s.leads && options.hand == nullptr;
   call_mujoco([&s] { mj_forward(s.model.get(), s.data.get()); });
   // RK4 commits at the end of a step only. What touches at t = 0 sticks there, unstrained, as by any other integrator: else no tip would hold in
   // the first step, and tick 0 would have no truth.
@@ -436,6 +434,9 @@ void DynamicBench::State::take_tick() {
   } else {
     if (!leads) {
       advance(tick);
+      if (std::exchange(to_keep, false)) {
+        for (const Pad& pad : pads) pad.instance->keep_state();
+      }
     } else if (tick > 0) {
       advance(tick - 1);
     }
