@@ -6,6 +6,7 @@
 
 #include "sensors/electronics/part_kind.h"
 #include "sim/core/error.h"
+#include "sim/core/parameter_specs.h"
 
 namespace slipbench {
 namespace {
@@ -57,15 +58,8 @@ PartKind scan_part() {
                     .summary = "values are read one after the other, the last of them at the sample's own time",
                     .law = "y_v = x_v(t - a_v),  a_v = duration (V - 1 - v)/V,  v = 0 .. V - 1,  x straight between two samples",
                     .source = "the definition of a converter that many values share",
-                    .parameters = {{.name = "duration",
-                                    .type = ParameterType::number,
-                                    .quantity = Quantity::time,
-                                    .default_text = "0 s",
-                                    .range = non_negative,
-                                    .choices = {},
-                                    .size = 1,
-                                    .doc = "Time to read all values once; at most that between two samples.",
-                                    .source = "assumed"}}},
+                    .parameters = {number_spec("duration", Quantity::time, "0 s", non_negative,
+                                               "Time to read all values once; at most that between two samples.", "assumed")}},
           .drawn_per = DrawnPer::device,
           .make = &make,
           .check = &check_duration};

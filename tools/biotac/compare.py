@@ -16,7 +16,7 @@ import recordings as rec
 from recordings import GROUPS, BadInput
 
 # What a recording says, how recordings are summed up, and how far two sums are apart: by their ratio or by their difference.
-# The last column: synthetic and real of the dry run in ../shared/BIOTAC.md, section 1, in the order of GROUPS; None: it does not say.
+# The last column: synthetic and real of the dry run in the specification (BIOTAC.md, section 1), in the order of GROUPS; None: it does not say.
 FIGURES = [
     ("mean count", "ratio", np.median, lambda r: rec.levels(r)[0], None),
     ("mean count, lowest", "ratio", np.median, lambda r: rec.levels(r)[1], None),

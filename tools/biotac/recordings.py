@@ -11,7 +11,7 @@ import numpy as np
 
 RATE = 100.0  # Hz
 CLASSES = ("n", "e", "s", "w", "cw", "aw", "t")
-GROUPS = {"cw,aw": ("cw", "aw"), "e,w": ("e", "w"), "n,s": ("n", "s"), "t": ("t",)}  # as in ../shared/BIOTAC.md
+GROUPS = {"cw,aw": ("cw", "aw"), "e,w": ("e", "w"), "n,s": ("n", "s"), "t": ("t",)}  # as in BIOTAC.md of the specification
 COLUMNS = [f"ff_e{k}" for k in range(1, 25)]
 
 # Electrodes [mm]: x along the finger towards its tip, y into the finger, z sideways (SynTouch, in the repository above). E11 to E20 mirror E1
