@@ -23,7 +23,7 @@ struct Options {
   bool quiet = false;
 
   // run, sweep and check
-  std::string scene;                // run, sweep
+  std::string scene;                // run, sweep, cost; empty: not given
   std::vector<std::string> scenes;  // check
   std::vector<Override> overrides;
   std::optional<std::uint64_t> seed;
@@ -31,10 +31,13 @@ struct Options {
   std::optional<std::size_t> jobs;
   Recording record = Recording::full;  // what `output` holds
 
-  std::string output;  // run, sweep: dataset; report, reproduce: HTML file; export, train, check: folder. Empty: not given
+  std::string output;  // run, sweep: dataset; report, reproduce, cost: HTML file; export, train, check: folder. Empty: not given
   std::string junit;   // check: XML file. Empty: not given
 
-  std::optional<std::size_t> trial;  // run, report, export
+  std::optional<std::size_t> trial;  // run, report, export, cost
+
+  double budget = 60.0;    // cost [s]
+  bool stability = false;  // cost: the map of stable steps
 
   // report, export, train and eval
   std::string dataset;

@@ -36,6 +36,7 @@ const std::map<std::string, Command>& commands() {
       {"train", train_command},
       {"eval", eval_command},
       {"reproduce", reproduce_command},
+      {"cost", cost_command},
       {"list", list_command},
       {"describe", describe_command},
       {"doctor", [](const Options& options) { return doctor_main(options.json); }},

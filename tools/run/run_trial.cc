@@ -141,6 +141,12 @@ void run(Bench& bench, const Sensors& sensors, TrialRecorder& recorder, Loop& lo
   }
 }
 
+double shortest_step(const Bench& bench, std::size_t pads) {
+  double shortest = bench.time_step(0);
+  for (std::size_t pad = 1; pad < pads; ++pad) shortest = std::min(shortest, bench.time_step(pad));
+  return shortest;
+}
+
 }  // namespace
 
 double check_trial(const Scene& scene, std::uint64_t trial) {
@@ -169,6 +175,7 @@ TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recordi
     run(*bench, sensors, recorder, loop);
   }
   TrialResult result = recorder.finish();
+  result.time_step = shortest_step(*bench, sensors.size());
   if (!scene.model.empty()) result.record.model_sha256 = file_sha256(scene.model);
   return result;
 }

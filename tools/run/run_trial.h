@@ -31,6 +31,7 @@ struct UnitOutcome {
 struct TrialResult {
   TrialRecord record;
   std::vector<std::vector<UnitOutcome>> units;  // [sensor][N]
+  double time_step = 0.0;                       // s, the shortest of any pad's
 };
 
 // Memory for all trials that are recorded at a time [bytes].

@@ -214,29 +214,33 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"swep", "s.yaml"},
                 "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, hd, train, eval, "
                 "reproduce, "
-                "list, "
+                "cost, list, "
                 "describe, doctor, plugin-path"},
         Refusal{
             {"xyzzy"},
-            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, list, describe, "
+            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, list, describe, "
             "doctor, plugin-path"},
         Refusal{{"--json", "lst"},
                 "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, hd, train, eval, "
-                "reproduce, list, "
+                "reproduce, cost, list, "
                 "describe, doctor, plugin-path"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
         Refusal{{"--json"},
-                "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, list, describe, "
+                "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, list, describe, "
                 "doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{{"run", "s.yaml", "--job", "2"},
                 "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --trials, --jobs, "
                 "--quiet, --output, --record, --trial"},
         Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
-        Refusal{{"cost", "s.yaml"},
-                "command 'cost' is not available in this version; available: run, sweep, check, report, export, hd, train, eval, "
+        Refusal{{"cost"}, "cost: a scene is missing; allowed: SCENE.yaml, --stability, or both"},
+        Refusal{{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},
+        Refusal{{"cost", "s.yaml", "--budget", "3 N"},
+                "cost: --budget: unit 'N' in '3 N' is not a unit of time; allowed: s, ms, us, min"},
+        Refusal{{"view", "s.yaml"},
+                "command 'view' is not available in this version; available: run, sweep, check, report, export, hd, train, eval, "
                 "reproduce, "
-                "list, "
+                "cost, list, "
                 "describe, doctor, plugin-path"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
         Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},

@@ -104,7 +104,7 @@ TEST(Program, APipeIsNoScene) {
 }
 
 TEST(Program, CommandsOfLaterVersions) {
-  for (const char* command : {"cost", "view", "import"}) {
+  for (const char* command : {"view", "import"}) {
     expect_refusal({command}, HasSubstr(fmt::format("command '{}' is not available in this version; available: run", command)));
   }
 }

@@ -1,0 +1,83 @@
+// Fronts, the cheapest settings and sentences, of an exploration made by hand.
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/tools/cost/example.h"
+#include "tools/cost/cost_json.h"
+#include "tools/cost/explore.h"
+
+namespace slipbench::cost {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// By cost: 10 ms (0.05), 5 ms (0.005), 2 ms is dearer than 5 ms and not better, the scene (0.0005) is; the rest is dearer and worse, and what is
+// compared with something else is on no front.
+TEST(CostReading, TheFrontIsWhatNothingCheaperMatches) {
+  std::vector<std::string> front;
+  for (const Row& row : example().rows) {
+    if (!row.front.empty()) front.push_back(row.setting.label);
+  }
+  EXPECT_THAT(front, ElementsAre("1 ms", "10 ms", "5 ms"));
+}
+
+TEST(CostReading, ARunInWhichOtherThingsHappenMeetsNoWish) {
+  Exploration exploration = example();
+  exploration.rows.push_back(timed("field", "20 ms", 1e-4, onset_error(0.0, true)));
+  EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-2)->setting.label, "5 ms");
+  EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-9), nullptr);
+  EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-2, "contact")->setting.label, "noslip 3");
+}
+
+// 5 ms: 0.004 s for 2 s, 1/500 of real time. noslip 3: 1.6 s for 2 s, 1/1.25, 400 times as much. 0.1 %: the scene itself, 0.02 s, 1/100.
+TEST(CostReading, SentencesSayWhatAnErrorCostsAndWhatMujocoPays) {
+  EXPECT_THAT(
+      sentences(example()),
+      ElementsAre("1 % slip onset error costs 1/500 of real time: element field, 5 ms; MuJoCo's own contact needs 1/1.25 of "
+                  "real time for it (noslip 3): 400 times as much.",
+                  "0.1 % slip onset error costs 1/100 of real time: the scene as it is, 1 ms; MuJoCo's own contact does not "
+                  "reach it: 0.8 % at best (noslip 3, 1/1.25 of real time)."));
+}
+
+TEST(CostReading, AReferenceThatHasNotConvergedIsNoSecret) {
+  Exploration exploration = example();
+  exploration.reference.converged = false;
+  exploration.reference.own_error = onset_error(0.02);
+  EXPECT_THAT(sentences(exploration), Contains(HasSubstr("has not converged by: slip onset (2 %)")));
+}
+
+TEST(CostReading, AnEffectThatCostsAndChangesNothingIsPointedOut) {
+  Exploration exploration = example();
+  exploration.prices = {{.name = "ageing", .without = CpuTime{0.015, 0.014, 0.016, 9}, .share = 0.25, .low = 0.2, .high = 0.3},
+                        {.name = "stribeck",
+                         .without = CpuTime{0.015, 0.014, 0.016, 9},
+                         .share = 0.25,
+                         .low = 0.2,
+                         .high = 0.3,
+                         .changes = onset_error(1e-3)},
+                        {.name = "texture", .without = CpuTime{0.02, 0.014, 0.03, 9}, .share = 0.0, .low = -0.2, .high = 0.3}};
+  EXPECT_TRUE(exploration.prices[0].idle());
+  EXPECT_FALSE(exploration.prices[1].idle());
+  EXPECT_FALSE(exploration.prices[2].idle()) << "what it costs is within the scatter";
+  EXPECT_THAT(sentences(exploration), Contains("ageing costs 25 % of the time and changes nothing that is measured here."));
+}
+
+TEST(CostReading, TheObjectHasFailuresAsFailures) {
+  const auto json = cost_json(example(), nlohmann::ordered_json::object());
+  EXPECT_EQ(json["slipbench_cost"], 1);
+  const auto& failed = json["rows"].back();
+  EXPECT_EQ(failed["status"], "warning");
+  EXPECT_TRUE(failed["cpu_s"].is_null());
+  EXPECT_THAT(failed["errors"], IsEmpty());
+  EXPECT_EQ(json["rows"][2]["cost"], 0.002);
+  EXPECT_EQ(json["rows"][2]["pareto"][0], "onset");
+}
+
+}  // namespace
+}  // namespace slipbench::cost

@@ -1,0 +1,87 @@
+#include "tools/cost/settings.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tools/catalogue/catalogues.h"
+
+namespace slipbench::cost {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
+
+const std::string scenes = std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/";
+
+SceneFile shipped(const std::string& name) { return SceneFile::load(scenes + name); }
+Scene parsed(const SceneFile& file) { return parse_scene(file, program_catalogues()); }
+
+std::set<std::string> series_of(const std::vector<Setting>& settings) {
+  std::set<std::string> names;
+  for (const Setting& setting : settings) names.insert(setting.series);
+  return names;
+}
+
+std::vector<std::string> labels_of(const std::vector<Setting>& settings, const std::string& series) {
+  std::vector<std::string> labels;
+  for (const Setting& setting : settings) {
+    if (setting.series == series) labels.push_back(setting.label);
+  }
+  return labels;
+}
+
+TEST(CostSettings, WhatMovesAsPrescribedHasNoIntegratorAndNoSolver) {
+  const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), {1e-3});
+  EXPECT_THAT(series_of(settings), UnorderedElementsAre("field", "articulated", "contact", "rate", "elements"));
+}
+
+TEST(CostSettings, WhatForcesMoveHasThem) {
+  const auto settings = settings_to_try(parsed(shipped("bodies/held_box.yaml")), {2.5e-4});
+  EXPECT_THAT(series_of(settings), IsSupersetOf({"implicit", "integrator", "articulated", "contact"}));
+  EXPECT_THAT(labels_of(settings, "integrator"), UnorderedElementsAre("Euler", "implicitfast", "implicit", "discrete", "RK4"));
+}
+
+TEST(CostSettings, EffectsLeaveOutWhatHasNone) {
+  SceneFile file = shipped("papillarray/stage.yaml");
+  file.apply({"effects", "[stribeck]"});
+  EXPECT_THAT(series_of(settings_to_try(parsed(file), {1e-3})), UnorderedElementsAre("field", "rate", "elements"));
+}
+
+// 1 kHz: ten sampling times down to a twentieth of one; the scene's own millisecond is the scene itself.
+TEST(CostSettings, StepsGoFromTenSamplingTimesToATwentieth) {
+  const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), {1e-3});
+  EXPECT_THAT(labels_of(settings, "field"),
+              ::testing::ElementsAre("10 ms, output at 100 Hz", "4 ms, output at 250 Hz", "2 ms, output at 500 Hz", "0.5 ms",
+                                     "0.2 ms", "0.1 ms", "50 us"));
+}
+
+// Whoever reads a row can run it.
+TEST(CostSettings, EverySettingOfAShippedSceneIsASceneOrRefusedByName) {
+  for (const char* const name : {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml", "biotac_sp/grasp.yaml"}) {
+    const Scene scene = parsed(shipped(name));
+    for (const Setting& setting : settings_to_try(scene, {1e-3})) {
+      SceneFile file = shipped(name);
+      for (const Override& change : setting.changes) file.apply(change);
+      EXPECT_NO_THROW(parsed(file)) << name << ": " << setting.series << ", " << setting.label;
+    }
+  }
+}
+
+TEST(CostSettings, EverySeriesIsDeclared) {
+  std::set<std::string> declared;
+  for (const Series& series : all_series()) declared.insert(series.name);
+  for (const char* const name : {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml"}) {
+    for (const std::string& series : series_of(settings_to_try(parsed(shipped(name)), {1e-3})))
+      EXPECT_THAT(declared, Contains(series));
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::cost

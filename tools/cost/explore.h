@@ -1,0 +1,118 @@
+// `slipbench cost`: what accuracy costs in time, for a scene of the user's own.
+//
+// A trial of the scene is run with every setting of settings.h. Each run is compared with a reference (errors.h): onsets with their closed
+// form where there is one (closed_form.h), all else with a far finer run, whose own error is what it differs from one of twice its step.
+// Then all that ran are timed, in rounds that go over all of them in turn, so that a drift of the machine meets all alike, until the
+// budget is used up.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/scene/catalogues.h"
+#include "sim/scene/parser.h"
+#include "tools/cost/errors.h"
+#include "tools/cost/settings.h"
+
+namespace slipbench::cost {
+
+struct ExploreOptions {
+  std::string scene_path;
+  std::vector<Override> overrides = {};
+  std::optional<std::uint64_t> seed = {};  // empty: the scene's
+  std::size_t trial = 0;                   // of the scene's sweep
+  double budget = 60.0;                    // s on the clock
+  const std::atomic<bool>* interrupt = nullptr;
+  std::function<void(const std::string&)> say = {};  // told what is being done; may be empty
+};
+
+enum class Status {
+  ok,
+  refused,      // before the first step
+  warning,      // of MuJoCo's: the run failed
+  diverged,     // or went wrong otherwise
+  over_budget,  // would have taken more than its share of the budget: not run
+};
+std::string_view status_name(Status status);  // "ok", "over budget"
+
+// CPU time of a trial: building the bench, and all steps with sensors, detector and controller; nothing is recorded.
+struct CpuTime {
+  double median = 0.0, low = 0.0, high = 0.0;  // s; low and high: quartiles
+  std::size_t repeats = 0;
+};
+
+struct Row {
+  Setting setting;
+  bool own = false;     // the scene as it is
+  std::string command;  // that runs it
+  Status status = Status::ok;
+  std::string why = {};  // it is not ok
+  std::optional<CpuTime> cpu = {};
+  Errors errors = {};               // of a row that is ok
+  std::vector<Measure> front = {};  // by which nothing cheaper is as right
+
+  [[nodiscard]] bool ok() const { return status == Status::ok; }
+};
+
+// The price of an effect or of a part of a sensor's electronics: the scene with it against the scene without.
+struct Price {
+  std::string name;  // "stribeck", "pad: noise"
+  bool electronics = false;
+  std::optional<CpuTime> without = {};  // CPU time of the trial without it; empty: it does not run
+  std::string why = {};                 // it does not
+  double share = 0.0;                   // of the scene's CPU time that goes with it
+  double low = 0.0, high = 0.0;         // likewise, from the quartiles of both
+  Errors changes = {};                  // of the scene without it, against the scene with it
+  // Costs something that the quartiles tell from nothing, and changes no measure.
+  [[nodiscard]] bool idle() const;
+};
+
+struct Reference {
+  bool closed_onsets = false;  // onsets are compared with their closed form
+  double time_step = 0.0;      // s, of the fine run
+  std::string command;
+  Errors own_error = {};   // the fine run's, estimated: what it differs from one of twice its step
+  bool converged = false;  // every measure's is below converged_error()
+};
+
+// A fine run whose estimated error is above this is no reference to the promise of 0.1 %.
+double converged_error(Measure measure);
+
+struct Exploration {
+  std::string scene_path;
+  std::string description;
+  std::string command;
+  std::uint64_t seed = 0;
+  std::size_t trial = 0;
+  double budget = 0.0, elapsed = 0.0;  // s on the clock
+  double simulated = 0.0;              // s, a trial
+  Reference reference;
+  std::vector<Row> rows;  // the scene's own first
+  std::vector<Price> prices;
+  bool interrupted = false;  // the timing ended early
+
+  [[nodiscard]] const Row& own() const { return rows.front(); }
+  // CPU time [s] a second of the trial.
+  [[nodiscard]] double cost(const Row& row) const { return row.cpu->median / simulated; }
+};
+
+// Throws InputError for a scene that cannot be read or does not run as it is.
+Exploration explore(const ExploreOptions& options, const Catalogues& catalogues);
+
+// Marks the rows by which nothing cheaper is as right, for every measure.
+void mark_fronts(Exploration& exploration);
+
+// Row of the least cost whose worst error by the measure is at most `limit`, `different` never; null: there is none. `only`: of that series;
+// empty: any but those with a reference of their own.
+const Row* cheapest(const Exploration& exploration, Measure measure, double limit, std::string_view only = {});
+
+// What there is to say in plain words: what 1 % and 0.1 % of each measure cost, what MuJoCo's own contact has to pay for the same, and which
+// effects cost and change nothing.
+std::vector<std::string> sentences(const Exploration& exploration);
+
+}  // namespace slipbench::cost

@@ -1,0 +1,145 @@
+// What an exploration shows: fronts, the cheapest settings, plain sentences.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "tools/cost/explore.h"
+
+namespace slipbench::cost {
+namespace {
+
+// Of what sentences are made. Forces and labels follow onsets so closely that a sentence on each would say the same thrice.
+constexpr std::array told_measures{Measure::onset, Measure::force, Measure::label, Measure::creep};
+// In the measure's own terms: shares, and m/s of creep.
+constexpr std::array told_shares{1e-2, 1e-3};
+constexpr std::array told_creeps{1e-6, 1e-8};
+
+constexpr std::string_view contact_series = "contact";
+
+bool comparable(const Row& row, Measure measure) {
+  const std::optional<MeasureError>& error = at(row.errors, measure);
+  return row.ok() && row.cpu && error && !error->different;
+}
+
+bool apart(const Row& row) { return series_of(row.setting).own_reference; }
+
+std::string limit_text(const MeasureInfo& info, double limit) { return fmt::format("{:.3g} {}", info.factor * limit, info.unit); }
+
+// Three digits, no exponent: "1.25", "380", "19600".
+std::string ratio_text(double ratio) {
+  if (ratio < 1000.0) return fmt::format("{:.3g}", ratio);
+  const double unit = std::pow(10.0, std::floor(std::log10(ratio)) - 2.0);
+  return fmt::format("{:.0f}", std::round(ratio / unit) * unit);
+}
+
+// "1/380 of real time", or "2.3 times real time" of what is slower than that.
+std::string cost_text(double cost) {
+  return cost <= 1.0 ? fmt::format("1/{} of real time", ratio_text(1.0 / cost)) : fmt::format("{:.2g} times real time", cost);
+}
+
+std::string setting_text(const Row& row) {
+  return fmt::format("{}, {}", series_of(row.setting).title, row.setting.label);
+}
+
+// The least worst error that any row of the series has; null: none is comparable.
+const Row* best_of(const Exploration& exploration, Measure measure, std::string_view series) {
+  const Row* best = nullptr;
+  for (const Row& row : exploration.rows) {
+    if (row.setting.series != series || !comparable(row, measure)) continue;
+    if (best == nullptr || at(row.errors, measure)->worst < at(best->errors, measure)->worst) best = &row;
+  }
+  return best;
+}
+
+bool has_series(const Exploration& exploration, std::string_view series) {
+  return std::ranges::any_of(exploration.rows, [&](const Row& row) { return row.setting.series == series; });
+}
+
+std::string contact_text(const Exploration& exploration, Measure measure, double limit, const Row& cheapest_row) {
+  const MeasureInfo& info = info_of(measure);
+  if (const Row* const contact = cheapest(exploration, measure, limit, contact_series)) {
+    return fmt::format("MuJoCo's own contact needs {} for it ({}): {} times as much", cost_text(exploration.cost(*contact)),
+                       contact->setting.label, ratio_text(exploration.cost(*contact) / exploration.cost(cheapest_row)));
+  }
+  if (const Row* const best = best_of(exploration, measure, contact_series)) {
+    return fmt::format("MuJoCo's own contact does not reach it: {} at best ({}, {})",
+                       limit_text(info, at(best->errors, measure)->worst), best->setting.label,
+                       cost_text(exploration.cost(*best)));
+  }
+  return "MuJoCo's own contact does not reach it with any setting tried";
+}
+
+void tell(const Exploration& exploration, Measure measure, double limit, std::vector<std::string>& lines) {
+  const MeasureInfo& info = info_of(measure);
+  const Row* const row = cheapest(exploration, measure, limit);
+  if (row == nullptr) {
+    lines.push_back(fmt::format("{} {} error: no setting tried reaches it.", limit_text(info, limit), info.title));
+    return;
+  }
+  std::string line = fmt::format("{} {} error costs {}: {}", limit_text(info, limit), info.title,
+                                 cost_text(exploration.cost(*row)), setting_text(*row));
+  if (row->setting.series != contact_series && has_series(exploration, contact_series)) {
+    line += "; " + contact_text(exploration, measure, limit, *row);
+  }
+  lines.push_back(line + ".");
+}
+
+std::string reference_text(const Exploration& exploration) {
+  std::vector<std::string> open;
+  for (const MeasureInfo& info : measure_table()) {
+    const std::optional<MeasureError>& error = at(exploration.reference.own_error, info.measure);
+    if (!error || (!error->different && error->worst <= converged_error(info.measure))) continue;
+    open.push_back(error->different
+                       ? fmt::format("{} (something happens in one of two fine runs and not in the other)", info.title)
+                       : fmt::format("{} ({})", info.title, limit_text(info, error->worst)));
+  }
+  return fmt::format("The reference has not converged by: {}. Errors below these mean nothing.", fmt::join(open, ", "));
+}
+
+}  // namespace
+
+void mark_fronts(Exploration& exploration) {
+  std::vector<Row*> rows;
+  for (Row& row : exploration.rows) {
+    if (row.ok() && row.cpu && !apart(row)) rows.push_back(&row);
+  }
+  std::ranges::stable_sort(rows, {}, [](const Row* row) { return row->cpu->median; });
+  for (const MeasureInfo& info : measure_table()) {
+    double least = std::numeric_limits<double>::infinity();
+    for (Row* const row : rows) {
+      if (!comparable(*row, info.measure) || at(row->errors, info.measure)->worst >= least) continue;
+      least = at(row->errors, info.measure)->worst;
+      row->front.push_back(info.measure);
+    }
+  }
+}
+
+const Row* cheapest(const Exploration& exploration, Measure measure, double limit, std::string_view only) {
+  const Row* best = nullptr;
+  for (const Row& row : exploration.rows) {
+    if (only.empty() ? apart(row) : row.setting.series != only) continue;
+    if (!comparable(row, measure) || at(row.errors, measure)->worst > limit) continue;
+    if (best == nullptr || row.cpu->median < best->cpu->median) best = &row;
+  }
+  return best;
+}
+
+std::vector<std::string> sentences(const Exploration& exploration) {
+  std::vector<std::string> lines;
+  for (const Measure measure : told_measures) {
+    if (!at(exploration.own().errors, measure)) continue;
+    for (const double limit : measure == Measure::creep ? told_creeps : told_shares) tell(exploration, measure, limit, lines);
+  }
+  if (!exploration.reference.converged) lines.push_back(reference_text(exploration));
+  for (const Price& price : exploration.prices) {
+    if (price.idle())
+      lines.push_back(fmt::format("{} costs {:.2g} % of the time and changes nothing that is measured here.", price.name,
+                                  100.0 * price.share));
+  }
+  return lines;
+}
+
+}  // namespace slipbench::cost

@@ -1,0 +1,189 @@
+#include "tools/cost/settings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "sim/core/quantity.h"
+
+namespace slipbench::cost {
+namespace {
+
+constexpr std::array coarse_factors{10.0, 4.0, 2.0};
+constexpr std::array divisors{1.0, 2.0, 5.0, 10.0, 20.0};
+
+// What a careful user of MuJoCo would set, from the defaults to what the engine's issue tracker and manual recommend against creep: elliptic
+// cones, a high impratio, noslip, contacts as stiff as the step allows, a slow friction reference.
+struct ContactChoice {
+  const char* label;
+  const char* contact;  // the scene's key; {2h} is twice the step in s
+};
+constexpr std::array contact_choices{
+    ContactChoice{"defaults", "{}"},
+    ContactChoice{"impratio 10", "{cone: elliptic, impratio: 10}"},
+    ContactChoice{"impratio 100", "{cone: elliptic, impratio: 100}"},
+    ContactChoice{"noslip 3", "{cone: elliptic, noslip: 3}"},
+    ContactChoice{"noslip 10, stiff", "{cone: elliptic, noslip: 10, solref: [%2h, 1]}"},
+};
+constexpr std::array contact_steps{2e-3, 1e-3, 5e-4, 2e-4};
+
+bool has(const SensorScene& sensor, const char* parameter) { return sensor.parameters.values().contains(parameter); }
+
+double rate_of(const SensorScene& sensor) { return has(sensor, "rate") ? sensor.parameters.number("rate") : 0.0; }
+
+std::string rate_path(const SensorScene& sensor) { return "sensors." + sensor.name + ".rate"; }
+
+Override fidelity(const char* name) { return {"fidelity", name}; }
+Override step(double time_step) { return {"time_step", step_text(time_step)}; }
+
+// Whole to within the rounding of decimal text.
+bool whole(double x) { return x > 0.5 && std::abs(x - std::round(x)) < 1e-9 * x; }
+
+// The fastest rate that a user can change; 0 where there is none.
+double fastest_rate(const Scene& scene) {
+  double fastest = 0.0;
+  for (const SensorScene& sensor : scene.sensors) fastest = std::max(fastest, rate_of(sensor));
+  return fastest;
+}
+
+// Every sensor that samples faster than `rate` [Hz] is slowed down to it.
+void limit_rates(const Scene& scene, double rate, std::vector<Override>& changes) {
+  for (const SensorScene& sensor : scene.sensors) {
+    if (rate_of(sensor) > rate) changes.push_back({rate_path(sensor), format_number(rate) + " Hz"});
+  }
+}
+
+// Adds a setting of `time_step` to a series, slowing down what samples faster.
+void add_step(const Scene& scene, const std::string& series, double time_step, std::vector<Override> changes,
+              const std::string& label, std::vector<Setting>& settings) {
+  if (!whole(scene.duration / time_step)) return;
+  changes.push_back(step(time_step));
+  const std::size_t before = changes.size();
+  limit_rates(scene, 1.0 / time_step, changes);
+  const std::string slowed = changes.size() > before ? fmt::format(", output at {} Hz", format_number(1.0 / time_step)) : "";
+  settings.push_back({series, label + step_text(time_step) + slowed, std::move(changes)});
+}
+
+// Steps from ten sampling times down to a twentieth of one.
+std::vector<double> ladder(double sampling_time) {
+  std::vector<double> steps;
+  for (const double factor : coarse_factors) steps.push_back(factor * sampling_time);
+  for (const double divisor : divisors) steps.push_back(sampling_time / divisor);
+  return steps;
+}
+
+void add_steps(const Scene& scene, const OwnRun& own, std::vector<Setting>& settings) {
+  const double rate = fastest_rate(scene);
+  const double sampling_time = rate > 0.0 ? 1.0 / rate : own.time_step;
+  for (const double h : ladder(sampling_time)) {
+    if (std::abs(h / own.time_step - 1.0) < 1e-9 && !scene.implicit_fields && scene.fidelity == "field") continue;
+    std::vector<Override> changes{fidelity("field")};
+    if (scene.dynamic() && !scene.grasp) changes.push_back({"field_solver", "explicit"});
+    add_step(scene, "field", h, std::move(changes), "", settings);
+  }
+  if (scene.dynamic() && !scene.grasp) {
+    for (const double h : ladder(sampling_time)) {
+      add_step(scene, "implicit", h, {fidelity("field"), {"field_solver", "implicit"}}, "", settings);
+    }
+    for (const char* const integrator : {"Euler", "implicitfast", "implicit", "discrete", "RK4"}) {
+      settings.push_back({"integrator", integrator, {fidelity("field"), {"integrator", integrator}}});
+    }
+  }
+  if (!scene.grasp && scene.effects.empty()) {
+    for (const double h : {2e-3, 1e-3, 5e-4, 2e-4}) add_step(scene, "articulated", h, {fidelity("articulated")}, "", settings);
+  }
+}
+
+void add_contact(const Scene& scene, std::vector<Setting>& settings) {
+  if (!scene.effects.empty()) return;
+  for (const ContactChoice& choice : contact_choices) {
+    for (const double h : contact_steps) {
+      std::string contact = choice.contact;
+      if (const std::size_t at = contact.find("%2h"); at != std::string::npos) contact.replace(at, 3, format_number(2.0 * h));
+      add_step(scene, "contact", h, {fidelity("mujoco_contact"), {"contact", contact}}, fmt::format("{}, ", choice.label),
+               settings);
+    }
+  }
+}
+
+// By the parameter that says of how many elements a pad is made.
+const std::map<std::string, std::array<int, 4>>& element_counts() {
+  static const std::map<std::string, std::array<int, 4>> counts{
+      {"bristles", {1, 2, 6, 48}},
+      {"elements", {0, 0, 0, 0}},
+  };
+  return counts;
+}
+
+// The counts for a parameter with so many elements now: those of the table, or from two thirds to four times as many.
+std::array<int, 4> counts_for(const std::string& parameter, int now) {
+  const std::array<int, 4>& fixed = element_counts().at(parameter);
+  if (fixed[0] > 0) return fixed;
+  return {(2 * now) / 3, now, 2 * now, 4 * now};
+}
+
+void add_elements(const Scene& scene, std::vector<Setting>& settings) {
+  for (const auto& [parameter, unused] : element_counts()) {
+    std::vector<const SensorScene*> with;
+    for (const SensorScene& sensor : scene.sensors) {
+      if (has(sensor, parameter.c_str())) with.push_back(&sensor);
+    }
+    if (with.empty()) continue;
+    for (const int count : counts_for(parameter, static_cast<int>(with.front()->parameters.integer(parameter)))) {
+      std::vector<Override> changes;
+      for (const SensorScene* const sensor : with)
+        changes.push_back({"sensors." + sensor->name + "." + parameter, std::to_string(count)});
+      settings.push_back({"elements", fmt::format("{} {}", count, parameter), std::move(changes)});
+    }
+    return;
+  }
+}
+
+void add_rates(const Scene& scene, const OwnRun& own, std::vector<Setting>& settings) {
+  const double fastest = fastest_rate(scene);
+  if (!(fastest > 0.0)) return;
+  for (const double factor : coarse_factors) {
+    const double rate = fastest / factor;
+    if (!whole(scene.duration * rate)) continue;
+    std::vector<Override> changes{step(own.time_step)};
+    limit_rates(scene, rate, changes);
+    settings.push_back({"rate", format_number(rate) + " Hz", std::move(changes)});
+  }
+}
+
+}  // namespace
+
+const std::vector<Series>& all_series() {
+  static const std::vector<Series> series{
+      {"own", "the scene as it is"},
+      {"field", "element field"},
+      {"implicit", "element field, implicit"},
+      {"integrator", "integrators, at the scene's step"},
+      {"articulated", "articulated pillars"},
+      {"contact", "MuJoCo's own contact"},
+      {"rate", "output rate, at the scene's step"},
+      {"elements", "elements a pad, against the most", true},
+  };
+  return series;
+}
+
+const Series& series_of(const Setting& setting) { return *std::ranges::find(all_series(), setting.series, &Series::name); }
+
+std::vector<Setting> settings_to_try(const Scene& scene, const OwnRun& own) {
+  std::vector<Setting> settings;
+  add_steps(scene, own, settings);
+  add_contact(scene, settings);
+  add_rates(scene, own, settings);
+  add_elements(scene, settings);
+  return settings;
+}
+
+Setting finer(double time_step) { return {"own", step_text(time_step), {step(time_step)}}; }
+
+std::string step_text(double time_step) { return format_quantity(time_step, Quantity::time); }
+
+}  // namespace slipbench::cost
