@@ -1,6 +1,6 @@
-# cmake -DFILES="a.js;b.css" -DOUTPUT=assets_data.cc -P embed.cmake
-# Turns files into a C++ source that defines slipbench::report::assets(), so that the installed program needs no files beside it.
-set(text "#include \"tools/report/assets.h\"\n\nnamespace slipbench::report {\n\nnamespace {\n\n")
+# cmake -DFILES="a.js;b.css" -DOUTPUT=assets_data.cc -DHEADER=tools/report/assets.h -DNAMESPACE=slipbench::report -P embed.cmake
+# Turns files into a C++ source that defines NAMESPACE::assets(), which HEADER declares, so that the installed program needs no files beside it.
+set(text "#include \"${HEADER}\"\n\nnamespace ${NAMESPACE} {\n\nnamespace {\n\n")
 set(entries "")
 set(index 0)
 foreach(file IN LISTS FILES)
@@ -15,6 +15,6 @@ foreach(file IN LISTS FILES)
 endforeach()
 string(APPEND text "std::string_view text_of(const unsigned char* bytes, std::size_t size) {\n"
   "  return {reinterpret_cast<const char*>(bytes), size};\n}\n\n}  // namespace\n\n"
-  "const std::vector<Asset>& assets() {\n  static const std::vector<Asset> all = {\n${entries}  };\n  return all;\n}\n\n"
-  "}  // namespace slipbench::report\n")
+  "const std::vector<report::Asset>& assets() {\n  static const std::vector<report::Asset> all = {\n${entries}  };\n  return all;\n}\n\n"
+  "}  // namespace ${NAMESPACE}\n")
 file(WRITE ${OUTPUT} "${text}")

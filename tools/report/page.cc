@@ -1,34 +1,31 @@
 #include "tools/report/page.h"
 
+#include <algorithm>
 #include <stdexcept>
-#include <string_view>
-
-#include "tools/report/assets.h"
 
 namespace slipbench::report {
 
 namespace {
 
-std::string_view asset(std::string_view name) {
-  for (const Asset& candidate : assets()) {
-    if (candidate.name == name) return candidate.text;
-  }
-  throw std::logic_error("the report has no embedded file " + std::string(name));
-}
-
-// All embedded files of one kind, in order, without the libraries' pointers to their source maps, which a browser would fetch. What draws a
-// grasp, "grasp_...", is there only with `grasps`.
+// All embedded files of one kind, in order. What draws a grasp, "grasp_...", is there only with `grasps`.
 std::string joined(std::string_view extension, bool grasps) {
-  constexpr std::string_view pointer = "# sourceMappingURL=";
   std::string text;
   for (const Asset& candidate : assets()) {
     if (!candidate.name.ends_with(extension) || (!grasps && candidate.name.starts_with("grasp_"))) continue;
-    const std::size_t found = candidate.text.find(pointer);
-    // The comment that holds it is the file's last line.
-    text += candidate.text.substr(0, found == std::string_view::npos ? found : candidate.text.rfind('\n', found));
+    text += embedded(assets(), candidate.name);
     text += '\n';
   }
   return text;
+}
+
+}  // namespace
+
+std::string_view embedded(const std::vector<Asset>& files, std::string_view name) {
+  const auto found = std::find_if(files.begin(), files.end(), [&](const Asset& file) { return file.name == name; });
+  if (found == files.end()) throw std::logic_error("no embedded file " + std::string(name));
+  const std::size_t pointer = found->text.find("# sourceMappingURL=");
+  // The comment that holds it is the file's last line.
+  return found->text.substr(0, pointer == std::string_view::npos ? pointer : found->text.rfind('\n', pointer));
 }
 
 std::string script_json(const Json& data) {
@@ -45,7 +42,21 @@ std::string script_json(const Json& data) {
   return safe;
 }
 
-}  // namespace
+std::string fill_page(std::string_view html, const std::vector<PagePart>& parts) {
+  std::string page;
+  while (true) {
+    const std::size_t open = html.find("{{");
+    page += html.substr(0, open);
+    if (open == std::string_view::npos) return page;
+    const std::size_t close = html.find("}}", open);
+    const std::string_view marker = html.substr(open + 2, close - open - 2);
+    const auto part =
+        std::find_if(parts.begin(), parts.end(), [&](const PagePart& candidate) { return candidate.marker == marker; });
+    if (part == parts.end()) throw std::logic_error("a page has an unknown marker " + std::string(marker));
+    page += part->text;
+    html.remove_prefix(close + 2);
+  }
+}
 
 bool begins_as_page(std::string_view text) {
   return text.starts_with("<!DOCTYPE html>") &&
@@ -69,30 +80,11 @@ std::string escape_html(const std::string& text) {
 
 std::string compose_page(const std::string& title, const Json& data) {
   const bool grasps = data.contains("grasps");
-  std::string_view rest = asset("report.html");
-  std::string page;
-  // Markers {{name}} are replaced in one pass, so that no inserted text is searched again.
-  while (true) {
-    const std::size_t open = rest.find("{{");
-    page += rest.substr(0, open);
-    if (open == std::string_view::npos) return page;
-    const std::size_t close = rest.find("}}", open);
-    const std::string_view marker = rest.substr(open + 2, close - open - 2);
-    if (marker == "title") {
-      page += escape_html(title);
-    } else if (marker == "styles") {
-      page += joined(".css", grasps);
-    } else if (marker == "scripts") {
-      page += joined(".js", grasps);
-    } else if (marker == "licences") {
-      page += asset("licences.txt");
-    } else if (marker == "data") {
-      page += script_json(data);
-    } else {
-      throw std::logic_error("report.html has an unknown marker " + std::string(marker));
-    }
-    rest.remove_prefix(close + 2);
-  }
+  return fill_page(embedded(assets(), "report.html"), {{"title", escape_html(title)},
+                                                       {"styles", joined(".css", grasps)},
+                                                       {"scripts", joined(".js", grasps)},
+                                                       {"licences", joined(".txt", grasps)},
+                                                       {"data", script_json(data)}});
 }
 
 }  // namespace slipbench::report

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 #include <string_view>
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
-#include "tools/dataset/output_file.h"
 #include "tools/report/page.h"
+#include "tools/report/page_files.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -142,9 +140,8 @@ void append_list(Out out, const std::string& title, const std::vector<std::strin
   fmt::format_to(out, "</ul>\n");
 }
 
-std::string json_path(const std::string& html_path) {
-  return std::filesystem::path(html_path).replace_extension(".json").string();
-}
+constexpr report::PageKind kind{
+    "a result", {"result page", &begins_as_result_page}, {"result of a reproduction", &begins_as_result_json}};
 
 }  // namespace
 
@@ -170,20 +167,10 @@ std::string result_page(const std::string& name, const Result& result) {
 bool begins_as_result_page(std::string_view text) { return text.starts_with(page_head); }
 bool begins_as_result_json(std::string_view text) { return text.starts_with("{\n  \"reproduction\": "); }
 
-void check_result_target(const std::string& html_path) {
-  if (!html_path.ends_with(".html")) {
-    throw InputError(
-        fmt::format("-o {}: a result is a page with its figures beside it; allowed: a name that ends in .html", html_path));
-  }
-  check_text_target(html_path, {}, {"result page", &begins_as_result_page});
-  check_text_target(json_path(html_path), {}, {"result of a reproduction", &begins_as_result_json});
-}
+void check_result_target(const std::string& html_path) { report::check_page_files(html_path, kind); }
 
 std::vector<std::string> write_result(const std::string& html_path, const std::string& name, const Result& result) {
-  check_result_target(html_path);
-  write_text_file(html_path, result_page(name, result));
-  write_text_file(json_path(html_path), result_json(name, result).dump(2) + "\n");
-  return {html_path, json_path(html_path)};
+  return report::write_page_files(html_path, kind, result_page(name, result), result_json(name, result));
 }
 
 }  // namespace slipbench::reproduce

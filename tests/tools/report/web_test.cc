@@ -1,33 +1,21 @@
 // What can be checked of the scripts and styles without a browser.
-#include <filesystem>
-#include <fstream>
 #include <map>
-#include <regex>
 #include <set>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/report/sample.h"
+#include "tests/tools/report/web_files.h"
 
 namespace slipbench::report {
 namespace {
 
-std::map<std::string, std::string> web_files(const std::string& extension) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(SLIPBENCH_SOURCE_DIR "/tools/report/web")) {
-    if (entry.path().extension() == extension) files[entry.path().filename().string()] = read_text(entry.path().string());
-  }
-  return files;
-}
+using ::slipbench::testing::matches;
+using ::slipbench::testing::unpaired_brackets;
+using ::slipbench::testing::variables;
 
-// First groups of all matches.
-std::set<std::string> matches(const std::string& text, const std::string& pattern) {
-  const std::regex regex(pattern);
-  std::set<std::string> found;
-  for (auto it = std::sregex_iterator(text.begin(), text.end(), regex); it != std::sregex_iterator(); ++it)
-    found.insert((*it)[1]);
-  return found;
+std::map<std::string, std::string> web_files(const std::string& extension) {
+  return ::slipbench::testing::web_files("tools/report/web", extension);
 }
 
 TEST(Scripts, UseOnlyWhatSomeScriptDefines) {
@@ -43,25 +31,8 @@ TEST(Scripts, UseOnlyWhatSomeScriptDefines) {
   }
 }
 
-// Brackets outside of strings, comments and regular expressions pair up.
 TEST(Scripts, HaveBalancedBrackets) {
-  for (const auto& [name, text] : web_files(".js")) {
-    const std::string code =
-        std::regex_replace(text, std::regex(R"(//[^\n]*|'(?:\\.|[^'\\\n])*'|"(?:\\.|[^"\\\n])*"|`[^`]*`|/\^[^\n]*?/\.exec)"), "");
-    std::string open;
-    for (const char c : code) {
-      const std::size_t kind = std::string("([{)]}").find(c);
-      if (kind == std::string::npos) continue;
-      if (kind < 3) {
-        open += c;
-      } else {
-        ASSERT_FALSE(open.empty()) << name << ": a bracket too many";
-        ASSERT_EQ(open.back(), "([{"[kind - 3]) << name;
-        open.pop_back();
-      }
-    }
-    EXPECT_TRUE(open.empty()) << name << " leaves open: " << open;
-  }
+  for (const auto& [name, text] : web_files(".js")) EXPECT_EQ(unpaired_brackets(text), "") << name;
 }
 
 // A pad whose X points up, Y to the right and Z away from the reader is seen from the side that it touches.
@@ -83,12 +54,8 @@ TEST(Scripts, ShowEndlessValues) {
 
 TEST(Styles, DefineEveryColourInBothThemes) {
   const std::string css = web_files(".css").at("report.css");
-  const auto block = [&](const std::string& selector) {
-    const std::size_t begin = css.find(selector + " {");
-    return matches(css.substr(begin, css.find('}', begin) - begin), R"(--(\w+):)");
-  };
-  const std::set<std::string> light = block(":root");
-  std::set<std::string> dark = block(":root[data-theme=\"dark\"]");
+  const std::set<std::string> light = variables(css, ":root");
+  std::set<std::string> dark = variables(css, ":root[data-theme=\"dark\"]");
   dark.insert("mono");  // a font
   EXPECT_EQ(light, dark);
   std::string all = css;

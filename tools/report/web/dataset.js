@@ -517,20 +517,6 @@ function table(sensor, open) {
 
 sb.reportCommand = trial => 'slipbench report ' + page.file + ' --trial ' + trial.index;
 
-sb.copy = async (button, text) => {
-  const before = button.textContent;
-  try {
-    await navigator.clipboard.writeText(text);
-    button.textContent = 'copied';
-  } catch (error) {
-    button.textContent = text;  // a page opened from a file may not write to the clipboard
-    return;
-  }
-  setTimeout(() => {
-    button.textContent = before;
-  }, 1500);
-};
-
 // `open(index)`: called to open an embedded trial.
 sb.showDataset = (host, open) => {
   const sensors = Object.keys(page.trials[0].sensors);

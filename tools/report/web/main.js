@@ -116,15 +116,7 @@ function firstView() {
   return {trial: page.trials.length === 1 && sb.isEmbedded(page.trials[0].index) ? page.trials[0].index : null};
 }
 
-const dark = window.matchMedia('(prefers-color-scheme: dark)');
-const setTheme = name => {
-  document.documentElement.dataset.theme = name;
-  if (timeline) timeline.tell('theme');
-};
-setTheme(dark.matches ? 'dark' : 'light');
-dark.addEventListener('change', () => setTheme(dark.matches ? 'dark' : 'light'));
-window.addEventListener('beforeprint', () => setTheme('light'));
-window.addEventListener('afterprint', () => setTheme(dark.matches ? 'dark' : 'light'));
+sb.followTheme(() => timeline && timeline.tell('theme'));
 document.addEventListener('keydown', event => {
   const typing =
       ['INPUT', 'SELECT', 'BUTTON', 'TEXTAREA', 'SUMMARY'].includes(event.target.tagName) && event.target.type !== 'range';

@@ -73,31 +73,17 @@ const shown = {
 sb.factor = unit => (shown[unit] || [1, unit])[0];
 sb.symbol = unit => (shown[unit] || [1, unit])[1];
 
-const missing = '–';
-// A number with `digits` significant digits, plain notation where that is readable.
-sb.significant = (value, digits) => {
-  if (value === null || value === undefined || !isFinite(value)) return missing;
-  if (value === 0) return '0';
-  const size = Math.abs(value);
-  if (size >= 1e5 || size < 1e-4) return value.toExponential(digits - 1);
-  return String(+value.toPrecision(digits)).replace('-', '−');
-};
-sb.fixed = (value, decimals) => {
-  if (value === null || value === undefined || !isFinite(value)) return missing;
-  const text = value.toFixed(decimals);
-  return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
-};
 // An SI value with its shown unit: 0.004 m/s -> "4 mm/s".
 sb.quantity = (value, unit, digits) => {
   const text = sb.significant(value === null ? null : value * sb.factor(unit), digits || 3);
   const symbol = sb.symbol(unit);
-  return text === missing || !symbol ? text : text + (symbol.startsWith('°') ? '' : ' ') + symbol;
+  return text === sb.missing || !symbol ? text : text + (symbol.startsWith('°') ? '' : ' ') + symbol;
 };
 sb.seconds = value => value === null ? 'never' : sb.fixed(value, 3) + ' s';
 sb.milliseconds = value =>
-    value === null ? missing : (Math.abs(value) < 0.1 ? sb.fixed(value * 1e3, 1) : sb.fixed(value * 1e3, 0)) + ' ms';
+    value === null ? sb.missing : (Math.abs(value) < 0.1 ? sb.fixed(value * 1e3, 1) : sb.fixed(value * 1e3, 0)) + ' ms';
 sb.percent = value =>
-    value === null ? missing : (value > 0 && value < 0.1 ? sb.fixed(value * 100, 1) : sb.fixed(value * 100, 0)) + ' %';
+    value === null ? sb.missing : (value > 0 && value < 0.1 ? sb.fixed(value * 100, 1) : sb.fixed(value * 100, 0)) + ' %';
 
 // Scene paths in words: "motion.speed" -> "speed".
 const pathWords = {
@@ -125,7 +111,7 @@ const pathWords = {
 sb.pathWord = path => pathWords[path] || path;
 // What a time or another value that is infinite means.
 sb.endless = unit => unit === 's' ? 'never' : 'no limit';
-sb.parameter = (plain, digits) => plain === undefined ? missing :
+sb.parameter = (plain, digits) => plain === undefined ? sb.missing :
     plain.value === null                              ? sb.endless(plain.unit) :
     'value' in plain                                  ? sb.quantity(plain.value, plain.unit, digits) :
                                                         plain.text;
@@ -156,22 +142,4 @@ sb.definitions = [
   ['slip centre', 'The point of the pad about which the slip turns at that instant; the slip angle is its accumulated rotation.'],
   ['motion start', 'The first sample after the first touch at which a body moves sideways or turns; of a grasp the last one before the arm lifts.'],
 ];
-
-// DOM in one expression: element('p.note', {title: 'x'}, 'text', child). Text is never parsed as HTML.
-sb.element = (selector, attributes, ...children) => {
-  const [tag, ...classes] = selector.split('.');
-  const node = document.createElement(tag || 'div');
-  if (classes.length) node.className = classes.join(' ');
-  for (const [name, value] of Object.entries(attributes || {})) {
-    if (name.startsWith('on'))
-      node.addEventListener(name.slice(2), value);
-    else if (value !== undefined && value !== null)
-      node.setAttribute(name, value);
-  }
-  for (const child of children.flat(Infinity)) {
-    if (child !== null && child !== undefined) node.append(child);
-  }
-  return node;
-};
-sb.colour = name => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
-})(window.slipbench = window.slipbench || {});
+})(window.slipbench);
