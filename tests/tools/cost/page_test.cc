@@ -1,0 +1,214 @@
+#include "tools/cost/page.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/dataset/test_records.h"
+#include "tests/tools/report/web_files.h"
+#include "tools/cost/assets.h"
+#include "tools/report/page.h"
+
+namespace slipbench::cost {
+namespace {
+
+using ::slipbench::testing::bytes_of;
+using ::slipbench::testing::matches;
+using ::slipbench::testing::message_of;
+using ::slipbench::testing::unpaired_brackets;
+using ::slipbench::testing::variables;
+using ::slipbench::testing::web_files;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+Json run(const std::string& label, const std::string& status, double cost, double error) {
+  return {
+      {"series", "field"},
+      {"label", label},
+      {"settings", "field, " + label},
+      {"command", "slipbench run a.yaml --set time_step=" + label},
+      {"own", label == "1 ms"},
+      {"status", status},
+      {"why", status == "ok" ? "" : "a <reason>"},
+      {"cpu_s", status == "ok" ? Json{{"median", 2 * cost}, {"low", 1.5 * cost}, {"high", 3 * cost}, {"repeats", 3}} : Json()},
+      {"cost", status == "ok" ? Json(cost) : Json()},
+      {"errors", {{"onset", status == "ok" ? Json{{"worst", error}, {"median", 0.5 * error}} : Json()}}},
+      {"different", Json::array()},
+      {"pareto", status == "ok" ? Json::array({"onset"}) : Json::array()}};
+}
+
+Json exploration(const std::string& scene = "a.yaml") {
+  return {{"slipbench_cost", 1},
+          {"scene", scene},
+          {"description", "A <scene> é"},
+          {"simulated_s", 2.0},
+          {"environment", {{"cpu", "a processor"}}},
+          {"measures", Json::array({{{"name", "onset"}, {"title", "slip onset time"}, {"unit", "%"}, {"factor", 100}}})},
+          {"series", Json::array({{{"name", "field"}, {"title", "element field"}}})},
+          {"rows", Json::array({run("1 ms", "ok", 1e-3, 0.01), run("2 ms", "ok", 5e-4, 0.04), run("9 ms", "refused", 0.0, 0.0)})},
+          {"sentences", Json::array({"1 % costs </script><script>alert(1)</script>"})}};
+}
+
+Json stability() { return {{"slipbench_stability", 1}, {"combinations", Json::array()}, {"above", 0}}; }
+
+// What a browser reads as the page's data.
+Json data_of(const std::string& page) {
+  const std::string begin = "id=\"slipbench-data\">";
+  const std::size_t from = page.find(begin) + begin.size();
+  return Json::parse(page.substr(from, page.find("</script>", from) - from));
+}
+
+TEST(CostPage, HoldsTheResultAsData) {
+  Json both = exploration();
+  both["stability"] = stability();
+  for (const Json& result : {exploration(), stability(), both}) EXPECT_EQ(data_of(cost_page(result)), result);
+}
+
+TEST(CostPage, TextIsNeverMarkup) {
+  const std::string page = cost_page(exploration("<b>.yaml"));
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("<script>alert")), Not(HasSubstr("a <reason>")), Not(HasSubstr("<b>.yaml")),
+                          HasSubstr("<title>&lt;b&gt;.yaml · slipbench cost</title>")));
+  EXPECT_THAT(cost_page(stability()), HasSubstr("<title>stability · slipbench cost</title>"));
+  for (const auto& [name, text] : web_files("tools/cost/web", ".js")) {
+    EXPECT_THAT(text, AllOf(Not(HasSubstr("innerHTML")), Not(HasSubstr(".html(")), Not(HasSubstr("insertAdjacent")))) << name;
+  }
+}
+
+TEST(CostPage, LoadsNothing) {
+  const std::string page = cost_page(exploration());
+  EXPECT_FALSE(std::regex_search(page, std::regex(R"((src|href)\s*=\s*["']?(https?:)?//)")));
+  EXPECT_FALSE(std::regex_search(page, std::regex(R"(url\(\s*["']?(https?:)?//)")));
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("@import")), Not(HasSubstr("<script src")), Not(HasSubstr("sourceMappingURL"))));
+}
+
+TEST(CostPage, HoldsItsFilesAndTheSharedOnes) {
+  const std::string page = cost_page(exploration());
+  for (const report::Asset& file : assets()) {
+    if (file.name == "cost.html") continue;
+    EXPECT_NE(page.find(file.text), std::string::npos) << file.name;
+  }
+  for (const char* name : {"report.css", "common.js", "d3.min.js", "d3_licence.txt"}) {
+    EXPECT_NE(page.find(report::embedded(report::assets(), name)), std::string::npos) << name;
+  }
+  // What draws recordings is not needed here.
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("Dygraph")), Not(HasSubstr("{{"))));
+}
+
+// Every script of the folder is part of the page: none was left out of CMakeLists.txt.
+TEST(CostPage, LeavesNoScriptOut) {
+  std::set<std::string> embedded;
+  for (const report::Asset& file : assets()) embedded.insert(std::string(file.name));
+  for (const char* extension : {".js", ".css", ".html"}) {
+    for (const auto& [name, text] : web_files("tools/cost/web", extension)) EXPECT_TRUE(embedded.contains(name)) << name;
+  }
+}
+
+TEST(CostPage, IsToldFromOtherPages) {
+  const std::string page = cost_page(exploration());
+  // Known by its first 4 kB, whatever its title; a report is not one, and it is no report.
+  EXPECT_TRUE(begins_as_cost_page(cost_page(exploration(std::string(8000, 'x'))).substr(0, 4096)));
+  EXPECT_FALSE(report::begins_as_page(page));
+  EXPECT_FALSE(begins_as_cost_page(report::compose_page("title", Json::object())));
+  EXPECT_TRUE(begins_as_cost_json(exploration().dump(2)));
+  EXPECT_TRUE(begins_as_cost_json(stability().dump(2)));
+  EXPECT_FALSE(begins_as_cost_json(Json{{"reproduction", "a"}, {"slipbench_cost", 1}}.dump(2)));
+}
+
+TEST(CostPage, RefusesWhatIsNoResult) {
+  for (const Json& other : {Json(), Json::array(), Json::object(), Json{{"scene", "a"}, {"slipbench_cost", 1}}}) {
+    EXPECT_THROW(cost_page(other), std::logic_error) << other;
+  }
+}
+
+class CostFileTest : public ::slipbench::testing::FolderTest {};
+
+TEST_F(CostFileTest, StandsBesideItsFigures) {
+  EXPECT_THAT(write_cost(path("c.html"), exploration()), ElementsAre(path("c.html"), path("c.json")));
+  EXPECT_EQ(Json::parse(bytes_of(path("c.json"))), exploration());
+  EXPECT_EQ(bytes_of(path("c.html")), cost_page(exploration()));
+  // Its own files are replaced, whichever of the two kinds they are, and no temporary one stays.
+  write_cost(path("c.html"), stability());
+  EXPECT_EQ(Json::parse(bytes_of(path("c.json"))), stability());
+  EXPECT_THAT(names(), ElementsAre("c.html", "c.json"));
+}
+
+TEST_F(CostFileTest, OtherFilesAreKept) {
+  std::ofstream(path("c.json")) << "{\"mine\": 1}";
+  EXPECT_THAT(message_of<InputError>([&] { write_cost(path("c.html"), exploration()); }), HasSubstr("c.json"));
+  EXPECT_EQ(bytes_of(path("c.json")), "{\"mine\": 1}");
+  EXPECT_THAT(names(), ElementsAre("c.json"));
+
+  std::ofstream(path("report.html")) << report::compose_page("title", Json::object());
+  EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("report.html")); }), HasSubstr("report.html"));
+  EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("c.txt")); }), HasSubstr("a name that ends in .html"));
+  EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("no/c.html")); }), HasSubstr("no"));
+}
+
+// Scripts may use what they define and what all pages share.
+TEST(CostScripts, UseOnlyWhatSomeScriptDefines) {
+  const std::set<std::string> shared = matches(web_files("tools/report/web", ".js").at("common.js"), R"(\bsb\.(\w+) = )");
+  std::set<std::string> defined = shared;
+  const auto scripts = web_files("tools/cost/web", ".js");
+  ASSERT_GE(scripts.size(), 6U);
+  for (const auto& [name, text] : scripts) {
+    for (const std::string& member : matches(text, R"(\n *sb\.(\w+) = )")) {
+      EXPECT_TRUE(defined.insert(member).second) << name << " defines sb." << member << " again";
+    }
+  }
+  for (const auto& [name, text] : scripts) {
+    EXPECT_EQ(unpaired_brackets(text), "") << name;
+    for (const std::string& member : matches(text, R"(\bsb\.(\w+))")) {
+      EXPECT_TRUE(defined.contains(member)) << name << " uses sb." << member;
+    }
+  }
+}
+
+// A member of the result that a script reads under another name than it has would silently be empty.
+TEST(CostScripts, ReadEveryMemberOfARow) {
+  std::string all;
+  for (const auto& [name, text] : web_files("tools/cost/web", ".js")) all += text;
+  const Json row = run("1 ms", "ok", 1e-3, 0.01);
+  for (const auto& member : row.items()) {
+    EXPECT_TRUE(std::regex_search(all, std::regex(R"((row|b|a)\.)" + member.key() + R"(\b|\{)" + member.key() + ":")))
+        << member.key();
+  }
+}
+
+TEST(CostStyles, DefineEveryColourInBothThemes) {
+  const std::string dark_rule = ":root[data-theme=\"dark\"]";
+  const std::string css = web_files("tools/cost/web", ".css").at("cost.css");
+  const std::string shared = web_files("tools/report/web", ".css").at("report.css");
+  std::set<std::string> own = variables(css, ":root");
+  EXPECT_THAT(own, Not(IsEmpty()));
+  EXPECT_EQ(own, variables(css, dark_rule));
+  own.merge(variables(shared, ":root"));
+  std::string all = css;
+  for (const auto& [name, text] : web_files("tools/cost/web", ".js")) all += text;
+  for (const std::string& variable : matches(all, R"(var\(--(\w+)\))")) EXPECT_TRUE(own.contains(variable)) << variable;
+}
+
+// Two series differ in both colour and shape: as many colours as there are shapes.
+TEST(CostStyles, HaveAColourForEachShape) {
+  const std::string marks = web_files("tools/cost/web", ".js").at("marks.js");
+  const std::string sizes =
+      marks.substr(marks.find("const sizes = ["), marks.find(';', marks.find("const sizes = [")) - marks.find("const sizes = ["));
+  const std::size_t shapes = static_cast<std::size_t>(std::count(sizes.begin(), sizes.end(), ',')) + 1;
+  const std::string css = web_files("tools/cost/web", ".css").at("cost.css");
+  std::size_t colours = 0;
+  for (const std::string& variable : variables(css, ":root")) colours += std::regex_match(variable, std::regex("s\\d")) ? 1 : 0;
+  EXPECT_EQ(colours, shapes);
+}
+
+}  // namespace
+}  // namespace slipbench::cost

@@ -1,0 +1,207 @@
+// The data of the page, and what all its parts share: marks, logarithmic axes, figures as text, what is selected.
+(function(sb) {
+'use strict';
+const el = sb.element;
+
+sb.data = JSON.parse(document.getElementById('slipbench-data').textContent);
+
+// A shape for each colour, so that neither is needed to tell two series apart. Corners of polygons; the first is a circle.
+const polygon = (corners, turn, inner) => d3.range(inner ? 2 * corners : corners).map(i => {
+  const angle = turn + i * 2 * Math.PI / (inner ? 2 * corners : corners);
+  const radius = inner && i % 2 ? inner : 1;
+  return [radius * Math.sin(angle), -radius * Math.cos(angle)];
+});
+const shapes = [
+  null, polygon(4, Math.PI / 4), polygon(3, 0), polygon(4, 0), polygon(5, 0, 0.45), polygon(3, Math.PI), polygon(6, 0),
+  polygon(4, 0, 0.35)
+];
+const sizes = [1, 1.2, 1.3, 1.25, 1.45, 1.3, 1.1, 1.5];  // of equal weight to the eye
+sb.markPath = (index, radius) => {
+  const shape = shapes[index % shapes.length];
+  const r = radius * sizes[index % shapes.length];
+  if (!shape) return 'M' + r + ',0A' + [r, r, 0, 1, 1, -r, 0] + 'A' + [r, r, 0, 1, 1, r, 0] + 'Z';
+  return 'M' + shape.map(([x, y]) => (r * x).toFixed(2) + ',' + (r * y).toFixed(2)).join('L') + 'Z';
+};
+sb.crossPath = radius => 'M' + [-radius, -radius] + 'L' + [radius, radius] + 'M' + [-radius, radius] + 'L' + [radius, -radius];
+sb.hue = index => 'var(--s' + index % shapes.length + ')';
+// The mark of a series as legends and tables show it; hollow for a failure.
+sb.swatch = (index, failed) => {
+  const holder = el('span.swatch');
+  d3.select(holder)
+      .append('svg')
+      .attr({viewBox: '-8 -8 16 16', 'aria-hidden': 'true'})
+      .append('path')
+      .attr({class: failed ? 'mark hollow' : 'mark', d: sb.markPath(index, 5)})
+      .style('color', sb.hue(index));
+  return holder;
+};
+
+const superscript = number => String(number).replace(/[-0-9]/g, c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c]);
+const grouped = text => text.replace(/^\d{4,}$/, digits => digits.replace(/\B(?=(\d{3})+$)/g, ','));
+// A number with `digits` significant digits, powers of ten where it is small or large.
+sb.figure = (value, digits) => {
+  if (Math.abs(value) >= 1e5 && Math.abs(value) < 1e7) return grouped(String(Math.round(+value.toPrecision(digits || 3))));
+  return grouped(sb.significant(value, digits || 3))
+      .replace(/^1e([+-]\d+)$/, (_, power) => '10' + superscript(+power))
+      .replace(/e([+-]\d+)$/, (_, power) => ' × 10' + superscript(+power));
+};
+const units = [[1, 's'], [1e-3, 'ms'], [1e-6, 'µs'], [1e-9, 'ns']];
+sb.duration = seconds => {
+  if (seconds === null || seconds === undefined) return sb.missing;
+  const [size, unit] = units.find(([limit]) => Math.abs(seconds) >= limit) || (seconds === 0 ? units[0] : units[3]);
+  return sb.figure(seconds / size) + ' ' + unit;
+};
+// How many times faster than real time a cost in CPU seconds per simulated second is.
+sb.timesReal = cost => cost > 0 ? sb.figure(1 / cost) + ' ×' : sb.missing;
+
+// Logarithmic axes: a domain that holds the values with some air, at least a decade wide; its ticks; their text.
+sb.logDomain = values => {
+  const [low, high] = d3.extent(values).map(Math.log10);
+  const air = Math.max(0.12, (1 - (high - low)) / 2, 0.05 * (high - low));
+  return [Math.pow(10, low - air), Math.pow(10, high + air)];
+};
+sb.logTicks = ([low, high], room, needed) => {
+  const decade = room / Math.log10(high / low);
+  const factors = decade > 4 * needed ? [1, 2, 5] : [1];
+  const stride = Math.max(1, Math.ceil(needed / decade));
+  return d3.range(Math.floor(Math.log10(low)), Math.ceil(Math.log10(high)) + 1)
+      .filter(power => power % stride === 0)
+      .flatMap(power => factors.map(factor => +(factor + 'e' + power)))
+      .filter(tick => tick >= low && tick <= high);
+};
+sb.tickText = value => {
+  if (value >= 1e-3 && value < 1e7) return grouped(String(+value.toPrecision(1)));
+  const power = Math.floor(Math.log10(value) + 1e-9);
+  const factor = Math.round(value / Math.pow(10, power));
+  return (factor === 1 ? '' : factor + '×') + '10' + superscript(power);
+};
+
+// Draws when a node has got a width, and again at each other one.
+sb.onWidth = (node, draw) => {
+  let drawn = 0;
+  const look = () => {
+    if (!node.clientWidth || node.clientWidth === drawn) return;
+    drawn = node.clientWidth;
+    draw();
+  };
+  new ResizeObserver(() => requestAnimationFrame(look)).observe(node);
+};
+
+// Lines at the pointer, of whatever is pointed at.
+const tip = el('div.tip');
+document.body.append(tip);
+sb.showTip = (lines, x, y) => {
+  tip.textContent = lines.join('\n');
+  tip.style.display = 'block';
+  tip.style.left = Math.max(4, Math.min(x + 14, window.innerWidth - tip.offsetWidth - 4)) + 'px';
+  tip.style.top = Math.max(4, y + 16 + tip.offsetHeight > window.innerHeight ? y - tip.offsetHeight - 10 : y + 16) + 'px';
+};
+sb.hideTip = () => {
+  tip.style.display = 'none';
+};
+
+sb.copyButton = command =>
+    el('button.link', {
+      title: command,
+      'aria-label': 'copy command: ' + command,
+      onclick: event => {
+        event.stopPropagation();
+        sb.copy(event.currentTarget, command);
+      }
+    },
+       'copy');
+
+// What the reader has chosen. on(what, act): 'view' when what is drawn changes, 'row' when another row is shown.
+class Choice {
+  constructor(data) {
+    this.measures = data.measures || [];
+    this.series = data.series || [];
+    this.rows = data.rows || [];
+    this.measure = this.measures[0] || null;
+    this.statistic = 'worst';
+    this.hidden = new Set();
+    this.selected = this.rows.find(row => row.own) || this.rows[0] || null;
+    this.pointed = null;
+    this.listeners = [];
+  }
+
+  on(what, act) {
+    this.listeners.push([what, act]);
+  }
+
+  tell(what) {
+    for (const [kind, act] of this.listeners) {
+      if (kind === what) act();
+    }
+  }
+
+  view(change) {
+    Object.assign(this, change);
+    this.tell('view');
+  }
+
+  select(row) {
+    this.selected = row;
+    this.tell('row');
+  }
+
+  point(row) {
+    if (row === this.pointed) return;
+    this.pointed = row;
+    this.tell('row');
+  }
+
+  // The row that is shown: what is pointed at, else what is selected.
+  get shown() {
+    return this.pointed || this.selected;
+  }
+
+  seriesIndex(row) {
+    return Math.max(0, this.series.findIndex(series => series.name === row.series));
+  }
+
+  seriesTitle(row) {
+    const series = this.series.find(candidate => candidate.name === row.series);
+    return series ? series.title : row.series;
+  }
+
+  // The error of a row, null where it has none.
+  error(row, measure = this.measure, statistic = this.statistic) {
+    const held = measure && row.errors && row.errors[measure.name];
+    return held && held[statistic] !== undefined ? held[statistic] : null;
+  }
+
+  differs(row, measure = this.measure) {
+    return Boolean(measure) && (row.different || []).includes(measure.name);
+  }
+
+  failed(row) {
+    return row.status !== 'ok' || this.differs(row);
+  }
+
+  errorText(row, measure = this.measure, statistic = this.statistic) {
+    if (this.differs(row, measure)) return 'no bound';
+    const error = this.error(row, measure, statistic);
+    return error === 0 ? 'none' : error === null ? sb.missing : sb.figure(error * measure.factor, 2) + ' ' + measure.unit;
+  }
+
+  // The cheapest row of the front whose worst error is no larger than this one's; null where that is this one or none.
+  cheapestAsExact(row) {
+    const worst = other => this.error(other, this.measure, 'worst');
+    if (this.failed(row) || worst(row) === null || row.cost === null) return null;
+    const front = this.rows.filter(other => (other.pareto || []).includes(this.measure.name) && worst(other) <= worst(row));
+    const [best] = front.sort((a, b) => a.cost - b.cost);
+    return best && best.cost < row.cost ? best : null;
+  }
+
+  // Why a row is no point of the diagram.
+  reason(row) {
+    const parts = row.status === 'ok' ? [] : [row.status];
+    if (row.why) parts.push(row.why);
+    if (this.differs(row))
+      parts.push('what “' + this.measure.title + '” means happened in only one of this run and the reference');
+    return parts.join(': ');
+  }
+}
+sb.choice = new Choice(sb.data);
+})(window.slipbench);
