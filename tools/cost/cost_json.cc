@@ -55,6 +55,7 @@ Json row_json(const Exploration& exploration, const Row& row) {
   for (const Measure measure : row.front) front.push_back(info_of(measure).name);
   return {{"series", row.setting.series},
           {"label", row.setting.label},
+          {"settings", setting_text(row)},
           {"command", row.command},
           {"own", row.own},
           {"status", status_name(row.status)},
@@ -74,8 +75,8 @@ Json price_json(const Price& price) {
           {"high", price.why.empty() ? Json(price.high) : Json(nullptr)},
           {"changes", errors_json(price.changes)},
           {"different", different_json(price.changes)},
-          {"idle", price.idle()},
-          {"why", price.why}};
+          {"verdict", verdict(price)},
+          {"idle", price.idle()}};
 }
 
 std::string reference_text(const Reference& reference) {

@@ -115,4 +115,10 @@ const Row* cheapest(const Exploration& exploration, Measure measure, double limi
 // effects cost and change nothing.
 std::vector<std::string> sentences(const Exploration& exploration);
 
+// "element field, 5 ms"
+std::string setting_text(const Row& row);
+
+// "costs 12 % and changes nothing", "costs 12 %; changes label most, by 3 %"
+std::string verdict(const Price& price);
+
 }  // namespace slipbench::cost

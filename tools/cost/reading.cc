@@ -40,10 +40,6 @@ std::string cost_text(double cost) {
   return cost <= 1.0 ? fmt::format("1/{} of real time", ratio_text(1.0 / cost)) : fmt::format("{:.2g} times real time", cost);
 }
 
-std::string setting_text(const Row& row) {
-  return fmt::format("{}, {}", series_of(row.setting).title, row.setting.label);
-}
-
 // The least worst error that any row of the series has; null: none is comparable.
 const Row* best_of(const Exploration& exploration, Measure measure, std::string_view series) {
   const Row* best = nullptr;
@@ -125,6 +121,25 @@ const Row* cheapest(const Exploration& exploration, Measure measure, double limi
     if (best == nullptr || row.cpu->median < best->cpu->median) best = &row;
   }
   return best;
+}
+
+std::string setting_text(const Row& row) { return fmt::format("{}, {}", series_of(row.setting).title, row.setting.label); }
+
+std::string verdict(const Price& price) {
+  if (!price.why.empty()) return "does not run: " + price.why;
+  const std::string costs = price.low > 0.0 ? fmt::format("costs {:.2g} %", 100.0 * price.share) : "costs less than the scatter";
+  const MeasureInfo* most = nullptr;
+  double change = 0.0;
+  for (const MeasureInfo& info : measure_table()) {
+    const std::optional<MeasureError>& error = at(price.changes, info.measure);
+    if (!error || info.measure == Measure::creep) continue;
+    if (error->different) return fmt::format("{}; {}: something happens with it and not without, or the other way round", costs, info.title);
+    if (error->worst <= change) continue;
+    most = &info;
+    change = error->worst;
+  }
+  if (most == nullptr) return costs + " and changes nothing";
+  return fmt::format("{}; changes {} most, by {}", costs, most->title, limit_text(*most, change));
 }
 
 std::vector<std::string> sentences(const Exploration& exploration) {

@@ -68,6 +68,16 @@ TEST(CostReading, AnEffectThatCostsAndChangesNothingIsPointedOut) {
   EXPECT_THAT(sentences(exploration), Contains("ageing costs 25 % of the time and changes nothing that is measured here."));
 }
 
+// A share of 0.25 is 25 %, a change of 1e-3 is 0.1 %.
+TEST(CostReading, AVerdictNamesTheLargestChange) {
+  Price price{.name = "stribeck", .share = 0.25, .low = 0.2, .high = 0.3, .changes = onset_error(1e-3)};
+  EXPECT_EQ(verdict(price), "costs 25 %; changes slip onset most, by 0.1 %");
+  price.low = -0.1;
+  EXPECT_EQ(verdict(price), "costs less than the scatter; changes slip onset most, by 0.1 %");
+  price.why = "no such law";
+  EXPECT_EQ(verdict(price), "does not run: no such law");
+}
+
 TEST(CostReading, TheObjectHasFailuresAsFailures) {
   const auto json = cost_json(example(), nlohmann::ordered_json::object());
   EXPECT_EQ(json["slipbench_cost"], 1);
