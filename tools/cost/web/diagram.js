@@ -340,6 +340,8 @@ class Diagram {
     }
     if (choice.statistic !== 'worst') parts.push('The front is that of the worst error and is not drawn here.');
     if (shown > drawn) parts.push((shown - drawn) + ' of ' + shown + ' runs have no value of this measure.');
+    if (measure.wish)
+      parts.push('A scene asks for it by accuracy: {' + measure.wish + ': …} and gets the cheapest setting that meets it.');
     return parts.filter(text => text).join(' ');
   }
 
@@ -456,6 +458,6 @@ sb.diagramSection = () => {
   const diagram = new Diagram();
   return el(
       'section', {}, el('h2', {}, 'What accuracy costs'), controls(), legend(),
-      el('div.explorer', {}, el('div', {}, diagram.host, diagram.note, diagram.failures), detail()));
+      el('div.explorer', {}, el('div', {}, diagram.host, diagram.note, diagram.failures), detail()), sb.pricesTable());
 };
 })(window.slipbench);

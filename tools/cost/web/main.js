@@ -47,8 +47,12 @@ const environment = entries =>
            ]) => [el('dt', {}, words[name] || name), el('dd', {}, value === null || value === '' ? sb.missing : String(value))]));
 
 function footer() {
+  const beside = location.pathname.split('/').pop().replace(/\.html$/, '.json');
   return el(
       'footer', {}, el('h2', {}, 'Measured on'), environment(data.environment || {}),
+      beside.endsWith('.json') ?
+          el('p', {}, 'All figures, for programs: ', el('a', {href: beside}, decodeURIComponent(beside)), ' beside this page.') :
+          null,
       el('details', {}, el('summary', {}, 'Licence of the library in this page'),
          el('pre', {}, document.getElementById('licences').textContent.trim())));
 }

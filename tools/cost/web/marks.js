@@ -101,7 +101,7 @@ sb.hideTip = () => {
 };
 
 sb.copyButton = command =>
-    el('button.link', {
+    el('button.link.copy', {
       title: command,
       'aria-label': 'copy command: ' + command,
       onclick: event => {
@@ -198,8 +198,7 @@ class Choice {
   reason(row) {
     const parts = row.status === 'ok' ? [] : [row.status];
     if (row.why) parts.push(row.why);
-    if (this.differs(row))
-      parts.push('what “' + this.measure.title + '” means happened in only one of this run and the reference');
+    if (this.differs(row)) parts.push('no bound: the event is in only one of this run and the reference');
     return parts.join(': ');
   }
 }

@@ -4,8 +4,8 @@
 const el = sb.element;
 const choice = sb.choice;
 
-// A table whose heads sort it; what has no value stands last. columns: [{title, note, text: left-aligned, wide: may wrap, value(row): number,
-// text or null, cell(row): what is shown}]. rowNode(row, cells): the <tr>. Returns {node, refresh}.
+// A table whose heads sort it; what has no value stands last. columns: [{title, note, text: left-aligned, wide: may wrap,
+// value(row): number, text or null, cell(row): what is shown}]. rowNode(row, cells): the <tr>. Returns {node, refresh}.
 sb.sortedTable = (columns, rows, rowNode) => {
   let by = null, ascending = true;
   const body = el('tbody');
@@ -60,7 +60,7 @@ sb.rowsSection = () => {
            row.why ? el('span.why', {}, row.why) : null]
     },
     {title: 'end', text: true, value: row => row.status, cell: row => row.status === 'ok' ? 'ok' : el('b.why', {}, row.status)},
-    {title: 'CPU a simulated s', value: row => row.cost, cell: row => sb.duration(row.cost), note: 'median'},
+    {title: 'CPU / simulated s', value: row => row.cost, cell: row => sb.duration(row.cost), note: 'median'},
     {
       title: '±',
       value: spread,
@@ -81,14 +81,14 @@ sb.rowsSection = () => {
               [choice.errorText(row, measure),
                (row.pareto || []).includes(measure.name) ? el('span.tag', {title: 'on the Pareto front'}, 'front') : null]
         })),
-    {title: 'again', text: true, cell: row => row.command ? sb.copyButton(row.command) : ''},
+    {title: '', text: true, cell: row => row.command ? sb.copyButton(row.command) : ''},
   ];
   const table = sb.sortedTable(columns, choice.rows, (row, cells) => {
     const node = el('tr', {onclick: () => choice.select(row)}, cells);
     nodes.set(row, node);
     return node;
   });
-  const holder = el('div.scroll.tall', {tabindex: 0, role: 'region', 'aria-label': 'All runs'}, table.node);
+  const holder = el('div.scroll.tall.runs', {tabindex: 0, role: 'region', 'aria-label': 'All runs'}, table.node);
   const mark = () => {
     for (const [row, node] of nodes) node.classList.toggle('current', row === choice.selected);
     const node = nodes.get(choice.selected);

@@ -1,0 +1,63 @@
+// What each error costs: the cheapest setting of each series that keeps within it.
+(function(sb) {
+'use strict';
+const el = sb.element;
+const choice = sb.choice;
+const most = 8;  // rows
+
+// Bounds that are powers of ten in the unit of the measure, largest first: from the largest that some run exceeds to the smallest
+// that some run keeps, none below the reference's own error.
+function bounds(points) {
+  const measure = choice.measure;
+  const errors = points.map(row => choice.error(row)).filter(error => error > 0);
+  if (!errors.length) return [];
+  const [low, high] = d3.extent(errors.map(error => error * measure.factor));
+  const last = Math.ceil(Math.log10(Math.max(low, (measure.floor || 0) * measure.factor)) - 1e-9);
+  const first = Math.max(last, Math.floor(Math.log10(high)));
+  return d3.range(first, last - 1, -1).slice(0, most).map(power => +('1e' + power));
+}
+
+sb.pricesTable = () => {
+  const host = el('div');
+  const draw = () => {
+    const points = choice.rows.filter(
+        row => !choice.hidden.has(row.series) && !choice.failed(row) && row.cost > 0 && choice.error(row) !== null);
+    const used = choice.series.filter(series => points.some(row => row.series === series.name));
+    const wanted = bounds(points);
+    const cell = (limit, series) => {
+      // Rounding of a figure that is shown as 1 % must not push it out of "1 %".
+      const within = row => choice.error(row) * choice.measure.factor <= limit * (1 + 1e-9);
+      const [best] = points.filter(row => row.series === series.name && within(row)).sort((a, b) => a.cost - b.cost);
+      return {series, best, cost: best ? best.cost : Infinity};
+    };
+    const rows = wanted.map(limit => {
+      const cells = used.map(series => cell(limit, series));
+      const cheapest = Math.min(...cells.map(({cost}) => cost));
+      return el(
+          'tr', {}, el('th', {scope: 'row'}, '≤ ' + sb.tickText(limit) + ' ' + choice.measure.unit),
+          cells.map(
+              ({best, cost}) => !best ?
+                  el('td', {}, el('span.unreached', {}, '× not reached')) :
+                  el(cost === cheapest ? 'td.cheapest' : 'td', {},
+                     el('button.link', {title: best.settings, onclick: () => choice.select(best)}, sb.timesReal(cost)),
+                     el('small', {}, best.label,
+                        cost === cheapest ? null : ', ' + sb.figure(cost / cheapest, 2) + ' times the cheapest'))));
+    });
+    host.replaceChildren(...(!rows.length ? [] : [
+      el('h3.sub', {}, 'What each error costs'),
+      el('p.note', {},
+         'Times real time of the cheapest setting of each series whose ' + choice.statistic + ' error in ' +
+             choice.measure.title + ' keeps within a bound. Bold: the cheapest of all.'),
+      el('div.scroll', {},
+         el('table.prices', {},
+            el('thead', {},
+               el('tr', {}, el('th', {scope: 'col'}, 'error'),
+                  used.map(series => el('th', {scope: 'col'}, sb.swatch(choice.series.indexOf(series)), series.title)))),
+            el('tbody', {}, rows)))
+    ]));
+  };
+  choice.on('view', draw);
+  draw();
+  return host;
+};
+})(window.slipbench);
