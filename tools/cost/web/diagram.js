@@ -18,13 +18,14 @@ function lanes(at, gap) {
   });
 }
 
-const byCost = (a, b) => (a.cost === null) - (b.cost === null) || a.cost - b.cost;
+const timed = row => row.cost > 0;
+const byCost = (a, b) => timed(b) - timed(a) || (timed(a) ? a.cost - b.cost : 0);
 
 // The rows of the shown series, by what they are in the chosen measure. Failures stand in the order of their cost.
 function sorted() {
   const rows = choice.rows.filter(row => !choice.hidden.has(row.series)).slice().sort(byCost);
   const failures = rows.filter(row => choice.failed(row));
-  const rest = rows.filter(row => !choice.failed(row) && row.cost !== null && choice.error(row) !== null);
+  const rest = rows.filter(row => !choice.failed(row) && timed(row) && choice.error(row) !== null);
   return {failures, points: rest.filter(row => choice.error(row) > 0), exact: rest.filter(row => choice.error(row) === 0)};
 }
 
@@ -32,14 +33,14 @@ function sorted() {
 function layout(width, rows) {
   const measure = choice.measure;
   const narrow = width < 560;
-  const timeless = rows.failures.filter(row => row.cost === null);
-  const timed = rows.failures.filter(row => row.cost !== null);
+  const timeless = rows.failures.filter(row => !timed(row));
+  const costly = rows.failures.filter(timed);
   const box = {left: narrow ? 46 : 58, right: 14, timeless: timeless.length ? (narrow ? 46 : 52) : 0};
   box.end = width - box.right - box.timeless;
-  const costs = choice.rows.filter(row => row.cost > 0).map(row => row.cost);
+  const costs = choice.rows.filter(timed).map(row => row.cost);
   const x = d3.scale.log().domain(sb.logDomain(costs.length ? costs : [1e-3])).range([box.left, box.end]);
 
-  const strip = timed.map(row => x(row.cost));
+  const strip = costly.map(row => x(row.cost));
   const placed = lanes(strip, 24);
   const depth = Math.max(placed.length ? Math.max(...placed) + 1 : 0, timeless.length);
   box.top = narrow ? 60 : 44;
@@ -59,7 +60,7 @@ function layout(width, rows) {
   const y = d3.scale.log().domain(domain).range([box.foot, box.plot]);
 
   const marks = [
-    ...timed.map((row, i) => ({row, kind: 'failure', x: strip[i], y: box.top + 8 + (placed[i] + 0.5) * lane})),
+    ...costly.map((row, i) => ({row, kind: 'failure', x: strip[i], y: box.top + 8 + (placed[i] + 0.5) * lane})),
     ...timeless.map((row, i) => ({row, kind: 'failure', x: box.end + 14, y: box.top + 8 + (i + 0.5) * lane})),
     ...rows.points.map(row => ({row, kind: 'point', x: x(row.cost), y: y(choice.error(row))})),
     ...rows.exact.map((row, i) => ({row, kind: 'point', x: x(row.cost), y: box.foot + 6 + (exact[i] + 0.5) * lane})),
@@ -89,7 +90,7 @@ function axes(svg, {width, narrow, box, x, y}) {
   }
   text('title', (box.left + box.end) / 2, box.bottom + 36, 'middle', 'CPU seconds per simulated second');
   text('title', narrow ? (box.left + box.end) / 2 : box.end, narrow ? 30 : 13, narrow ? 'middle' : 'end', 'times real time');
-  text('title', 0, 13, 'start', choice.statistic + ' error of ' + measure.title + ', ' + measure.unit);
+  text('title', 0, 13, 'start', choice.statistic + ' error of ' + sb.titled(measure));
   line('edge', box.left, box.bottom, box.end, box.bottom);
   line('edge', box.left, box.top, box.end, box.top);
   if (box.plot > box.top) {
@@ -159,7 +160,7 @@ function drawIntervals(svg, {x, marks}) {
 
 const spoken = row => [choice.seriesTitle(row) + ', ' + row.settings,
                        choice.failed(row) ? choice.reason(row) : choice.statistic + ' error ' + choice.errorText(row),
-                       row.cost === null ? 'no time' : sb.duration(row.cost) + ' CPU per simulated second']
+                       timed(row) ? sb.duration(row.cost) + ' CPU per simulated second' : 'no time']
                           .join('; ');
 
 // Names at the points that matter, where there is room for them.
@@ -310,7 +311,7 @@ class Diagram {
     return [
       (number ? number + '  ' : '') + row.settings,
       choice.failed(row) ? choice.reason(row) : choice.statistic + ' error: ' + choice.errorText(row),
-      row.cost === null ? '' : sb.duration(row.cost) + ' a simulated second, ' + sb.timesReal(row.cost) + ' real time',
+      timed(row) ? sb.duration(row.cost) + ' a simulated second, ' + sb.timesReal(row.cost) + ' real time' : '',
       cheapest ? 'as exact for 1/' + sb.figure(row.cost / cheapest.cost, 2) + ' of that: ' + cheapest.settings : ''
     ].filter(text => text);
   }
@@ -333,7 +334,7 @@ class Diagram {
     const shown = choice.rows.filter(row => !choice.hidden.has(row.series)).length;
     const parts = [measure.definition, 'Reference: ' + measure.reference + '.'];
     if (measure.floor) {
-      const own = 'The reference’s own error is about ' + sb.figure(measure.floor * measure.factor, 2) + ' ' + measure.unit;
+      const own = 'The reference’s own error is about ' + sb.measured(measure, measure.floor);
       parts.push(
           own +
           (measure.floor > this.place.y.domain()[0] ? ': errors in the hatched band mean nothing.' : ', below this diagram.'));
@@ -395,7 +396,7 @@ function legend() {
 }
 
 function controls() {
-  const options = choice.measures.map(measure => el('option', {value: measure.name}, measure.title + ', ' + measure.unit));
+  const options = choice.measures.map(measure => el('option', {value: measure.name}, sb.titled(measure)));
   const segment = statistic =>
       el('button', {
         'aria-pressed': String(choice.statistic === statistic),
@@ -431,9 +432,8 @@ function detail() {
         el('dl.facts', {}, item('CPU time', cpu ? sb.duration(cpu.median) : 'none measured'),
            cpu ? item('between', sb.duration(cpu.low) + ' and ' + sb.duration(cpu.high)) : null,
            cpu ? item('runs', String(cpu.repeats)) : null,
-           row.cost === null ?
-               null :
-               [item('a simulated second', sb.duration(row.cost)), item('times real time', sb.timesReal(row.cost))]),
+           !timed(row) ? null :
+                         [item('a simulated second', sb.duration(row.cost)), item('times real time', sb.timesReal(row.cost))]),
         cheapest ? el('p.note', {}, 'As exact for 1/' + sb.figure(row.cost / cheapest.cost, 2) + ' of the time: ',
                       el('button.link', {onclick: () => choice.select(cheapest)}, cheapest.settings)) :
                    '',

@@ -28,7 +28,7 @@ function change(name, value) {
   if (value === null || value === undefined) return sb.missing;
   if (value === 0) return 'none';
   const measure = choice.measures.find(candidate => candidate.name === name);
-  return measure ? sb.figure(value * measure.factor, 2) + ' ' + measure.unit : sb.percentText(value);
+  return measure ? sb.measured(measure, value) : sb.percentText(value);
 }
 
 sb.effectsSection = effects => {
@@ -48,8 +48,8 @@ sb.effectsSection = effects => {
   return el(
       'section', {}, el('h2', {}, 'The price of each effect'),
       el('p.note', {},
-         'The scene with each effect taken out in turn: the share of its CPU time that this saves, with its interval, and how much ' +
-             'it changes. ' +
+         'The scene with each effect taken out in turn: the share of its CPU time that this saves, with its interval, ' +
+             'and how much it changes. ' +
              'What an effect saves beside others may differ.'),
       idle.length ?
           el('p.warning', {}, el('b', {}, idle.map(effect => effect.name).join(', ')),

@@ -54,6 +54,10 @@ sb.duration = seconds => {
 // How many times faster than real time a cost in CPU seconds per simulated second is.
 sb.timesReal = cost => cost > 0 ? sb.figure(1 / cost) + ' ×' : sb.missing;
 
+// A measure by its name and unit, and a value of it in that unit.
+sb.titled = measure => measure.title + (measure.unit ? ', ' + measure.unit : '');
+sb.measured = (measure, value) => (sb.figure(value * measure.factor, 2) + ' ' + measure.unit).trim();
+
 // Logarithmic axes: a domain that holds the values with some air, at least a decade wide; its ticks; their text.
 sb.logDomain = values => {
   const [low, high] = d3.extent(values).map(Math.log10);
@@ -182,13 +186,13 @@ class Choice {
   errorText(row, measure = this.measure, statistic = this.statistic) {
     if (this.differs(row, measure)) return 'no bound';
     const error = this.error(row, measure, statistic);
-    return error === 0 ? 'none' : error === null ? sb.missing : sb.figure(error * measure.factor, 2) + ' ' + measure.unit;
+    return error === 0 ? 'none' : error === null ? sb.missing : sb.measured(measure, error);
   }
 
   // The cheapest row of the front whose worst error is no larger than this one's; null where that is this one or none.
   cheapestAsExact(row) {
     const worst = other => this.error(other, this.measure, 'worst');
-    if (this.failed(row) || worst(row) === null || row.cost === null) return null;
+    if (this.failed(row) || worst(row) === null || !(row.cost > 0)) return null;
     const front = this.rows.filter(other => (other.pareto || []).includes(this.measure.name) && worst(other) <= worst(row));
     const [best] = front.sort((a, b) => a.cost - b.cost);
     return best && best.cost < row.cost ? best : null;
