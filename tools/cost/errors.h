@@ -1,5 +1,5 @@
-// How far a run is from a reference: the same trial of the same scene, simulated otherwise (another step, fidelity, solver, number of
-// elements, output rate).
+// How far a run is from a reference: the same trial of the same scene, simulated otherwise (another step, fidelity, solver,
+// number of elements, output rate).
 #pragma once
 
 #include <array>
@@ -61,20 +61,21 @@ inline const std::optional<MeasureError>& at(const Errors& errors, Measure measu
 
 // Compares two full records (Recording::full) of one trial by every measure: definitions stand in measure_table(). `scene`: the
 // reference's. What goes sample by sample is compared at the times that both records have to within rounding; nothing is
-// interpolated. Measures by unit leave out a sensor that has another number of units in the two. Throws std::invalid_argument when
-// the two have not the same sensors.
+// interpolated. Measures by unit leave out a sensor that has another number of units in the two. Throws std::invalid_argument
+// when the two have not the same sensors.
 Errors compare(const Scene& scene, const TrialResult& run, const TrialResult& reference);
 
-// The worst of two trials: by measure the larger `worst` and the larger `median`, `different` where either is. A measure that applies to
-// one of them alone is that one's.
+// The worst of two trials: by measure the larger `worst` and the larger `median`, `different` where either is. A measure that
+// applies to one of them alone is that one's.
 void keep_worst(Errors& errors, const Errors& other);
 
 // Rows of `a` and of `b` [s, ascending] that are at one time, to within rounding, in order.
 std::vector<std::pair<std::size_t, std::size_t>> common_rows(std::span<const double> a, std::span<const double> b);
 
-// The time that a unit's friction took to be used up before `time` [s]: twice the time since the unit's margin was last half way between
-// 1 and what it is at the last sample before `time`, which for a load that grows in proportion to time is how long it has grown; at
-// least `least_load_time`. `times` [L], `margin` [L] of the unit, NaN while it is detached: then it has been loaded since.
+// The time that a unit's friction took to be used up before `time` [s], had it been used up all along as fast as from half way
+// between 1 and the unit's margin at the last sample before `time` down to that: of a load that grows in proportion to time, how
+// long it has grown. Of a unit that touched later than half way, the time since. At least `least_load_time`. `times` [L];
+// `margin` [L] of the unit, NaN while it is detached.
 double load_time(std::span<const double> times, std::span<const float> margin, double time);
 inline constexpr double least_load_time = 10e-3;  // s
 
