@@ -20,6 +20,7 @@ int train_command(const Options& options);        // train
 int eval_command(const Options& options);         // eval
 int reproduce_command(const Options& options);    // reproduce
 int cost_command(const Options& options);         // cost
+int bench_command(const Options& options);        // bench
 int list_command(const Options& options);         // list
 int describe_command(const Options& options);     // describe
 int plugin_path_command(const Options& options);  // plugin-path

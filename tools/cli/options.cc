@@ -420,6 +420,11 @@ Parser::Parser() {
   overrides(cost);
   cost->add_option("--trial", trial, "Trial of the scene's sweep (default: the first)")->option_text("K");
   cost->add_option("-o,--output", output, "Write the page, and FILE.json beside it")->option_text("FILE.html");
+  CLI::App* bench = command("bench", "Count the instructions of the reference scenes", bench_footer);
+  add_bench_options(*bench, options.bench);
+  bench->add_option("-o,--output", output, "Write the results, and FILE.svg beside them")->option_text("FILE.json");
+  bench->add_option("--jobs", jobs, "Scenes counted at a time, 1 to 1024 (default: 1)")->option_text("N");
+  bench->add_flag("--quiet", options.quiet, "No progress");
 
   CLI::App* list = command("list", "List what a scene may name", list_footer);
   list->add_option("CATALOGUE", options.name,

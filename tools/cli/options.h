@@ -10,6 +10,7 @@
 #include "detectors/hd/features.h"
 #include "detectors/hd/model.h"
 #include "sim/scene/parser.h"
+#include "tools/cli/bench_options.h"
 #include "tools/export/export.h"
 #include "tools/run/run_trial.h"
 
@@ -62,6 +63,8 @@ struct Options {
   std::string data;               // a dataset; empty: a fresh one
   bool synthesise = false;        // run the synthesis again
   std::vector<std::string> only;  // rows to keep
+
+  BenchOptions bench;
 
   std::string name;  // list: a catalogue or empty; describe: the entry; reproduce: PAPER/TABLE or empty
 };

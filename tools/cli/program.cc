@@ -37,6 +37,7 @@ const std::map<std::string, Command>& commands() {
       {"eval", eval_command},
       {"reproduce", reproduce_command},
       {"cost", cost_command},
+      {"bench", bench_command},
       {"list", list_command},
       {"describe", describe_command},
       {"doctor", [](const Options& options) { return doctor_main(options.json); }},

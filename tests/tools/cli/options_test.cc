@@ -214,19 +214,19 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"swep", "s.yaml"},
                 "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, hd, train, eval, "
                 "reproduce, "
-                "cost, list, "
+                "cost, bench, list, "
                 "describe, doctor, plugin-path"},
         Refusal{
             {"xyzzy"},
-            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, list, describe, "
+            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, "
             "doctor, plugin-path"},
         Refusal{{"--json", "lst"},
                 "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, hd, train, eval, "
-                "reproduce, cost, list, "
+                "reproduce, cost, bench, list, "
                 "describe, doctor, plugin-path"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
         Refusal{{"--json"},
-                "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, list, describe, "
+                "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, "
                 "doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{{"run", "s.yaml", "--job", "2"},
@@ -240,7 +240,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"view", "s.yaml"},
                 "command 'view' is not available in this version; available: run, sweep, check, report, export, hd, train, eval, "
                 "reproduce, "
-                "cost, list, "
+                "cost, bench, list, "
                 "describe, doctor, plugin-path"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
         Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
