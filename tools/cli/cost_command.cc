@@ -12,10 +12,12 @@
 #include "tools/cost/cost_json.h"
 #include "tools/cost/explore.h"
 #include "tools/cost/page.h"
-#include "tools/cost/stability_map.h"
 #include "tools/doctor/environment.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/run_sweep.h"
+#ifdef SLIPBENCH_WITH_MUJOCO
+#include "tools/cost/stability_map.h"
+#endif
 
 namespace slipbench {
 namespace {
@@ -52,6 +54,20 @@ cost::Exploration explored(const Options& options) {
   exploration.command = command_text(options);
   return exploration;
 }
+
+// The map of stable steps as an object and as text.
+struct Stability {
+  Json json;
+  std::string text;
+};
+#ifdef SLIPBENCH_WITH_MUJOCO
+Stability measured_stability() {
+  const cost::StabilityMap map = cost::measure_stability();
+  return {cost::stability_json(map), cost::stability_text(map)};
+}
+#else
+Stability measured_stability() { throw InputError("cost: --stability needs MuJoCo, which this program was built without"); }
+#endif
 
 }  // namespace
 
