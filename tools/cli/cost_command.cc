@@ -85,15 +85,16 @@ int cost_command(const Options& options) {
     interrupted = exploration.interrupted;
   }
   if (options.stability && !interrupted) {
-    const cost::StabilityMap map = cost::measure_stability({.say = sayer(options)});
-    Json stability = cost::stability_json(map);
-    stability["command"] = command_text(options);
-    stability["environment"] = environment;
-    text += (text.empty() ? "" : "\n") + cost::stability_text(map);
-    if (json.empty())
-      json = std::move(stability);
-    else
-      json["stability"] = std::move(stability);
+    if (const auto tell = sayer(options)) tell("measuring the longest stable steps");
+    auto [map, map_text] = measured_stability();
+    map["command"] = command_text(options);
+    map["environment"] = environment;
+    text += (text.empty() ? "" : "\n") + map_text;
+    if (json.empty()) {
+      json = std::move(map);
+    } else {
+      json["stability"] = std::move(map);
+    }
   }
   std::vector<std::string> files;
   if (!options.output.empty()) files = cost::write_cost(options.output, json);

@@ -82,7 +82,7 @@ Json price_json(const Price& price) {
 std::string reference_text(const Reference& reference) {
   const std::string fine =
       fmt::format("a run of the same scene with steps of {}, whose own error is estimated by one of twice the step",
-                  step_text(reference.time_step));
+                  short_text(reference.time_step));
   return reference.closed_onsets ? fmt::format("Onsets are compared with their closed form, all else with {}.", fine)
                                  : fmt::format("All is compared with {}.", fine);
 }
@@ -113,7 +113,7 @@ Json cost_json(const Exploration& exploration, const Json& environment) {
           {"environment", environment},
           {"reference",
            {{"kind", reference.closed_onsets ? "closed form" : "fine run"},
-            {"settings", step_text(reference.time_step)},
+            {"settings", short_text(reference.time_step)},
             {"command", reference.command},
             {"own_error", errors_json(reference.own_error)},
             {"converged", reference.converged},

@@ -163,7 +163,7 @@ void Explorer::run_own() {
   own_ = timed_run(job, Recording::full);
   own_ = timed_run(job, Recording::full);  // the first has filled caches
   timed_run(job, Recording::outcome);
-  row.setting.label = step_text(own_.time_step);
+  row.setting.label = short_text(own_.time_step);
   result_.simulated = job.scene.duration;
   result_.description = job.scene.description;
   result_.rows.push_back(std::move(row));
@@ -179,7 +179,7 @@ void Explorer::run_reference() {
     break;
   }
   const double fine = own_.time_step / divisor;
-  say(fmt::format("the reference, {}", step_text(fine)));
+  say(fmt::format("the reference, {}", short_text(fine)));
   const Setting setting = finer(fine), half = finer(2.0 * fine);
   Job fine_job{scene_of(setting)};
   reference_ = timed_run(fine_job, Recording::full);

@@ -65,28 +65,35 @@ void add_step(const Scene& scene, const std::string& series, double time_step, s
   const std::size_t before = changes.size();
   limit_rates(scene, 1.0 / time_step, changes);
   const std::string slowed = changes.size() > before ? fmt::format(", output at {} Hz", format_number(1.0 / time_step)) : "";
-  settings.push_back({series, label + step_text(time_step) + slowed, std::move(changes)});
+  settings.push_back({series, label + short_text(time_step) + slowed, std::move(changes)});
 }
 
-// Steps from ten sampling times down to a twentieth of one.
-std::vector<double> ladder(double sampling_time) {
+// Steps from ten sampling times down to a twentieth of one. Where forces move bodies, the scene's step is near the longest that they bear: from
+// four times as long down to an eighth.
+std::vector<double> ladder(const Scene& scene, double sampling_time, double own) {
   std::vector<double> steps;
-  for (const double factor : coarse_factors) steps.push_back(factor * sampling_time);
-  for (const double divisor : divisors) steps.push_back(sampling_time / divisor);
+  if (!scene.dynamic()) {
+    for (const double factor : coarse_factors) steps.push_back(factor * sampling_time);
+    for (const double divisor : divisors) steps.push_back(sampling_time / divisor);
+    return steps;
+  }
+  const double parts = std::max(1.0, std::round(sampling_time / own));
+  for (const double factor : {0.25, 0.5, 1.0, 2.0, 4.0, 8.0}) steps.push_back(sampling_time / std::max(1.0, std::ceil(factor * parts)));
+  steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
   return steps;
 }
 
 void add_steps(const Scene& scene, const OwnRun& own, std::vector<Setting>& settings) {
   const double rate = fastest_rate(scene);
   const double sampling_time = rate > 0.0 ? 1.0 / rate : own.time_step;
-  for (const double h : ladder(sampling_time)) {
+  for (const double h : ladder(scene, sampling_time, own.time_step)) {
     if (std::abs(h / own.time_step - 1.0) < 1e-9 && !scene.implicit_fields && scene.fidelity == "field") continue;
     std::vector<Override> changes{fidelity("field")};
     if (scene.dynamic() && !scene.grasp) changes.push_back({"field_solver", "explicit"});
     add_step(scene, "field", h, std::move(changes), "", settings);
   }
   if (scene.dynamic() && !scene.grasp) {
-    for (const double h : ladder(sampling_time)) {
+    for (const double h : ladder(scene, sampling_time, own.time_step)) {
       add_step(scene, "implicit", h, {fidelity("field"), {"field_solver", "implicit"}}, "", settings);
     }
     for (const char* const integrator : {"Euler", "implicitfast", "implicit", "discrete", "RK4"}) {
@@ -182,7 +189,11 @@ std::vector<Setting> settings_to_try(const Scene& scene, const OwnRun& own) {
   return settings;
 }
 
-Setting finer(double time_step) { return {"own", step_text(time_step), {step(time_step)}}; }
+std::string short_text(double time_step) {
+  return time_step < 0.1e-3 ? fmt::format("{:.4g} us", 1e6 * time_step) : fmt::format("{:.4g} ms", 1e3 * time_step);
+}
+
+Setting finer(double time_step) { return {"own", short_text(time_step), {step(time_step)}}; }
 
 std::string step_text(double time_step) { return format_quantity(time_step, Quantity::time); }
 

@@ -43,5 +43,7 @@ Setting finer(double time_step);
 
 // A step as a scene writes it, exact: "0.05 ms".
 std::string step_text(double time_step);
+// The same for a person, to four digits: "227.3 us".
+std::string short_text(double time_step);
 
 }  // namespace slipbench::cost
