@@ -9,6 +9,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "sim/mujoco/stability.h"
 
 namespace slipbench {
 namespace {
@@ -45,11 +46,12 @@ void check(const PadLayout& layout, Friction friction) {
 
 // The stiffness of an element's normal slide that makes slide and contact in series as stiff as the element. The discrete
 // integrator gives a tip on its slide k the effective mass m + c dt + k dt^2, and MuJoCo's contact of constant impedance d and
-// solref -contact_stiffness/dt^2 is r/(dt^2 (1/m_eff + w)), r = contact_stiffness/(1 - d), w the inverse mass of what the tip is
+// solref -s/dt^2 is r/(dt^2 (1/m_eff + w)), r = s/(1 - d) the contact_ratio, w the inverse mass of what the tip is
 // mounted on and of what it touches. The part w dt^2/r of the contact's compliance does not depend on k: with 1/k' = 1/k_n - w dt^2/r
 // k solves r k^2 + (r M - (1 + r) k') k - r M k' = 0, M = (m + c dt)/dt^2.
-double normal_slide(double wanted, double inverse_mass, double damping, const ArticulatedSettings& settings, double dt) {
-  const double r = settings.contact_stiffness / (1.0 - settings.impedance);
+double normal_slide(double wanted, double inverse_mass, double damping, const PillarSettings& settings) {
+  const double r = settings.contact_ratio, dt = settings.dt;
+  if (std::isinf(r)) return wanted;
   const double k_n = 1.0 / (1.0 / wanted - inverse_mass * dt * dt / r);
   const double free = (settings.tip_mass + damping * dt) / (dt * dt);
   const double b = r * free - (1.0 + r) * k_n;
@@ -57,7 +59,7 @@ double normal_slide(double wanted, double inverse_mass, double damping, const Ar
 }
 
 // That of a free tip on a spring [N s/m].
-double tip_damping(double stiffness, const ArticulatedSettings& settings) {
+double tip_damping(double stiffness, const PillarSettings& settings) {
   return 2.0 * settings.damping_ratio * std::sqrt(stiffness * settings.tip_mass);
 }
 
@@ -71,6 +73,15 @@ void make_plain(Part* part, void (*set_default)(Part*), Links Part::*... links) 
 }
 
 Eigen::Map<const Eigen::Vector3d> vector3(const mjtNum* v) { return Eigen::Map<const Eigen::Vector3d>(v); }
+
+// Of the second geom against the first along the contact's normal and its two tangents, out of the velocities of all constraints' rows.
+// Those of an elliptic contact are these, those of a pyramidal one the edges n + mu t_1, n - mu t_1, n + mu t_2, n - mu t_2.
+Eigen::Vector3d contact_velocity(const mjContact& contact, const mjtNum* rows, bool pyramidal) {
+  const mjtNum* row = rows + contact.efc_address;
+  if (!pyramidal) return vector3(row);
+  const double twice = 2.0 * contact.friction[0];  // of both tangents
+  return {0.5 * (row[0] + row[1]), (row[0] - row[1]) / twice, (row[2] - row[3]) / twice};
+}
 
 }  // namespace
 
@@ -91,44 +102,8 @@ void refuse_without_field(const Scene& scene) {
   }
 }
 
-double longest_articulated_step(const PadLayout& layout, std::span<const InverseMass> inverse_mass,
-                                const ArticulatedSettings& settings) {
-  double longest = settings.longest_step;
-  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
-    const auto [most, least] = inverse_mass[i];
-    const double r = settings.contact_stiffness / (1.0 - settings.impedance), k_n = layout.elements[i].k_normal;
-    // Compliance of the contact by an inverse mass w: w dt^2/r (normal_slide()). By nothing, any step will do.
-    longest = std::min({longest, std::sqrt(settings.compliance_share * r / (k_n * most)),
-                        std::sqrt(settings.press_share * r / (k_n * (most - least)))});
-  }
-  return longest;
-}
-
-void set_articulated_options(mjSpec* spec, const ArticulatedSettings& settings, double dt) {
-  // A hair above the longest step is rounding of a step that was divided.
-  if (!(dt > 0.0 && dt <= settings.longest_step * (1.0 + 1e-9))) {
-    throw std::invalid_argument("the articulated recipe holds for steps of at most " + std::to_string(settings.longest_step) +
-                                " s");
-  }
-  mjOption usual;
-  mj_defaultOption(&usual);
-  mjOption& option = spec->option;
-  option.iterations = usual.iterations;
-  option.ls_iterations = usual.ls_iterations;
-  option.ls_tolerance = usual.ls_tolerance;
-  option.timestep = dt;
-  option.integrator = mjINT_DISCRETE;
-  option.cone = mjCONE_ELLIPTIC;
-  option.solver = mjSOL_NEWTON;
-  option.impratio = settings.impratio;
-  option.noslip_iterations = settings.noslip_iterations;
-  option.tolerance = settings.tolerance;
-  option.noslip_tolerance = settings.tolerance;
-  option.disableflags |= mjDSBL_AUTORESET;
-}
-
 void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carrier, const PadLayout& layout,
-                         std::span<const std::string> touched, Friction friction, const ArticulatedSettings& settings, double dt,
+                         std::span<const std::string> touched, Friction friction, const PillarSettings& settings,
                          const std::string& prefix, std::span<const InverseMass> inverse_mass) {
   check(layout, friction);
   for (std::size_t i = 0; i < layout.elements.size(); ++i) {
@@ -157,7 +132,7 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
     slide("x", 0, element.k_tangential, sideways);
     slide("y", 1, element.k_tangential, sideways);
     const double w = inverse_mass.empty() ? 0.0 : inverse_mass[i].most;
-    slide("z", 2, normal_slide(element.k_normal, w, inwards, settings, dt), inwards);
+    slide("z", 2, normal_slide(element.k_normal, w, inwards, settings), inwards);
 
     mjsGeom* tip = mjs_addGeom(body, nullptr);
     make_plain(tip, mjs_defaultGeom, &mjsGeom::element, &mjsGeom::material, &mjsGeom::hfieldname, &mjsGeom::meshname,
@@ -177,13 +152,9 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
       mjs_setString(pair->geomname2, tip_name.c_str());
       pair->condim = 3;
       pair->friction[0] = pair->friction[1] = friction.mu_static;
-      pair->solref[0] = -settings.contact_stiffness / (dt * dt);
-      pair->solref[1] = -2.0 * std::sqrt(settings.contact_stiffness) / dt;
-      // A time constant, written directly: refsafe, which the rest of the model may need, would lengthen one that is under 2 dt.
-      // Friction has no position, so the stiffness counts for nothing; that it is negative says that these are direct.
-      pair->solreffriction[0] = -1.0;
-      pair->solreffriction[1] = -2.0 / (settings.friction_time * dt);
-      pair->solimp[0] = pair->solimp[1] = settings.impedance;  // whatever the penetration
+      std::ranges::copy(settings.solref, pair->solref);
+      std::ranges::copy(settings.solreffriction, pair->solreffriction);
+      std::ranges::copy(settings.solimp, pair->solimp);
     }
   }
 }
@@ -202,8 +173,15 @@ void drive_free_joint(const mjModel* model, mjData* data, int joint, const Pose&
   mju_copy3(qvel + 3, angular.data());
 }
 
+void leave_out_of_scale(mjModel* model, const mjData* data, int dof) {
+  RowMatrix inertia(model->nv, model->nv);
+  mj_fullM(model, data, inertia.data());
+  const double others = inertia.trace() - inertia.diagonal().segment<6>(dof).sum();
+  model->stat.meaninertia = model->nv > 6 ? others / static_cast<double>(model->nv - 6) : 1.0;
+}
+
 ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& prefix, const PadLayout& layout,
-                                       const ArticulatedSettings& settings)
+                                       const PillarSettings& settings)
     : layout_(layout), settings_(settings) {
   const auto n = static_cast<Eigen::Index>(layout.units.size());
   const std::size_t elements = layout.elements.size();
@@ -230,6 +208,7 @@ ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& 
   tips_.resize(elements);
   before_.resize(elements);
   path_.resize(elements);
+  if (std::isfinite(settings.creep_speed)) mean_.assign(elements, Eigen::Vector3d::Zero());
   frame_.force.setZero(3, n);
   frame_.contact_force.setZero(3, n);
   frame_.displacement.setZero(3, n);
@@ -259,7 +238,7 @@ void ArticulatedContact::suit_to_held(mjModel* held) const {
     const double inwards = tip_damping(element.k_normal, settings_);
     held->dof_damping[dof] = held->dof_damping[dof + 1] = tip_damping(element.k_tangential, settings_);
     held->dof_damping[dof + 2] = inwards;
-    held->jnt_stiffness[joint + 2] = normal_slide(element.k_normal, 0.0, inwards, settings_, held->opt.timestep);
+    held->jnt_stiffness[joint + 2] = normal_slide(element.k_normal, 0.0, inwards, settings_);
   }
 }
 
@@ -274,9 +253,10 @@ void ArticulatedContact::take_presses(const mjModel* model, mjData* data, const 
 const ContactFrame& ArticulatedContact::read(const mjModel* model, const mjData* data, double time, double dt) {
   std::swap(tips_, before_);
   gather(model, data);
+  average(dt);
   for (std::size_t i = 0; i < tips_.size(); ++i) {
     tips_[i].fall = before_[i].press - tips_[i].press;
-    tips_[i].state = judge(tips_[i]);
+    tips_[i].state = judge(i);
     if (tips_[i].state == ElementState::slip) path_[i] += dt * tips_[i].velocity.norm();
   }
   frame_.time = time;
@@ -290,6 +270,7 @@ const ContactFrame& ArticulatedContact::read(const mjModel* model, const mjData*
 
 void ArticulatedContact::begin_run(double time) {
   std::ranges::fill(path_, 0.0);
+  std::ranges::fill(mean_, Eigen::Vector3d::Zero());
   std::ranges::fill(before_, Tip{});
   frame_.time = time;
   frame_.slip_distance.setZero();
@@ -323,6 +304,7 @@ void ArticulatedContact::gather(const mjModel* model, const mjData* data) {
   constraint_velocity_.resize(static_cast<std::size_t>(data->nefc));
   mj_mulJacVec(model, data, constraint_velocity_.data(), data->qvel);
 
+  const bool pyramidal = model->opt.cone == mjCONE_PYRAMIDAL;
   using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Eigen::Matrix3d pad_from_world = tip_in_pad_[0] * Eigen::Map<const Rows>(data->xmat + 9 * bodies_.front()).transpose();
   for (int c = 0; c < data->ncon; ++c) {
@@ -339,22 +321,37 @@ void ArticulatedContact::gather(const mjModel* model, const mjData* data) {
     mj_contactForce(model, data, c, force);
     if (!(force[0] > 0.0)) continue;
     const Eigen::Matrix3d axes = side * pad_from_world * Eigen::Map<const Rows>(contact.frame).transpose();
-    const double* velocity = constraint_velocity_.data() + contact.efc_address;
     tip.force += axes * vector3(force);
     if (!(force[0] > tip.press)) continue;
     tip.press = force[0];
     tip.limit = contact.friction[0] * force[0];
-    tip.approach = -data->efc_vel[contact.efc_address];
     tip.normal = axes.col(0);
     tip.tangential = axes.col(1) * force[1] + axes.col(2) * force[2];
+    tip.drawn = pyramidal ? std::abs(force[1]) + std::abs(force[2]) : tip.tangential.norm();
+    const Eigen::Vector3d velocity = contact_velocity(contact, constraint_velocity_.data(), pyramidal);
     tip.velocity = axes.col(1) * velocity[1] + axes.col(2) * velocity[2];
+    tip.approach = -contact_velocity(contact, data->efc_vel, pyramidal)[0];
   }
 }
 
-ElementState ArticulatedContact::judge(const Tip& tip) const {
+void ArticulatedContact::average(double dt) {
+  const double kept = std::exp(-dt / settings_.creep_time);
+  for (std::size_t i = 0; i < mean_.size(); ++i) {
+    if (tips_[i].press > 0.0) {
+      mean_[i] = kept * mean_[i] + (1.0 - kept) * tips_[i].velocity;
+    } else {
+      mean_[i].setZero();
+    }
+  }
+}
+
+ElementState ArticulatedContact::judge(std::size_t i) const {
+  const Tip& tip = tips_[i];
   if (!(tip.press > 0.0)) return ElementState::detached;
-  const bool on_cone = tip.tangential.norm() >= (1.0 - settings_.cone_share) * tip.limit;
-  return on_cone && tip.velocity.norm() > settings_.creep_speed ? ElementState::slip : ElementState::stick;
+  const double speed = tip.velocity.norm();
+  if (speed > settings_.creep_speed && mean_[i].norm() > settings_.creep_speed) return ElementState::slip;
+  const bool on_cone = tip.drawn >= (1.0 - settings_.cone_share) * tip.limit;
+  return on_cone && speed > settings_.least_speed ? ElementState::slip : ElementState::stick;
 }
 
 // Where in the step [0, 1] the element came to its new state.

@@ -35,6 +35,12 @@ GeomShape geom_shape(const DistanceGrid&) {
   throw std::invalid_argument("the articulated bench has no geom for a distance grid");
 }
 
+// Into how many of MuJoCo's steps one of `dt` [s] is cut.
+int parts_of(double dt, const ArticulatedSettings& recipe) {
+  if (!(dt > 0.0)) throw std::invalid_argument("the articulated bench needs a step longer than 0 s");
+  return static_cast<int>(std::ceil(dt / recipe.longest_step * (1.0 - 1e-9)));
+}
+
 }  // namespace
 
 struct ArticulatedBench::World {
@@ -42,6 +48,7 @@ struct ArticulatedBench::World {
   Surface surface;
   double dt;
   int parts;  // MuJoCo's steps in one of the bench's
+  int settling_steps;
   ModelPointer model;
   DataPointer data;
   std::unique_ptr<ArticulatedContact> contact;
@@ -58,17 +65,25 @@ ArticulatedBench::ArticulatedBench(const PadLayout& layout, const Surface& surfa
     : ArticulatedBench(layout, surface, friction, dt, ArticulatedSettings{}) {}
 
 ArticulatedBench::ArticulatedBench(const PadLayout& layout, const Surface& surface, Friction friction, double dt,
-                                   const ArticulatedSettings& settings)
+                                   const ArticulatedSettings& recipe)
+    : ArticulatedBench(layout, surface, friction, articulated_pillars(recipe, dt / parts_of(dt, recipe)), parts_of(dt, recipe)) {}
+
+ArticulatedBench::ArticulatedBench(const PadLayout& layout, const Surface& surface, Friction friction,
+                                   const PillarSettings& pillars)
+    : ArticulatedBench(layout, surface, friction, pillars, 1) {}
+
+ArticulatedBench::ArticulatedBench(const PadLayout& layout, const Surface& surface, Friction friction,
+                                   const PillarSettings& pillars, int parts)
     : world_(std::make_unique<World>()) {
-  if (!(dt > 0.0)) throw std::invalid_argument("the articulated bench needs a step longer than 0 s");
   World& w = *world_;
   w.layout = layout;
   w.surface = surface;
-  w.parts = static_cast<int>(std::ceil(dt / settings.longest_step * (1.0 - 1e-9)));
-  w.dt = dt / w.parts;
+  w.parts = parts;
+  w.dt = pillars.dt;
+  w.settling_steps = pillars.settling_steps;
 
   const SpecPointer spec(mj_makeSpec());
-  set_articulated_options(spec.get(), settings, w.dt);
+  set_pillar_options(spec.get(), pillars);
   mju_zero3(spec->option.gravity);
   mjsBody* base = mjs_findBody(spec.get(), "world");
   mjsGeom* touched = mjs_addGeom(base, nullptr);
@@ -86,13 +101,16 @@ ArticulatedBench::ArticulatedBench(const PadLayout& layout, const Surface& surfa
   carrier->explicitinertial = 1;
   carrier->inertia[0] = carrier->inertia[1] = carrier->inertia[2] = carrier_mass;
   const std::string name = "surface";
-  add_articulated_pad(spec.get(), carrier, Pose{}, layout, {&name, 1}, friction, settings, w.dt, "pad");
+  add_articulated_pad(spec.get(), carrier, Pose{}, layout, {&name, 1}, friction, pillars, "pad");
 
   w.model.reset(mj_compile(spec.get(), nullptr));
   if (!w.model) throw std::runtime_error(std::string("MuJoCo cannot compile the articulated pad: ") + mjs_getError(spec.get()));
   w.data.reset(mj_makeData(w.model.get()));
-  w.contact = std::make_unique<ArticulatedContact>(w.model.get(), "pad", layout, settings);
+  w.contact = std::make_unique<ArticulatedContact>(w.model.get(), "pad", layout, pillars);
   w.carrier = w.model->body_jntadr[mj_name2id(w.model.get(), mjOBJ_BODY, "carrier")];
+  if (pillars.carrier_in_scale) return;
+  call_mujoco([&w] { mj_forward(w.model.get(), w.data.get()); });
+  leave_out_of_scale(w.model.get(), w.data.get(), w.model->jnt_dofadr[w.carrier]);
 }
 
 ArticulatedBench::~ArticulatedBench() = default;
@@ -102,7 +120,7 @@ const ContactFrame& ArticulatedBench::frame() const { return world_->frame; }
 // Tips inside the surface are pressed in; then the contacts take up the rest of their load while the pad rests.
 void ArticulatedBench::World::place(const Pose& pad, double time) {
   contact->begin_on(model.get(), data.get(), surface, pad);
-  for (int k = 0; k < ArticulatedSettings{}.settling_steps; ++k) {
+  for (int k = 0; k < settling_steps; ++k) {
     step_part(pad, pad, time);
     contact->read(model.get(), data.get(), time, dt);
   }

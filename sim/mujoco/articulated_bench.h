@@ -12,6 +12,7 @@
 namespace slipbench {
 
 struct ArticulatedSettings;
+struct PillarSettings;
 
 // The articulated counterpart of a Field with its ContactLabels. The pad's carrier is a MuJoCo body with six degrees of freedom
 // whose position and velocity are overwritten before every step with those of the prescribed motion, so nothing of its own motion
@@ -23,7 +24,9 @@ class ArticulatedBench {
   // std::runtime_error when MuJoCo cannot compile the model.
   ArticulatedBench(const PadLayout& layout, const Surface& surface, Friction friction, double dt);
   ArticulatedBench(const PadLayout& layout, const Surface& surface, Friction friction, double dt,
-                   const ArticulatedSettings& settings);
+                   const ArticulatedSettings& recipe);
+  // With any pillars: a step of the bench is one of MuJoCo's, of the pillars' dt.
+  ArticulatedBench(const PadLayout& layout, const Surface& surface, Friction friction, const PillarSettings& pillars);
   ~ArticulatedBench();
 
   // Moves the pad on a straight way to `pad_in_surface`, which it reaches at `time` [s] after the bench's `dt`. The first call
@@ -35,6 +38,7 @@ class ArticulatedBench {
 
  private:
   struct World;
+  ArticulatedBench(const PadLayout& layout, const Surface& surface, Friction friction, const PillarSettings& pillars, int parts);
   std::unique_ptr<World> world_;
 };
 

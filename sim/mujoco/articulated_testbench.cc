@@ -33,9 +33,11 @@ ArticulatedTestbench::ArticulatedTestbench(const Scene& scene, std::span<const P
   for (std::size_t i = 0; i < pads.size(); ++i) {
     s.clocks.add(plan_steps(scene, output_rates.subspan(i, 1), std::numeric_limits<double>::infinity(), "the pads", i));
     refuse_inside(*pads[i], stage.surface, {}, s.motion->pad_at(0.0).pose);
-    s.pads.push_back(std::make_unique<ArticulatedBench>(
-        *pads[i], stage.surface.shape, Friction{scene.friction.static_coefficient, scene.friction.kinetic_coefficient},
-        s.clocks.time_step(i)));
+    const Friction friction{scene.friction.static_coefficient, scene.friction.kinetic_coefficient};
+    const double dt = s.clocks.time_step(i);
+    s.pads.push_back(scene.contact ? std::make_unique<ArticulatedBench>(*pads[i], stage.surface.shape, friction,
+                                                                        user_pillars(*scene.contact, dt))
+                                   : std::make_unique<ArticulatedBench>(*pads[i], stage.surface.shape, friction, dt));
   }
   s.bodies = {{"pad", s.motion->pad_at(0.0)},
               {"surface", {stage.surface.pose, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};

@@ -229,16 +229,6 @@ void DynamicBench::State::start(const Scene& scene) {
   }
 }
 
-// MuJoCo's solver measures what is small by the mean inertia. With the stage in it the solver would stop before it has begun, and
-// bodies would sink into each other without a warning.
-void DynamicBench::State::leave_stage_out_of_scale() {
-  if (!motion) return;
-  RowMatrix inertia(m()->nv, m()->nv);
-  mj_fullM(m(), d(), inertia.data());
-  const double others = inertia.trace() - inertia.diagonal().segment<6>(stage_dof).sum();
-  model->stat.meaninertia = m()->nv > 6 ? others / static_cast<double>(m()->nv - 6) : 1.0;
-}
-
 void DynamicBench::State::prescribe(double time) {
   if (!motion) return;
   const BodyState stage = motion->pad_at(time);
@@ -271,7 +261,7 @@ void DynamicBench::State::advance(std::size_t from) {
         fmt::format("the pads' implicit springs are not in MuJoCo's solver at {:.6g} s; allowed: field_solver explicit", time));
   }
   if (articulated) {
-    refuse_other_contacts(time);
+    if (!own_contact) refuse_other_contacts(time);
     read_pillars(time_of(from + 1));
   }
   prescribe(time_of(from + 1));
@@ -297,7 +287,7 @@ void DynamicBench::State::begin(const Scene& scene) {
   find_controls(scene);
   start(scene);
   call_mujoco([this] { mj_forward(m(), d()); });
-  leave_stage_out_of_scale();
+  if (motion) leave_out_of_scale(model.get(), d(), stage_dof);
 }
 
 // The model with fields, and the longest step that they bear.
@@ -365,7 +355,8 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
     if (!s.sensors[i].follows) rates.push_back(output_rates[i]);
   }
   if (options.hand != nullptr) s.spring = finger_spring(options.hand->grip);
-  s.articulated = scene.fidelity == "articulated";
+  s.articulated = scene.fidelity != "field";
+  s.own_contact = scene.contact.has_value();
   s.implicit = scene.implicit_fields;
   const bool staged = std::ranges::any_of(carrying.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); });
   if (staged) {
@@ -384,8 +375,8 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
   for (std::size_t i = 0; i < s.read; ++i) s.pads[i].stride = plan.strides[i];
   s.find_followers(scene, pads, output_rates);
   s.find_bodies(carrying);
-  s.leads = s.model->opt.integrator == mjINT_RK4;
-  if (s.articulated) s.settle_tips();
+  s.leads = !s.articulated && s.model->opt.integrator == mjINT_RK4;
+  if (s.articulated) s.settle_tips(pillars_of_scene(carrying, s.dt).settling_steps);
   s.to_keep = !s.articulated && !s.implicit && !s.leads && options.hand == nullptr;
   call_mujoco([&s] { mj_forward(s.model.get(), s.data.get()); });
   // RK4 commits at the end of a step only. What touches at t = 0 sticks there, unstrained, as by any other integrator: else no tip would hold in

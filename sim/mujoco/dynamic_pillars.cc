@@ -19,9 +19,10 @@ constexpr double rest_tolerance = 1e-14;
 }  // namespace
 
 void DynamicBench::State::find_pillars(const Scene& scene) {
+  const PillarSettings settings = pillars_of_scene(scene, m()->opt.timestep);
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     const int site = mj_name2id(m(), mjOBJ_SITE, site_of(scene.sensors[i]).c_str());
-    auto pillars = std::make_unique<ArticulatedContact>(m(), pillars_of(scene.sensors[i]), *layouts[i], ArticulatedSettings{});
+    auto pillars = std::make_unique<ArticulatedContact>(m(), pillars_of(scene.sensors[i]), *layouts[i], settings);
     pads.push_back({nullptr, std::move(pillars), site, m()->site_bodyid[site], 0.0, reach_of(*layouts[i])});
   }
 }
@@ -48,7 +49,7 @@ void DynamicBench::State::press_tips_in(const mjModel* held, mjData* settled) co
 // Steps in which only the tips move, without weights, so that they take up their loads before the run begins. As the stage is, what
 // is not a tip is deaf to what it touches and overwritten before every step: were it to give way within a step, the pads would push
 // it to where their forces balance.
-void DynamicBench::State::settle_tips() {
+void DynamicBench::State::settle_tips(int steps) {
   const ModelPointer held(mj_copyModel(nullptr, m()));
   std::vector<bool> of_tip(static_cast<std::size_t>(m()->nv), false);
   for (const Pad& pad : pads) {
@@ -64,13 +65,13 @@ void DynamicBench::State::settle_tips() {
     settled.reset(mj_makeData(held.get()));
     mj_setConst(held.get(), settled.get());  // bodies of which MuJoCo has the inertia ready
   });
-  held->stat = m()->stat;  // see leave_stage_out_of_scale()
+  held->stat = m()->stat;  // see leave_out_of_scale()
   for (const Pad& pad : pads) pad.pillars->suit_to_held(held.get());
 
   std::copy_n(d()->qpos, m()->nq, settled->qpos);
   press_tips_in(held.get(), settled.get());
   std::vector<mjtNum> qpos(settled->qpos, settled->qpos + m()->nq), qvel(static_cast<std::size_t>(m()->nv), 0.0);
-  for (int k = 0; k < ArticulatedSettings{}.settling_steps; ++k) {
+  for (int k = 0; k < steps; ++k) {
     std::ranges::copy(qpos, settled->qpos);
     std::ranges::copy(qvel, settled->qvel);
     call_mujoco([&] { mj_step(held.get(), settled.get()); });

@@ -96,6 +96,7 @@ struct DynamicBench::State {
   bool leads = false;    // RK4: a step tells the truth of its end
   bool to_keep = false;  // pads keep their state from the first step on: before it, who has the data may still move bodies
   bool articulated = false;
+  bool own_contact = false;  // articulated, with the contact of the scene's own settings
   bool implicit = false;
   bool limited = false;             // explicit fields, and the limit is obeyed
   std::size_t touching_before = 0;  // elements, at the tick before
@@ -130,7 +131,7 @@ struct DynamicBench::State {
   void find_fields(const Scene& scene);
   void find_pillars(const Scene& scene);
   void press_tips_in(const mjModel* held, mjData* settled) const;
-  void settle_tips();
+  void settle_tips(int steps);
   void refuse_other_contacts(double time) const;
   [[nodiscard]] bool is_tip(int body) const {
     return articulated && std::ranges::any_of(pads, [body](const Pad& pad) {
@@ -144,7 +145,6 @@ struct DynamicBench::State {
   void find_bodies(const Scene& scene);
   void refuse_implicit() const;
   void start(const Scene& scene);
-  void leave_stage_out_of_scale();
   void read_pillars(double time) {
     for (const Pad& pad : pads) pad.pillars->read(m(), d(), time, dt);
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -127,26 +128,27 @@ class Builder {
   }
 
   ModelPointer build_articulated(const std::function<double(double)>& step_for) {
-    const ArticulatedSettings settings;
     SpecPointer spec = parse("");
     add_all(spec.get());
     // Where the sites are and what moves how easily is known only when the model has been compiled.
     const ModelPointer bare = compile(spec.get());
     refuse_articulated(bare.get());
+    const bool recipe = !scene_.contact;
     std::vector<Pose> sites;
     DataPointer data = start_of(bare.get());
-    double longest = settings.longest_step;
+    double longest = recipe ? ArticulatedSettings{}.longest_step : std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
       const int site = mj_name2id(bare.get(), mjOBJ_SITE, site_of(scene_.sensors[i]).c_str());
       const mjtNum* turn = bare->site_quat + 4 * site;
       sites.push_back({Eigen::Quaterniond(turn[0], turn[1], turn[2], turn[3]).toRotationMatrix(),
                        Eigen::Map<const Eigen::Vector3d>(bare->site_pos + 3 * site)});
-      longest = std::min(longest, longest_articulated_step(*pads_[i], inverse_masses(bare.get(), data.get(), i), settings));
+      if (!recipe) continue;
+      longest = std::min(longest, longest_articulated_step(*pads_[i], inverse_masses(bare.get(), data.get(), i), {}));
     }
-    const double dt = step_for(longest);
-    weigh_joints_down(bare.get(), dt);
+    const PillarSettings settings = pillars_of_scene(scene_, step_for(longest));
+    if (recipe) weigh_joints_down(bare.get(), settings.dt);
     data = start_of(bare.get());
-    set_articulated_options(spec.get(), settings, dt);
+    set_pillar_options(spec.get(), settings);
     for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
       const SensorScene& sensor = scene_.sensors[i];
       PadLayout layout = *pads_[i];
@@ -155,17 +157,18 @@ class Builder {
         element.c_tangential += sensor.damping * element.k_tangential;
       }
       mjsBody* carrier = mjs_getParent(mjs_findElement(spec.get(), mjOBJ_SITE, site_of(sensor).c_str()));
+      const auto inverse_mass = recipe ? inverse_masses(bare.get(), data.get(), i) : std::vector<InverseMass>{};
       add_articulated_pad(spec.get(), carrier, sites[i], layout, touched_[i],
-                          {scene_.friction.static_coefficient, scene_.friction.kinetic_coefficient}, settings, dt,
-                          pillars_of(sensor), inverse_masses(bare.get(), data.get(), i));
+                          {scene_.friction.static_coefficient, scene_.friction.kinetic_coefficient}, settings, pillars_of(sensor),
+                          inverse_mass);
     }
     ModelPointer model = compile(spec.get());
     for (const SensorScene& sensor : scene_.sensors) {
       const int body = mj_name2id(model.get(), mjOBJ_BODY, (pillars_of(sensor) + "/body/0").c_str());
       if (std::abs(model->body_mass[body] - settings.tip_mass) <= 1e-9 * settings.tip_mass) continue;
       throw SceneValueError("model", fmt::format("its compiler makes a pillar's tip weigh {:.6g} kg, not {:.6g} kg; allowed with "
-                                                 "fidelity articulated: no boundmass, no settotalmass",
-                                                 model->body_mass[body], settings.tip_mass));
+                                                 "fidelity {}: no boundmass, no settotalmass",
+                                                 model->body_mass[body], settings.tip_mass, scene_.fidelity));
     }
     return model;
   }
@@ -286,11 +289,11 @@ class Builder {
       for (const std::string& name : touched_[i]) {
         const int type = model->geom_type[mj_name2id(model, mjOBJ_GEOM, name.c_str())];
         if (type == mjGEOM_PLANE || (type >= mjGEOM_SPHERE && type <= mjGEOM_BOX)) continue;
-        throw SceneValueError(
-            "sensors." + scene_.sensors[i].name + ".touches",
-            "the geom " + quote(name) +
-                " is a mesh or a field of heights or distances, which MuJoCo's own contact sees otherwise; allowed "
-                "with fidelity articulated: plane, box, sphere, cylinder, capsule, ellipsoid");
+        throw SceneValueError("sensors." + scene_.sensors[i].name + ".touches",
+                              "the geom " + quote(name) +
+                                  " is a mesh or a field of heights or distances, which MuJoCo's own contact sees otherwise; "
+                                  "allowed with fidelity " +
+                                  scene_.fidelity + ": plane, box, sphere, cylinder, capsule, ellipsoid");
       }
     }
   }
@@ -337,6 +340,7 @@ class Builder {
       spec->option.integrator = mjINT_EULER;
       spec->option.disableflags |= mjDSBL_EULERDAMP | mjDSBL_CONSTRAINT | mjDSBL_DAMPER;  // it has no joint that is damped
     }
+    if (!scene_.integrator.empty()) spec->option.integrator = integrator_named(scene_.integrator);
     if (std::ranges::any_of(scene_.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); })) add_stage(spec);
     touched_.assign(scene_.sensors.size(), {});
     unnamed_ = 0;
@@ -346,7 +350,7 @@ class Builder {
     if (scene_.implicit_fields) prepare_implicit(spec, pairs);
   }
 
-  static void add_body(mjSpec* spec, const BodyScene& scene) {
+  void add_body(mjSpec* spec, const BodyScene& scene) const {
     const Parameters& p = scene.shape.parameters;
     if (mjs_findBody(spec, scene.name.c_str()) != nullptr || mjs_findElement(spec, mjOBJ_GEOM, scene.name.c_str()) != nullptr) {
       throw SceneValueError("bodies." + scene.name, "the model has a body or geom of this name already; allowed: another name");
@@ -365,6 +369,10 @@ class Builder {
     mjs_setName(geom->element, scene.name.c_str());
     geom->friction[0] = p.number("friction");
     geom->solref[0] = contact_time;
+    if (scene_.contact) {
+      std::ranges::copy(scene_.contact->vector("solref"), geom->solref);
+      std::ranges::copy(scene_.contact->vector("solimp"), geom->solimp);
+    }
     if (scene.shape.name == "plane") {
       geom->type = mjGEOM_PLANE;
       geom->size[2] = 1.0;  // spacing of the drawn grid: the extent of 0 means endless

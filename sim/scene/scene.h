@@ -81,6 +81,7 @@ struct Scene {
   double duration = 0.0;            // s
   std::optional<double> time_step;  // s; empty: auto
   std::string fidelity = "field";
+  std::optional<Parameters> contact = {};  // of fidelity mujoco_contact, as contact_entry declares them; empty: another one
   std::uint64_t seed = 0;
   std::string material;
   Named surface;  // name is the shape: plane, box, cylinder, sphere
@@ -97,6 +98,7 @@ struct Scene {
   std::optional<double> gravity = {};  // m/s2, downwards; empty: the model's own, or the Earth's without a model
   std::vector<ControlScene> controls = {};
   bool implicit_fields = false;          // field_solver: implicit
+  std::string integrator = {};           // of fields, as MuJoCo calls it; empty: the model's own, or the bench's
   std::optional<Named> controller = {};  // of a grasp; empty: none, the fingers stay where they begin
   std::optional<GraspScene> grasp = {};  // without a model and bodies: it brings its own
 

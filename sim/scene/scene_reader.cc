@@ -17,12 +17,14 @@ namespace {
 constexpr std::string_view schema_version = "1";
 constexpr double max_steps = 1e8;
 constexpr std::size_t max_sensors = 64;
+constexpr double least_impedance = 1e-4, most_impedance = 0.9999;  // mjMINIMP and mjMAXIMP
+constexpr std::string_view contact_fidelity = "mujoco_contact";
 
 // The motions of a grasp's arm, the usual one first, which are no motions of a stage.
 constexpr std::array<std::string_view, 2> arm_motions{"lift", guided_motion_name};
 
 // Keys that only a scene with bodies that move by forces may have: of the scene, and of its sensors.
-constexpr std::array<std::string_view, 3> dynamic_keys{"controls", "field_solver", "gravity"};
+constexpr std::array<std::string_view, 4> dynamic_keys{"controls", "field_solver", "gravity", "integrator"};
 constexpr std::array<std::string_view, 4> dynamic_sensor_keys{"damping", "follows", "site", "touches"};
 
 bool is_identifier(const std::string& name) {
@@ -38,10 +40,10 @@ class SceneReader : EntryReader {
 
   Scene read(const YamlNode& root) {
     require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
-    check_keys(root, "the scene",
-               {"bodies",  "box",      "controller",   "controls",  "description", "detector", "duration", "effects",
-                "expect",  "fidelity", "field_solver", "friction",  "gravity",     "grip",     "model",    "motion",
-                "scatter", "seed",     "sensors",      "slipbench", "surface",     "sweep",    "time_step"});
+    check_keys(root, "the scene", {"bodies",    "box",        "contact", "controller", "controls",     "description", "detector",
+                                   "duration",  "effects",    "expect",  "fidelity",   "field_solver", "friction",    "gravity",
+                                   "grip",      "integrator", "model",   "motion",     "scatter",      "seed",        "sensors",
+                                   "slipbench", "surface",    "sweep",   "time_step"});
     read_version(root);
     Scene scene;
     scene.grasp = read_grasp(root);  // first: its protocol is the default of others
@@ -49,6 +51,7 @@ class SceneReader : EntryReader {
     scene.duration = number(root.find("duration"), "duration", duration_spec);
     scene.time_step = read_time_step(root.find("time_step"), scene.duration);
     scene.fidelity = read_fidelity(root.find("fidelity"));
+    scene.contact = read_contact(root.find("contact"), scene.fidelity);
     scene.seed = read_seed(root);
     const Material& material = read_surface(root.find("surface"), scene);
     scene.friction = read_friction(root.find("friction"), material);
@@ -94,6 +97,38 @@ class SceneReader : EntryReader {
   }
 
   std::string read_fidelity(const YamlNode* node) { return std::get<std::string>(value(node, "fidelity", fidelity_spec)); }
+
+  std::optional<Parameters> read_contact(const YamlNode* node, const std::string& fidelity) {
+    if (fidelity != contact_fidelity) {
+      if (node != nullptr) {
+        fail(node->key_origin, "'contact' is of MuJoCo's own contact friction, and the fidelity is " + quote(fidelity) +
+                                   "; allowed with 'fidelity: " + std::string(contact_fidelity) + "'");
+      }
+      return std::nullopt;
+    }
+    if (node != nullptr) require_map(*node, "contact", "parameters");
+    Parameters contact = parameters(node, "contact", "contact", contact_entry, {});
+    refuse_mixed(node, contact, "solref", "two positive numbers, or two negative ones: -stiffness and -damping", false);
+    refuse_mixed(node, contact, "solreffriction", "two positive numbers, two negative ones, or 0, 0: as solref", true);
+    const std::vector<double>& impedance = contact.vector("solimp");
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (impedance[i] >= least_impedance && impedance[i] <= most_impedance) continue;
+      fail(node->find("solimp")->children[i].origin, "contact.solimp." + std::to_string(i) + ": " + format_number(impedance[i]) +
+                                                         " would be clipped by MuJoCo; allowed: " +
+                                                         format_number(least_impedance) + " to " + format_number(most_impedance));
+    }
+    return contact;
+  }
+
+  // MuJoCo takes its defaults for a reference of mixed signs.
+  static void refuse_mixed(const YamlNode* node, const Parameters& contact, const std::string& name, const std::string& allowed,
+                           bool or_none) {
+    const std::vector<double>& reference = contact.vector(name);
+    const bool none = reference[0] == 0.0 && reference[1] == 0.0;
+    if (none ? or_none : reference[0] * reference[1] > 0.0) return;
+    fail(node->find(name)->origin,
+         "contact." + name + ": " + format_number(reference[0]) + ", " + format_number(reference[1]) + "; allowed: " + allowed);
+  }
 
   const Material& read_surface(const YamlNode* node, Scene& scene) {
     scene.surface = read_kind(node, "surface", "shape", "plane", catalogues_.surfaces, "surface shape", {"material"});
@@ -273,8 +308,9 @@ class SceneReader : EntryReader {
         std::get<std::string>(value(root.find("field_solver"), "field_solver", field_solver_spec)) == "implicit";
     if (scene.implicit_fields && scene.fidelity != "field") {
       fail(root.find("field_solver")->origin,
-           "field_solver: 'implicit' is for pads as fields; with 'fidelity: articulated' leave it out");
+           "field_solver: 'implicit' is for pads as fields; with 'fidelity: " + scene.fidelity + "' leave it out");
     }
+    scene.integrator = read_integrator(root.find("integrator"), scene);
     if (const YamlNode* node = root.find("controls")) scene.controls = read_controls(*node);
     read_followers(*root.find("sensors"), scene);
     if (scene.grasp) {
@@ -291,6 +327,17 @@ class SceneReader : EntryReader {
       fail(node->key_origin,
            "motion moves the sensors that have no 'site', and every sensor of this scene has one; leave it out");
     }
+  }
+
+  // Of a scene with pads as fields: articulated pads have one integrator, and `contact` has its own.
+  std::string read_integrator(const YamlNode* node, const Scene& scene) {
+    if (node == nullptr) return {};
+    const std::string name = std::get<std::string>(value(node, "integrator", integrator_spec));
+    const auto refuse = [&](const std::string& why) { fail(node->origin, "integrator: " + quote(name) + " " + why); };
+    if (scene.contact) refuse("is for pads as fields; allowed with 'fidelity: " + scene.fidelity + "': contact.integrator");
+    if (scene.fidelity != "field") refuse("is for pads as fields; 'fidelity: " + scene.fidelity + "' has its own, discrete");
+    if (scene.implicit_fields && name != "discrete") refuse("does not solve implicit fields; allowed with them: discrete");
+    return name;
   }
 
   // Sensors that read the contact of another one's pad, or of that on the other finger of a grasp.

@@ -59,7 +59,7 @@ std::unique_ptr<Bench> make_bench(const Scene& scene, const Sensors& sensors, st
     pads.push_back(&sensor->layout());
     rates.push_back(sensor->rate() * static_cast<double>(sensor->scans()));
   }
-  if (scene.dynamic() || scene.fidelity == "articulated") return make_mujoco_bench(scene, pads, rates, trial);
+  if (scene.dynamic() || scene.fidelity != "field") return make_mujoco_bench(scene, pads, rates, trial);
   return std::make_unique<Testbench>(scene, pads, rates, trial);
 }
 

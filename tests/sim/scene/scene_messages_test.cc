@@ -27,6 +27,8 @@ std::string answer(const std::string& text) {
   return "accepted";
 }
 
+std::string with_contact(const std::string& contact) { return head + "fidelity: mujoco_contact\ncontact: " + contact + "\n"; }
+
 struct Case {
   const char* name;
   std::string text;
@@ -42,8 +44,8 @@ TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().m
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
 
 const std::string scene_keys =
-    "bodies, box, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, "
-    "gravity, grip, "
+    "bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, "
+    "friction, gravity, grip, integrator, "
     "model, motion, scatter, seed, sensors, slipbench, surface, sweep, time_step";
 const std::string sensor_keys =
     "bias, bristle_spread, bristles, damping, electronics, follows, profile, rate, site, touches, type";
@@ -121,7 +123,37 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"TimeStepTooShort", head + "time_step: 10 us\nduration: 1001 s\n",
              "s.yaml:3: time_step 10 us makes more than 100,000,000 steps; allowed: at least 10.01 us, or auto"},
         Case{"Fidelity", head + "fidelity: feild\n",
-             "s.yaml:3: fidelity: unknown value 'feild'; did you mean 'field'? allowed: field, articulated"},
+             "s.yaml:3: fidelity: unknown value 'feild'; did you mean 'field'? allowed: field, articulated, mujoco_contact"},
+        Case{"ContactOfAField", head + "contact: {noslip: 3}\n",
+             "s.yaml:3: 'contact' is of MuJoCo's own contact friction, and the fidelity is 'field'; allowed with 'fidelity: "
+             "mujoco_contact'"},
+        Case{
+            "ContactOfTheRecipe", head + "fidelity: articulated\ncontact: {}\n",
+            "s.yaml:4: 'contact' is of MuJoCo's own contact friction, and the fidelity is 'articulated'; allowed with 'fidelity: "
+            "mujoco_contact'"},
+        Case{"ContactAsASequence", with_contact("[]"), "s.yaml:4: contact is a sequence; allowed: a map of parameters"},
+        Case{
+            "ContactKey", with_contact("{no_slip: 3}"),
+            "s.yaml:4: unknown key 'no_slip' in contact; did you mean 'noslip'? allowed: cone, impratio, integrator, iterations, "
+            "noslip, noslip_tolerance, refsafe, solimp, solref, solreffriction, solver, tip_damping, tip_mass, tolerance"},
+        Case{"ContactCone", with_contact("{cone: eliptic}"),
+             "s.yaml:4: contact.cone: unknown value 'eliptic'; did you mean 'elliptic'? allowed: elliptic, pyramidal"},
+        Case{"ContactIntegrator", with_contact("{integrator: euler}"),
+             "s.yaml:4: contact.integrator: unknown value 'euler'; did you mean 'Euler'? allowed: Euler, implicit, implicitfast, "
+             "discrete, RK4"},
+        Case{"ContactSolref", with_contact("\n  noslip: 3\n  solref: [0.02, -1]"),
+             "s.yaml:6: contact.solref: 0.02, -1; allowed: two positive numbers, or two negative ones: -stiffness and -damping"},
+        Case{"ContactSolrefOfNothing", with_contact("{solref: [0, 0]}"),
+             "s.yaml:4: contact.solref: 0, 0; allowed: two positive numbers, or two negative ones: -stiffness and -damping"},
+        Case{"ContactSolreffriction", with_contact("{solreffriction: [0.02, 0]}"),
+             "s.yaml:4: contact.solreffriction: 0.02, 0; allowed: two positive numbers, two negative ones, or 0, 0: as solref"},
+        Case{"ContactSolimp", with_contact("{solimp: [0.9, 1, 0.001]}"),
+             "s.yaml:4: contact.solimp.1: 1 would be clipped by MuJoCo; allowed: 1e-04 to 0.9999"},
+        Case{"ContactTipMass", with_contact("{tip_mass: 0 g}"),
+             "s.yaml:4: contact.tip_mass: '0 g' is out of range; allowed: > 0 kg"},
+        Case{"ContactAccepted",
+             with_contact("{cone: elliptic, solref: [-1e7, -6325], solreffriction: [0.002, 1], solimp: [0.99, 0.999, 0.001]}"),
+             "accepted"},
         Case{"NegativeSeed", head + "seed: -1\n", "s.yaml:3: seed: '-1' is no seed; allowed: 0 to 18446744073709551615"},
         Case{"HugeSeed", head + "seed: 18446744073709551616\n",
              "s.yaml:3: seed: '18446744073709551616' is no seed; allowed: 0 to 18446744073709551615"},
@@ -188,6 +220,8 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:3: 'controls' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"SolverWithoutBodies", head + "field_solver: implicit\n",
              "s.yaml:3: 'field_solver' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"IntegratorWithoutBodies", head + "integrator: RK4\n",
+             "s.yaml:3: 'integrator' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"SiteWithoutBodies", "slipbench: 1\nsensors: {pad: {type: papillarray, site: tip}}\n",
              "s.yaml:2: 'site' in sensors.pad needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"TouchesWithoutBodies", "slipbench: 1\nsensors: {pad: {type: papillarray, touches: [box]}}\n",
@@ -203,6 +237,16 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:5: field_solver: unknown value 'implicite'; did you mean 'implicit'? allowed: explicit, implicit"},
         Case{"ImplicitArticulated", bodies_head + "fidelity: articulated\nfield_solver: implicit\n",
              "s.yaml:6: field_solver: 'implicit' is for pads as fields; with 'fidelity: articulated' leave it out"},
+        Case{"Integrator", bodies_head + "integrator: RK5\n",
+             "s.yaml:5: integrator: unknown value 'RK5'; did you mean 'RK4'? allowed: Euler, implicit, implicitfast, discrete, "
+             "RK4"},
+        Case{"IntegratorOfPillars", bodies_head + "fidelity: articulated\nintegrator: Euler\n",
+             "s.yaml:6: integrator: 'Euler' is for pads as fields; 'fidelity: articulated' has its own, discrete"},
+        Case{"IntegratorOfContact", bodies_head + "fidelity: mujoco_contact\nintegrator: Euler\n",
+             "s.yaml:6: integrator: 'Euler' is for pads as fields; allowed with 'fidelity: mujoco_contact': contact.integrator"},
+        Case{"IntegratorOfImplicitFields", bodies_head + "field_solver: implicit\nintegrator: RK4\n",
+             "s.yaml:6: integrator: 'RK4' does not solve implicit fields; allowed with them: discrete"},
+        Case{"IntegratorAccepted", bodies_head + "integrator: RK4\n", "accepted"},
         Case{"SurfaceShapeWithBodies", bodies_head + "surface: {material: felt, shape: plane}\n",
              "s.yaml:5: unknown key 'shape' in surface of a scene with bodies; allowed: material"},
         Case{"NoTouches", with_sensor("{type: papillarray}"),
