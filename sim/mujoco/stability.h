@@ -13,12 +13,20 @@
 // and the Delassus matrix A = J M^-1 J', which is how they are computed here: as many rows as six times the pads, whatever the
 // robot's size.
 //
-// Explicit limit. One mode with a viscous time tau (c = tau k), stepped as MuJoCo does it (velocity first, position with the new
-// one):
-//   v' = v - h (omega^2 x + tau omega^2 v),  x' = x + h v'
-// With y = x/h, a = (h omega)^2, b = h tau omega^2 the map of (v, y) has trace 2 - a - b and determinant 1 - b, so by Jury's
-// conditions it is stable exactly when b < 2 and a + 2 b < 4 (the second implies the first):
-//   h omega < sqrt(4 + (tau omega)^2) - tau omega                                                             (2 without damping)
+// Where an explicit step diverges. With the pads' damping C (their dashpots, of whatever pad) and the dampers D of the model's joints
+//   M q'' = -K q - (C + D) q'.
+// MuJoCo's one-stage integrators take the velocity first and the position with the new one, and dampers of joints implicitly:
+//   (M + h D) (v' - v) = -h (K x + C v + D v),  x' = x + h v'
+// A mode that grows by l a step has v = (l - 1)/(h l) x, and with m, k, c, d the squares of M, K, C, D in its shape x
+//   (m + h d) (l - 1)^2 + h (c + d) (l - 1) + h^2 k l = 0
+// With real m, k, c, d, as symmetric matrices give also for a complex x, Jury's conditions say that |l| <= 1 as long as
+// h^2 k + 2 h c <= 4 m + 2 h d (then h (c + d) <= 2 (m + h d) as well), and at equality l = -1 is a root. So with any number of modes, damped
+// alike or not, the limit is the least h with
+//   largest eigenvalue of (M + h D/2)^-1 (h^2 K + 2 h C) = 4
+// of one mode with a viscous time tau (c = tau k) h omega = sqrt(4 + (tau omega)^2) - tau omega, 2 without damping. With RK4 all is
+// explicit: with l the roots of l^2 M + l (C + D) + K, the limit is the least h with |R(h l)| = 1 for one of them, R(z) = 1 + z + z^2/2
+// + z^3/6 + z^4/24: h omega = sqrt(8) without damping, h |l| = 2.785 where it is strong.
+//
 // Stable is not yet accurate: near the limit a slide comes out wrong (shared MUJOCO.md, section B). Right to 0.05 % is a step
 // with
 //   h omega <= 0.75  and  h tau omega^2 <= 1, the second so that damping never turns a velocity round within one step.
@@ -87,7 +95,25 @@ struct Vibration {
 // vibrates.
 [[nodiscard]] double longest_explicit_step(const Vibration& vibration);
 
-// The step [s] beyond which one mode with `viscous_time` [s] diverges under an explicit force; infinite when omega is 0.
-[[nodiscard]] double divergence_step(double omega, double viscous_time);
+// A model near the state of `d`, as far as its pads and its joints' dampers go. [nv, nv]
+struct LinearModel {
+  Eigen::MatrixXd mass;
+  Eigen::MatrixXd stiffness;      // K
+  Eigen::MatrixXd damping;        // C
+  Eigen::MatrixXd joint_damping;  // D
+};
+// `tangents` and `pads` go in pairs. Springs of joints, tendons and actuators are not in it. Throws std::invalid_argument when the
+// spans differ in length.
+[[nodiscard]] LinearModel linear_model(const mjModel_* m, mjData_* d, std::span<const PadOnBodies> pads,
+                                       std::span<const PadTangent> tangents);
+
+enum class Stepping { velocity_first, runge_kutta };
+// That of the model's integrator: RK4, or one of one stage.
+[[nodiscard]] Stepping stepping_of(const mjModel_* m);
+
+// The step [s] beyond which the model diverges under explicit pads (see above), less 1 %: the tangents leave out that loads turn with the
+// surface, which makes 0.3 % where soft pads are pressed in by a fifth of their pitch (tools/cost/stability_map.h). Infinite when nothing
+// vibrates.
+[[nodiscard]] double divergence_step(const LinearModel& model, Stepping stepping);
 
 }  // namespace slipbench

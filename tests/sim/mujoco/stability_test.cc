@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "tests/oracle/effect_field.h"
@@ -193,7 +194,108 @@ TEST(Stability, LongestExplicitStep) {
   EXPECT_DOUBLE_EQ(longest_explicit_step({1000.0, 0.0}), 0.75e-3);
   // tau 1 ms at 3286 rad/s: 1 / (1e-3 * 3286^2) = 0.0926 ms, under 0.75 / 3286 = 0.228 ms.
   EXPECT_DOUBLE_EQ(longest_explicit_step({3286.0, 1e-3 * 3286.0 * 3286.0}), 1.0 / (1e-3 * 3286.0 * 3286.0));
-  EXPECT_DOUBLE_EQ(divergence_step(1000.0, 0.0), 2e-3);
+}
+
+// One degree of freedom of 1 kg: omega^2, tau omega^2 and a damper of a joint.
+LinearModel one_mode(double omega, double viscous_time, double joint_damping = 0.0) {
+  const auto of = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
+  return {of(1.0), of(omega * omega), of(viscous_time * omega * omega), of(joint_damping)};
+}
+
+constexpr double less = 0.99;  // what is told is 1 % under the limit
+
+// h omega = sqrt(4 + (tau omega)^2) - tau omega. A damper of a joint D adds 2 h D to 4: (h omega)^2 + 2 h (tau omega^2 - D) = 4.
+TEST(Stability, DivergenceOfOneModeSteppedVelocityFirst) {
+  const Stepping euler = Stepping::velocity_first;
+  EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.0), euler), less * 2e-3, 1e-12);
+  for (const double b : {0.1, 0.7, 3.0, 50.0}) {
+    EXPECT_NEAR(divergence_step(one_mode(1000.0, b * 1e-3), euler), less * (std::sqrt(4.0 + b * b) - b) * 1e-3, 1e-12);
+    EXPECT_NEAR(divergence_step(one_mode(1000.0, b * 1e-3, 300.0), euler),
+                less * (std::sqrt(4.0 + std::pow(b - 0.3, 2)) - b + 0.3) * 1e-3, 1e-12);
+  }
+  EXPECT_EQ(divergence_step(one_mode(0.0, 0.0), euler), std::numeric_limits<double>::infinity());
+}
+
+// On the imaginary axis |R|^2 = 1 - y^6/72 + y^8/576, which is 1 at y^2 = 8. On the negative one 1 + z/2 + z^2/6 + z^3/24 = 0 at z = -2.785294
+// (R = 1); with b = tau omega = 50 the faster root is omega (b + sqrt(b^2 - 4))/2.
+TEST(Stability, DivergenceOfOneModeUnderRungeKutta) {
+  const Stepping rk4 = Stepping::runge_kutta;
+  EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.0), rk4), less * std::sqrt(8.0) * 1e-3, 1e-9);
+  const double faster = 1000.0 * (50.0 + std::sqrt(2496.0)) / 2.0;
+  EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.05), rk4), less * 2.785293563 / faster, 1e-12);
+  // There a joint's damper is explicit: alike, whoever damps.
+  EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.0, 5e4), rk4), divergence_step(one_mode(1000.0, 0.05), rk4), 1e-15);
+  EXPECT_EQ(divergence_step(one_mode(0.0, 0.0), rk4), std::numeric_limits<double>::infinity());
+}
+
+// A finger of 0.2 kg on a damped guide over a free box of 0.1 kg, which another pad carries: along the normals
+//   K = [[9 k_n, 9 k_n], [9 k_n, 18 k_n]] for the guide, which counts downwards, and the box; C = tau K, D of the guide alone.
+TEST(Stability, LinearModelHasThePadsSpringsAndTheJointsDampers) {
+  Bodies bodies(body("box", "<freejoint/>", 0.1, 10.0) +
+                body("finger", "<joint type='slide' axis='0 0 -1' damping='7'/>", 0.2, 1.0));
+  const PadLayout layout = nine_flat_pillars(1.0);
+  const Eigen::Vector3d above(0.0, 0.0, 0.015), below(0.0, 0.0, -0.015);
+  Pose upside_down = at(below);
+  upside_down.rotation = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const double tau = 1e-3, k = 9.0 * k_n;
+  const std::vector<PadOnBodies> pads{{bodies.id("finger"), bodies.id("box"), above}, {0, bodies.id("box"), below}};
+  const std::vector<PadTangent> tangents{stuck_tangent(layout, at(above), above, tau),
+                                         stuck_tangent(layout, upside_down, below, tau)};
+  const LinearModel model = linear_model(bodies.model.get(), bodies.data.get(), pads, tangents);
+  constexpr int up = 2, guide = 6;
+  EXPECT_NEAR(model.stiffness(up, up), 2.0 * k, 1e-9 * k);
+  EXPECT_NEAR(model.stiffness(up, guide), k, 1e-9 * k);
+  EXPECT_NEAR(model.stiffness(guide, guide), k, 1e-9 * k);
+  EXPECT_LT((model.damping - tau * model.stiffness).norm(), 1e-12 * model.stiffness.norm());
+  EXPECT_NEAR(model.mass(up, up), 0.1, 1e-12);
+  EXPECT_NEAR(model.mass(guide, guide), 0.2, 1e-12);
+  EXPECT_EQ(model.joint_damping(guide, guide), 7.0);
+  EXPECT_EQ(model.joint_damping.sum(), 7.0);
+  bodies.model->opt.disableflags |= mjDSBL_DAMPER;
+  EXPECT_EQ(linear_model(bodies.model.get(), bodies.data.get(), pads, tangents).joint_damping.sum(), 0.0);
+  EXPECT_EQ(stepping_of(bodies.model.get()), Stepping::velocity_first);
+  bodies.model->opt.integrator = mjINT_RK4;
+  EXPECT_EQ(stepping_of(bodies.model.get()), Stepping::runge_kutta);
+}
+
+// Many modes, damped unlike each other: the step itself, as a matrix, has the spectral radius 1 at the limit.
+TEST(Stability, DivergenceIsWhereTheStepsSpectralRadiusLeavesOne) {
+  constexpr int n = 4;
+  using Matrix = Eigen::Matrix<double, n, n>;
+  using Step = Eigen::Matrix<double, 2 * n, 2 * n>;
+  std::srand(3);  // Eigen's Random
+  for (int trial = 0; trial < 20; ++trial) {
+    const auto square = [](double size) -> Eigen::MatrixXd {
+      const Matrix root = Matrix::Random();
+      return size * root.transpose() * root;
+    };
+    const Eigen::MatrixXd mass = square(1.0) + 0.1 * Matrix::Identity();
+    const LinearModel model{mass, square(1e6), square(trial % 2 == 0 ? 300.0 : 3e3), square(200.0)};
+    const auto radius = [](const Step& step) { return step.eigenvalues().cwiseAbs().maxCoeff(); };
+    // (v, x) after a step of h.
+    const auto velocity_first = [&](double h) {
+      const Matrix damped = (model.mass + h * model.joint_damping).inverse();
+      const Matrix of_v = Matrix::Identity() - h * damped * (model.damping + model.joint_damping),
+                   of_x = -h * damped * model.stiffness;
+      Step step;
+      step << of_v, of_x, h * of_v, Matrix::Identity() + h * of_x;
+      return radius(step);
+    };
+    const auto runge_kutta = [&](double h) {
+      const Matrix inverse = model.mass.inverse();
+      Step rate;
+      rate << -inverse * (model.damping + model.joint_damping), -inverse * model.stiffness, Matrix::Identity(), Matrix::Zero();
+      rate *= h;
+      const Step one = Step::Identity();
+      return radius(one + rate * (one + rate / 2.0 * (one + rate / 3.0 * (one + rate / 4.0))));
+    };
+    const double euler = divergence_step(model, Stepping::velocity_first) / less,
+                 rk4 = divergence_step(model, Stepping::runge_kutta) / less;
+    EXPECT_LE(velocity_first(0.9999 * euler), 1.0) << trial;
+    EXPECT_GT(velocity_first(1.0001 * euler), 1.0) << trial;
+    EXPECT_LE(runge_kutta(0.9999 * rk4), 1.0) << trial;
+    EXPECT_GT(runge_kutta(1.0001 * rk4), 1.0) << trial;
+  }
 }
 
 // A box pressed from both sides, kicked so lightly that nothing slips or lifts off. Largest speed over 3000 steps, in kicks.
@@ -215,8 +317,8 @@ double growth(double viscous_time, double part_of_limit) {
     omega = probe.vibration().omega;
     EXPECT_NEAR(omega, std::sqrt(2.0 * 9.0 * k_n / 0.1), 1e-9 * omega);  // the fastest mode is along the normals
   }
-  FieldRig rig(build(part_of_limit * divergence_step(omega, viscous_time)), pairs, nine_flat_pillars(1.0), friction, viscous_time,
-               false);
+  FieldRig rig(build(part_of_limit * divergence_step(one_mode(omega, viscous_time), Stepping::velocity_first)), pairs,
+               nine_flat_pillars(1.0), friction, viscous_time, false);
   const double kick = 1e-5;  // m/s; 14 nm at 734 rad/s, of 10 um of penetration
   rig.d()->qvel[0] = kick;
   rig.d()->qvel[2] = 0.3 * kick;
