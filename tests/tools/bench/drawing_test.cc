@@ -1,11 +1,15 @@
 #include "tools/bench/drawing.h"
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/tools/bench/sample.h"
+#include "tools/bench/child.h"
+#include "tools/bench/compare.h"
 
 namespace slipbench::bench {
 namespace {
@@ -35,6 +39,24 @@ TEST(BenchDrawing, ABarOfAPowerOfTenHasALength) {
   Results results = sample_results();
   results.scenes[0].cpu_time = 0.4;  // 10 times real time
   EXPECT_THAT(drawing(results), HasSubstr("<rect class=\"time\" x=\"460\" y=\"51\" width=\"233.0\""));
+}
+
+// What is committed belongs together: results that can be read, of the scenes that are counted, one file a build, each with its drawing.
+TEST(BenchDrawing, CommittedDrawingsAreOfTheCommittedResults) {
+  const std::filesystem::path folder = SLIPBENCH_SOURCE_DIR "/tests/bench/results";
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".json") continue;
+    ++files;
+    const std::string path = entry.path().string();
+    const Results results = read_results(path);
+    EXPECT_EQ(find_results(folder.string(), results.build), path);
+    EXPECT_NO_THROW(check_comparable(results, results.build, path));
+    EXPECT_EQ(results_json(results), file_text(path)) << path << " was changed by hand";
+    EXPECT_TRUE(drawing(results) == file_text(std::filesystem::path(path).replace_extension(".svg")))
+        << path << " has another drawing: slipbench bench -o writes both";
+  }
+  EXPECT_GT(files, 0U);
 }
 
 }  // namespace
