@@ -76,10 +76,20 @@ struct ExpectScene {
   std::string control;              // controller that must fail where the scene's own passes; empty: none
 };
 
+// How right a scene's results have to be. What setting that takes is for whoever runs it to find.
+struct AccuracyScene {
+  struct Wish {
+    std::string measure;  // "onset"
+    double limit;         // SI, a share as 0.01
+  };
+  std::vector<Wish> wishes;  // at least one
+};
+
 struct Scene {
   std::string description;
-  double duration = 0.0;            // s
-  std::optional<double> time_step;  // s; empty: auto
+  double duration = 0.0;                       // s
+  std::optional<double> time_step;             // s; empty: auto
+  std::optional<AccuracyScene> accuracy = {};  // empty: as the scene sets it, right or not
   std::string fidelity = "field";
   std::optional<Parameters> contact = {};  // of fidelity mujoco_contact, as contact_entry declares them; empty: another one
   std::uint64_t seed = 0;

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sim/core/error.h"
+#include "sim/scene/accuracy.h"
 #include "sim/scene/expectation.h"
 #include "sim/scene/scene_values.h"
 
@@ -40,16 +41,17 @@ class SceneReader : EntryReader {
 
   Scene read(const YamlNode& root) {
     require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
-    check_keys(root, "the scene", {"bodies",    "box",        "contact", "controller", "controls",     "description", "detector",
-                                   "duration",  "effects",    "expect",  "fidelity",   "field_solver", "friction",    "gravity",
-                                   "grip",      "integrator", "model",   "motion",     "scatter",      "seed",        "sensors",
-                                   "slipbench", "surface",    "sweep",   "time_step"});
+    check_keys(root, "the scene", {"accuracy", "bodies",     "box",      "contact", "controller", "controls",     "description",
+                                   "detector", "duration",   "effects",  "expect",  "fidelity",   "field_solver", "friction",
+                                   "gravity",  "grip",       "integrator", "model", "motion",     "scatter",      "seed",
+                                   "sensors",  "slipbench",  "surface",  "sweep",   "time_step"});
     read_version(root);
     Scene scene;
     scene.grasp = read_grasp(root);  // first: its protocol is the default of others
     if (const YamlNode* node = root.find("description")) scene.description = text_of(*node, "description", "text");
     scene.duration = number(root.find("duration"), "duration", duration_spec);
     scene.time_step = read_time_step(root.find("time_step"), scene.duration);
+    scene.accuracy = AccuracyReader(*this).read(root);
     scene.fidelity = read_fidelity(root.find("fidelity"));
     scene.contact = read_contact(root.find("contact"), scene.fidelity);
     scene.seed = read_seed(root);

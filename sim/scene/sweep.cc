@@ -223,7 +223,7 @@ void collect(const YamlNode& value, const std::string& path, std::vector<std::st
 
 // What a sweep must leave alone.
 bool is_fixed(std::string_view key) {
-  constexpr std::array<std::string_view, 4> fixed{"expect", "seed", "slipbench", "sweep"};
+  constexpr std::array<std::string_view, 5> fixed{"accuracy", "expect", "seed", "slipbench", "sweep"};
   return std::ranges::find(fixed, key) != fixed.end();
 }
 

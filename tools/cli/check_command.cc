@@ -14,6 +14,7 @@
 #include "tools/catalogue/catalogues.h"
 #include "tools/check/check.h"
 #include "tools/check/junit.h"
+#include "tools/cli/accuracy_setting.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/table.h"
@@ -159,6 +160,9 @@ int check_command(const Options& options) {
     check.on_start = [&guard] {
       if (!guard) guard.emplace();
     };
+    if (expects_anything(check, catalogues)) {
+      settle_accuracy(check.scene_path, check.overrides, check.seed, catalogues, options.quiet || options.json);
+    }
     checks.push_back(check_with_progress(check, catalogues, options.quiet || options.json));
     if (checks.back().interrupted) {
       say(stderr, fmt::format("slipbench: interrupted: {} of {} scenes checked\n", checks.size() - 1, planned.size()));

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/catalogue/catalogues.h"
+#include "tools/cli/accuracy_setting.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/summary.h"
@@ -102,8 +103,9 @@ int report_interrupted(const SweepSummary& summary) {
   return exit_interrupted;
 }
 
-int simulate_and_print(const SweepOptions& sweep, const Options& options) {
+int simulate_and_print(SweepOptions sweep, const Options& options) {
   const Catalogues catalogues = program_catalogues();
+  settle_accuracy(sweep.scene_path, sweep.overrides, sweep.seed, catalogues, options.quiet || options.json);
   const Finished finished = simulate(sweep, options, catalogues);
   if (options.json) {
     print_json(finished);

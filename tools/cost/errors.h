@@ -74,8 +74,8 @@ std::vector<std::pair<std::size_t, std::size_t>> common_rows(std::span<const dou
 
 // The time that a unit's friction took to be used up before `time` [s], had it been used up all along as fast as from half way
 // between 1 and the unit's margin at the last sample before `time` down to that: of a load that grows in proportion to time, how
-// long it has grown. Of a unit that touched later than half way, the time since. At least `least_load_time`. `times` [L];
-// `margin` [L] of the unit, NaN while it is detached.
+// long it has grown. Of a unit that touched later than half way it is the time since, and never less than least_load_time.
+// `times`: [L] s. `margin`: [L] of the unit, NaN while it is detached.
 double load_time(std::span<const double> times, std::span<const float> margin, double time);
 inline constexpr double least_load_time = 10e-3;  // s
 

@@ -96,6 +96,7 @@ class Explorer {
   const Catalogues& catalogues_;
   Clock::time_point start_;
   std::uint64_t seed_ = 0;
+  bool wishes_ = false;  // the scene has the key `accuracy`
   Exploration result_;
   std::vector<Job> jobs_;        // of the rows, in their order
   std::vector<Job> price_jobs_;  // of the prices
@@ -111,6 +112,7 @@ class Explorer {
 
 std::vector<Override> Explorer::changes_of(const Setting& setting) const {
   std::vector<Override> all = options_.overrides;
+  if (wishes_) all.push_back({"accuracy", "none"});  // its search is for one setting; here all are seen
   all.insert(all.end(), setting.changes.begin(), setting.changes.end());
   return all;
 }
@@ -157,6 +159,7 @@ void Explorer::run_own() {
   SceneFile file = SceneFile::load(options_.scene_path);
   for (const Override& change : options_.overrides) file.apply(change);
   seed_ = options_.seed.value_or(read_seed(file.root()));
+  wishes_ = file.root().find("accuracy") != nullptr;
   Row row{.setting = {"own", "the scene", {}}, .own = true, .command = command_of({})};
   Job job{scene_of({})};
   say("the scene as it is");

@@ -29,9 +29,9 @@ constexpr std::array contact_choices{
     ContactChoice{"elliptic, noslip 3", "{cone: elliptic, noslip: 3}"},
     ContactChoice{"noslip 10, solref 2h", "{cone: elliptic, noslip: 10, solref: [%2h, 1]}"},
     ContactChoice{"discrete, stiff, impratio 100",
-                  "{integrator: discrete, cone: elliptic, impratio: 100, solref: [-1e9, -63246], solimp: [0.99, 0.999, 0.001]}"},
+                  "{integrator: discrete, cone: elliptic, impratio: 100, solref: [-1e9, -63246], solimp: [0.99, 0.999, 0.001], refsafe: false}"},
     ContactChoice{"discrete, noslip 10, slow friction",
-                  "{integrator: discrete, cone: elliptic, impratio: 0.1, noslip: 10, solref: [-1e7, -6325], solreffriction: [2e-3, 1]}"},
+                  "{integrator: discrete, cone: elliptic, impratio: 0.1, noslip: 10, solref: [-1e7, -6325], solreffriction: [2e-3, 1], refsafe: false}"},
 };
 constexpr std::array contact_steps{2e-3, 1e-3, 5e-4, 2e-4};
 

@@ -184,6 +184,12 @@ std::string content_digest(const std::vector<Digest>& digests) {
   return hexadecimal(hash.finish());
 }
 
+std::string text_sha256(const std::string& text) {
+  Sha256 hash;
+  hash.update(text.data(), text.size());
+  return hexadecimal(hash.finish());
+}
+
 std::string file_sha256(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   Sha256 hash;

@@ -87,6 +87,9 @@ Digest trial_digest(const TrialRecord& record);
 // SHA-256 over the trials' digests in order, as 64 hexadecimal digits: a file's content_sha256.
 std::string content_digest(const std::vector<Digest>& digests);
 
+// SHA-256 of the bytes of a text as 64 hexadecimal digits.
+std::string text_sha256(const std::string& text);
+
 // SHA-256 of a file's bytes as 64 hexadecimal digits, as sha256sum prints it. Throws InputError when it cannot be read.
 std::string file_sha256(const std::string& path);
 

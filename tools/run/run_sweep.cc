@@ -251,6 +251,7 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   }
   summary.planned = options.only ? 1 : asked;
   summary.scene = plan.trial(options.only.value_or(0)).scene;
+  if (summary.scene.accuracy) throw std::logic_error("run_sweep: a scene whose wish for accuracy has not been settled");
   summary.available = plan.size();
   const Workforce workforce = check_cells(plan, options, summary.planned);
   if (options.on_start) options.on_start();

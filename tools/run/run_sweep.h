@@ -86,7 +86,8 @@ std::string canonical_command(const SweepOptions& options);
 std::string shell_word(const std::string& word);
 
 // Runs the sweep. Throws InputError for a scene or a target that cannot be used, when options.only is none of its trials, and, but for options.keep_failed, when a trial fails ("trial 17: ..."): the
-// trials before it are kept under OUT.partial.h5, which the message names. What is written does not depend on `jobs`.
+// trials before it are kept under OUT.partial.h5, which the message names. A scene that wishes for accuracy is a std::logic_error: its setting is found
+// before (tools/cost). What is written does not depend on `jobs`.
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 
 // The summary as the one JSON object of `--json`.

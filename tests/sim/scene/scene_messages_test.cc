@@ -44,7 +44,7 @@ TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().m
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
 
 const std::string scene_keys =
-    "bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, "
+    "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, "
     "friction, gravity, grip, integrator, "
     "model, motion, scatter, seed, sensors, slipbench, surface, sweep, time_step";
 const std::string sensor_keys =
@@ -107,6 +107,24 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"ExpectationUnknown", head + "expect: {gros_slip_by: 1 s}\n",
              "s.yaml:3: unknown key 'gros_slip_by' in expect; did you mean 'gross_slip_by'? allowed: confidence, control, "
              "gross_slip_by"},
+        Case{"AccuracyOfNothing", head + "accuracy: {}\n",
+             "s.yaml:3: accuracy is empty; allowed: creep, force, label, label_micro, micro_onset, onset, slip_distance, or "
+             "accuracy: none"},
+        Case{"AccuracyIsNoMap", head + "accuracy: 1 %\n",
+             "s.yaml:3: accuracy is '1 %'; allowed: a map of what may be wrong by how much, such as 'onset: 1 %', or none"},
+        Case{"AccuracyUnknown", head + "accuracy: {onsets: 1 %}\n",
+             "s.yaml:3: unknown key 'onsets' in accuracy; did you mean 'onset'? allowed: creep, force, label, label_micro, "
+             "micro_onset, onset, slip_distance"},
+        Case{"AccuracyOfASpeedInShares", head + "accuracy: {creep: 1 %}\n",
+             "s.yaml:3: accuracy.creep: unknown unit '%' of a speed in '1 %'; allowed: m/s, mm/s, cm/s, um/s"},
+        Case{"AccuracyOfMoreThanAll", head + "accuracy: {onset: 200 %}\n",
+             "s.yaml:3: accuracy.onset: '200 %' is out of range; allowed: > 0 and <= 1"},
+        Case{"AccuracyBesideAStep", head + "accuracy: {onset: 1 %}\ntime_step: 1 ms\n",
+             "s.yaml:4: 'time_step' is found for a scene that says its accuracy; allowed: one of the two"},
+        Case{"AccuracyBesideASolver", head + "accuracy: {onset: 1 %}\nfield_solver: explicit\n",
+             "s.yaml:4: 'field_solver' is found for a scene that says its accuracy; allowed: one of the two"},
+        Case{"AccuracySwept", head + "sweep: {accuracy.onset: [1 %]}\n",
+             "s.yaml:3: 'accuracy.onset' cannot be swept; allowed: any other key of the scene"},
         Case{"ExpectationSwept", head + "sweep: {expect.gross_slip_by: [1 s]}\n",
              "s.yaml:3: 'expect.gross_slip_by' cannot be swept; allowed: any other key of the scene"},
         Case{"DescriptionAsMap", head + "description: {a: b}\n", "s.yaml:3: description is a map; allowed: text"},

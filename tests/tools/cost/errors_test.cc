@@ -138,7 +138,7 @@ TEST(Errors, TellOfAUnitThatSlipsInOneRunAlone) {
   EXPECT_NEAR(missed.worst, 0.3 / 0.2, float_rounding);  // at least what was left of the trial
   EXPECT_TRUE(error_of(reference, run, Measure::onset)->different);
 
-  // 1 ms before the trial's end of 0.7015 s is half a percent of the load: the other may come right after.
+  // 1 ms before the trial's end at 0.701 s is half a percent of the load: the other may come right after.
   Scene short_scene = one_second();
   short_scene.duration = 0.701;
   const MeasureError late = at(compare(short_scene, run, reference), Measure::onset).value();

@@ -1,0 +1,61 @@
+#include "sim/scene/accuracy.h"
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slipbench {
+namespace {
+
+ParameterSpec share(const char* name, const char* doc) {
+  return {.name = name, .default_text = "1 %", .range = {0.0, 1.0, true}, .choices = {}, .doc = doc, .source = "free"};
+}
+
+// Keys of a scene that say how it is computed. With a wish that is what is looked for.
+constexpr std::array<std::string_view, 3> settings{"field_solver", "integrator", "time_step"};
+
+}  // namespace
+
+const std::vector<ParameterSpec>& accuracy_specs() {
+  static const std::vector<ParameterSpec> specs{
+      share("onset", "how wrong the onset of a unit's slip may be, as a share of its loading time"),
+      share("micro_onset", "the same of the first part of a unit that slips"),
+      share("slip_distance", "how wrong a unit's slipped distance may be, as a share of the largest"),
+      share("force", "how wrong the units' forces may be, root mean square"),
+      share("label", "share of the units' states that may differ"),
+      share("label_micro", "share of the pad's states that may differ"),
+      {.name = "creep",
+       .quantity = Quantity::speed,
+       .default_text = "1 um/s",
+       .range = positive,
+       .choices = {},
+       .doc = "how wrong the drift of a held body over its pad may be",
+       .source = "free"}};
+  return specs;
+}
+
+std::optional<AccuracyScene> AccuracyReader::read(const YamlNode& root) {
+  const YamlNode* node = root.find("accuracy");
+  if (node == nullptr || (node->kind == YamlNode::Kind::scalar && node->text == "none")) return std::nullopt;
+  require_map(*node, "accuracy", "what may be wrong by how much, such as 'onset: 1 %', or none");
+  const std::vector<ParameterSpec>& specs = accuracy_specs();
+  check_keys(*node, "accuracy", names_of(specs));
+  if (node->children.empty())
+    fail(node->origin, "accuracy is empty" + allowed_names("", names_of(specs)) + ", or accuracy: none");
+  for (const std::string_view key : settings) {
+    const YamlNode* setting = root.find(key);
+    if (setting == nullptr || (key == "time_step" && setting->kind == YamlNode::Kind::scalar && setting->text == "auto"))
+      continue;
+    fail(setting->key_origin, quote(key) + " is found for a scene that says its accuracy; allowed: one of the two");
+  }
+  AccuracyScene accuracy;
+  for (const ParameterSpec& spec : specs) {
+    if (const YamlNode* wish = node->find(spec.name)) {
+      accuracy.wishes.push_back({spec.name, number(wish, "accuracy." + spec.name, spec)});
+    }
+  }
+  return accuracy;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,152 @@
+#include "tools/cost/kept_setting.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "tools/cost/accuracy.h"
+#include "tools/dataset/encoder.h"
+#include "tools/dataset/output_file.h"
+
+namespace slipbench {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+constexpr int schema = 1;
+constexpr std::size_t most_kept = 32;  // settings of one scene, by overrides and seed: the latest
+
+const TextKind kept_kind{"record of settings for a scene's accuracy", [](std::string_view beginning) {
+                           return beginning.starts_with("{") &&
+                                  beginning.find("\"slipbench_accuracy\"") != std::string_view::npos;
+                         }};
+
+OrderedJson overrides_as_json(const std::vector<Override>& overrides) {
+  OrderedJson json = OrderedJson::array();
+  for (const Override& change : overrides) json.push_back({change.path, change.value});
+  return json;
+}
+
+std::vector<Override> overrides_of(const OrderedJson& json) {
+  std::vector<Override> overrides;
+  for (const OrderedJson& change : json) overrides.push_back({change.at(0).get<std::string>(), change.at(1).get<std::string>()});
+  return overrides;
+}
+
+OrderedJson errors_as_json(const Errors& errors) {
+  OrderedJson json = OrderedJson::object();
+  for (const MeasureInfo& info : measure_table()) {
+    if (const std::optional<MeasureError>& error = at(errors, info.measure)) {
+      json[std::string(info.name)] = {{"worst", error->worst}, {"median", error->median}, {"different", error->different}};
+    }
+  }
+  return json;
+}
+
+// What an entry is for: the same in, the same setting out.
+OrderedJson subject_of(const SceneFile& file, const Scene& scene, const std::vector<Override>& overrides, std::uint64_t seed) {
+  return {{"version", SLIPBENCH_VERSION},
+          {"scene_sha256", text_sha256(file.text())},
+          {"model_sha256", scene.model.empty() ? OrderedJson(nullptr) : OrderedJson(file_sha256(scene.model))},
+          {"seed", seed},
+          {"overrides", overrides_as_json(overrides)}};
+}
+
+OrderedJson entry_of(const OrderedJson& subject, const Scene& scene, const FoundSetting& found) {
+  OrderedJson wish = OrderedJson::object();
+  for (const AccuracyScene::Wish& part : scene.accuracy->wishes) wish[part.measure] = part.limit;
+  OrderedJson looks = OrderedJson::array();
+  for (const SettingLook& look : found.looks) {
+    looks.push_back({{"setting", overrides_as_json(look.overrides)},
+                     {"met", look.met},
+                     {"errors", errors_as_json(look.errors)},
+                     {"failure", look.failure.empty() ? OrderedJson(nullptr) : OrderedJson(look.failure)}});
+  }
+  OrderedJson entry = {{"subject", subject},
+                       {"wish", std::move(wish)},
+                       {"setting", overrides_as_json(found.overrides)},
+                       {"trials", found.trials},
+                       {"reference", {{"is", found.reference}, {"errors", errors_as_json(found.reference_errors)}}},
+                       {"margin", margin},
+                       {"looks", std::move(looks)}};
+  entry["sha256"] = text_sha256(entry.dump());
+  return entry;
+}
+
+// The entries of the file; none where there is no file.
+OrderedJson read_entries(const std::string& path) {
+  if (!std::filesystem::exists(path)) return OrderedJson::array();
+  if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": is no file; the scene's setting is kept there");
+  std::ifstream stream(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const auto damaged = [&](const std::string& why) {
+    return InputError(
+        fmt::format("{}: is no {}: {}; allowed: to remove it, and the setting is looked for anew", path, kept_kind.name, why));
+  };
+  if (!stream.is_open() || stream.bad()) throw InputError(path + ": cannot be read");
+  try {
+    const OrderedJson json = OrderedJson::parse(text);
+    if (json.at("slipbench_accuracy") != schema) throw damaged(fmt::format("its slipbench_accuracy is not {}", schema));
+    for (OrderedJson entry : json.at("settings")) {
+      const std::string digest = entry.at("sha256").get<std::string>();
+      entry.erase("sha256");
+      if (digest != text_sha256(entry.dump())) throw damaged("an entry is not as it was written");
+    }
+    return json.at("settings");
+  } catch (const nlohmann::json::exception& error) {
+    throw damaged(error.what());
+  }
+}
+
+// One line: "accuracy: time_step 0.5 ms; onset 0.12 % of 1 % against the closed form, 5 trials looked at".
+std::string line_of(const OrderedJson& entry) {
+  std::string errors;
+  for (const auto& [name, limit] : entry.at("wish").items()) {
+    const auto info = std::ranges::find(measure_table(), name, &MeasureInfo::name);
+    const OrderedJson& last = entry.at("looks").back().at("errors").at(name);
+    errors +=
+        fmt::format("{}{} off by {}, allowed {}", errors.empty() ? "" : "; ", info->title,
+                    error_text(info->measure, last.at("worst").get<double>()), error_text(info->measure, limit.get<double>()));
+  }
+  const std::size_t trials = entry.at("trials").size();
+  return fmt::format("{}: {}, against {}, in {}", setting_text(overrides_of(entry.at("setting"))), errors,
+                     entry.at("reference").at("is").get<std::string>(),
+                     trials == 1 ? "one trial" : fmt::format("{} trials", trials));
+}
+
+}  // namespace
+
+std::optional<KeptSetting> setting_for(const std::string& scene_path, const std::vector<Override>& overrides,
+                                       std::optional<std::uint64_t> seed, const Catalogues& catalogues,
+                                       const std::function<void()>& on_search) {
+  SceneFile file = SceneFile::load(scene_path);
+  for (const Override& change : overrides) file.apply(change);
+  const Scene scene = parse_scene(file, catalogues);
+  if (!scene.accuracy) return std::nullopt;
+
+  const std::string path = scene_path + ".accuracy.json";
+  const OrderedJson subject = subject_of(file, scene, overrides, seed.value_or(scene.seed));
+  OrderedJson entries = read_entries(path);
+  for (const OrderedJson& entry : entries) {
+    if (entry.at("subject") == subject) return KeptSetting{overrides_of(entry.at("setting")), path, line_of(entry)};
+  }
+
+  check_text_target(path, {scene_path}, kept_kind);  // before the work
+  if (on_search) on_search();
+  const FoundSetting found = find_setting(file, seed.value_or(scene.seed), catalogues).value();
+  OrderedJson kept = OrderedJson::array();
+  for (const OrderedJson& entry : entries) {
+    if (entry.at("subject").at("scene_sha256") == subject.at("scene_sha256")) kept.push_back(entry);
+  }
+  while (kept.size() >= most_kept) kept.erase(0);
+  kept.push_back(entry_of(subject, scene, found));
+  write_text_file(path, OrderedJson{{"slipbench_accuracy", schema}, {"settings", kept}}.dump(1) + "\n");
+  return KeptSetting{found.overrides, path, line_of(kept.back())};
+}
+
+}  // namespace slipbench
