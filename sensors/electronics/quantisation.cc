@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <stdexcept>
 #include <vector>
 
 #include "sensors/electronics/part_kind.h"
+#include "sim/core/vectorise.h"
 
 namespace slipbench {
 namespace {
@@ -13,34 +15,40 @@ namespace {
 // What a number below 2^51 is added to so that its fraction is rounded off, to the nearest even: std::nearbyint without a call.
 constexpr double to_whole = 0x1.8p52;
 
+// Returns whether a value was beyond the codes 0 to `last_code`.
+SLIPBENCH_DISPATCHED bool convert(std::size_t count, const double* lowest, const double* step, double last_code, float* values) {
+  std::uint64_t beyond = 0;
+  SLIPBENCH_VECTORISE
+  for (std::size_t v = 0; v < count; ++v) {
+    const double code = ((values[v] - lowest[v]) / step[v] + to_whole) - to_whole;
+    const double held = std::min(std::max(code, 0.0), last_code);
+    beyond |= held != code ? 1U : 0U;
+    values[v] = static_cast<float>(lowest[v] + step[v] * held);
+  }
+  return beyond != 0;
+}
+
 class Quantisation final : public ElectronicsStage {
  public:
   Quantisation(const Parameters& parameters, const SignalModel& model) {
     if (model.converter.size() != model.source.size())
       throw std::logic_error("quantisation: a value without a converter's range");
     const double codes = std::exp2(static_cast<double>(parameters.integer("bits"))) - 1.0;
-    for (const ConverterRange& range : model.converter) values_.push_back({range.lowest, (range.highest - range.lowest) / codes});
+    for (const ConverterRange& range : model.converter) {
+      lowest_.push_back(range.lowest);
+      step_.push_back((range.highest - range.lowest) / codes);
+    }
     last_code_ = codes;
   }
 
   void apply(std::span<float> values, double /*time*/) override {
-    bool beyond = false;
-    for (std::size_t v = 0; v < values_.size(); ++v) {
-      const double code = ((values[v] - values_[v].lowest) / values_[v].step + to_whole) - to_whole;
-      const double held = std::min(std::max(code, 0.0), last_code_);
-      beyond |= held != code;
-      values[v] = static_cast<float>(values_[v].lowest + values_[v].step * held);
-    }
-    if (beyond) ++saturated_;
+    if (convert(step_.size(), lowest_.data(), step_.data(), last_code_, values.data())) ++saturated_;
   }
 
   [[nodiscard]] std::uint64_t saturated() const override { return saturated_; }
 
  private:
-  struct Value {
-    double lowest, step;
-  };
-  std::vector<Value> values_;
+  std::vector<double> lowest_, step_;  // [V] in the value's unit
   double last_code_ = 0.0;
   std::uint64_t saturated_ = 0;
 };

@@ -7,9 +7,19 @@
 #include "sensors/electronics/part_kind.h"
 #include "sim/core/error.h"
 #include "sim/core/parameter_specs.h"
+#include "sim/core/vectorise.h"
 
 namespace slipbench {
 namespace {
+
+SLIPBENCH_DISPATCHED void hold_back(std::size_t count, const double* age, double* last, float* values) {
+  SLIPBENCH_VECTORISE
+  for (std::size_t v = 0; v < count; ++v) {
+    const double now = values[v];
+    values[v] = static_cast<float>(now - age[v] * (now - last[v]));
+    last[v] = now;
+  }
+}
 
 class Scan final : public ElectronicsStage {
  public:
@@ -22,14 +32,10 @@ class Scan final : public ElectronicsStage {
   }
 
   void apply(std::span<float> values, double /*time*/) override {
-    double *const last = memory_.data(), &begun = memory_.back();
+    double& begun = memory_.back();
     if (begun == 0.0) std::ranges::copy(values, memory_.begin());
     begun = 1.0;
-    for (std::size_t v = 0; v < age_.size(); ++v) {
-      const double now = values[v];
-      values[v] = static_cast<float>(now - age_[v] * (now - last[v]));
-      last[v] = now;
-    }
+    hold_back(age_.size(), age_.data(), memory_.data(), values.data());
   }
 
   [[nodiscard]] std::span<double> memory() override { return memory_; }

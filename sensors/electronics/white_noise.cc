@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "sensors/electronics/part_kind.h"
+#include "sim/core/vectorise.h"
 
 namespace slipbench {
 namespace {
 
 constexpr std::size_t bits = 12, levels = std::size_t{1} << bits;
-constexpr std::size_t levels_a_draw = 4;  // of the 53 bits of a uniform number
+constexpr std::size_t levels_a_draw = 4;  // of the upper 48 bits of a draw
 
 // The middles of `levels` stretches of the normal distribution that are as likely as one another, scaled to a mean square of 1 (from 0.9995).
 const std::array<double, levels>& quantiles() {
@@ -39,22 +40,35 @@ const std::array<double, levels>& quantiles() {
   return table;
 }
 
+SLIPBENCH_DISPATCHED void add_scaled(std::size_t count, const double* sd, const double* drawn, float* values) {
+  SLIPBENCH_VECTORISE
+  for (std::size_t v = 0; v < count; ++v) values[v] = static_cast<float>(values[v] + sd[v] * drawn[v]);
+}
+
 class WhiteNoise final : public ElectronicsStage {
  public:
   WhiteNoise(const Parameters& parameters, const SignalModel& model, RandomStream stream)
-      : source_(model.source), table_(quantiles().data()), drawn_(model.sources), stream_(stream) {
+      : source_(model.source), table_(quantiles().data()), stream_(stream) {
     for (const double sd : model.noise_sd) sd_.push_back(parameters.number("scale") * sd);
     const std::size_t draws = (model.sources + levels_a_draw - 1) / levels_a_draw;
-    pairs_a_sample_ = static_cast<double>((draws + 1) / 2);
+    bits_.resize(draws + draws % 2);
+    drawn_.resize(levels_a_draw * bits_.size());
+    each_its_own_ = true;
+    for (std::size_t v = 0; v < source_.size(); ++v) each_its_own_ = each_its_own_ && source_[v] == v;
   }
 
   void apply(std::span<float> values, double /*time*/) override {
-    stream_.seek(static_cast<std::uint64_t>(samples_[0] * pairs_a_sample_));
+    stream_.seek(static_cast<std::uint64_t>(samples_[0]) * (bits_.size() / 2));
     samples_[0] += 1.0;
-    for (std::size_t s = 0; s < drawn_.size(); s += levels_a_draw) {
-      auto draw = static_cast<std::uint64_t>(stream_.uniform() * 0x1p48);
-      for (std::size_t k = s; k < std::min(drawn_.size(), s + levels_a_draw); ++k, draw >>= bits)
-        drawn_[k] = table_[draw % levels];
+    stream_.bits(bits_);
+    double* drawn = drawn_.data();
+    for (std::uint64_t draw : bits_) {
+      draw >>= 64 - bits * levels_a_draw;
+      for (std::size_t k = 0; k < levels_a_draw; ++k, draw >>= bits) *drawn++ = table_[draw % levels];
+    }
+    if (each_its_own_) {
+      add_scaled(sd_.size(), sd_.data(), drawn_.data(), values.data());
+      return;
     }
     for (std::size_t v = 0; v < sd_.size(); ++v) values[v] = static_cast<float>(values[v] + sd_[v] * drawn_[source_[v]]);
   }
@@ -65,8 +79,9 @@ class WhiteNoise final : public ElectronicsStage {
   std::vector<std::size_t> source_;  // [V]
   std::vector<double> sd_;           // [V] in the value's unit
   const double* table_;
-  std::vector<double> drawn_;  // [sources] of the sample at hand
-  double pairs_a_sample_ = 0.0;
+  std::vector<std::uint64_t> bits_;  // of the sample at hand, in pairs
+  std::vector<double> drawn_;        // [sources], and what the last bits give beyond them
+  bool each_its_own_;                // value v follows source v
   std::array<double, 1> samples_{};  // drawn so far
   RandomStream stream_;
 };

@@ -8,6 +8,7 @@
 
 #include "sensors/myrmex/foam_cell.h"
 #include "sim/core/parameter_specs.h"
+#include "sim/core/vectorise.h"
 
 namespace slipbench {
 namespace myrmex {
@@ -55,6 +56,27 @@ SignalModel signal_model(double rate, std::size_t taxels) {
   return model;
 }
 
+// `force`: of the taxels [N], three of each; `first`, `second`: their plays.
+SLIPBENCH_DISPATCHED void read_cells(const FoamCell& cell_read, std::size_t taxels, const double* force, double* first,
+                                     double* second, float* values) {
+  const FoamCell cell = cell_read;  // a copy: what is written is none of it
+  SLIPBENCH_VECTORISE
+  for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
+    const double pressed = std::max(0.0, force[3 * taxel + 2]);
+    double p_1 = first[taxel], p_2 = second[taxel];
+    values[taxel] = static_cast<float>(cell.reading(cell.felt(pressed, p_1, p_2)));
+    first[taxel] = p_1;
+    second[taxel] = p_2;
+  }
+}
+
+SLIPBENCH_DISPATCHED bool any_loaded_out(std::size_t taxels, const float* values) {
+  unsigned out = 0;
+  SLIPBENCH_VECTORISE
+  for (std::size_t taxel = 0; taxel < taxels; ++taxel) out |= values[taxel] <= 0.0F ? 1U : 0U;
+  return out != 0;
+}
+
 class Myrmex final : public Sensor {
  public:
   Myrmex(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
@@ -79,18 +101,9 @@ class Myrmex final : public Sensor {
   const SensorFrame& measure(const ContactFrame& truth) override {
     const std::size_t taxels = values_.size();
     assert(static_cast<std::size_t>(truth.force.cols()) == taxels);
-    const FoamCell cell = cell_;
-    const double* const force = truth.force.data() + 2;
-    double *const first = plays_.data(), *const second = first + taxels;
-    float* const values = values_.data();
-    for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
-      const double pressed = std::max(0.0, force[3 * taxel]);
-      values[taxel] = static_cast<float>(cell.reading(cell.felt(pressed, first[taxel], second[taxel])));
-    }
+    read_cells(cell_, taxels, truth.force.data(), plays_.data(), plays_.data() + taxels, values_.data());
     electronics_.apply(values_, truth.time);
-    float least = values[0];
-    for (std::size_t taxel = 1; taxel < taxels; ++taxel) least = std::min(least, values[taxel]);
-    if (least <= 0.0F) ++saturated_;
+    if (any_loaded_out(taxels, values_.data())) ++saturated_;
     frame_.time = truth.time;
     return frame_;
   }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace slipbench {
@@ -20,6 +21,10 @@ class RandomStream {
   double normal();                         // mean 0, standard deviation 1 (Box-Muller)
   double normal(double mean, double sd) { return mean + sd * normal(); }
   std::uint64_t integer(std::uint64_t bound);  // in [0, bound), bound >= 1
+
+  // The next draws of uniform(), as the 64 random bits that each is made of: (draw >> 11) 2^-53. Many at once are cheaper. After an even
+  // number of draws, and of an even number.
+  void bits(std::span<std::uint64_t> draws);
 
   // Goes to the draws after the first `pairs` pairs of normal(), or of uniform(), of a stream that has drawn nothing else.
   void seek(std::uint64_t pairs);

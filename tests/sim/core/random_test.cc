@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -43,6 +44,23 @@ TEST(RandomStream, EveryPartOfTheKeyMatters) {
   add(1, 2, "swap");
   add(2, 1, "swap");
   EXPECT_EQ(first.size(), keys);
+}
+
+TEST(RandomStream, ManyBitsAtOnceAreThoseOfOneDrawAfterTheOther) {
+  for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{0xFFFFFFFA}}) {  // the counter's lower half runs over
+    RandomStream together(7, 3, "bits"), one(7, 3, "bits");
+    together.seek(first);
+    one.seek(first);
+    for (const std::size_t count : {2U, 38U, 64U}) {
+      std::vector<std::uint64_t> bits(count);
+      together.bits(bits);
+      for (const std::uint64_t draw : bits) EXPECT_EQ(static_cast<double>(draw >> 11) * 0x1p-53, one.uniform());
+    }
+    EXPECT_EQ(together.uniform(), one.uniform());
+    std::vector<std::uint64_t> bits(2);
+    EXPECT_THROW(together.bits(bits), std::logic_error) << "in the middle of a pair";
+    EXPECT_THROW(one.bits(std::span(bits).first(1)), std::logic_error);
+  }
 }
 
 TEST(RandomStream, DoesNotDependOnTheOrderInWhichStreamsAreUsed) {
