@@ -67,11 +67,15 @@ const ContactFrame& ContactLabels::update(std::span<Field> fields, double time, 
 const ContactFrame& ContactLabels::judge(std::span<Field> fields, double time, double dt) {
   frame_.time = time;
   label_units(fields, dt);
+  if (frame_.element_depth.size() > 0) tell_elements(fields);
   for (Field& field : fields) {
     if (field.sparse()) field.labels_have_read();
   }
-  if (frame_.element_depth.size() > 0) tell_elements(fields);
-  unit_rules::judge_pad(frame_, elements_);
+  if (single_ && fields.size() == 1) {
+    unit_rules::judge_pad_of_elements(frame_, elements_);
+  } else {
+    unit_rules::judge_pad(frame_, elements_);
+  }
   const bool one_plane = fields.size() == 1 && fields.front().on_plane();
   slip_rate_ = unit_rules::fit_slip_motion(frame_, undeformed_, one_plane ? contact_plane_ : unit_rules::ContactPlane{});
   return frame_;
@@ -103,9 +107,7 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
   if (one_field && single_ && fields.front().sparse()) {
     const Field& field = fields.front();
     if (shaken_) frame_.force.row(2).setZero();  // of the units that touch nothing too
-    kernel::label_groups(units, field.pad_in_surface().rotation.transpose(), rate, {field.viewed().data(), field.viewed().size()},
-                         count, frame_);
-    for (std::size_t u = 0; u < count; ++u) frame_.slip_distance[static_cast<Eigen::Index>(u)] = units.share[u] * units.path[u];
+    kernel::label_groups(units, field.pad_in_surface().rotation.transpose(), rate, field.viewed(), count, frame_);
     return;
   }
   const auto hardest = [&](std::size_t u) { return one_field ? &fields.front() : hardest_[u]; };
@@ -125,17 +127,36 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
 }
 
 void ContactLabels::tell_elements(std::span<const Field> fields) {
-  frame_.element_depth.setZero();
-  frame_.element_shear.setZero();
+  double* const depth = frame_.element_depth.data();
   const std::array<double*, 3> shear{frame_.element_shear.col(0).data(), frame_.element_shear.col(1).data(),
                                      frame_.element_shear.col(2).data()};
-  for (const Field& field : fields) field.add_elements(frame_.element_depth.data(), shear);
+  if (fields.size() == 1 && fields.front().sparse()) {
+    fields.front().tell_elements(depth, shear);
+    return;
+  }
+  frame_.element_depth.setZero();
+  frame_.element_shear.setZero();
+  for (const Field& field : fields) field.add_elements(depth, shear);
+}
+
+// Calls visit(first, end) for the elements of each group of a sparse field's viewed().
+template <class Visit>
+void ContactLabels::for_each_viewed(const Field& field, Visit&& visit) {
+  const kernel::Groups viewed = field.viewed();
+  for (std::size_t k = 0; k < viewed.count; ++k) visit(viewed[k], std::min(field.size(), viewed[k] + kernel::lanes));
 }
 
 // Units of one element on one surface are what their elements are.
 kernel::UnitColumns ContactLabels::elements_as_units(const Field& field) {
   const double* const mode = field.column(kernel::mode);
-  for (std::size_t u = 0; u < units_.size(); ++u) frame_.unit_state[u] = static_cast<UnitState>(static_cast<int>(mode[u]));
+  const auto state = [mode](std::size_t u) { return static_cast<UnitState>(static_cast<int>(mode[u])); };
+  if (field.sparse()) {
+    for_each_viewed(field, [&](std::size_t first, std::size_t end) {
+      for (std::size_t u = first; u < end; ++u) frame_.unit_state[u] = state(u);
+    });
+  } else {
+    for (std::size_t u = 0; u < units_.size(); ++u) frame_.unit_state[u] = state(u);
+  }
   const auto vector = [&](kernel::Column x) {
     const auto component = [&](std::size_t k) { return field.column(static_cast<kernel::Column>(x + k)); };
     return std::array{component(0), component(1), component(2)};
@@ -152,12 +173,14 @@ kernel::UnitColumns ContactLabels::elements_as_units(const Field& field) {
 }
 
 // Sums units of several elements, or on several surfaces.
-kernel::UnitColumns ContactLabels::sum_fields(std::span<const Field> fields) {
+kernel::UnitColumns ContactLabels::sum_fields(std::span<Field> fields) {
   const auto count = static_cast<Eigen::Index>(units_.size());
   sums_.resize(count, unit::columns);
   const auto column = [this](std::size_t c) { return sums_.col(static_cast<Eigen::Index>(c)).data(); };
-  if (fields.size() == 1) {
-    sum_elements(fields.front(), sums_);
+  if (fields.size() == 1 && fields.front().sparse()) {
+    sum_viewed(fields.front());
+  } else if (fields.size() == 1) {
+    sum_elements(fields.front(), 0, units_.size(), sums_);
   } else {
     const auto own = static_cast<Eigen::Index>(unit::columns - unit::summed);
     hardest_.assign(units_.size(), &fields.front());
@@ -165,7 +188,7 @@ kernel::UnitColumns ContactLabels::sum_fields(std::span<const Field> fields) {
     sums_.col(unit::normal + 2).setOnes();
     on_one_.resize(count, unit::columns);
     for (const Field& field : fields) {
-      sum_elements(field, on_one_);
+      sum_elements(field, 0, units_.size(), on_one_);
       sums_.leftCols(unit::summed) += on_one_.leftCols(unit::summed);
       for (Eigen::Index u = 0; u < count; ++u) {
         if (!(on_one_(u, unit::press) > sums_(u, unit::press))) continue;
@@ -185,9 +208,25 @@ kernel::UnitColumns ContactLabels::sum_fields(std::span<const Field> fields) {
           column(unit::limit),      column(unit::touching),   shares_.data()};
 }
 
-// Sums the elements of units on one surface, in the pad frame but for the tangential force and the normal. That is the one of the element
+// Sums anew the units of which an element has been viewed: of all others the sums are what they were. All but the normal, which only counts where
+// nothing touches any more, and then the last unit's stands for all (label_units).
+void ContactLabels::sum_viewed(Field& field) {
+  std::size_t next = 0;  // unit that has not been summed
+  for_each_viewed(field, [&](std::size_t first, std::size_t end) {
+    const std::size_t last = unit_of_element_[end - 1] + std::size_t{1};
+    next = std::max(next, std::size_t{unit_of_element_[first]});
+    if (next < last) sum_elements(field, next, last, sums_);
+    next = std::max(next, last);
+  });
+  if (sums_(sums_.rows() - 1, unit::touching) != 0.0) return;
+  const std::size_t last = units_.back().first;
+  field.look_at(last);
+  sums_.row(sums_.rows() - 1).segment<3>(unit::normal) = field.normal(last).transpose();
+}
+
+// Sums the elements of the units from `begin` to before `end_unit` on one surface, in the pad frame but for the tangential force and the normal. That is the one of the element
 // that is pressed hardest: one beside the surface meets another face.
-void ContactLabels::sum_elements(const Field& field, Eigen::ArrayXXd& sums) const {
+void ContactLabels::sum_elements(const Field& field, std::size_t begin, std::size_t end_unit, Eigen::ArrayXXd& sums) const {
   // The vectors among the columns, and where in `sums` they go.
   constexpr std::size_t vectors = 4;
   constexpr std::array<std::pair<kernel::Column, std::size_t>, vectors> summed{{{kernel::pad_force_x, unit::force},
@@ -199,7 +238,7 @@ void ContactLabels::sum_elements(const Field& field, Eigen::ArrayXXd& sums) cons
   for (std::size_t v = 0; v < from.size(); ++v) from[v] = element(summed[v / 3].first + v % 3);
   const double *const mode = element(kernel::mode), *const press = element(kernel::press), *const path = element(kernel::path),
                       *const limit = element(kernel::limit);
-  for (std::size_t u = 0; u < units_.size(); ++u) {
+  for (std::size_t u = begin; u < end_unit; ++u) {
     // All sums in one loop: each waits for its own last addition only.
     const std::size_t first = units_[u].first, end = first + units_[u].count;
     std::array<double, 3 * vectors> total;

@@ -40,8 +40,11 @@ class ContactLabels {
   void label_units(std::span<Field> fields, double dt);
   void tell_elements(std::span<const Field> fields);
   kernel::UnitColumns elements_as_units(const Field& field);
-  kernel::UnitColumns sum_fields(std::span<const Field> fields);
-  void sum_elements(const Field& field, Eigen::ArrayXXd& sums) const;
+  template <class Visit>
+  static void for_each_viewed(const Field& field, Visit&& visit);
+  kernel::UnitColumns sum_fields(std::span<Field> fields);
+  void sum_viewed(Field& field);
+  void sum_elements(const Field& field, std::size_t begin, std::size_t end_unit, Eigen::ArrayXXd& sums) const;
   [[nodiscard]] unit_rules::Count count_before(std::span<const Field> fields, std::uint32_t unit) const;
 
   std::vector<UnitRange> units_;

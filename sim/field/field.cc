@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -137,11 +138,11 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   for_each_memory([this](std::span<double> memory) { state_size_ += memory.size(); });
   plain_ = on_plane() && flat_pad_ && !extended_ && !effects_.cone;
   sparse_ = count_ >= least_sparse && !on_plane() && !extended_ && !effects_.cone;
-  for (std::vector<std::uint32_t>* groups : {&busy_, &shown_}) groups->resize(sparse_ ? padded_ / kernel::lanes : 0);
-  lit_.resize(busy_.size(), 1);
+  if (sparse_) begin_sparsely();
 }
 
 void Field::save_state(std::span<double> state) {
+  if (sparse_) look_at_sleeping();
   state[0] = placed_ ? 1.0 : 0.0;
   auto out = state.begin() + 1;
   const auto save = [&](Column column) { out = std::copy_n(columns_[column], count_, out); };
@@ -165,6 +166,7 @@ void Field::load_state(std::span<const double> state) {
   });
   count_states();
   unsettled_ = 2;
+  std::ranges::fill(near_at_, -std::numeric_limits<double>::infinity());
 }
 
 void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
@@ -181,6 +183,10 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
 
   if (plain_ && touching_ == count_ && looks_at_plane()) {
     kernel::slide_on_plane(columns_, pose_, padded_);
+  } else if (sparse_) {
+    step_sparsely();
+    placed_ = true;
+    return;
   } else {
     step_in_stages(placed_ ? dt : 0.0, motion);
   }
@@ -190,10 +196,6 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
 
 void Field::step_in_stages(double dt, const Twist* motion) {
   find_contact_points();
-  if (sparse_) {
-    step_sparsely();
-    return;
-  }
   if (extended_) place_tips();
   for (const auto& effect : effects_.surface) {
     effect->displace(count_, columns_[place_x], columns_[place_y], columns_[normal_z], columns_[gap]);
@@ -243,22 +245,24 @@ bool Field::share_face(std::size_t i) const {
 // The s of field.h. k_n delta^2/2 is a function of the tip's position as long as an element meets one face with one s, and does not
 // grow when either changes: a frictionless field gives no work, whatever the way.
 void Field::keep_energy() {
-  const kernel::Columns c = columns_;
-  if (kernel::all_keep_faces(c, padded_)) return;
-  for (std::size_t i = 0; i < count_; ++i) {
-    double& s = c[kernel::spent][i];
-    const double depth = -c[kernel::gap][i], now = c[kernel::faces][i], before = c[kernel::faces_before][i];
-    if (s == 0.0 && (!(depth > 0.0) || now == before)) continue;
-    if (!placed_) {
-      s = 0.0;
-    } else if (!(depth > 0.0) || share_face(i)) {
-      s = std::min(s, std::max(0.0, depth));
-    } else {
-      s = std::max(0.0, depth - std::max(0.0, -c[kernel::gap_before][i]));
-      for (const std::size_t k : {0U, 1U, 2U}) c[kernel::anchor_x + k][i] = c[kernel::contact_x + k][i];
-    }
-    c[kernel::gap][i] += s;
+  if (kernel::all_keep_faces(columns_, padded_)) return;
+  for (std::size_t i = 0; i < count_; ++i) keep_energy(i);
+}
+
+void Field::keep_energy(std::size_t i) {
+  const kernel::Columns& c = columns_;
+  double& s = c[kernel::spent][i];
+  const double depth = -c[kernel::gap][i], now = c[kernel::faces][i], before = c[kernel::faces_before][i];
+  if (s == 0.0 && (!(depth > 0.0) || now == before)) return;
+  if (!placed_) {
+    s = 0.0;
+  } else if (!(depth > 0.0) || share_face(i)) {
+    s = std::min(s, std::max(0.0, depth));
+  } else {
+    s = std::max(0.0, depth - std::max(0.0, -c[kernel::gap_before][i]));
+    for (const std::size_t k : {0U, 1U, 2U}) c[kernel::anchor_x + k][i] = c[kernel::contact_x + k][i];
   }
+  c[kernel::gap][i] += s;
 }
 
 void Field::prepare_rheology(double dt) {
@@ -314,12 +318,15 @@ double Field::touch_fraction(std::size_t i) const {
 // What touches now and did not before is anchored where it touched, inside the step.
 void Field::anchor_touched() {
   for (std::size_t i = 0; i < count_; ++i) {
-    if (columns_[mode_before][i] != 0.0 || !(raw_press(i) > 0.0)) continue;
-    const double fraction = touch_fraction(i);
-    for (const std::size_t k : {0U, 1U, 2U}) {
-      const double before = columns_[contact_before_x + k][i], now = columns_[contact_x + k][i];
-      columns_[anchor_x + k][i] = placed_ ? before + fraction * (now - before) : now;
-    }
+    if (columns_[mode_before][i] == 0.0 && raw_press(i) > 0.0) anchor_touched(i);
+  }
+}
+
+void Field::anchor_touched(std::size_t i) {
+  const double fraction = touch_fraction(i);
+  for (const std::size_t k : {0U, 1U, 2U}) {
+    const double before = columns_[contact_before_x + k][i], now = columns_[contact_x + k][i];
+    columns_[anchor_x + k][i] = placed_ ? before + fraction * (now - before) : now;
   }
 }
 
@@ -506,20 +513,23 @@ void Field::resolve_events() {
   count_states();
   if (effects_.tip) return;  // which has told them
   for (std::size_t i = 0; i < count_; ++i) {
-    const ElementState from = state_before(i), to = state(i);
-    if (from == to) continue;
-    double fraction = 0.0;  // slip that ends has ended with the step before
-    if (!placed_) {
-      fraction = 1.0;
-    } else if (from == ElementState::detached) {
-      fraction = touch_fraction(i);
-    } else if (to == ElementState::detached) {
-      fraction = zero_crossing(columns_[press_before][i], columns_[press][i]);
-    } else if (to == ElementState::slip) {
-      fraction = onset_fraction(i);
-    }
-    events_.push_back({fraction, static_cast<std::uint32_t>(i), from, to});
+    if (state_before(i) != state(i)) resolve_event(i);
   }
+}
+
+void Field::resolve_event(std::size_t i) {
+  const ElementState from = state_before(i), to = state(i);
+  double fraction = 0.0;  // slip that ends has ended with the step before
+  if (!placed_) {
+    fraction = 1.0;
+  } else if (from == ElementState::detached) {
+    fraction = touch_fraction(i);
+  } else if (to == ElementState::detached) {
+    fraction = zero_crossing(columns_[press_before][i], columns_[press][i]);
+  } else if (to == ElementState::slip) {
+    fraction = onset_fraction(i);
+  }
+  events_.push_back({fraction, static_cast<std::uint32_t>(i), from, to});
 }
 
 ElementColumns Field::view(double dt) const {
@@ -564,9 +574,7 @@ Wrench Field::wrench_on_pad() const {
 }
 
 Wrench Field::damped_wrench_on_pad(const Twist& motion, double tau) const {
-  if (std::all_of(columns_[mode], columns_[mode] + count_, [](double state) { return state == 0.0; })) {
-    return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  }
+  if (touching_ == 0) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   return kernel::damped_wrench_on_pad(columns_, pose_.position, motion, tau, effects_.cone.get(), busy());
 }
 

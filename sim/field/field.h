@@ -26,6 +26,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -78,7 +79,8 @@ class Field {
   [[nodiscard]] ElementState state_before(std::size_t i) const { return state_in(columns_[mode_before][i]); }
   [[nodiscard]] std::span<const ElementEvent> events() const { return events_; }
 
-  // Of element i, in the surface frame S: normal force [N], penetration [m], path slipped since the start [m].
+  // Of element i, in the surface frame S: normal force [N], penetration [m], path slipped since the start [m]. Where it met the surface (normal,
+  // contact_point), and the gap of what does not touch, may be of an earlier step in a sparse field: save_state() brings all up to date.
   [[nodiscard]] double normal_force(std::size_t i) const { return std::max(0.0, columns_[press][i]); }
   [[nodiscard]] double penetration(std::size_t i) const { return std::max(0.0, -columns_[gap][i]); }
   [[nodiscard]] double slip_path(std::size_t i) const { return columns_[path][i]; }
@@ -102,6 +104,10 @@ class Field {
   // Adds to `depth` [m] how deep each element is in the surface, and to the three of `shear` [m] its tip's deflection along the surface, in P.
   void add_elements(double* depth, const std::array<double*, 3>& shear) const {
     kernel::add_elements(columns_, pose_.rotation.transpose(), depth, shear, count_);
+  }
+  // Of a sparse field: writes the same over what add_elements() has been told of the groups of viewed(); of all others nothing has changed.
+  void tell_elements(double* depth, const std::array<double*, 3>& shear) const {
+    kernel::tell_elements(columns_, pose_.rotation.transpose(), viewed(), depth, shear, count_);
   }
 
   // How far a tangential force t [N] reaches towards the friction cone of `limit` [N] around the normal n: |t|/limit for the
@@ -143,8 +149,10 @@ class Field {
 
   // Where there are many elements of which few touch (sparse.cc): the groups of them that the last view_from_pad() worked out: those whose
   // labels may differ from the labels' last view. All others touch nothing, and nothing of theirs has changed but the gap. Empty: not such a field.
-  [[nodiscard]] std::span<const std::uint32_t> viewed() const { return {shown_.data(), sparse_ ? shown_count_ : 0}; }
+  [[nodiscard]] kernel::Groups viewed() const { return shown_.groups(); }
   [[nodiscard]] bool sparse() const { return sparse_; }
+  // Brings up to date where element i met the surface in the last step.
+  void look_at(std::size_t i);
   // Of a sparse field: its labels, which are the only ones, have read the view of this step. Other views, whenever taken, take nothing from them.
   void labels_have_read();
 
@@ -160,17 +168,28 @@ class Field {
   [[nodiscard]] static ElementState state_in(double mode) { return static_cast<ElementState>(static_cast<int>(mode)); }
   void step_in_stages(double dt, const Twist* motion);
   void find_contact_points();
+  void find_contact_points(const kernel::Columns& columns, const Pose& pose, const kernel::Groups& groups) const;
   template <class Shape>
-  void meet(const Shape& shape);
+  void meet(const Shape& shape, const kernel::Columns& columns, const Pose& at, const kernel::Groups& groups,
+            std::size_t entries) const;
+  void begin_sparsely();
   void step_sparsely();
   void view_sparsely();
+  void wake(double way);
+  void let_sleep(double way);
+  void list_near();
+  [[nodiscard]] double room_of(std::size_t first) const;
+  [[nodiscard]] bool sleeps(std::size_t group) const { return near_at_[group] > -std::numeric_limits<double>::infinity(); }
+  void look_at_sleeping();
+  void look_at_woken();
   // The groups that may touch.
   [[nodiscard]] kernel::Groups busy() const {
-    return sparse_ ? kernel::Groups{busy_.data(), busy_count_} : kernel::Groups{nullptr, padded_ / kernel::lanes};
+    return sparse_ ? busy_.groups() : kernel::Groups{nullptr, padded_ / kernel::lanes};
   }
   void place_tips();
   [[nodiscard]] bool share_face(std::size_t i) const;
   void keep_energy();
+  void keep_energy(std::size_t i);
   [[nodiscard]] bool looks_at_plane() const;
   void prepare_rheology(double dt);
   void commit_rheology(double dt);
@@ -180,6 +199,7 @@ class Field {
   [[nodiscard]] double raw_press(std::size_t i) const;
   [[nodiscard]] double touch_fraction(std::size_t i) const;
   void anchor_touched();
+  void anchor_touched(std::size_t i);
   void detach(std::size_t i, double raw);
   void settle(std::size_t i, const Eigen::Vector3d& u, const Eigen::Vector3d& force, const Eigen::Vector3d& slip, bool slides);
   [[nodiscard]] Eigen::Vector3d tangential(std::size_t i, const Eigen::Vector3d& v) const;
@@ -189,6 +209,7 @@ class Field {
   [[nodiscard]] double strengthened(std::size_t i, const Eigen::Vector3d& t, const Eigen::Vector3d& n);
   void count_states();
   void resolve_events();
+  void resolve_event(std::size_t i);
   [[nodiscard]] double onset_fraction(std::size_t i) const;
   [[nodiscard]] ElementColumns view(double dt) const;
   [[nodiscard]] bool has_memory() const { return !effects_.rheology.empty(); }
@@ -216,11 +237,24 @@ class Field {
   bool extended_;  // the columns from plain_columns on are there
   bool plain_;     // springs on a plane, and no effect: one pass does it all
   bool sparse_;    // plain springs on no plane, and many of them
-  std::vector<std::uint32_t> busy_,
-      shown_;                      // first element of each group: of those that take part in the step, and of those viewed last
+
+  // Of a sparse field: some of its groups, told by their first element, in order.
+  struct GroupList {
+    std::vector<std::uint32_t> first;  // [groups], of which `count` hold
+    std::size_t count = 0;
+    void add(std::size_t element) { first[count++] = static_cast<std::uint32_t>(element); }
+    [[nodiscard]] kernel::Groups groups() const { return {first.data(), count}; }
+  };
+  GroupList near_, busy_, quiet_;  // what may touch; of these, what takes part in the step, and what does not
+  GroupList shown_;                // what was viewed last
+  GroupList woken_;                // what is looked at out of turn
   std::vector<std::uint8_t> lit_;  // of each group, whether its labels may differ from those of what touches nothing
-  std::size_t busy_count_ = 0, shown_count_ = 0;
-  int unsettled_ = 2;  // steps for which what the columns hold from before is not known of all groups
+  std::vector<double> near_at_;    // m, of each group: how far the pad has travelled when it may touch; -infinity: it is near
+  double travelled_ = 0.0;         // m, what no tip has outdone
+  double next_near_ = 0.0;         // m, when the first of those that sleep may touch
+  double reach_ = 0.0;             // m, of the farthest tip from the pad's origin
+  Pose met_at_;                    // of the step before
+  int unsettled_ = 2;              // steps for which what the columns hold from before is not known of all groups
   bool placed_ = false;
   double step_ = 0.0;  // s, the last one in stages
   std::size_t touching_ = 0, slipping_ = 0;

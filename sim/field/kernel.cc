@@ -1,7 +1,6 @@
 #include "sim/field/kernel.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "sim/field/vectorise.h"
 
@@ -156,10 +155,19 @@ SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::siz
 
 namespace {
 
-template <class Shape>
-SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose& pose, std::size_t count) {
+// All groups of columns of `entries`, where it is known that all are meant.
+struct AllGroups {
+  explicit AllGroups(std::size_t entries) : count(entries / lanes) {}
+  std::size_t count;
+
+  std::size_t operator[](std::size_t k) const { return k * lanes; }
+};
+
+template <class Shape, class Which>
+SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose& pose, const Which& groups) {
   const Eigen::Matrix3d& r = pose.rotation;
-  for (std::size_t i = 0; i < count; i += lanes) {
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t i = groups[k];
     const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
     const Lanes u = at(c, axis_x, i), v = at(c, axis_y, i), w = at(c, axis_z, i);
     const Lanes tip[3] = {turned(r, 0, x, y, z) + pose.position.x(), turned(r, 1, x, y, z) + pose.position.y(),
@@ -180,31 +188,57 @@ SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose&
 }  // namespace
 
 SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose& pose, std::size_t count) {
-  meet_all(c, box, pose, count);
+  meet_all(c, box, pose, AllGroups(count));
+}
+SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose& pose, const Groups& groups) {
+  meet_all(c, box, pose, groups);
 }
 
 SLIPBENCH_DISPATCHED void meet_cylinder(const Columns& c, const Cylinder& cylinder, const Pose& pose, std::size_t count) {
-  meet_all(c, cylinder, pose, count);
+  meet_all(c, cylinder, pose, AllGroups(count));
+}
+SLIPBENCH_DISPATCHED void meet_cylinder(const Columns& c, const Cylinder& cylinder, const Pose& pose, const Groups& groups) {
+  meet_all(c, cylinder, pose, groups);
 }
 
-SLIPBENCH_DISPATCHED std::size_t find_active(const Columns& c, std::size_t count, std::uint32_t* groups) {
+SLIPBENCH_DISPATCHED Sorted sort_groups(const Columns& c, const Groups& near, std::uint32_t* busy, std::uint32_t* quiet) {
   const Lanes none{};
-  std::size_t found = 0;
-  for (std::size_t i = 0; i < count; i += lanes) {
-    const Lanes now = at(c, gap, i), raw = raw_press(now, at(c, k_normal, i), none);
+  Sorted found{};
+  Mask touches{};
+  for (std::size_t k = 0; k < near.count; ++k) {
+    const std::size_t i = near[k];
+    const Lanes raw = raw_press(at(c, gap, i), at(c, k_normal, i), none), before = at(c, mode_before, i);
+    const Mask pressed = raw > 0.0, apart = before == 0.0;
+    touches |= pressed & apart;
     // The column of modes that this step will write still has those of two steps ago.
-    const Mask busy = (raw > 0.0) | (at(c, mode_before, i) != 0.0) | (at(c, mode, i) != 0.0);
-    groups[found] = static_cast<std::uint32_t>(i);
-    if (any(busy)) {
-      ++found;
+    if (any(pressed | ~apart | (at(c, mode, i) != 0.0))) {
+      busy[found.busy++] = static_cast<std::uint32_t>(i);
       continue;
     }
+    quiet[found.quiet++] = static_cast<std::uint32_t>(i);
     put(c, press, i, raw);
     put(c, anchor_x, i, at(c, contact_x, i));
     put(c, anchor_y, i, at(c, contact_y, i));
     put(c, anchor_z, i, at(c, contact_z, i));
   }
+  found.touches = any(touches);
   return found;
+}
+
+SLIPBENCH_DISPATCHED void rest(const Columns& c, const Groups& groups) {
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t i = groups[k];
+    const Lanes raw = raw_press(at(c, gap, i), at(c, k_normal, i), Lanes{});
+    put(c, press, i, raw);
+    put(c, press_before, i, raw);
+    put(c, gap_before, i, at(c, gap, i));
+    put(c, faces_before, i, at(c, faces, i));
+    for (const std::size_t axis : {0U, 1U, 2U}) {
+      const Lanes place = lanes_at(c[contact_x + axis] + i);
+      put_lanes(c[contact_before_x + axis] + i, place);
+      put_lanes(c[anchor_x + axis] + i, place);
+    }
+  }
 }
 
 SLIPBENCH_DISPATCHED void map_active(const Columns& c, const Groups& groups) {
@@ -213,6 +247,12 @@ SLIPBENCH_DISPATCHED void map_active(const Columns& c, const Groups& groups) {
     SLIPBENCH_VECTORISE
     for (std::size_t i = first; i < first + lanes; ++i) map_element<false, false>(c, i);
   }
+}
+
+SLIPBENCH_DISPATCHED bool any_changes(const Columns& c, const Groups& groups) {
+  Mask changed{};
+  for (std::size_t k = 0; k < groups.count; ++k) changed |= at(c, mode, groups[k]) != at(c, mode_before, groups[k]);
+  return any(changed);
 }
 
 SLIPBENCH_DISPATCHED void place_tips(const Columns& c, std::size_t count) {
@@ -238,13 +278,22 @@ SLIPBENCH_DISPATCHED void place_tips(const Columns& c, std::size_t count) {
   }
 }
 
-SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, std::size_t count) {
+namespace {
+
+template <class Which>
+SLIPBENCH_INLINE bool all_keep(const Columns& c, const Which& groups) {
   Mask changed{};
-  for (std::size_t i = 0; i < count; i += lanes) {
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t i = groups[k];
     changed |= (at(c, spent, i) != 0.0) | ((at(c, gap, i) < 0.0) & (at(c, faces, i) != at(c, faces_before, i)));
   }
   return !any(changed);
 }
+
+}  // namespace
+
+SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, std::size_t count) { return all_keep(c, AllGroups(count)); }
+SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, const Groups& groups) { return all_keep(c, groups); }
 
 SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t count) {
   Mask touched{};
@@ -274,10 +323,6 @@ SLIPBENCH_DISPATCHED void press_tips(const Columns& c, std::size_t count) {
 
 namespace {
 
-struct Rotation {
-  double r00, r01, r02, r10, r11, r12, r20, r21, r22;
-};
-
 SLIPBENCH_INLINE void view_element(const Columns& c, const double* tx, const double* ty, const double* tz, const Rotation& r,
                                    std::size_t i) {
   const double nx = c[normal_x][i], ny = c[normal_y][i], nz = c[normal_z][i];
@@ -298,10 +343,6 @@ SLIPBENCH_INLINE void view_element(const Columns& c, const double* tx, const dou
   c[pad_slip_z][i] = r.r20 * c[slip_x][i] + r.r21 * c[slip_y][i] + r.r22 * c[slip_z][i];
 }
 
-SLIPBENCH_INLINE Rotation entries_of(const Eigen::Matrix3d& r) {
-  return {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)};
-}
-
 }  // namespace
 
 SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, Column felt, std::size_t count) {
@@ -311,19 +352,41 @@ SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d&
   for (std::size_t i = 0; i < count; ++i) view_element(c, tx, ty, tz, r, i);
 }
 
+namespace {
+
+// Of element i: how deep it is, and its tip's deflection along the surface, in P, on top of what it already is.
+SLIPBENCH_INLINE void add_element(const Columns& c, const Rotation& r, std::size_t i, double& depth, double& sx, double& sy,
+                                  double& sz) {
+  // The anchor lies in the surface's tangent plane through the contact point: there is nothing along the normal to take off.
+  const double dx = c[anchor_x][i] - c[contact_x][i], dy = c[anchor_y][i] - c[contact_y][i],
+               dz = c[anchor_z][i] - c[contact_z][i];
+  depth += 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
+  sx += r.r00 * dx + r.r01 * dy + r.r02 * dz;
+  sy += r.r10 * dx + r.r11 * dy + r.r12 * dz;
+  sz += r.r20 * dx + r.r21 * dy + r.r22 * dz;
+}
+
+}  // namespace
+
 SLIPBENCH_DISPATCHED void add_elements(const Columns& c, const Eigen::Matrix3d& to_pad, double* depth,
                                        const std::array<double*, 3>& shear, std::size_t count) {
   const Rotation r = entries_of(to_pad);
   double *const sx = shear[0], *const sy = shear[1], *const sz = shear[2];
   SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    // The anchor lies in the surface's tangent plane through the contact point: there is nothing along the normal to take off.
-    const double dx = c[anchor_x][i] - c[contact_x][i], dy = c[anchor_y][i] - c[contact_y][i],
-                 dz = c[anchor_z][i] - c[contact_z][i];
-    depth[i] += 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
-    sx[i] += r.r00 * dx + r.r01 * dy + r.r02 * dz;
-    sy[i] += r.r10 * dx + r.r11 * dy + r.r12 * dz;
-    sz[i] += r.r20 * dx + r.r21 * dy + r.r22 * dz;
+  for (std::size_t i = 0; i < count; ++i) add_element(c, r, i, depth[i], sx[i], sy[i], sz[i]);
+}
+
+SLIPBENCH_DISPATCHED void tell_elements(const Columns& c, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,
+                                        const std::array<double*, 3>& shear, std::size_t count) {
+  const Rotation r = entries_of(to_pad);
+  double *const sx = shear[0], *const sy = shear[1], *const sz = shear[2];
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t end = std::min(count, groups[k] + lanes);
+    SLIPBENCH_VECTORISE
+    for (std::size_t i = groups[k]; i < end; ++i) {
+      depth[i] = sx[i] = sy[i] = sz[i] = 0.0;
+      add_element(c, r, i, depth[i], sx[i], sy[i], sz[i]);
+    }
   }
 }
 
@@ -434,116 +497,6 @@ SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::
   }
   return {{total(force_sum_x), total(force_sum_y), total(force_sum_z)},
           {total(torque_sum_x), total(torque_sum_y), total(torque_sum_z)}};
-}
-
-namespace {
-
-template <bool kLevel>
-SLIPBENCH_INLINE void label_all(const UnitColumns& c, const Eigen::Matrix3d& turn, double rate, std::size_t first,
-                                std::size_t end, ContactFrame& frame) {
-  double* const force = frame.force.data();
-  double* const contact_force = frame.contact_force.data();
-  double* const displacement = frame.displacement.data();
-  double* const slip_velocity = frame.slip_velocity.data();
-  double* const slip_distance = frame.slip_distance.data();
-  double* const margin = frame.margin.data();
-  const double r00 = turn(0, 0), r01 = turn(0, 1), r02 = turn(0, 2);
-  const double r10 = turn(1, 0), r11 = turn(1, 1), r12 = turn(1, 2);
-  const double r20 = turn(2, 0), r21 = turn(2, 1), r22 = turn(2, 2);
-  SLIPBENCH_VECTORISE
-  for (std::size_t u = first; u < end; ++u) {
-    const double share = c.share[u], pace = share * rate;
-    const double fx = c.force[0][u], fy = c.force[1][u], fz = c.force[2][u];
-    const double sx = c.slip[0][u], sy = c.slip[1][u], sz = c.slip[2][u];
-    force[3 * u] = fx;
-    force[3 * u + 1] = fy;
-    force[3 * u + 2] = fz;
-    // In the order in which Eigen adds up a product, so that a turn is the same to the bit wherever it is worked out.
-    contact_force[3 * u] = kLevel ? fx : r00 * fx + r01 * fy + r02 * fz;
-    contact_force[3 * u + 1] = kLevel ? fy : r10 * fx + r11 * fy + r12 * fz;
-    contact_force[3 * u + 2] = kLevel ? fz : r20 * fx + (r21 * fy + r22 * fz);
-    displacement[3 * u] = share * c.deflection[0][u];
-    displacement[3 * u + 1] = share * c.deflection[1][u];
-    displacement[3 * u + 2] = share * c.deflection[2][u];
-    slip_velocity[2 * u] = pace * (kLevel ? sx : r00 * sx + r01 * sy + r02 * sz);
-    slip_velocity[2 * u + 1] = pace * (kLevel ? sy : r10 * sx + r11 * sy + r12 * sz);
-    slip_distance[u] = share * c.path[u];
-    const double tx = c.tangential[0][u], ty = c.tangential[1][u], tz = c.tangential[2][u], limit = c.limit[u];
-    const double gauge = std::sqrt(tx * tx + ty * ty + tz * tz) / limit;
-    const double left = limit == 0.0 ? 0.0 : 1.0 - gauge;
-    margin[u] = c.touching[u] == 0.0 ? std::numeric_limits<double>::quiet_NaN() : left;
-  }
-}
-
-SLIPBENCH_DISPATCHED void label_level(const UnitColumns& units, const Eigen::Matrix3d& turn, double rate, std::size_t first,
-                                      std::size_t end, ContactFrame& frame) {
-  label_all<true>(units, turn, rate, first, end, frame);
-}
-SLIPBENCH_DISPATCHED void label_turned(const UnitColumns& units, const Eigen::Matrix3d& turn, double rate, std::size_t first,
-                                       std::size_t end, ContactFrame& frame) {
-  label_all<false>(units, turn, rate, first, end, frame);
-}
-
-}  // namespace
-
-// The turn of unit_rules::ContactPlane, entry by entry in the order in which it is worked out there, for units with a normal each.
-SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix3d& to_pad, double rate, const Groups& groups,
-                                       std::size_t count, ContactFrame& frame) {
-  double* const force = frame.force.data();
-  double* const contact_force = frame.contact_force.data();
-  double* const displacement = frame.displacement.data();
-  double* const slip_velocity = frame.slip_velocity.data();
-  double* const slip_distance = frame.slip_distance.data();
-  double* const margin = frame.margin.data();
-  const Rotation to = entries_of(to_pad);
-  for (std::size_t k = 0; k < groups.count; ++k) {
-    const std::size_t end = std::min(count, groups[k] + lanes);
-    SLIPBENCH_VECTORISE
-    for (std::size_t u = groups[k]; u < end; ++u) {
-      const double sx = c.normal[0][u], sy = c.normal[1][u], sz = c.normal[2][u];
-      const double nx = to.r00 * sx + to.r01 * sy + to.r02 * sz, ny = to.r10 * sx + to.r11 * sy + to.r12 * sz,
-                   nz = to.r20 * sx + to.r21 * sy + to.r22 * sz;
-      const double mz = nz + 1.0, size = 1.0 + nz;
-      const bool opposite = nx == 0.0 && ny == 0.0 && nz == -1.0;
-      const double r00 = opposite ? 1.0 : 1.0 - nx * nx / size, r01 = opposite ? 0.0 : 0.0 - nx * ny / size,
-                   r02 = opposite ? 0.0 : 0.0 - nx * mz / size;
-      const double r11 = opposite ? -1.0 : 1.0 - ny * ny / size, r12 = opposite ? 0.0 : 0.0 - ny * mz / size;
-      const double r20 = opposite ? 0.0 : 0.0 - mz * nx / size + 2.0 * nx, r21 = opposite ? 0.0 : 0.0 - mz * ny / size + 2.0 * ny,
-                   r22 = opposite ? -1.0 : 1.0 - mz * mz / size + 2.0 * nz;
-      const double share = c.share[u], pace = share * rate;
-      const double fx = c.force[0][u], fy = c.force[1][u], fz = c.force[2][u];
-      const double vx = c.slip[0][u], vy = c.slip[1][u], vz = c.slip[2][u];
-      force[3 * u] = fx;
-      force[3 * u + 1] = fy;
-      force[3 * u + 2] = fz;
-      contact_force[3 * u] = r00 * fx + r01 * fy + r02 * fz;
-      contact_force[3 * u + 1] = r01 * fx + r11 * fy + r12 * fz;
-      contact_force[3 * u + 2] = r20 * fx + (r21 * fy + r22 * fz);
-      displacement[3 * u] = share * c.deflection[0][u];
-      displacement[3 * u + 1] = share * c.deflection[1][u];
-      displacement[3 * u + 2] = share * c.deflection[2][u];
-      slip_velocity[2 * u] = pace * (r00 * vx + r01 * vy + r02 * vz);
-      slip_velocity[2 * u + 1] = pace * (r01 * vx + r11 * vy + r12 * vz);
-      slip_distance[u] = share * c.path[u];
-      const double tx = c.tangential[0][u], ty = c.tangential[1][u], tz = c.tangential[2][u], limit = c.limit[u];
-      const double gauge = std::sqrt(tx * tx + ty * ty + tz * tz) / limit;
-      const double left = limit == 0.0 ? 0.0 : 1.0 - gauge;
-      margin[u] = c.touching[u] == 0.0 ? std::numeric_limits<double>::quiet_NaN() : left;
-    }
-  }
-}
-
-void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double rate, const ConeEffect* cone, std::size_t first,
-                 std::size_t end, ContactFrame& frame) {
-  turn == nullptr ? label_level(units, Eigen::Matrix3d::Identity(), rate, first, end, frame)
-                  : label_turned(units, *turn, rate, first, end, frame);
-  if (cone == nullptr) return;
-  for (std::size_t u = first; u < end; ++u) {
-    if (units.touching[u] == 0.0 || units.limit[u] == 0.0) continue;
-    const double t[3] = {units.tangential[0][u], units.tangential[1][u], units.tangential[2][u]};
-    const double n[3] = {units.normal[0][u], units.normal[1][u], units.normal[2][u]};
-    frame.margin[static_cast<Eigen::Index>(u)] = 1.0 - cone->gauge(t, n, units.limit[u]);
-  }
 }
 
 void find_trials(const Columns& columns, bool plane, std::size_t count) {

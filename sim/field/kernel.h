@@ -80,10 +80,13 @@ void turn_away(const Columns& columns, const Pose& pose, std::size_t count);
 
 // Pass 1 against a box and a cylinder: contact points, gaps, normals and faces. `pose`: of the pad in the surface.
 void meet_box(const Columns& columns, const Box& box, const Pose& pose, std::size_t count);
+void meet_box(const Columns& columns, const Box& box, const Pose& pose, const Groups& groups);
 void meet_cylinder(const Columns& columns, const Cylinder& cylinder, const Pose& pose, std::size_t count);
+void meet_cylinder(const Columns& columns, const Cylinder& cylinder, const Pose& pose, const Groups& groups);
 
 // Whether nothing is for Field::keep_energy() to do, and whether an element touches that did not before: nearly always, and nearly never.
 bool all_keep_faces(const Columns& columns, std::size_t count);
+bool all_keep_faces(const Columns& columns, const Groups& groups);
 bool any_touches(const Columns& columns, bool memory, std::size_t count);
 
 // Between the passes, for effects: the places of the tips (SurfaceEffect).
@@ -109,6 +112,9 @@ void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, Column
 // Field::add_elements(). `to_pad`: rotation of the surface in the pad; `count`: of elements.
 void add_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, double* depth, const std::array<double*, 3>& shear,
                   std::size_t count);
+// The same of groups of them, in place of what was there; `count`: of all elements.
+void tell_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,
+                   const std::array<double*, 3>& shear, std::size_t count);
 
 // What friction effects look at: tangential velocity of the undeformed tips, depth and load. `motion`: of the pad in the surface, null for
 // the mean one of a step of `dt`, 0: none. `memory`: there is a history of the rheology.
@@ -127,10 +133,18 @@ Wrench damped_wrench_on_pad(const Columns& columns, const Eigen::Vector3d& origi
                             const ConeEffect* cone, const Groups& groups);
 
 // For fields of which few elements touch (sparse.cc), plain springs on a surface that is no plane; after pass 1.
-// Writes to `groups` where those groups begin that touch, or have touched in the last two steps, whose columns are among those before: for them
-// there are map_active() and view_active(), for all others this leaves what map() would. Returns how many they are.
-std::size_t find_active(const Columns& columns, std::size_t count, std::uint32_t* groups);
+// Of those that are `near` it writes to `busy` where those groups begin that touch, or have touched in the last two steps, whose columns are among
+// those before: for them there are map_active() and view_active(). To `quiet` go the others, and for them this leaves what map() would.
+struct Sorted {
+  std::size_t busy, quiet;  // how many they are
+  bool touches;             // an element touches that did not before
+};
+Sorted sort_groups(const Columns& columns, const Groups& near, std::uint32_t* busy, std::uint32_t* quiet);
+// Of groups of which no element touches: what sort_groups() leaves, in the columns of the step before too.
+void rest(const Columns& columns, const Groups& groups);
 void map_active(const Columns& columns, const Groups& groups);
+// Whether a state is another than before.
+bool any_changes(const Columns& columns, const Groups& groups);
 void view_active(const Columns& columns, const Eigen::Matrix3d& to_pad, const Groups& groups);
 
 // What labels are made of, an entry a unit: sums over its elements, vectors by component.

@@ -11,6 +11,20 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // Below this share of the slip's speed a fitted translation or rotation is rounding, not motion.
 constexpr double negligible = 1e-6;
 
+// `touched_by_slip`: units of which a part slips, or all.
+[[gnu::always_inline]] inline void judge(ContactFrame& frame, const Count& elements, const Count& units,
+                                         std::uint32_t touched_by_slip) {
+  const auto state = [](std::uint32_t touching, std::uint32_t slipping) {
+    if (touching == 0) return PadState::no_contact;
+    if (slipping == 0) return PadState::non_slip;
+    return slipping == touching ? PadState::gross : PadState::incipient;
+  };
+  frame.state_micro = state(units.touching, touched_by_slip);
+  frame.state = frame.unit_state.size() == 1 ? frame.state_micro : state(units.touching, units.slipping);
+  frame.stuck_fraction =
+      elements.touching == 0 ? nan : static_cast<double>(elements.touching - elements.slipping) / elements.touching;
+}
+
 }  // namespace
 
 void ContactPlane::face(const Eigen::Vector3d& normal) {
@@ -27,22 +41,17 @@ void ContactPlane::face(const Eigen::Vector3d& normal) {
 }
 
 void judge_pad(ContactFrame& frame, const Count& elements) {
-  const auto state = [](std::uint32_t touching, std::uint32_t slipping) {
-    if (touching == 0) return PadState::no_contact;
-    if (slipping == 0) return PadState::non_slip;
-    return slipping == touching ? PadState::gross : PadState::incipient;
-  };
-  std::uint32_t touching = 0, slipping = 0, touched_by_slip = 0;
+  Count units;
+  std::uint32_t touched_by_slip = 0;
   for (const UnitState unit : frame.unit_state) {
-    touching += static_cast<std::uint32_t>(unit != UnitState::detached);
-    slipping += static_cast<std::uint32_t>(unit == UnitState::slip);
+    units.touching += static_cast<std::uint32_t>(unit != UnitState::detached);
+    units.slipping += static_cast<std::uint32_t>(unit == UnitState::slip);
     touched_by_slip += static_cast<std::uint32_t>(unit >= UnitState::slip);  // or partial
   }
-  frame.state_micro = state(touching, touched_by_slip);
-  frame.state = frame.unit_state.size() == 1 ? frame.state_micro : state(touching, slipping);
-  frame.stuck_fraction =
-      elements.touching == 0 ? nan : static_cast<double>(elements.touching - elements.slipping) / elements.touching;
+  judge(frame, elements, units, touched_by_slip);
 }
+
+void judge_pad_of_elements(ContactFrame& frame, const Count& elements) { judge(frame, elements, elements, elements.slipping); }
 
 double fit_slip_motion(ContactFrame& frame, const Eigen::Array3Xd& undeformed, const ContactPlane& plane) {
   frame.slip_direction = nan;

@@ -55,6 +55,8 @@ class ContactPlane {
 // Sets the pad's state by both rules from the units', and the stuck fraction from the count of all its elements. A pad of a single unit has
 // no units that could be told apart: strict is micro there. Its elements stick and slip by turns, and hardly ever slip all at once.
 void judge_pad(ContactFrame& frame, const Count& elements);
+// The same where every unit is one element.
+void judge_pad_of_elements(ContactFrame& frame, const Count& elements);
 
 // Sets slip_direction and slip_centre from the rigid motion that fits the slipping units' velocities best (least squares, equal
 // weights), and returns the rate of its rotation [rad/s]. `undeformed`: [3,N] m, mean of each unit's undeformed tips in P. `plane`: that in

@@ -1,0 +1,119 @@
+// Vectorised passes: from elements to labels.
+#include <algorithm>
+#include <limits>
+
+#include "sim/field/kernel.h"
+#include "sim/field/vectorise.h"
+
+namespace slipbench::kernel {
+namespace {
+
+template <bool kLevel>
+SLIPBENCH_INLINE void label_all(const UnitColumns& c, const Eigen::Matrix3d& turn, double rate, std::size_t first,
+                                std::size_t end, ContactFrame& frame) {
+  double* const force = frame.force.data();
+  double* const contact_force = frame.contact_force.data();
+  double* const displacement = frame.displacement.data();
+  double* const slip_velocity = frame.slip_velocity.data();
+  double* const slip_distance = frame.slip_distance.data();
+  double* const margin = frame.margin.data();
+  const double r00 = turn(0, 0), r01 = turn(0, 1), r02 = turn(0, 2);
+  const double r10 = turn(1, 0), r11 = turn(1, 1), r12 = turn(1, 2);
+  const double r20 = turn(2, 0), r21 = turn(2, 1), r22 = turn(2, 2);
+  SLIPBENCH_VECTORISE
+  for (std::size_t u = first; u < end; ++u) {
+    const double share = c.share[u], pace = share * rate;
+    const double fx = c.force[0][u], fy = c.force[1][u], fz = c.force[2][u];
+    const double sx = c.slip[0][u], sy = c.slip[1][u], sz = c.slip[2][u];
+    force[3 * u] = fx;
+    force[3 * u + 1] = fy;
+    force[3 * u + 2] = fz;
+    // In the order in which Eigen adds up a product, so that a turn is the same to the bit wherever it is worked out.
+    contact_force[3 * u] = kLevel ? fx : r00 * fx + r01 * fy + r02 * fz;
+    contact_force[3 * u + 1] = kLevel ? fy : r10 * fx + r11 * fy + r12 * fz;
+    contact_force[3 * u + 2] = kLevel ? fz : r20 * fx + (r21 * fy + r22 * fz);
+    displacement[3 * u] = share * c.deflection[0][u];
+    displacement[3 * u + 1] = share * c.deflection[1][u];
+    displacement[3 * u + 2] = share * c.deflection[2][u];
+    slip_velocity[2 * u] = pace * (kLevel ? sx : r00 * sx + r01 * sy + r02 * sz);
+    slip_velocity[2 * u + 1] = pace * (kLevel ? sy : r10 * sx + r11 * sy + r12 * sz);
+    slip_distance[u] = share * c.path[u];
+    const double tx = c.tangential[0][u], ty = c.tangential[1][u], tz = c.tangential[2][u], limit = c.limit[u];
+    const double gauge = std::sqrt(tx * tx + ty * ty + tz * tz) / limit;
+    const double left = limit == 0.0 ? 0.0 : 1.0 - gauge;
+    margin[u] = c.touching[u] == 0.0 ? std::numeric_limits<double>::quiet_NaN() : left;
+  }
+}
+
+SLIPBENCH_DISPATCHED void label_level(const UnitColumns& units, const Eigen::Matrix3d& turn, double rate, std::size_t first,
+                                      std::size_t end, ContactFrame& frame) {
+  label_all<true>(units, turn, rate, first, end, frame);
+}
+SLIPBENCH_DISPATCHED void label_turned(const UnitColumns& units, const Eigen::Matrix3d& turn, double rate, std::size_t first,
+                                       std::size_t end, ContactFrame& frame) {
+  label_all<false>(units, turn, rate, first, end, frame);
+}
+
+}  // namespace
+
+// The turn of unit_rules::ContactPlane, entry by entry in the order in which it is worked out there, for units with a normal each.
+SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix3d& to_pad, double rate, const Groups& groups,
+                                       std::size_t count, ContactFrame& frame) {
+  double* const force = frame.force.data();
+  double* const contact_force = frame.contact_force.data();
+  double* const displacement = frame.displacement.data();
+  double* const slip_velocity = frame.slip_velocity.data();
+  double* const slip_distance = frame.slip_distance.data();
+  double* const margin = frame.margin.data();
+  const Rotation to = entries_of(to_pad);
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t end = std::min(count, groups[k] + lanes);
+    SLIPBENCH_VECTORISE
+    for (std::size_t u = groups[k]; u < end; ++u) {
+      const double sx = c.normal[0][u], sy = c.normal[1][u], sz = c.normal[2][u];
+      const double nx = to.r00 * sx + to.r01 * sy + to.r02 * sz, ny = to.r10 * sx + to.r11 * sy + to.r12 * sz,
+                   nz = to.r20 * sx + to.r21 * sy + to.r22 * sz;
+      const double mz = nz + 1.0, size = 1.0 + nz;
+      const bool opposite = nx == 0.0 && ny == 0.0 && nz == -1.0;
+      const double r00 = opposite ? 1.0 : 1.0 - nx * nx / size, r01 = opposite ? 0.0 : 0.0 - nx * ny / size,
+                   r02 = opposite ? 0.0 : 0.0 - nx * mz / size;
+      const double r11 = opposite ? -1.0 : 1.0 - ny * ny / size, r12 = opposite ? 0.0 : 0.0 - ny * mz / size;
+      const double r20 = opposite ? 0.0 : 0.0 - mz * nx / size + 2.0 * nx, r21 = opposite ? 0.0 : 0.0 - mz * ny / size + 2.0 * ny,
+                   r22 = opposite ? -1.0 : 1.0 - mz * mz / size + 2.0 * nz;
+      const double share = c.share[u], pace = share * rate;
+      const double fx = c.force[0][u], fy = c.force[1][u], fz = c.force[2][u];
+      const double vx = c.slip[0][u], vy = c.slip[1][u], vz = c.slip[2][u];
+      force[3 * u] = fx;
+      force[3 * u + 1] = fy;
+      force[3 * u + 2] = fz;
+      contact_force[3 * u] = r00 * fx + r01 * fy + r02 * fz;
+      contact_force[3 * u + 1] = r01 * fx + r11 * fy + r12 * fz;
+      contact_force[3 * u + 2] = r20 * fx + (r21 * fy + r22 * fz);
+      displacement[3 * u] = share * c.deflection[0][u];
+      displacement[3 * u + 1] = share * c.deflection[1][u];
+      displacement[3 * u + 2] = share * c.deflection[2][u];
+      slip_velocity[2 * u] = pace * (r00 * vx + r01 * vy + r02 * vz);
+      slip_velocity[2 * u + 1] = pace * (r01 * vx + r11 * vy + r12 * vz);
+      slip_distance[u] = share * c.path[u];
+      const double tx = c.tangential[0][u], ty = c.tangential[1][u], tz = c.tangential[2][u], limit = c.limit[u];
+      const double gauge = std::sqrt(tx * tx + ty * ty + tz * tz) / limit;
+      const double left = limit == 0.0 ? 0.0 : 1.0 - gauge;
+      margin[u] = c.touching[u] == 0.0 ? std::numeric_limits<double>::quiet_NaN() : left;
+    }
+  }
+}
+
+void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double rate, const ConeEffect* cone, std::size_t first,
+                 std::size_t end, ContactFrame& frame) {
+  turn == nullptr ? label_level(units, Eigen::Matrix3d::Identity(), rate, first, end, frame)
+                  : label_turned(units, *turn, rate, first, end, frame);
+  if (cone == nullptr) return;
+  for (std::size_t u = first; u < end; ++u) {
+    if (units.touching[u] == 0.0 || units.limit[u] == 0.0) continue;
+    const double t[3] = {units.tangential[0][u], units.tangential[1][u], units.tangential[2][u]};
+    const double n[3] = {units.normal[0][u], units.normal[1][u], units.normal[2][u]};
+    frame.margin[static_cast<Eigen::Index>(u)] = 1.0 - cone->gauge(t, n, units.limit[u]);
+  }
+}
+
+}  // namespace slipbench::kernel
