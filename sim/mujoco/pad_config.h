@@ -29,9 +29,8 @@ namespace slipbench {
 //   damping   time tau of a dashpot tau*k beside each spring; default 1 ms (assumed)
 //   truth     true: the sensor's values are followed by the truth (pad_instance.h)
 //   solver    explicit or implicit
-inline constexpr const char* pad_attributes[] = {"pad",           "touch",    "sensor",   "elements", "units",
-                                                 "element_truth", "material", "friction", "effects",  "seed",
-                                                 "trial",         "damping",  "truth",    "solver"};
+inline constexpr const char* pad_attributes[] = {"pad",  "touch", "sensor",  "element_truth", "material", "friction", "effects",
+                                                 "seed", "trial", "damping", "truth",         "solver",   "units",    "elements"};
 
 struct PadConfig {
   std::string name;  // of the instance
