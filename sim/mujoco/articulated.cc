@@ -268,6 +268,12 @@ const ContactFrame& ArticulatedContact::read(const mjModel* model, const mjData*
   return frame_;
 }
 
+double ArticulatedContact::press() const {
+  double force = 0.0;
+  for (const Tip& tip : tips_) force += tip.press;
+  return force;
+}
+
 void ArticulatedContact::begin_run(double time) {
   std::ranges::fill(path_, 0.0);
   std::ranges::fill(mean_, Eigen::Vector3d::Zero());

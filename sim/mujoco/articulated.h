@@ -83,6 +83,8 @@ class ArticulatedContact {
   void begin_run(double time);
 
   [[nodiscard]] const ContactFrame& frame() const { return frame_; }
+  // The sum of the normal forces on the tips, each of the contact that presses it hardest [N].
+  [[nodiscard]] double press() const;
   // The tips' bodies, by element.
   [[nodiscard]] const std::vector<int>& bodies() const { return bodies_; }
 

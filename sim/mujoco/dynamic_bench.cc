@@ -363,7 +363,8 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
     s.motion = make_motion(scene, trial);
     refuse_motors(*s.motion);
   }
-  const StepPlan plan = s.articulated ? s.plan_pillars(carrying, rates) : s.plan_fields(carrying, rates, trial, options);
+  const StepPlan plan =
+      s.articulated ? s.plan_pillars(carrying, rates, options.hand) : s.plan_fields(carrying, rates, trial, options);
   s.dt = plan.dt;
   s.ticks = plan.ticks;
 
@@ -405,12 +406,37 @@ const ContactFrame& DynamicBench::contact(std::size_t pad) const {
   const State& s = *state_;
   return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->contact() : State::truth_of(s.pads[s.sensors[pad].index]);
 }
+double DynamicBench::press(std::size_t carrying) const {
+  const State::Pad& pad = state_->pads[carrying];
+  if (pad.pillars) return pad.pillars->press();
+  double force = 0.0;
+  for (const Field& field : pad.instance->fields()) {
+    for (const double press : std::span(field.column(kernel::press), field.size())) force += std::max(0.0, press);
+  }
+  return force;
+}
+double DynamicBench::contact_press(const std::string& body, const std::string& other) const {
+  const mjModel* m = state_->m();
+  const mjData* d = data();
+  const int one = mj_name2id(m, mjOBJ_BODY, body.c_str()), two = mj_name2id(m, mjOBJ_BODY, other.c_str());
+  double force = 0.0;
+  for (int c = 0; c < d->ncon; ++c) {
+    const mjContact& contact = d->contact[c];
+    if (contact.efc_address < 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
+    const int first = m->geom_bodyid[contact.geom[0]], second = m->geom_bodyid[contact.geom[1]];
+    if (!((first == one && second == two) || (first == two && second == one))) continue;
+    mjtNum wrench[6];
+    mj_contactForce(m, d, c, wrench);
+    force += wrench[0];
+  }
+  return force;
+}
 std::span<const std::size_t> DynamicBench::stepped() const { return state_->stepped; }
 bool DynamicBench::at_tick() const { return state_->at_tick; }
 const std::vector<NamedBody>& DynamicBench::bodies() const { return state_->bodies; }
 bool DynamicBench::rotating() const { return state_->motion && state_->motion->turns(); }
 const mjModel* DynamicBench::model() const { return state_->m(); }
-mjData* DynamicBench::data() { return state_->d(); }
+mjData* DynamicBench::data() const { return state_->d(); }
 
 // From one tick of the bench to the next.
 void DynamicBench::State::take_tick() {

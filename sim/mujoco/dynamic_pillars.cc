@@ -111,15 +111,22 @@ void DynamicBench::State::refuse_other_contacts(double time) const {
   }
 }
 
-// The model with articulated pads. Their joints and contacts are implicit: only the recipe limits the step.
-StepPlan DynamicBench::State::plan_pillars(const Scene& scene, std::span<const double> rates) {
+// The model with articulated pads. Their joints and contacts are implicit: only the recipe limits the step, and with a contact of the user's,
+// who may find out himself, only the springs of a hand, which are not his.
+StepPlan DynamicBench::State::plan_pillars(const Scene& scene, std::span<const double> rates, const Hand* hand) {
   refuse_without_field(scene);
   judge_fields = false;
   StepPlan plan;
-  model = build_articulated_model(scene, layouts, [&](double bearable) {
-    plan = plan_steps(scene, rates, rounded_down(bearable), "articulated pads on these bodies");
+  const auto step_for = [&](double bearable) {
+    std::string limited_by = "articulated pads on these bodies";
+    if (hand != nullptr) {
+      bearable = longest_explicit_step(finger_vibration(hand->grip));
+      limited_by = "the springs of the fingers, which are explicit";
+    }
+    plan = plan_steps(scene, rates, rounded_down(bearable), limited_by);
     return plan.dt;
-  });
+  };
+  model = build_articulated_model(scene, layouts, step_for, hand);
   begin(scene);
   return plan;
 }

@@ -126,7 +126,7 @@ struct DynamicBench::State {
   void begin(const Scene& scene);
   StepPlan plan_fields(const Scene& scene, std::span<const double> rates, std::uint64_t trial,
                        const DynamicBenchOptions& options);
-  StepPlan plan_pillars(const Scene& scene, std::span<const double> rates);
+  StepPlan plan_pillars(const Scene& scene, std::span<const double> rates, const Hand* hand);
   void find_pads(const Scene& scene);
   void find_fields(const Scene& scene);
   void find_pillars(const Scene& scene);

@@ -55,7 +55,11 @@ SensorScene mounted(SensorScene sensor, const char* site, const char* touched, d
   return sensor;
 }
 
-// The scene that DynamicBench steps: a box, a table, two pads at the fingers' sites, and the box's corners.
+// The pads that press, as DynamicBench counts them: the sensor's is 0.
+constexpr std::size_t second_pad_index = 1, corners_index = 2;
+
+// The scene that DynamicBench steps: a box, a table, two pads at the fingers' sites, and the box's corners, but for where MuJoCo's own contact
+// is between box and table.
 Scene laid_out(const Scene& scene, const Grasp& grasp) {
   if (std::ranges::find(scene.sensors, second_pad_name, &SensorScene::name) != scene.sensors.end()) {
     throw SceneValueError("sensors", "'second_pad' names the pad on the other finger; allowed: another name");
@@ -75,6 +79,7 @@ Scene laid_out(const Scene& scene, const Grasp& grasp) {
   held.shape.parameters.set("mass", box.number("mass"));
   held.shape.parameters.set("weight", box.number("weight"));
   held.shape.parameters.set("weight_place", box.vector("weight_place"));
+  for (BodyScene* touching : {&table, &held}) touching->shape.parameters.set("friction", box.number("table_friction"));
   result.bodies = {std::move(table), std::move(held)};
 
   SensorScene second, corners;
@@ -84,14 +89,8 @@ Scene laid_out(const Scene& scene, const Grasp& grasp) {
   SensorScene& sensor = result.sensors.front();
   sensor = mounted(sensor, finger_names[0].site, box_name, sensor.damping);
   result.sensors.push_back(mounted(second, finger_names[1].site, box_name, grip.number("pad_damping")));
-  result.sensors.push_back(mounted(corners, corner_site, table_name, corner_damping));
+  if (!scene.contact) result.sensors.push_back(mounted(corners, corner_site, table_name, corner_damping));
   return result;
-}
-
-double total(const Field& field) {
-  double force = 0.0;
-  for (const double press : std::span(field.column(kernel::press), field.size())) force += std::max(0.0, press);
-  return force;
 }
 
 double stiffness_of(const PadLayout& pad) {
@@ -106,7 +105,7 @@ struct GraspBench::State {
   // One finger, where it is in MuJoCo.
   struct Finger {
     int qpos, dof;
-    const PadInstance* pad;
+    std::size_t pad;     // as DynamicBench counts them
     double impact;       // N, of its pad when it comes at the fastest speed
     double most = 0.0;   // N, that its spring has had
     Pose at_rest;        // of the carriage in the arm, fully closed
@@ -121,14 +120,15 @@ struct GraspBench::State {
         guided(dynamic_cast<Guided*>(motion.get())),
         lift(guided != nullptr ? LiftTimes{never, never} : lift_times(scene.motion.parameters)),
         spring(finger_spring(scene.grasp->grip)),
-        layouts{*pads.front(), second_pad(scene.grasp->grip, *pads.front()), box_corners(scene.grasp->box, grasp.box_size)} {
+        layouts{*pads.front(), second_pad(scene.grasp->grip, *pads.front()), box_corners(scene.grasp->box, grasp.box_size)},
+        own_contact(scene.contact.has_value()) {
     const Parameters& grip = scene.grasp->grip;
     const Hand hand{grip, grasp.yaw, grasp.pitch, gripper.opening(0.0), box_name};
     DynamicBenchOptions with_hand = options;
     with_hand.hand = &hand;
     std::vector<const PadLayout*> all(pads.begin(), pads.end());
     all.push_back(&layouts[1]);
-    all.push_back(&layouts[2]);
+    if (!scene.contact) all.push_back(&layouts[2]);
     const Scene inner = laid_out(scene, grasp);
     bench = std::make_unique<DynamicBench>(inner, all, rates, trial, with_hand);
     const mjModel* m = bench->model();
@@ -137,11 +137,10 @@ struct GraspBench::State {
       Finger& finger = fingers[k];
       finger.qpos = m->jnt_qposadr[joint];
       finger.dof = m->jnt_dofadr[joint];
-      finger.pad = pad_named(k == 0 ? inner.sensors.front().name : std::string(second_pad_name));
+      finger.pad = k == 0 ? 0 : second_pad_index;
       finger.impact = 0.5 * grip.number("fastest") * std::sqrt(stiffness_of(layouts[k]) * grip.number("finger_mass"));
       finger.at_rest = carriage_in_arm(hand, k, 0.0);
     }
-    corners = pad_named(corners_name);
     finger_weight = grip.number("finger_mass") * Eigen::Vector3d::Map(m->opt.gravity);
     bodies = {{"arm", motion->pad_at(0.0)}};
     for (std::size_t i = 0; i < bench->bodies().size(); ++i) {
@@ -156,7 +155,11 @@ struct GraspBench::State {
       std::ranges::find(bodies, second_pad_name, &NamedBody::name)->size = {face[0], face[1], 0.0};
     }
     // Where the scene's friction depends on the direction, that of the weight counts.
-    const double reach = fingers[0].pad->fields().front().cone_gauge(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), 1.0);
+    const double reach = own_contact ? 1.0
+                                     : pad_of(m, bench->data(), mj_name2id(m, mjOBJ_PLUGIN, inner.sensors.front().name.c_str()))
+                                           ->fields()
+                                           .front()
+                                           .cone_gauge(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), 1.0);
     ideal = reach * ideal_grip_force(scene, grasp.friction_scale, -m->opt.gravity[2]);
     start_height = grasp.box_position.z();
   }
@@ -165,10 +168,6 @@ struct GraspBench::State {
   void drive(double time);
   void observe(double time);
   [[nodiscard]] BodyState finger_now(const Finger& finger) const;
-  [[nodiscard]] const PadInstance* pad_named(const std::string& name) const {
-    const mjModel* m = bench->model();
-    return pad_of(m, bench->data(), mj_name2id(m, mjOBJ_PLUGIN, name.c_str()));
-  }
 
   Grasp grasp;
   Gripper gripper;
@@ -179,7 +178,7 @@ struct GraspBench::State {
   std::array<PadLayout, 3> layouts;  // the sensor's, the second pad's, the corners'
   std::unique_ptr<DynamicBench> bench;
   std::array<Finger, 2> fingers{};
-  const PadInstance* corners = nullptr;
+  bool own_contact;                // MuJoCo's, of the pads and between box and table
   Eigen::Vector3d finger_weight;   // N
   std::vector<NamedBody> bodies;   // the arm, then those of the bench
   std::vector<std::size_t> shown;  // which
@@ -246,7 +245,7 @@ void GraspBench::State::observe(double time) {
   truth.time = time;
   for (std::size_t k = 0; k < 2; ++k) {
     const Finger& finger = fingers[k];
-    truth.pad_force[k] = total(finger.pad->fields().front());
+    truth.pad_force[k] = bench->press(finger.pad);
     const double allowed = 2.0 * finger.most + finger.impact;
     if (truth.pad_force[k] > allowed) {
       throw InputError(fmt::format(
@@ -257,7 +256,7 @@ void GraspBench::State::observe(double time) {
   }
   truth.grip_force = 0.5 * (truth.pad_force[0] + truth.pad_force[1]);
   truth.box_height = held.position.z() - start_height;
-  truth.table_force = total(corners->fields().front());
+  truth.table_force = own_contact ? bench->contact_press(box_name, table_name) : bench->press(corners_index);
   truth.tilt = std::acos(std::min(1.0, std::abs(held.rotation(2, 1))));
   if (time < lift_start()) return;
   const Pose in_arm = arm.inverse() * held;
@@ -294,9 +293,12 @@ DynamicBench& GraspBench::dynamics() { return *state_->bench; }
 void GraspBench::step() {
   State& s = *state_;
   const double time = TickTimes(s.bench->time_step(0)).at(s.tick);
-  if (s.bench->at_tick()) s.drive(time);
+  // A field's tick is told before the step that begins with it, that of MuJoCo's own contacts after the step that leads to it: the fingers'
+  // springs are those of where the next step begins.
+  if (s.bench->at_tick() && !s.own_contact) s.drive(time);
   s.bench->step();
   if (!s.bench->at_tick()) return;
+  if (s.own_contact) s.drive(time);
   s.observe(time);
   ++s.tick;
 }

@@ -75,6 +75,13 @@ FingerSpring finger_spring(const Parameters& grip) {
   return {stiffness, ratio * (mass * stiffness).cwiseSqrt(), turning, ratio * std::sqrt(turning * inertia)};
 }
 
+Vibration finger_vibration(const Parameters& grip) {
+  const double along = finger_spring(grip).stiffness.maxCoeff() / grip.number("finger_mass");
+  const double about = grip.number("turning_stiffness") / grip.number("finger_inertia");
+  const double omega = std::sqrt(std::max(along, about));
+  return {omega, 2.0 * grip.number("damping_ratio") * omega};
+}
+
 void add_fingers(mjsBody* world, const Hand& hand) {
   const Parameters& grip = hand.grip;
   for (std::size_t k = 0; k < finger_names.size(); ++k) {

@@ -56,6 +56,9 @@ struct FingerSpring {
 };
 FingerSpring finger_spring(const Parameters& grip);
 
+// A finger alone on its springs.
+Vibration finger_vibration(const Parameters& grip);
+
 // Adds both fingers to `world`, where their carriages are when the arm is at the origin.
 void add_fingers(mjsBody_* world, const Hand& hand);
 

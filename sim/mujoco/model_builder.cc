@@ -336,6 +336,8 @@ class Builder {
     for (const BodyScene& body : scene_.bodies) add_body(spec, body);
     if (hand_ != nullptr) {
       add_fingers(mjs_findBody(spec, "world"), *hand_);
+    }
+    if (hand_ != nullptr && !scene_.contact) {
       mjs_setName(mjs_addSite(mjs_findBody(spec, hand_->box), nullptr)->element, corner_site);
       spec->option.integrator = mjINT_EULER;
       spec->option.disableflags |= mjDSBL_EULERDAMP | mjDSBL_CONSTRAINT | mjDSBL_DAMPER;  // it has no joint that is damped
@@ -571,8 +573,8 @@ ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> p
 }
 
 ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,
-                                     const std::function<double(double)>& step_for) {
-  return Builder(scene, pads, 0, nullptr).build_articulated(step_for);
+                                     const std::function<double(double)>& step_for, const Hand* hand) {
+  return Builder(scene, pads, 0, hand).build_articulated(step_for);
 }
 
 std::string site_of(const SensorScene& sensor) { return sensor.site.empty() ? stage_name : sensor.site; }

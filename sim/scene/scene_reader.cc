@@ -300,9 +300,9 @@ class SceneReader : EntryReader {
       refuse_dynamic_keys(root);
       return;
     }
-    if (scene.grasp && scene.fidelity != "field") {
+    if (scene.grasp && scene.fidelity == "articulated") {
       fail(root.find("fidelity")->origin,
-           "fidelity: " + quote(scene.fidelity) + " stands beside no table; a grasp allows: field");
+           "fidelity: " + quote(scene.fidelity) + " stands beside no table; a grasp allows: field, mujoco_contact");
     }
     if (const YamlNode* node = root.find("surface")) check_keys(*node, "surface of a scene with bodies", {"material"});
     if (const YamlNode* node = root.find("gravity")) scene.gravity = number(node, "gravity", gravity_spec);
@@ -338,6 +338,11 @@ class SceneReader : EntryReader {
     const auto refuse = [&](const std::string& why) { fail(node->origin, "integrator: " + quote(name) + " " + why); };
     if (scene.contact) refuse("is for pads as fields; allowed with 'fidelity: " + scene.fidelity + "': contact.integrator");
     if (scene.fidelity != "field") refuse("is for pads as fields; 'fidelity: " + scene.fidelity + "' has its own, discrete");
+    if (scene.grasp && name == "RK4") {
+      refuse(
+          "takes four stages a step, and the springs of a grasp's fingers pull the same through all of them; a grasp allows: "
+          "Euler, implicit, implicitfast, discrete");
+    }
     if (scene.implicit_fields && name != "discrete") refuse("does not solve implicit fields; allowed with them: discrete");
     return name;
   }

@@ -1,0 +1,129 @@
+// `fidelity: mujoco_contact` and `integrator` in scenes whose bodies move by forces.
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/sim/mujoco/dynamic_rig.h"
+#include "tests/sim/mujoco/dynamic_scenes.h"
+#include "tests/sim/mujoco/grasp_rig.h"
+
+namespace slipbench::mujoco_contact_scene_test {
+namespace {
+
+// What holds: noslip, stiff contacts, and tips heavy enough for their springs, 2/sqrt(7.1 kN/m / 10 g) = 2.4 ms.
+const std::string careful =
+    "fidelity: mujoco_contact\n"
+    "contact: {cone: elliptic, noslip: 10, solref: [0.002, 1], solimp: [0.99, 0.999, 0.001], tip_mass: 10 g}\n";
+
+double vertical(const DynamicRig& rig, const ContactFrame& frame, const std::string& pad) {
+  return -(rig.body(pad).pose.rotation * frame.force.rowwise().sum().matrix()).z();
+}
+
+// Two pads carry m g/2 each, and the box does not sink; with MuJoCo's impratio of 1 and no noslip it does. There a tip of 10 g holds 2 m
+// impratio/(t_c (1 - d)) >= 1 kN s/m at d = 0.99 (mujoco_contact_test.cc), less by what the box weighs in the contact, on ten tips that touch:
+// 100 g sink by 0.98 N/10 kN s/m = 0.1 mm/s and more.
+TEST(MujocoContactScene, HeldBoxCreepsByTheSettings) {
+  const ModelFolder folder;
+  folder.write("fingers.xml", two_fingers(""));
+  const auto creep = [&](const std::string& contact) {
+    DynamicRig rig(held_box(contact + "time_step: 1 ms\nduration: 1 s\ncontrols: {left: 4 N, right: 4 N}\n"),
+                   folder.file("scene.yaml"));
+    rig.run_to(0.5);
+    const double before = rig.body("box").pose.position.z();
+    rig.run_to(0.9);
+    for (const auto& [index, pad] : {std::pair{0, "left"}, std::pair{1, "right"}}) {
+      EXPECT_NEAR(vertical(rig, rig->contact(static_cast<std::size_t>(index)), pad), 0.5 * weight_of_100_g, 1e-3) << pad;
+    }
+    return (before - rig.body("box").pose.position.z()) / 0.4;
+  };
+  EXPECT_LT(std::abs(creep(careful)), 1e-6) << "m/s";
+  std::string soft = careful;
+  soft.replace(soft.find("noslip: 10"), 10, "noslip: 0");
+  const double without = creep(soft);
+  EXPECT_GT(without, 0.98 / 10e3);
+  EXPECT_LT(without, 10.0 * 0.98 / 10e3);
+}
+
+// Contacts that are no pad's are MuJoCo's as well: a box on a table, that articulated pads refuse.
+TEST(MujocoContactScene, OtherContactsAreAllowed) {
+  DynamicRig rig(pressed_box(careful + "time_step: 1 ms\nduration: 1 s\n"));
+  rig.run_to(0.9);
+  EXPECT_NEAR(rig.body("box").pose.position.z(), -0.01, 1e-4);
+  EXPECT_NE(rig->contact(0).state, PadState::no_contact);
+  EXPECT_GT(rig->contact_press("box", "table"), weight_of_100_g) << "its weight and the pad's press";
+}
+
+class Integrators : public testing::TestWithParam<std::pair<std::string, mjtIntegrator>> {};
+
+// Whatever the model says, and no box creeps by any of them: bar 0.05 um/s.
+TEST_P(Integrators, StepTheSceneInPlaceOfTheModels) {
+  const auto& [name, integrator] = GetParam();
+  const ModelFolder folder;
+  folder.write("fingers.xml", two_fingers(integrator == mjINT_EULER ? "integrator='RK4'" : "integrator='Euler'"));
+  DynamicRig rig(held_box("integrator: " + name + "\nduration: 2 s\ncontrols: {left: 4 N, right: 4 N}\n"),
+                 folder.file("scene.yaml"));
+  EXPECT_EQ(rig->model()->opt.integrator, integrator);
+  rig.run_to(1.0);
+  const double before = rig.body("box").pose.position.z();
+  rig.run_to(1.9);
+  EXPECT_LT(std::abs(rig.body("box").pose.position.z() - before) / 0.9, 0.05e-6) << "m/s";
+  EXPECT_NEAR(vertical(rig, rig->contact(0), "left"), 0.5 * weight_of_100_g, 1e-6);
+}
+INSTANTIATE_TEST_SUITE_P(All, Integrators,
+                         testing::Values(std::pair{"Euler", mjINT_EULER}, std::pair{"implicit", mjINT_IMPLICIT},
+                                         std::pair{"implicitfast", mjINT_IMPLICITFAST}, std::pair{"discrete", mjINT_DISCRETE},
+                                         std::pair{"RK4", mjINT_RK4}));
+
+const std::string lift = "box: {mass: 0.2 kg}\nfriction: {static: 0.5, kinetic: 0.5}\nduration: 4 s\n";
+
+// A grasp's forces are all explicit and nothing in it is damped or constrained: integrators that take one stage a step give the same but for
+// how they see a body turn, which here none does.
+TEST(GraspIntegrators, OfOneStageGiveTheSameLift) {
+  const auto slip = [](const std::string& integrator) {
+    GraspRig rig(lift + integrator);
+    rig.run();
+    EXPECT_FALSE(rig->truth().dropped) << integrator;
+    return rig->truth().slip.z();
+  };
+  const double euler = slip("");
+  EXPECT_EQ(slip("integrator: Euler\n"), euler);
+  for (const std::string name : {"implicit", "implicitfast", "discrete"}) {
+    EXPECT_NEAR(slip("integrator: " + name + "\n"), euler, 1e-9) << name;
+  }
+}
+
+// The box stands on the table by MuJoCo's contact, is gripped by tips and lifted.
+TEST(MujocoContactScene, LiftRunsToItsEndAndHolds) {
+  GraspRig rig(lift +
+               "fidelity: mujoco_contact\ntime_step: 0.5 ms\ncontact: {integrator: discrete, cone: elliptic, noslip: 10, solref: "
+               "[0.001, 1], solimp: [0.99, 0.999, 0.001], tip_mass: 1 g}\n");
+  const double weight = 0.2 * 9.81;
+  rig.run_to(0.2);
+  EXPECT_NEAR(rig->truth().table_force, weight, 1e-3 * weight);
+  EXPECT_EQ(rig->truth().grip_force, 0.0) << "the fingers are open";
+  rig.run();
+  EXPECT_FALSE(rig->truth().dropped);
+  EXPECT_EQ(rig->truth().table_force, 0.0);
+  // At rest the pads press alike, and carry the weight.
+  EXPECT_NEAR(rig->truth().pad_force[0], rig->truth().pad_force[1], 0.02 * rig->truth().pad_force[0]);
+  EXPECT_GT(rig->truth().grip_force, 0.5 * weight / 0.5);
+  EXPECT_GT(rig->truth().box_height, 0.09);
+  EXPECT_LT(rig->truth().slip.norm(), 0.5e-3);
+}
+
+// A finger turns on its spring at sqrt(100 N m/(1.2e-4 kg m2)) = 913 rad/s, which bears steps of 0.75/913 s = 0.82 ms.
+TEST(MujocoContactScene, LiftRefusesAStepThatTheFingersSpringsDoNotBear) {
+  try {
+    GraspRig rig(lift + "fidelity: mujoco_contact\ntime_step: 1 ms\n");
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "time_step: 1 ms is too long for the springs of the fingers, which are explicit; allowed are up to 821 us");
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::mujoco_contact_scene_test
