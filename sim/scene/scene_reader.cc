@@ -41,10 +41,10 @@ class SceneReader : EntryReader {
 
   Scene read(const YamlNode& root) {
     require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
-    check_keys(root, "the scene", {"accuracy", "bodies",     "box",      "contact", "controller", "controls",     "description",
-                                   "detector", "duration",   "effects",  "expect",  "fidelity",   "field_solver", "friction",
-                                   "gravity",  "grip",       "integrator", "model", "motion",     "scatter",      "seed",
-                                   "sensors",  "slipbench",  "surface",  "sweep",   "time_step"});
+    check_keys(root, "the scene", {"accuracy", "bodies",    "box",        "contact", "controller", "controls",     "description",
+                                   "detector", "duration",  "effects",    "expect",  "fidelity",   "field_solver", "friction",
+                                   "gravity",  "grip",      "integrator", "model",   "motion",     "scatter",      "seed",
+                                   "sensors",  "slipbench", "surface",    "sweep",   "time_step"});
     read_version(root);
     Scene scene;
     scene.grasp = read_grasp(root);  // first: its protocol is the default of others

@@ -133,7 +133,8 @@ std::string verdict(const Price& price) {
   for (const MeasureInfo& info : measure_table()) {
     const std::optional<MeasureError>& error = at(price.changes, info.measure);
     if (!error || info.measure == Measure::creep) continue;
-    if (error->different) return fmt::format("{}; {}: something happens with it and not without, or the other way round", costs, info.title);
+    if (error->different)
+      return fmt::format("{}; {}: something happens with it and not without, or the other way round", costs, info.title);
     if (error->worst <= change) continue;
     most = &info;
     change = error->worst;

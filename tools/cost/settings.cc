@@ -17,22 +17,32 @@ constexpr std::array coarse_factors{10.0, 4.0, 2.0};
 constexpr std::array divisors{1.0, 2.0, 5.0, 10.0, 20.0};
 
 // What a careful user of MuJoCo would set, from its defaults over what its manual recommends against creep (elliptic cones, a high impratio,
-// noslip, stiffer contacts) to recipes that were found by scanning hundreds of settings on pillars like these (1 kHz, 4 mm/s).
+// noslip, stiff contacts) to recipes that were found by scanning hundreds of settings on pillars like these (sim/mujoco/mujoco_contact.md).
+// In them %h is the step in s, %2h twice that, and %m a tip's mass: 10 g, and 1 g where tips weigh on what forces move.
 struct ContactChoice {
   const char* label;
-  const char* contact;  // the scene's key; %2h is twice the step in s
+  const char* contact;  // the scene's key
 };
 constexpr std::array contact_choices{
     ContactChoice{"defaults", "{}"},
-    ContactChoice{"elliptic, impratio 10", "{cone: elliptic, impratio: 10}"},
-    ContactChoice{"elliptic, impratio 100", "{cone: elliptic, impratio: 100}"},
-    ContactChoice{"elliptic, noslip 3", "{cone: elliptic, noslip: 3}"},
-    ContactChoice{"noslip 10, solref 2h", "{cone: elliptic, noslip: 10, solref: [%2h, 1]}"},
-    ContactChoice{"discrete, stiff, impratio 100",
-                  "{integrator: discrete, cone: elliptic, impratio: 100, solref: [-1e9, -63246], solimp: [0.99, 0.999, 0.001], refsafe: false}"},
-    ContactChoice{"discrete, noslip 10, slow friction",
-                  "{integrator: discrete, cone: elliptic, impratio: 0.1, noslip: 10, solref: [-1e7, -6325], solreffriction: [2e-3, 1], refsafe: false}"},
+    ContactChoice{"elliptic, stiff", "{cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%2h, 1]}"},
+    ContactChoice{"stiff, impratio 10",
+                  "{cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%2h, 1], impratio: 10}"},
+    ContactChoice{"stiff, noslip 3", "{cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%2h, 1], noslip: 3}"},
+    ContactChoice{"stiffer, noslip 3",
+                  "{cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%h, 1], noslip: 3, refsafe: false}"},
+    ContactChoice{"discrete, impratio 10",
+                  "{integrator: discrete, cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], "
+                  "solref: [%2h, 1], impratio: 10}"},
+    ContactChoice{"discrete, noslip 3, slow friction",
+                  "{integrator: discrete, cone: elliptic, impratio: 0.1, noslip: 3, "
+                  "solref: [-1e7, -6325], solreffriction: [0.002, 1], refsafe: false}"},
 };
+
+std::string filled(std::string text, const std::string& mark, const std::string& value) {
+  if (const std::size_t at = text.find(mark); at != std::string::npos) text.replace(at, mark.size(), value);
+  return text;
+}
 constexpr std::array contact_steps{2e-3, 1e-3, 5e-4, 2e-4};
 
 bool has(const SensorScene& sensor, const char* parameter) { return sensor.parameters.values().contains(parameter); }
@@ -82,7 +92,8 @@ std::vector<double> ladder(const Scene& scene, double sampling_time, double own)
     return steps;
   }
   const double parts = std::max(1.0, std::round(sampling_time / own));
-  for (const double factor : {0.25, 0.5, 1.0, 2.0, 4.0, 8.0}) steps.push_back(sampling_time / std::max(1.0, std::ceil(factor * parts)));
+  for (const double factor : {0.25, 0.5, 1.0, 2.0, 4.0, 8.0})
+    steps.push_back(sampling_time / std::max(1.0, std::ceil(factor * parts)));
   steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
   return steps;
 }
@@ -113,8 +124,8 @@ void add_contact(const Scene& scene, std::vector<Setting>& settings) {
   if (!scene.effects.empty()) return;
   for (const ContactChoice& choice : contact_choices) {
     for (const double h : contact_steps) {
-      std::string contact = choice.contact;
-      if (const std::size_t at = contact.find("%2h"); at != std::string::npos) contact.replace(at, 3, format_number(2.0 * h));
+      std::string contact = filled(choice.contact, "%2h", format_number(2.0 * h));
+      contact = filled(filled(contact, "%h", format_number(h)), "%m", scene.dynamic() ? "1 g" : "10 g");
       add_step(scene, "contact", h, {fidelity("mujoco_contact"), {"contact", contact}}, fmt::format("{}, ", choice.label),
                settings);
     }

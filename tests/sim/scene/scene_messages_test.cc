@@ -44,7 +44,8 @@ TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().m
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
 
 const std::string scene_keys =
-    "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, "
+    "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, "
+    "field_solver, "
     "friction, gravity, grip, integrator, "
     "model, motion, scatter, seed, sensors, slipbench, surface, sweep, time_step";
 const std::string sensor_keys =

@@ -44,7 +44,8 @@ TEST(CostText, ARunInWhichOtherThingsHappenHasNoNumber) {
 TEST(CostText, PricesStandBelow) {
   cost::Exploration exploration = cost::example();
   EXPECT_THAT(text_of(exploration), Not(HasSubstr("what each effect")));
-  exploration.prices = {{.name = "ageing", .without = cost::CpuTime{0.015, 0.014, 0.016, 9}, .share = 0.25, .low = 0.2, .high = 0.3}};
+  exploration.prices = {
+      {.name = "ageing", .without = cost::CpuTime{0.015, 0.014, 0.016, 9}, .share = 0.25, .low = 0.2, .high = 0.3}};
   EXPECT_THAT(text_of(exploration), HasSubstr("  ageing      25.0 %  20.0 to 30.0"));
 }
 

@@ -216,17 +216,18 @@ INSTANTIATE_TEST_SUITE_P(
                 "reproduce, "
                 "cost, bench, list, "
                 "describe, doctor, plugin-path"},
-        Refusal{
-            {"xyzzy"},
-            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, "
-            "doctor, plugin-path"},
+        Refusal{{"xyzzy"},
+                "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, "
+                "list, describe, "
+                "doctor, plugin-path"},
         Refusal{{"--json", "lst"},
                 "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, hd, train, eval, "
                 "reproduce, cost, bench, list, "
                 "describe, doctor, plugin-path"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
         Refusal{{"--json"},
-                "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, "
+                "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, "
+                "describe, "
                 "doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{{"run", "s.yaml", "--job", "2"},
