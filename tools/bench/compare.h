@@ -37,7 +37,8 @@ struct SceneChange {
   [[nodiscard]] bool shrank() const { return growth() < -allowed_growth; }
 };
 
-// Throws InputError, which names `path`, the file of `before`, where its build is another or its scenes are not the reference scenes.
+// Throws InputError, which names `path`, the file of `before`, where its build is another or its scenes are not the reference
+// scenes.
 void check_comparable(const Results& before, const Facts& build, const std::string& path);
 
 // Scene by scene. Both have the same scenes in the same order, `now` with all functions there are and `before` with at least one.

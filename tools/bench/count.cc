@@ -38,7 +38,8 @@ constexpr std::array<std::string_view, 6> scenes{
     "scenes/grasp/lift.yaml",         // closed loop: detector and controller
 };
 
-// What the counted program sees of this one's environment. A user's settings of valgrind and of the C library would change counts.
+// What the counted program sees of this one's environment. A user's settings of valgrind and of the C library would change
+// counts.
 std::vector<std::string> child_environment() {
   std::vector<std::string> environment{"LD_BIND_NOW=1"};  // else the loader's look-ups count too
   for (const char* const name : {"PATH", "LD_LIBRARY_PATH", "TMPDIR"}) {
@@ -97,7 +98,8 @@ double trial_time(const Scene& scene) {
   return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-// Puts the medians in. A first run of each warms up, and the scenes take turns, so that a machine that slows down slows all alike.
+// Puts the medians in. A first run of each warms up, and the scenes take turns, so that a machine that slows down slows all
+// alike.
 void time_scenes(std::vector<SceneCount>& counts, std::size_t timings, const std::atomic<bool>* interrupt,
                  const Catalogues& catalogues) {
   std::vector<Scene> parsed;
@@ -129,7 +131,8 @@ std::string deciding_flags(std::string_view flags) {
   return kept;
 }
 
-// The instruction set that valgrind offers the program: the machine's, up to AVX2. The dispatched kernels and the C library go by it.
+// The instruction set that valgrind offers the program: the machine's, up to AVX2. The dispatched kernels and the C library go
+// by it.
 std::string instruction_set() {
   utsname system{};
   uname(&system);
@@ -190,7 +193,8 @@ Facts context_facts() {
 std::optional<Results> count_reference_scenes(const CountOptions& options, const Catalogues& catalogues) {
   const std::string valgrind = find_valgrind();
   Results results{.build = build_facts(), .context = context_facts(), .scenes = {}};
-  {
+  const auto interrupted = [&options] { return options.interrupt != nullptr && options.interrupt->load(); };
+  try {
     OrderedWorkers<SceneCount> workers(
         scenes.size(), std::min(options.jobs, scenes.size()),
         [&] { return [&](std::size_t index) { return count_scene(valgrind, scenes[index], catalogues); }; }, options.interrupt);
@@ -198,10 +202,12 @@ std::optional<Results> count_reference_scenes(const CountOptions& options, const
       if (options.on_counted) options.on_counted(*count);
       results.scenes.push_back(std::move(*count));
     }
+  } catch (const InputError&) {
+    if (!interrupted()) throw;  // the signal may have ended valgrind, too
   }
   if (results.scenes.size() < scenes.size()) return std::nullopt;
   if (options.timings > 0) time_scenes(results.scenes, options.timings, options.interrupt, catalogues);
-  if (options.interrupt != nullptr && options.interrupt->load()) return std::nullopt;
+  if (interrupted()) return std::nullopt;
   return results;
 }
 

@@ -27,15 +27,16 @@ struct CountOptions {
 // The path of valgrind. Throws InputError, which says how to get it, where it is not on PATH.
 std::string find_valgrind();
 
-// What decides the counts of this program on this machine: compiler, flags, instruction set, libraries, valgrind. Throws as find_valgrind.
+// What decides the counts of this program on this machine: compiler, flags, instruction set, libraries, valgrind. Throws as
+// find_valgrind.
 Facts build_facts();
 
 // What else is worth knowing of it: version, commit, system, processor, libraries.
 Facts context_facts();
 
-// Runs the first trial of each reference scene with this very program under callgrind, and counts what run_trial spends: bench, sensors,
-// detectors, controllers, set-up of the trial included, start of the program, reading of the scene and output not. Empty when interrupted.
-// Throws InputError where valgrind is missing or fails, and where a scene cannot be found.
+// Runs the first trial of each reference scene with this very program under callgrind, and counts what run_trial spends: bench,
+// sensors, detectors, controllers, set-up of the trial included, start of the program, reading of the scene and output not.
+// Empty when interrupted. Throws InputError where valgrind is missing or fails, and where a scene cannot be found.
 std::optional<Results> count_reference_scenes(const CountOptions& options, const Catalogues& catalogues);
 
 }  // namespace slipbench::bench

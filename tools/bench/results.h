@@ -46,7 +46,8 @@ std::string scene_name(std::string_view path);
 // As JSON, with a line for each function.
 std::string results_json(const Results& results);
 
-// Throws InputError, which names `path`, the place in the file and what is allowed there, for text that results_json does not write.
+// Throws InputError, which names `path`, the place in the file and what is allowed there, for text that results_json does not
+// write.
 Results parse_results(std::string_view text, const std::string& path);
 
 // Reads a file. Throws as parse_results, and where it cannot be read.
@@ -55,8 +56,8 @@ Results read_results(const std::string& path);
 // What of `build` another one has otherwise: "processor ('x86_64' there, 'x86_64 with AVX2' here)"; empty where all is alike.
 std::string differences(const Facts& there, const Facts& here);
 
-// The file in `folder` whose results are of `build`. Throws InputError where there is none, with the difference to each that there is
-// and with the command that adds one; where there are two; and for a *.json there that holds no results.
+// The file in `folder` whose results are of `build`. Throws InputError where there is none, with the difference to each that
+// there is and with the command that adds one; where there are two; and for a *.json there that holds no results.
 std::string find_results(const std::string& folder, const Facts& build);
 
 }  // namespace slipbench::bench

@@ -31,8 +31,8 @@ TEST(BenchCompare, TwoPercentAreAllowedAndNoMore) {
   EXPECT_DOUBLE_EQ(change_to(1500, {{"a::step", 1100}}).growth(), 0.5);
 }
 
-// Before: a::step 600, b::step 300, any other at most 300. Now: a::step + 50, b::step gone, - 300, new ones 310, at least + 10, and 299, which
-// may have been there before.
+// Before: a::step 600, b::step 300, any other at most 300. Now: a::step + 50, b::step gone, - 300, new ones 310, at least + 10,
+// and 299, which may have been there before.
 TEST(BenchCompare, FunctionsThatChangedMostComeFirst) {
   const SceneChange change = change_to(1300, {{"a::step", 650}, {"c::step", 310}, {"d::step", 299}});
   ASSERT_EQ(change.functions.size(), 3U);

@@ -1,7 +1,8 @@
-// Counting and `slipbench bench`, with a valgrind that hands out a prepared profile: the real one takes a minute and is what the test
-// instruction_counts runs.
+// Counting and `slipbench bench`, with a valgrind that hands out a prepared profile: the real one takes a minute and is what
+// the test instruction_counts runs.
 #include "tools/bench/count.h"
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -128,6 +129,17 @@ TEST(BenchCommand, NoValgrindSaysHowToGetIt) {
   EXPECT_THAT(result.err, HasSubstr("valgrind is not on PATH; it counts instructions, and is there after: apt-get install"));
 }
 
+// Ctrl-C on a terminal reaches valgrind as well, which may end by it: that is no failure.
+TEST(BenchCommand, CtrlCEndsItWithoutResults) {
+  for (const char* const end : {"cp \"${0%/*}/sample\" profile", "exit 130"}) {
+    const FakeValgrind slow(std::string("touch \"${0%/*}/begun\"; sleep 1; ") + end);
+    const ChildResult result = run_program_interrupted({"bench", "-o", slow / "new.json"}, slow / "begun", SIGINT);
+    EXPECT_EQ(result.status, 130) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("interrupted: nothing is kept"));
+    EXPECT_FALSE(std::filesystem::exists(slow / "new.json"));
+  }
+}
+
 // 100 instructions now, of which Testbench::step has 60.
 TEST(BenchCommand, FailsWhereASceneGrewAndNamesTheFunction) {
   const FakeValgrind valgrind;
@@ -184,7 +196,7 @@ TEST(BenchCommand, Refusals) {
   EXPECT_EQ(file_text(valgrind / "note.json"), "a note");
 }
 
-#if !SLIPBENCH_SANITIZED  // it times each scene ten times, which takes minutes there
+#ifdef NDEBUG  // it times each scene ten times, which takes minutes in a build that is not optimised
 TEST(BenchCommand, WritesResultsAndTheirDrawing) {
   const FakeValgrind valgrind;
   const ChildResult result = run_program_file({"bench", "-o", valgrind / "new.json", "--json"});

@@ -17,8 +17,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// 1,000 instructions in 4 s are 0.00025 million a second: an axis from 1e-4 to 1e-3, log10(2.5) = 0.398 of its 238 pixels. 8 times real time:
-// from 1 to 10, log10(8) = 0.903 of 233.
+// 1,000 instructions in 4 s are 0.00025 million a second: an axis from 1e-4 to 1e-3, log10(2.5) = 0.398 of its 238 pixels. 8
+// times real time: from 1 to 10, log10(8) = 0.903 of 233.
 TEST(BenchDrawing, BarsAsLongAsTheirLogarithms) {
   const std::string svg = drawing(sample_results());
   EXPECT_THAT(svg, HasSubstr("<rect class=\"count\" x=\"150\" y=\"51\" width=\"94.7\""));
@@ -41,7 +41,8 @@ TEST(BenchDrawing, ABarOfAPowerOfTenHasALength) {
   EXPECT_THAT(drawing(results), HasSubstr("<rect class=\"time\" x=\"460\" y=\"51\" width=\"233.0\""));
 }
 
-// What is committed belongs together: results that can be read, of the scenes that are counted, one file a build, each with its drawing.
+// What is committed belongs together: results that can be read, of the scenes that are counted, one file a build, each with its
+// drawing.
 TEST(BenchDrawing, CommittedDrawingsAreOfTheCommittedResults) {
   const std::filesystem::path folder = SLIPBENCH_SOURCE_DIR "/tests/bench/results";
   std::size_t files = 0;

@@ -65,6 +65,18 @@ TEST(Options, CheckTakesSeveralScenes) {
   EXPECT_EQ(refusal({"check", "a.yaml", "-o", ""}), "check: -o needs a folder name");
 }
 
+TEST(Options, BenchComparesWithAFileOrTheCommittedResults) {
+  const Options plain = parse_options({"bench", "-o", "ci.json"});
+  EXPECT_FALSE(plain.bench.compare);
+  EXPECT_EQ(plain.output, "ci.json");
+  const Options committed = parse_options({"bench", "--compare", "--jobs", "2"});
+  EXPECT_TRUE(committed.bench.compare);
+  EXPECT_EQ(committed.bench.compare_with, "");
+  EXPECT_EQ(committed.jobs, 2U);
+  EXPECT_EQ(parse_options({"bench", "--compare", "old.json"}).bench.compare_with, "old.json");
+  EXPECT_EQ(refusal({"bench", "-o", ""}), "bench: -o needs a file name");
+}
+
 TEST(Options, WhatIsNotGivenIsEmpty) {
   const Options options = parse_options({"sweep", "s.yaml"});
   EXPECT_EQ(options.command, "sweep");
