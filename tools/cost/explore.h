@@ -107,8 +107,8 @@ Exploration explore(const ExploreOptions& options, const Catalogues& catalogues)
 // Marks the rows by which nothing cheaper is as right, for every measure.
 void mark_fronts(Exploration& exploration);
 
-// Row of the least cost whose worst error by the measure is at most `limit`, `different` never; null: there is none. `only`: of that series;
-// empty: any but those with a reference of their own.
+// Row of the least cost whose worst error by the measure is at most `limit` and whose events are the reference's, or null. `only`: of that series,
+// where it is empty of any but those with a reference of their own.
 const Row* cheapest(const Exploration& exploration, Measure measure, double limit, std::string_view only = {});
 
 // What there is to say in plain words: what 1 % and 0.1 % of each measure cost, what MuJoCo's own contact has to pay for the same, and which
