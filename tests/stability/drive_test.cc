@@ -14,19 +14,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// The box's upper face lies at z = 0, under the stage's pad; both pads are nine pillars.
-std::string stacked_model(const BoxOnPad& box) {
-  std::string model = model_of(box);
-  const double down = -2.0 * half_height;
-  const auto replace = [&model](const std::string& from, const std::string& to) {
-    model.replace(model.find(from), from.size(), to);
-  };
-  replace("<body name='pad'>", "<body name='pad' pos='0 0 " + exact(down) + "'>");
-  replace("<body name='box' pos='" + exact(box.position),
-          "<body name='box' pos='" + exact(box.position + Eigen::Vector3d(0, 0, down)));
-  return model;
-}
-
 std::string stacked_scene(const std::string& motion, double duration, double damping) {
   return "slipbench: 1\nmodel: box.xml\nduration: " + exact(longest_sample * std::ceil(duration / longest_sample)) +
          " s\ntime_step: auto\nfriction: {static: 0.2, kinetic: 0.2}\nsensors:\n  top: {type: papillarray, touches: [box], "

@@ -1,6 +1,7 @@
 // A free box on a pad, as heavy, as stiff and as smooth as a hard case wants it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -69,7 +70,7 @@ struct BoxOnPad {
   Eigen::Vector3d turn = 0.004 * Eigen::Vector3d(0.5, 0.7, 0.6).normalized();          // rad
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), spin = Eigen::Vector3d::Zero();  // m/s in the world, rad/s in the box
   std::vector<std::pair<double, double>> push{{0.0, 0.0}};                             // s, N along x
-  std::string solver = "explicit", integrator = "implicitfast";
+  std::string solver = "explicit", integrator = "implicitfast", fidelity = "field";
   double gravity = g;
 };
 
@@ -96,11 +97,29 @@ inline std::string model_of(const BoxOnPad& box) {
          "<actuator><motor name='push' joint='box' gear='1 0 0 0 0 0'/></actuator></mujoco>";
 }
 
+// The box's upper face lies at z = 0, under the stage's pad; both pads are nine pillars.
+inline std::string stacked_model(const BoxOnPad& box) {
+  std::string model = model_of(box);
+  const double down = -2.0 * half_height;
+  const auto replace = [&model](const std::string& from, const std::string& to) {
+    model.replace(model.find(from), from.size(), to);
+  };
+  replace("<body name='pad'>", "<body name='pad' pos='0 0 " + exact(down) + "'>");
+  replace("<body name='box' pos='" + exact(box.position),
+          "<body name='box' pos='" + exact(box.position + Eigen::Vector3d(0, 0, down)));
+  return model;
+}
+
+// What a scene says of how its pads are simulated: with articulated pads there is no solver to choose.
+inline std::string pads_of(const std::string& fidelity, const std::string& solver) {
+  return fidelity == "articulated" ? "fidelity: articulated\n" : "field_solver: " + solver + "\n";
+}
+
 inline std::string scene_of(const BoxOnPad& box) {
   std::string push;
   for (const auto& [time, force] : box.push) push += (push.empty() ? "[[" : ", [") + exact(time) + " s, " + exact(force) + " N]";
   return "slipbench: 1\nmodel: box.xml\nduration: " + exact(longest_sample * std::ceil(box.duration / longest_sample - 1e-9)) +
-         " s\ntime_step: " + box.time_step + "\nfield_solver: " + box.solver + "\nfriction: {static: " + exact(box.mu) +
+         " s\ntime_step: " + box.time_step + "\n" + pads_of(box.fidelity, box.solver) + "friction: {static: " + exact(box.mu) +
          ", kinetic: " + exact(box.mu) + "}\ncontrols: {push: " + push +
          "]}\nsensors: {pad: {type: papillarray, site: pad, touches: [box], damping: " + exact(box.damping) + " s}}\n";
 }
@@ -109,8 +128,11 @@ inline std::string scene_of(const BoxOnPad& box) {
 class CaseRun {
  public:
   explicit CaseRun(const BoxOnPad& box) : CaseRun(scene_of(box), "box.xml", model_of(box), {&box.pad}) {
-    Eigen::Map<Eigen::Vector3d>(bench_->data()->qvel) = box.velocity;
-    Eigen::Map<Eigen::Vector3d>(bench_->data()->qvel + 3) = box.spin;
+    // Articulated pads have joints before the box's.
+    const int first = bench_->model()->jnt_dofadr[mj_name2id(bench_->model(), mjOBJ_JOINT, "box")];
+    Eigen::Map<Eigen::Vector3d>(bench_->data()->qvel + first) = box.velocity;
+    Eigen::Map<Eigen::Vector3d>(bench_->data()->qvel + first + 3) = box.spin;
+    mj_comVel(bench_->model(), bench_->data());  // what a first tick without a step reads
   }
   CaseRun(const std::string& scene, const std::string& file, const std::string& model,
           const std::vector<const PadLayout*>& pads) {
@@ -192,6 +214,25 @@ inline double sag_of(const BoxOnPad& box) {
   double k = 0.0;
   for (const Element& element : box.pad.elements) k += element.k_normal;
   return box.mass * box.gravity / k;
+}
+
+inline BoxOnPad put_down(BoxOnPad box) {
+  // Where its weight is carried, but askew: a third more on one corner, a third less on the other (a tenth of mu at most, so
+  // that it does not slide off), and 4 mrad about the vertical.
+  box.position.z() = -sag_of(box);
+  const double askew = std::min(0.2 * sag_of(box) / pitch, 0.1 * box.mu);
+  box.turn = {askew, 0.65 * askew, 4e-3};
+  // The stiffest mode is damped by zeta = tau omega/2 = 0.2; h tau omega^2 <= 1 then allows the 0.75/omega that the spring does.
+  box.damping = 0.4 / modes_of(box).fastest;
+  return box;
+}
+
+inline BoxOnPad box_of(double mass, double stiffer, double mu) {
+  BoxOnPad box;
+  box.mass = mass;
+  box.mu = mu;
+  box.pad = flat_square(3, pitch, stiffer * k_n, stiffer * k_t);
+  return put_down(box);
 }
 
 // What a scene that is refused is told; empty when it is taken.

@@ -14,25 +14,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-BoxOnPad put_down(BoxOnPad box) {
-  // Where its weight is carried, but askew: a third more on one corner, a third less on the other (a tenth of mu at most, so
-  // that it does not slide off), and 4 mrad about the vertical.
-  box.position.z() = -sag_of(box);
-  const double askew = std::min(0.2 * sag_of(box) / pitch, 0.1 * box.mu);
-  box.turn = {askew, 0.65 * askew, 4e-3};
-  // The stiffest mode is damped by zeta = tau omega/2 = 0.2; h tau omega^2 <= 1 then allows the 0.75/omega that the spring does.
-  box.damping = 0.4 / modes_of(box).fastest;
-  return box;
-}
-
-BoxOnPad box_of(double mass, double stiffer, double mu) {
-  BoxOnPad box;
-  box.mass = mass;
-  box.mu = mu;
-  box.pad = flat_square(3, pitch, stiffer * k_n, stiffer * k_t);
-  return put_down(box);
-}
-
 double samples(double time) { return longest_sample * std::ceil(time / longest_sample); }
 
 // The slowest mode decays with tau omega^2/2, to e^-14 = 1e-6 in this time.
