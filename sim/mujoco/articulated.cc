@@ -74,8 +74,9 @@ void make_plain(Part* part, void (*set_default)(Part*), Links Part::*... links) 
 
 Eigen::Map<const Eigen::Vector3d> vector3(const mjtNum* v) { return Eigen::Map<const Eigen::Vector3d>(v); }
 
-// Of the second geom against the first along the contact's normal and its two tangents, out of the velocities of all constraints' rows.
-// Those of an elliptic contact are these, those of a pyramidal one the edges n + mu t_1, n - mu t_1, n + mu t_2, n - mu t_2.
+// Of the second geom against the first along the contact's normal and its two tangents, out of the velocities of all constraints'
+// rows. Those of an elliptic contact are these, those of a pyramidal one the edges n + mu t_1, n - mu t_1, n + mu t_2, n - mu
+// t_2.
 Eigen::Vector3d contact_velocity(const mjContact& contact, const mjtNum* rows, bool pyramidal) {
   const mjtNum* row = rows + contact.efc_address;
   if (!pyramidal) return vector3(row);

@@ -1,5 +1,5 @@
-// fidelity: articulated and mujoco_contact. A pad's elements as MuJoCo bodies, joints and contact pairs, and their contact read back as a
-// ContactFrame.
+// fidelity: articulated and mujoco_contact. A pad's elements as MuJoCo bodies, joints and contact pairs, and their contact read
+// back as a ContactFrame.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +29,9 @@ void refuse_without_field(const Scene& scene);
 // Adds one body with a spherical tip, two tangential slides and a normal slide to `carrier` for each element of the pad, in its
 // order, and a contact pair of each tip with each of the geoms named in `touched`. Tips touch nothing else. The touched geoms
 // should be declared before: the solver is several times slower the other way round. `inverse_mass`: of each element; the most is
-// what MuJoCo's contact gets softer by and the slide, where it makes up for that, must be stiffer for; empty: none. Bodies, joints and geoms are named
-// `<prefix>/<part>/<element>`. An element's dashpots become joint damping. Tips carry no weight (gravcomp). Defaults of the model
-// do not reach them.
+// what MuJoCo's contact gets softer by and the slide, where it makes up for that, must be stiffer for; empty: none. Bodies,
+// joints and geoms are named `<prefix>/<part>/<element>`. An element's dashpots become joint damping. Tips carry no weight
+// (gravcomp). Defaults of the model do not reach them.
 // Throws std::invalid_argument when a stiffness is not positive and finite, a dashpot is negative, an axis is not a unit vector, or
 // mu_static != mu_kinetic: MuJoCo knows one coefficient of friction.
 void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carrier, const PadLayout& layout,
@@ -42,21 +42,22 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
 // becomes of it in the step is not kept. (A mocap body would not do: it has no velocity, and friction against it is wrong.)
 void drive_free_joint(const mjModel* model, mjData* data, int joint, const Pose& from, const Pose& to, double dt);
 
-// Takes the six degrees of freedom from `dof` on, those of a heavy body that is driven, out of the mean inertia by which MuJoCo's solvers
-// measure what is small: else they would stop before they have begun, and bodies would sink into each other without a warning. `data`: has
-// been through mj_forward().
+// Takes the six degrees of freedom from `dof` on, those of a heavy body that is driven, out of the mean inertia by which MuJoCo's
+// solvers measure what is small: else they would stop before they have begun, and bodies would sink into each other without a
+// warning. `data`: has been through mj_forward().
 void leave_out_of_scale(mjModel* model, const mjData* data, int dof);
 
 // Reads the truth about a pad out of a stepped mjData, into the same frame that ContactLabels fills.
-// Forces are those that the solver found last: for the end of the step with the discrete integrator, which is implicit; the ones that acted
-// through the step with the other one-stage integrators; those of the last stage with RK4. So is the slip velocity, J qvel of the contact,
-// which but for RK4 is also the mean over the step: positions follow from it. The rule for an element's state:
+// Forces are those that the solver found last: for the end of the step with the discrete integrator, which is implicit; the ones
+// that acted through the step with the other one-stage integrators; those of the last stage with RK4. So is the slip velocity, J
+// qvel of the contact, which but for RK4 is also the mean over the step: positions follow from it. The rule for an element's
+// state:
 //   detached  no contact of its tip presses
-//   slip      f_t >= (1 - cone_share) mu f_n, and the tip moves over the surface faster than least_speed; or it is faster than creep_speed,
-//             and so is its mean velocity, exponential over creep_time
+//   slip      f_t >= (1 - cone_share) mu f_n, and the tip moves over the surface faster than least_speed; or it is faster than
+//             creep_speed, and so is its mean velocity, exponential over creep_time
 //   stick     otherwise
-// f_t in the cone's own norm, see user_pillars(); in the recipe the cone is all. A slide slower than least_speed reads as stick. Touch,
-// onset, stop and detach are located inside the step along straight lines (articulated.cc). Like that of a Field, a
+// f_t in the cone's own norm, see user_pillars(); in the recipe the cone is all. A slide slower than least_speed reads as stick.
+// Touch, onset, stop and detach are located inside the step along straight lines (articulated.cc). Like that of a Field, a
 // unit's margin and contact plane are those on the surface that presses it hardest.
 class ArticulatedContact {
  public:

@@ -1,4 +1,5 @@
-// `fidelity: articulated` and `mujoco_contact`: a scene of prescribed motion with MuJoCo's own bodies, joints and contacts for the elements.
+// `fidelity: articulated` and `mujoco_contact`: a scene of prescribed motion with MuJoCo's own bodies, joints and contacts for
+// the elements.
 #pragma once
 
 #include <cstddef>

@@ -39,8 +39,8 @@ struct DynamicBenchOptions {
 // omega = 1: there a slide begins to come out wrong) ends the run. `time_step: auto` takes
 // the longest that fits, at most the fastest sensor's sampling time. Implicit fields have no such limit.
 //
-// With `fidelity: mujoco_contact` they are such pads too, but with the contact and the options of the scene's key `contact`: any step is taken,
-// other contacts are allowed, and what comes of it is told as it is.
+// With `fidelity: mujoco_contact` they are such pads too, but with the contact and the options of the scene's key `contact`: any
+// step is taken, other contacts are allowed, and what comes of it is told as it is.
 //
 // With `fidelity: articulated` the same scene has MuJoCo bodies, joints and contacts for the pads' elements (articulated.h). Tips that
 // begin inside what they touch are pressed in and settled, everything else held and without weights, before t = 0. Truth at tick k is
@@ -74,8 +74,8 @@ class DynamicBench final : public Bench {
   // MuJoCo has been stepped to already.
   [[nodiscard]] bool at_tick() const;
 
-  // The sum of the normal forces on a pad at its latest tick [N]. `carrying`: counted among the pads that press, in the scene's order, those
-  // that nobody reads included.
+  // The sum of the normal forces on a pad at its latest tick [N]. `carrying`: counted among the pads that press, in the scene's
+  // order, those that nobody reads included.
   [[nodiscard]] double press(std::size_t carrying) const;
   // The same of MuJoCo's own contacts between two bodies of the model; 0 where they do not touch.
   [[nodiscard]] double contact_press(const std::string& body, const std::string& other) const;

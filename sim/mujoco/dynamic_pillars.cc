@@ -111,8 +111,8 @@ void DynamicBench::State::refuse_other_contacts(double time) const {
   }
 }
 
-// The model with articulated pads. Their joints and contacts are implicit: only the recipe limits the step, and with a contact of the user's,
-// who may find out himself, only the springs of a hand, which are not his.
+// The model with articulated pads. Their joints and contacts are implicit: only the recipe limits the step, and with a contact of
+// the user's, who may find out himself, only the springs of a hand, which are not his.
 StepPlan DynamicBench::State::plan_pillars(const Scene& scene, std::span<const double> rates, const Hand* hand) {
   refuse_without_field(scene);
   judge_fields = false;

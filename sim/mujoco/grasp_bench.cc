@@ -58,8 +58,8 @@ SensorScene mounted(SensorScene sensor, const char* site, const char* touched, d
 // The pads that press, as DynamicBench counts them: the sensor's is 0.
 constexpr std::size_t second_pad_index = 1, corners_index = 2;
 
-// The scene that DynamicBench steps: a box, a table, two pads at the fingers' sites, and the box's corners, but for where MuJoCo's own contact
-// is between box and table.
+// The scene that DynamicBench steps: a box, a table, two pads at the fingers' sites, and the box's corners, but for where
+// MuJoCo's own contact is between box and table.
 Scene laid_out(const Scene& scene, const Grasp& grasp) {
   if (std::ranges::find(scene.sensors, second_pad_name, &SensorScene::name) != scene.sensors.end()) {
     throw SceneValueError("sensors", "'second_pad' names the pad on the other finger; allowed: another name");
@@ -293,8 +293,8 @@ DynamicBench& GraspBench::dynamics() { return *state_->bench; }
 void GraspBench::step() {
   State& s = *state_;
   const double time = TickTimes(s.bench->time_step(0)).at(s.tick);
-  // A field's tick is told before the step that begins with it, that of MuJoCo's own contacts after the step that leads to it: the fingers'
-  // springs are those of where the next step begins.
+  // A field's tick is told before the step that begins with it, that of MuJoCo's own contacts after the step that leads to it:
+  // the fingers' springs are those of where the next step begins.
   if (s.bench->at_tick() && !s.own_contact) s.drive(time);
   s.bench->step();
   if (!s.bench->at_tick()) return;

@@ -44,10 +44,11 @@ ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> p
                          const Hand* hand = nullptr);
 
 // The same with articulated pads, for steps of step_for(longest) [s], `longest` being what longest_articulated_step() allows on the
-// scene's bodies; infinite with a `contact` of the scene. Its options or the recipe's (set_pillar_options()) take the place of the model's,
-// also for its other contacts, of which those of the scene's own bodies have the solref and solimp of `contact`. With a hand, contacts and
-// solver are on. An element's dashpots are its layout's and the scene's `damping` beside each spring. Throws SceneValueError also for a touched mesh,
-// and for flags and compiler attributes with which there would be no pillars; and what step_for() throws.
+// scene's bodies; infinite with a `contact` of the scene. Its options or the recipe's (set_pillar_options()) take the place of
+// the model's, also for its other contacts, of which those of the scene's own bodies have the solref and solimp of `contact`.
+// With a hand, contacts and solver are on. An element's dashpots are its layout's and the scene's `damping` beside each spring.
+// Throws SceneValueError also for a touched mesh, and for flags and compiler attributes with which there would be no pillars; and
+// what step_for() throws.
 ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,
                                      const std::function<double(double longest)>& step_for, const Hand* hand = nullptr);
 

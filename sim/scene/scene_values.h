@@ -75,8 +75,9 @@ inline const ParameterSpec control_time_spec{.name = "time",
                                              .doc = "when a control has a value",
                                              .source = "free"};
 
-// The scene's key `contact`: MuJoCo's own contact between tips and what they touch, with fidelity mujoco_contact. Names and defaults are
-// MuJoCo's but where the source says otherwise; numbers are bare, as MuJoCo writes them. Where MuJoCo would clip a value it is refused.
+// The scene's key `contact`: MuJoCo's own contact between tips and what they touch, with fidelity mujoco_contact. Names and
+// defaults are MuJoCo's but where the source says otherwise; numbers are bare, as MuJoCo writes them. Where MuJoCo would clip a
+// value it is refused.
 inline const Entry contact_entry{
     .name = "contact",
     .summary = "MuJoCo's own contact friction, with fidelity: mujoco_contact",

@@ -22,9 +22,9 @@ double vertical(const DynamicRig& rig, const ContactFrame& frame, const std::str
   return -(rig.body(pad).pose.rotation * frame.force.rowwise().sum().matrix()).z();
 }
 
-// Two pads carry m g/2 each, and the box does not sink; with MuJoCo's impratio of 1 and no noslip it does. There a tip of 10 g holds 2 m
-// impratio/(t_c (1 - d)) >= 1 kN s/m at d = 0.99 (mujoco_contact_test.cc), less by what the box weighs in the contact, on ten tips that touch:
-// 100 g sink by 0.98 N/10 kN s/m = 0.1 mm/s and more.
+// Two pads carry m g/2 each, and the box does not sink; with MuJoCo's impratio of 1 and no noslip it does. There a tip of 10 g
+// holds 2 m impratio/(t_c (1 - d)) >= 1 kN s/m at d = 0.99 (mujoco_contact_test.cc), less by what the box weighs in the contact,
+// on ten tips that touch: 100 g sink by 0.98 N/10 kN s/m = 0.1 mm/s and more.
 TEST(MujocoContactScene, HeldBoxCreepsByTheSettings) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
@@ -50,6 +50,8 @@ TEST(MujocoContactScene, HeldBoxCreepsByTheSettings) {
 // Contacts that are no pad's are MuJoCo's as well: a box on a table, that articulated pads refuse.
 TEST(MujocoContactScene, OtherContactsAreAllowed) {
   DynamicRig rig(pressed_box(careful + "time_step: 1 ms\nduration: 1 s\n"));
+  const mjModel* m = rig->model();
+  EXPECT_EQ(m->geom_solimp[mjNIMP * mj_name2id(m, mjOBJ_GEOM, "box")], 0.99) << "the settings are those of all contacts";
   rig.run_to(0.9);
   EXPECT_NEAR(rig.body("box").pose.position.z(), -0.01, 1e-4);
   EXPECT_NE(rig->contact(0).state, PadState::no_contact);
@@ -79,8 +81,8 @@ INSTANTIATE_TEST_SUITE_P(All, Integrators,
 
 const std::string lift = "box: {mass: 0.2 kg}\nfriction: {static: 0.5, kinetic: 0.5}\nduration: 4 s\n";
 
-// A grasp's forces are all explicit and nothing in it is damped or constrained: integrators that take one stage a step give the same but for
-// how they see a body turn, which here none does.
+// A grasp's forces are all explicit and nothing in it is damped or constrained: integrators that take one stage a step give the
+// same but for how they see a body turn, which here none does.
 TEST(GraspIntegrators, OfOneStageGiveTheSameLift) {
   const auto slip = [](const std::string& integrator) {
     GraspRig rig(lift + integrator);

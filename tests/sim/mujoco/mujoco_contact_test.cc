@@ -1,11 +1,13 @@
-// MuJoCo's own contact friction, as a scene's `contact` sets it, on pads that move as prescribed, against what its regularisation says.
+// MuJoCo's own contact friction, as a scene's `contact` sets it, on pads that move as prescribed, against what its regularisation
+// says.
 //
-// With solref (t_c, 1) and a constant impedance d a contact's friction is a damper within the cone (MuJoCo's documentation, "Computation",
-// constraint model): at rest of the tip f_t = b s/R_t for a creep s, with b = 2/(d t_c), R_t = (1 - d)/(d m impratio), m the tip's mass, for
-// the drive and the surface are far heavier. So a contact holds c = b/R_t = 2 m impratio/(t_c (1 - d)) [N s/m]. A spring k_t whose root
-// is drawn at v then has
+// With solref (t_c, 1) and a constant impedance d a contact's friction is a damper within the cone (MuJoCo's documentation,
+// "Computation", constraint model): at rest of the tip f_t = b s/R_t for a creep s, with b = 2/(d t_c), R_t = (1 - d)/(d m
+// impratio), m the tip's mass, for the drive and the surface are far heavier. So a contact holds c = b/R_t = 2 m impratio/(t_c (1
+// - d)) [N s/m]. A spring k_t whose root is drawn at v then has
 //   f_t(t) = c v (1 - exp(-t/tau)),  creep s(t) = v (1 - exp(-t/tau)),  tau = c/k_t,
-// and one that is held relaxes as exp(-t/tau). It comes to the cone, mu f_n, only where c v > mu f_n, and never before mu f_n/(k_t v).
+// and one that is held relaxes as exp(-t/tau). It comes to the cone, mu f_n, only where c v > mu f_n, and never before mu
+// f_n/(k_t v).
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -78,9 +80,9 @@ double creep_is_slip(double tau) {
   return high;
 }
 
-// c = 100 N s/m holds 0.4 N at 4 mm/s, whatever the press, and the cones are mu f_n = 1.4 N to 2 N (the contact yields to a ninth of the
-// press): a quarter of the way there is the end of it. The tips slide under the cone at the pad's speed, and slip long before they
-// should, at 0.8 to 1.1 s.
+// c = 100 N s/m holds 0.4 N at 4 mm/s, whatever the press, and the cones are mu f_n = 1.4 N to 2 N (the contact yields to a ninth
+// of the press): a quarter of the way there is the end of it. The tips slide under the cone at the pad's speed, and slip long
+// before they should, at 0.8 to 1.1 s.
 TEST(MujocoContact, FrictionAtImpratioOneNeverComesNearTheCone) {
   const double most = holds(tip_mass, 1.0) * speed, tau = holds(tip_mass, 1.0) / k_t;
   ASSERT_NEAR(most, 0.4, 1e-12);
@@ -111,8 +113,8 @@ TEST(MujocoContact, PyramidalContactIsReadByItsEdges) {
   }
 }
 
-// With noslip a tip sticks until f_t = mu f_n, of the press that the contact yields to: t = mu f_n/(k_t v), early by the damping of
-// a stuck tip, c/k_t = 0.6 sqrt(m/k_t) = 2.7 ms, and goes on at that force. Bar: 3 %; met to a step.
+// With noslip a tip sticks until f_t = mu f_n, of the press that the contact yields to: t = mu f_n/(k_t v), early by the damping
+// of a stuck tip, c/k_t = 0.6 sqrt(m/k_t) = 2.7 ms, and goes on at that force. Bar: 3 %; met to a step.
 class NoslipOnset : public testing::TestWithParam<std::pair<std::string, std::int64_t>> {};
 TEST_P(NoslipOnset, IsThatOfThePress) {
   const auto& [integrator, noslip] = GetParam();
@@ -138,8 +140,8 @@ INSTANTIATE_TEST_SUITE_P(Iterations, NoslipOnset,
                          testing::Values(std::pair{"implicitfast", 1}, std::pair{"implicitfast", 3}, std::pair{"discrete", 3},
                                          std::pair{"Euler", 3}, std::pair{"implicit", 3}));
 
-// Held under shear, tips of 100 g (c = 1 kN s/m, tau = 2 s) let go of 22 % in half a second by every integrator that solves contacts with
-// the inertia alone; with noslip they do not move.
+// Held under shear, tips of 100 g (c = 1 kN s/m, tau = 2 s) let go of 22 % in half a second by every integrator that solves
+// contacts with the inertia alone; with noslip they do not move.
 class HoldCreep : public testing::TestWithParam<std::string> {};
 TEST_P(HoldCreep, IsTheDampersAndNoneWithNoslip) {
   const double tau = holds(0.1, 1.0) / k_t, stop = start + 0.2, settled = stop + 0.1, end = settled + 0.5;
