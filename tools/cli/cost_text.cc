@@ -17,6 +17,9 @@ using cost::Row;
 // Those of a line: what a terminal has room for. The page and --json have all.
 constexpr std::array shown{Measure::onset, Measure::force, Measure::label, Measure::creep, Measure::outcome, Measure::detector};
 
+// Settings that are named of those that one reason has kept from running.
+constexpr std::size_t most_named = 3;
+
 std::vector<Measure> measures_of(const Exploration& exploration) {
   std::vector<Measure> measures;
   for (const Measure measure : shown) {
@@ -25,11 +28,13 @@ std::vector<Measure> measures_of(const Exploration& exploration) {
   return measures;
 }
 
+std::string number_text(double number) { return number < 100.0 ? fmt::format("{:.2g}", number) : cost::ratio_text(number); }
+
 std::string error_text(const Errors& errors, Measure measure) {
   const std::optional<MeasureError>& error = at(errors, measure);
   if (!error) return "";
   if (error->different) return "other";
-  return error->worst == 0.0 ? "0" : fmt::format("{:.2g}", info_of(measure).factor * error->worst);
+  return error->worst == 0.0 ? "0" : number_text(info_of(measure).factor * error->worst);
 }
 
 std::string head_of(Measure measure) { return fmt::format("{} [{}]", info_of(measure).name, info_of(measure).unit); }
@@ -37,8 +42,8 @@ std::string head_of(Measure measure) { return fmt::format("{} [{}]", info_of(mea
 void add_row(const Exploration& exploration, const Row& row, const std::vector<Measure>& measures, Table& table) {
   std::vector<std::string> cells{"  " + row.setting.label};
   if (row.ok()) {
-    cells.push_back(fmt::format("{:.3g}", 1.0 / exploration.cost(row)));
-    cells.push_back(fmt::format("{:.3g}", 1e3 * row.cpu->median));
+    cells.push_back(cost::ratio_text(1.0 / exploration.cost(row)));
+    cells.push_back(cost::ratio_text(1e3 * row.cpu->median));
     cells.push_back(fmt::format("{:.0f} %", 50.0 * (row.cpu->high - row.cpu->low) / row.cpu->median));
   } else {
     cells.insert(cells.end(), {std::string(cost::status_name(row.status)), "", ""});
@@ -69,7 +74,7 @@ std::string settings_text(const Exploration& exploration, const Style& style) {
   return table.text(style);
 }
 
-// Each reason once, with all that did not run for it.
+// Each reason once, with the first few that did not run for it.
 std::string failures_text(const Exploration& exploration, std::size_t width) {
   std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
   for (const Row& row : exploration.rows) {
@@ -79,7 +84,14 @@ std::string failures_text(const Exploration& exploration, std::size_t width) {
     reason->second.push_back(fmt::format("{} {}", row.setting.series, row.setting.label));
   }
   std::string text;
-  for (const auto& [why, rows] : reasons) text += wrap_text(fmt::format("{}: {}", fmt::join(rows, "; "), why), width, 2);
+  for (auto& [why, rows] : reasons) {
+    if (rows.size() > most_named) {
+      const std::string more = fmt::format("{} more", rows.size() - most_named);
+      rows.resize(most_named);
+      rows.push_back(more);
+    }
+    text += wrap_text(fmt::format("{}: {}", fmt::join(rows, "; "), why), width, 2);
+  }
   return text;
 }
 

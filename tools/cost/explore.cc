@@ -55,11 +55,12 @@ void take_onsets(const Errors& exact, Errors& errors) {
 struct Job {
   Scene scene;
   std::vector<double> seconds = {};  // CPU time of each timed run
-  double expected = 0.0;             // s, of the next
+  double first = 0.0;                // s, CPU time of the run that was recorded
+  double expected = 0.0;             // s on the clock, of the next
 };
 
-std::optional<CpuTime> cpu_time(const Job& job) {
-  if (job.seconds.empty()) return std::nullopt;
+CpuTime cpu_time(const Job& job) {
+  if (job.seconds.empty()) return CpuTime{job.first, job.first, job.first, 1};
   return CpuTime{quantile(job.seconds, 0.5), quantile(job.seconds, 0.25), quantile(job.seconds, 0.75), job.seconds.size()};
 }
 
@@ -147,11 +148,15 @@ Scene Explorer::scene_of(const Setting& setting) const {
 }
 
 TrialResult Explorer::timed_run(Job& job, Recording recording) const {
-  const double begin = cpu_clock();
+  const double begin = cpu_clock(), on_clock = since(start_);
   TrialResult result = run_trial(job.scene, options_.trial, recording);
   const double seconds = cpu_clock() - begin;
-  if (recording == Recording::outcome) job.seconds.push_back(seconds);
-  job.expected = seconds;
+  if (recording == Recording::outcome) {
+    job.seconds.push_back(seconds);
+  } else {
+    job.first = seconds;
+  }
+  job.expected = since(start_) - on_clock;
   return result;
 }
 
@@ -304,7 +309,8 @@ void Explorer::price_all() {
   }
 }
 
-// Rounds over all jobs, each starting one further on, until no run fits into what is left of the budget.
+// Rounds over all jobs, each starting one further on, until no run fits into what is left of the budget. The first goes from the cheapest to the
+// dearest, so that what a short budget leaves out is the dearest.
 void Explorer::time_all() {
   std::vector<Job*> jobs;
   for (std::size_t i = 0; i < jobs_.size(); ++i) {
@@ -313,6 +319,7 @@ void Explorer::time_all() {
   for (std::size_t i = 0; i < price_jobs_.size(); ++i) {
     if (result_.prices[i].why.empty()) jobs.push_back(&price_jobs_[i]);
   }
+  std::ranges::stable_sort(jobs, {}, &Job::expected);
   say(fmt::format("timing {} settings in turn for {:.0f} s", jobs.size(), std::max(0.0, left())));
   bool any = true;
   for (std::size_t round = 0; any; ++round) {
@@ -329,25 +336,17 @@ void Explorer::time_all() {
 
 void Explorer::sum_up() {
   for (std::size_t i = 0; i < jobs_.size(); ++i) {
-    Row& row = result_.rows[i];
-    if (!row.ok()) continue;
-    row.cpu = cpu_time(jobs_[i]);
-    if (row.cpu) continue;
-    row.status = Status::over_budget;
-    row.why = "there was no time left to time it";
+    if (result_.rows[i].ok()) result_.rows[i].cpu = cpu_time(jobs_[i]);
   }
-  const std::optional<CpuTime> with = result_.rows.front().cpu;
+  const CpuTime with = cpu_time(jobs_.front());
   for (std::size_t i = 0; i < price_jobs_.size(); ++i) {
     Price& price = result_.prices[i];
     if (!price.why.empty()) continue;
-    price.without = cpu_time(price_jobs_[i]);
-    if (!price.without || !with) {
-      price.why = "there was no time left to time it";
-      continue;
-    }
-    price.share = 1.0 - price.without->median / with->median;
-    price.low = 1.0 - price.without->high / with->low;
-    price.high = 1.0 - price.without->low / with->high;
+    const CpuTime without = cpu_time(price_jobs_[i]);
+    price.without = without;
+    price.share = 1.0 - without.median / with.median;
+    price.low = 1.0 - without.high / with.low;
+    price.high = 1.0 - without.low / with.high;
   }
 }
 

@@ -40,7 +40,8 @@ enum class Status {
 };
 std::string_view status_name(Status status);  // "ok", "over budget"
 
-// CPU time of a trial: building the bench, and all steps with sensors, detector and controller; nothing is recorded.
+// CPU time of a trial: building the bench, and all steps with sensors, detector and controller; nothing is recorded, but where the budget has
+// room for no second run, and the first, which everything is recorded of, is all there is.
 struct CpuTime {
   double median = 0.0, low = 0.0, high = 0.0;  // s; low and high: quartiles
   std::size_t repeats = 0;
@@ -114,6 +115,9 @@ const Row* cheapest(const Exploration& exploration, Measure measure, double limi
 // What there is to say in plain words: what 1 % and 0.1 % of each measure cost, what MuJoCo's own contact has to pay for the same, and which
 // effects cost and change nothing.
 std::vector<std::string> sentences(const Exploration& exploration);
+
+// Three digits, no exponent above one: "1.25", "380", "19600".
+std::string ratio_text(double ratio);
 
 // "element field, 5 ms"
 std::string setting_text(const Row& row);

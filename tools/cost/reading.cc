@@ -28,13 +28,6 @@ bool apart(const Row& row) { return series_of(row.setting).own_reference; }
 
 std::string limit_text(const MeasureInfo& info, double limit) { return fmt::format("{:.3g} {}", info.factor * limit, info.unit); }
 
-// Three digits, no exponent: "1.25", "380", "19600".
-std::string ratio_text(double ratio) {
-  if (ratio < 1000.0) return fmt::format("{:.3g}", ratio);
-  const double unit = std::pow(10.0, std::floor(std::log10(ratio)) - 2.0);
-  return fmt::format("{:.0f}", std::round(ratio / unit) * unit);
-}
-
 // "1/380 of real time", or "2.3 times real time" of what is slower than that.
 std::string cost_text(double cost) {
   return cost <= 1.0 ? fmt::format("1/{} of real time", ratio_text(1.0 / cost)) : fmt::format("{:.2g} times real time", cost);
@@ -121,6 +114,12 @@ const Row* cheapest(const Exploration& exploration, Measure measure, double limi
     if (best == nullptr || row.cpu->median < best->cpu->median) best = &row;
   }
   return best;
+}
+
+std::string ratio_text(double ratio) {
+  if (ratio < 1000.0) return fmt::format("{:.3g}", ratio);
+  const double unit = std::pow(10.0, std::floor(std::log10(ratio)) - 2.0);
+  return fmt::format("{:.0f}", std::round(ratio / unit) * unit);
 }
 
 std::string setting_text(const Row& row) { return fmt::format("{}, {}", series_of(row.setting).title, row.setting.label); }

@@ -159,7 +159,7 @@ void add_elements(const Scene& scene, std::vector<Setting>& settings) {
       std::vector<Override> changes;
       for (const SensorScene* const sensor : with)
         changes.push_back({"sensors." + sensor->name + "." + parameter, std::to_string(count)});
-      settings.push_back({"elements", fmt::format("{} {}", count, parameter), std::move(changes)});
+      settings.push_back({"elements", fmt::format("{}: {}", parameter, count), std::move(changes)});
     }
     return;
   }
