@@ -79,7 +79,13 @@ int cost_command(const Options& options) {
   std::string text;
   bool interrupted = false;
   if (!options.scene.empty()) {
-    const cost::Exploration exploration = explored(options);
+    cost::Exploration exploration;
+    try {
+      exploration = explored(options);
+    } catch (const cost::Interrupted&) {
+      say(stderr, "slipbench: interrupted; nothing is kept\n");
+      return exit_interrupted;
+    }
     json = cost::cost_json(exploration, environment);
     text = cost_text(exploration, style, terminal_width(stdout));
     interrupted = exploration.interrupted;

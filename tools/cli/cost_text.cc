@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -44,7 +45,8 @@ void add_row(const Exploration& exploration, const Row& row, const std::vector<M
   if (row.ok()) {
     cells.push_back(cost::ratio_text(1.0 / exploration.cost(row)));
     cells.push_back(cost::ratio_text(1e3 * row.cpu->median));
-    cells.push_back(fmt::format("{:.0f} %", 50.0 * (row.cpu->high - row.cpu->low) / row.cpu->median));
+    const double spread = 50.0 * (row.cpu->high - row.cpu->low) / row.cpu->median;
+    cells.push_back(std::isnan(spread) ? "" : fmt::format("{:.0f} %", spread));
   } else {
     cells.insert(cells.end(), {std::string(cost::status_name(row.status)), "", ""});
   }
@@ -108,7 +110,7 @@ std::string prices_text(const Exploration& exploration, const Style& style) {
     std::vector<std::string> cells{price.name};
     if (price.why.empty()) {
       cells.push_back(fmt::format("{:.1f} %", 100.0 * price.share));
-      cells.push_back(fmt::format("{:.1f} to {:.1f}", 100.0 * price.low, 100.0 * price.high));
+      cells.push_back(std::isnan(price.low) ? "" : fmt::format("{:.1f} to {:.1f}", 100.0 * price.low, 100.0 * price.high));
     } else {
       cells.insert(cells.end(), {"does not run", ""});
     }

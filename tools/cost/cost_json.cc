@@ -1,6 +1,7 @@
 #include "tools/cost/cost_json.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -9,11 +10,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
 Json json_of(const MeasureError& error) { return {{"worst", error.worst}, {"median", error.median}}; }
 
 Json json_of(const std::optional<CpuTime>& cpu) {
   if (!cpu) return nullptr;
-  return {{"median", cpu->median}, {"low", cpu->low}, {"high", cpu->high}, {"repeats", cpu->repeats}};
+  return {{"median", cpu->median}, {"low", number(cpu->low)}, {"high", number(cpu->high)}, {"repeats", cpu->repeats}};
 }
 
 Json errors_json(const Errors& errors) {
@@ -58,6 +61,7 @@ Json row_json(const Exploration& exploration, const Row& row) {
           {"settings", setting_text(row)},
           {"command", row.command},
           {"own", row.own},
+          {"rate_hz", row.rate > 0.0 ? Json(row.rate) : Json(nullptr)},
           {"status", status_name(row.status)},
           {"why", row.why},
           {"cpu_s", json_of(row.cpu)},
@@ -70,9 +74,11 @@ Json row_json(const Exploration& exploration, const Row& row) {
 Json price_json(const Price& price) {
   return {{"name", price.name},
           {"kind", price.electronics ? "electronics" : "effect"},
+          {"status", price.why.empty() ? "ok" : "does not run"},
+          {"why", price.why},
           {"share", price.why.empty() ? Json(price.share) : Json(nullptr)},
-          {"low", price.why.empty() ? Json(price.low) : Json(nullptr)},
-          {"high", price.why.empty() ? Json(price.high) : Json(nullptr)},
+          {"low", price.why.empty() ? number(price.low) : Json(nullptr)},
+          {"high", price.why.empty() ? number(price.high) : Json(nullptr)},
           {"changes", errors_json(price.changes)},
           {"different", different_json(price.changes)},
           {"verdict", verdict(price)},
@@ -110,6 +116,7 @@ Json cost_json(const Exploration& exploration, const Json& environment) {
           {"budget_s", exploration.budget},
           {"elapsed_s", exploration.elapsed},
           {"simulated_s", exploration.simulated},
+          {"interrupted", exploration.interrupted},
           {"environment", environment},
           {"reference",
            {{"kind", reference.closed_onsets ? "closed form" : "fine run"},

@@ -23,9 +23,13 @@ namespace {
 // Shares of the budget: the two reference runs may take the first, one setting with three repeats the second.
 constexpr double reference_share = 0.15;
 constexpr double setting_share = 0.1;
-constexpr double least_repeats = 3.0;
 // The first runs of all settings may take this; what is left is for timing.
 constexpr double trying_share = 0.5;
+
+// A short run is repeated until it has had this long, so that its median is worth as much as that of a long one.
+constexpr double turn = 0.01;  // s
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 constexpr std::array reference_divisors{64, 32, 16, 8, 4, 2};
 
@@ -60,8 +64,10 @@ struct Job {
 };
 
 CpuTime cpu_time(const Job& job) {
-  if (job.seconds.empty()) return CpuTime{job.first, job.first, job.first, 1};
-  return CpuTime{quantile(job.seconds, 0.5), quantile(job.seconds, 0.25), quantile(job.seconds, 0.75), job.seconds.size()};
+  if (job.seconds.empty()) return {job.first, nan, nan, 1};
+  const bool few = job.seconds.size() < least_repeats;
+  return {quantile(job.seconds, 0.5), few ? nan : quantile(job.seconds, 0.25), few ? nan : quantile(job.seconds, 0.75),
+          job.seconds.size()};
 }
 
 class Explorer {
@@ -169,11 +175,18 @@ void Explorer::run_own() {
   Job job{scene_of({})};
   say("the scene as it is");
   own_ = timed_run(job, Recording::full);
+  if (budget_in_runs * job.expected > options_.budget) {
+    throw InputError(fmt::format("cost: --budget is {:.3g} s, and a trial of {} takes {:.2g} s; allowed: at least {:.3g} s",
+                                 options_.budget, options_.scene_path, job.expected, std::ceil(budget_in_runs * job.expected)));
+  }
   own_ = timed_run(job, Recording::full);  // the first has filled caches
   timed_run(job, Recording::outcome);
   row.setting.label = short_text(own_.time_step);
   result_.simulated = job.scene.duration;
   result_.description = job.scene.description;
+  result_.wish_left_aside = wishes_;
+  result_.one_friction = one_friction(job.scene);
+  row.rate = fastest_rate(job.scene);
   result_.rows.push_back(std::move(row));
   jobs_.push_back(std::move(job));
 }
@@ -227,7 +240,7 @@ std::optional<TrialResult> Explorer::try_setting(Row& row, Job& job) {
   }
   // Time goes with the number of steps, by what the series' last run has shown.
   job.expected = job.scene.time_step ? pace_.seconds * pace_.time_step / *job.scene.time_step : pace_.seconds;
-  if (least_repeats * job.expected > setting_share * options_.budget) {
+  if (static_cast<double>(least_repeats) * job.expected > setting_share * options_.budget) {
     row.status = Status::over_budget;
     row.why = fmt::format("about {:.2g} s a run: more than a thirtieth of the budget", job.expected);
     return std::nullopt;
@@ -239,7 +252,7 @@ std::optional<TrialResult> Explorer::try_setting(Row& row, Job& job) {
     return run;
   } catch (const InputError& error) {
     row.why = error.what();
-    row.status = row.why.find("warn") != std::string::npos ? Status::warning : Status::diverged;
+    row.status = row.why.find("MuJoCo warns") != std::string::npos ? Status::warning : Status::diverged;
     return std::nullopt;
   }
 }
@@ -269,6 +282,7 @@ void Explorer::try_all() {
     } else if (run) {
       row.errors = errors_of(*run);
     }
+    row.rate = fastest_rate(job.scene);
     result_.rows.push_back(std::move(row));
     jobs_.push_back(std::move(job));
   }
@@ -328,7 +342,10 @@ void Explorer::time_all() {
       if (interrupted()) return;
       Job& job = *jobs[(k + round) % jobs.size()];
       if (job.expected > left()) continue;
-      timed_run(job, Recording::outcome);
+      const double begin = since(start_);
+      do {
+        timed_run(job, Recording::outcome);
+      } while (since(start_) - begin + job.expected < std::min(turn, left()));
       any = true;
     }
   }
@@ -356,7 +373,9 @@ Exploration Explorer::run() {
   result_.trial = options_.trial;
   run_own();
   result_.seed = seed_;
+  if (interrupted()) throw Interrupted();
   run_reference();
+  if (interrupted()) throw Interrupted();
   try_all();
   price_all();
   time_all();
@@ -383,7 +402,7 @@ std::string_view status_name(Status status) {
 double converged_error(Measure measure) { return measure == Measure::creep ? 1e-8 : 1e-3; }
 
 bool Price::idle() const {
-  if (!why.empty() || low <= 0.0) return false;
+  if (!why.empty() || !(low > 0.0)) return false;
   return std::ranges::none_of(
       changes, [](const std::optional<MeasureError>& change) { return change && (change->different || change->worst > 0.0); });
 }

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -43,13 +44,16 @@ std::string_view status_name(Status status);  // "ok", "over budget"
 // CPU time of a trial: building the bench, and all steps with sensors, detector and controller; nothing is recorded, but where the budget has
 // room for no second run, and the first, which everything is recorded of, is all there is.
 struct CpuTime {
-  double median = 0.0, low = 0.0, high = 0.0;  // s; low and high: quartiles
+  double median = 0.0;           // s
+  double low = 0.0, high = 0.0;  // s, quartiles; NaN where fewer than least_repeats say nothing of the spread
   std::size_t repeats = 0;
 };
+inline constexpr std::size_t least_repeats = 3;
 
 struct Row {
   Setting setting;
   bool own = false;     // the scene as it is
+  double rate = 0.0;    // Hz, of the output: the fastest sensor's; 0: no sensor is given one
   std::string command;  // that runs it
   Status status = Status::ok;
   std::string why = {};  // it is not ok
@@ -67,7 +71,7 @@ struct Price {
   std::optional<CpuTime> without = {};  // CPU time of the trial without it; empty: it does not run
   std::string why = {};                 // it does not
   double share = 0.0;                   // of the scene's CPU time that goes with it
-  double low = 0.0, high = 0.0;         // likewise, from the quartiles of both
+  double low = 0.0, high = 0.0;         // likewise, from the quartiles of both; NaN where one has none
   Errors changes = {};                  // of the scene without it, against the scene with it
   // Costs something that the quartiles tell from nothing, and changes no measure.
   [[nodiscard]] bool idle() const;
@@ -95,20 +99,33 @@ struct Exploration {
   Reference reference;
   std::vector<Row> rows;  // the scene's own first
   std::vector<Price> prices;
-  bool interrupted = false;  // the timing ended early
+  bool wish_left_aside = false;  // the scene says `accuracy`, which would choose one setting
+  bool one_friction = false;     // in MuJoCo's own contact the kinetic friction is the static one, and in the scene it is not
+  bool interrupted = false;      // it ended early
 
   [[nodiscard]] const Row& own() const { return rows.front(); }
   // CPU time [s] a second of the trial.
   [[nodiscard]] double cost(const Row& row) const { return row.cpu->median / simulated; }
 };
 
-// Throws InputError for a scene that cannot be read or does not run as it is.
+// Thrown where an interrupt comes before there is anything to compare with.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
+// Throws InputError for a scene that cannot be read or does not run as it is, and for a budget of less than budget_in_runs of its trials;
+// Interrupted.
+inline constexpr double budget_in_runs = 12.0;
 Exploration explore(const ExploreOptions& options, const Catalogues& catalogues);
 
-// Marks the rows by which nothing cheaper is as right, for every measure.
+// Marks the rows by which nothing cheaper is as right, for every measure, among those that put out as often as the scene does.
 void mark_fronts(Exploration& exploration);
 
-// Row of the least cost whose worst error by the measure is at most `limit` and whose events are the reference's, or null. `only`: of that series,
+// Whether a row puts out as often as the scene itself: others are cheaper for giving less.
+bool as_often(const Exploration& exploration, const Row& row);
+
+// Row of the least cost that puts out as often as the scene, whose worst error by the measure is at most `limit` and whose events are the reference's, or null. `only`: of that series,
 // where it is empty of any but those with a reference of their own.
 const Row* cheapest(const Exploration& exploration, Measure measure, double limit, std::string_view only = {});
 

@@ -37,7 +37,7 @@ std::string cost_text(double cost) {
 const Row* best_of(const Exploration& exploration, Measure measure, std::string_view series) {
   const Row* best = nullptr;
   for (const Row& row : exploration.rows) {
-    if (row.setting.series != series || !comparable(row, measure)) continue;
+    if (row.setting.series != series || !comparable(row, measure) || !as_often(exploration, row)) continue;
     if (best == nullptr || at(row.errors, measure)->worst < at(best->errors, measure)->worst) best = &row;
   }
   return best;
@@ -47,22 +47,50 @@ bool has_series(const Exploration& exploration, std::string_view series) {
   return std::ranges::any_of(exploration.rows, [&](const Row& row) { return row.setting.series == series; });
 }
 
+// What became of all settings of MuJoCo's own contact.
+struct Tried {
+  std::size_t all = 0, refused = 0, not_run = 0;
+  std::string why = {};  // of a refusal
+};
+Tried tried_contact(const Exploration& exploration) {
+  Tried tried;
+  for (const Row& row : exploration.rows) {
+    if (row.setting.series != contact_series) continue;
+    ++tried.all;
+    tried.not_run += row.status == Status::over_budget;
+    if (row.status != Status::refused) continue;
+    ++tried.refused;
+    tried.why = row.why;
+  }
+  return tried;
+}
+
 std::string contact_text(const Exploration& exploration, Measure measure, double limit, const Row& cheapest_row) {
   const MeasureInfo& info = info_of(measure);
+  const Tried tried = tried_contact(exploration);
   if (const Row* const contact = cheapest(exploration, measure, limit, contact_series)) {
     return fmt::format("MuJoCo's own contact needs {} for it ({}): {} times as much", cost_text(exploration.cost(*contact)),
                        contact->setting.label, ratio_text(exploration.cost(*contact) / exploration.cost(cheapest_row)));
   }
+  if (tried.refused == tried.all) return fmt::format("MuJoCo's own contact could not be tried ({})", tried.why);
+  if (tried.not_run + tried.refused == tried.all) return "the budget left no time to try MuJoCo's own contact";
+  const std::string rest =
+      tried.not_run > 0 ? fmt::format("; the budget left no time for {} of {} settings", tried.not_run, tried.all) : "";
   if (const Row* const best = best_of(exploration, measure, contact_series)) {
-    return fmt::format("MuJoCo's own contact does not reach it: {} at best ({}, {})",
+    return fmt::format("MuJoCo's own contact does not reach it: {} at best ({}, {}){}",
                        limit_text(info, at(best->errors, measure)->worst), best->setting.label,
-                       cost_text(exploration.cost(*best)));
+                       cost_text(exploration.cost(*best)), rest);
   }
-  return "MuJoCo's own contact does not reach it with any setting tried";
+  return "MuJoCo's own contact does not reach it: in every run other things happen" + rest;
 }
 
 void tell(const Exploration& exploration, Measure measure, double limit, std::vector<std::string>& lines) {
   const MeasureInfo& info = info_of(measure);
+  if (const auto& own = at(exploration.reference.own_error, measure); own && (own->different || own->worst > limit)) {
+    lines.push_back(fmt::format("{} {} error: cannot be shown, for the reference itself is not known to that.",
+                                limit_text(info, limit), info.title));
+    return;
+  }
   const Row* const row = cheapest(exploration, measure, limit);
   if (row == nullptr) {
     lines.push_back(fmt::format("{} {} error: no setting tried reaches it.", limit_text(info, limit), info.title));
@@ -93,7 +121,7 @@ std::string reference_text(const Exploration& exploration) {
 void mark_fronts(Exploration& exploration) {
   std::vector<Row*> rows;
   for (Row& row : exploration.rows) {
-    if (row.ok() && row.cpu && !apart(row)) rows.push_back(&row);
+    if (row.ok() && row.cpu && !apart(row) && as_often(exploration, row)) rows.push_back(&row);
   }
   std::ranges::stable_sort(rows, {}, [](const Row* row) { return row->cpu->median; });
   for (const MeasureInfo& info : measure_table()) {
@@ -106,11 +134,13 @@ void mark_fronts(Exploration& exploration) {
   }
 }
 
+bool as_often(const Exploration& exploration, const Row& row) { return row.rate >= exploration.own().rate; }
+
 const Row* cheapest(const Exploration& exploration, Measure measure, double limit, std::string_view only) {
   const Row* best = nullptr;
   for (const Row& row : exploration.rows) {
     if (only.empty() ? apart(row) : row.setting.series != only) continue;
-    if (!comparable(row, measure) || at(row.errors, measure)->worst > limit) continue;
+    if (!comparable(row, measure) || !as_often(exploration, row) || at(row.errors, measure)->worst > limit) continue;
     if (best == nullptr || row.cpu->median < best->cpu->median) best = &row;
   }
   return best;
@@ -129,12 +159,15 @@ std::string verdict(const Price& price) {
   const std::string costs = price.low > 0.0 ? fmt::format("costs {:.2g} %", 100.0 * price.share) : "costs less than the scatter";
   const MeasureInfo* most = nullptr;
   double change = 0.0;
+  // Of measures in different units that counts most which is the most beyond what a fine run is known to.
+  const auto weight = [](Measure measure, double error) { return error / converged_error(measure); };
   for (const MeasureInfo& info : measure_table()) {
     const std::optional<MeasureError>& error = at(price.changes, info.measure);
-    if (!error || info.measure == Measure::creep) continue;
-    if (error->different)
+    if (!error) continue;
+    if (error->different) {
       return fmt::format("{}; {}: something happens with it and not without, or the other way round", costs, info.title);
-    if (error->worst <= change) continue;
+    }
+    if (error->worst <= 0.0 || (most != nullptr && weight(info.measure, error->worst) <= weight(most->measure, change))) continue;
     most = &info;
     change = error->worst;
   }
@@ -149,6 +182,12 @@ std::vector<std::string> sentences(const Exploration& exploration) {
     for (const double limit : measure == Measure::creep ? told_creeps : told_shares) tell(exploration, measure, limit, lines);
   }
   if (!exploration.reference.converged) lines.push_back(reference_text(exploration));
+  if (exploration.one_friction && has_series(exploration, contact_series)) {
+    lines.push_back("MuJoCo's own contact knows one coefficient of friction: its rows have the scene's static one for both.");
+  }
+  if (exploration.wish_left_aside)
+    lines.push_back("The scene's wish `accuracy` is left aside: the scene as it is takes the automatic step.");
+  if (exploration.interrupted) lines.push_back("Interrupted: what stands here is a part.");
   for (const Price& price : exploration.prices) {
     if (price.idle())
       lines.push_back(fmt::format("{} costs {:.2g} % of the time and changes nothing that is measured here.", price.name,

@@ -30,7 +30,11 @@ constexpr std::array contact_choices{
                   "{cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%2h, 1], impratio: 10}"},
     ContactChoice{"stiff, noslip 3", "{cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%2h, 1], noslip: 3}"},
     ContactChoice{"stiffer, noslip 3",
-                  "{cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%h, 1], noslip: 3, refsafe: false}"},
+                  "{cone: elliptic, tip_mass: %m, solimp: [0.999, 0.9999, 0.001], solref: [%h, 1], noslip: 3, refsafe: false}"},
+    ContactChoice{
+        "discrete, impratio 20, lightly damped tips",
+        "{integrator: discrete, cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%2h, 1], impratio: 20, "
+        "tip_damping: 0.03}"},
     ContactChoice{"discrete, impratio 10",
                   "{integrator: discrete, cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], "
                   "solref: [%2h, 1], impratio: 10}"},
@@ -43,7 +47,7 @@ std::string filled(std::string text, const std::string& mark, const std::string&
   if (const std::size_t at = text.find(mark); at != std::string::npos) text.replace(at, mark.size(), value);
   return text;
 }
-constexpr std::array contact_steps{2e-3, 1e-3, 5e-4, 2e-4};
+constexpr std::array contact_steps{4e-3, 2e-3, 1e-3, 5e-4, 2e-4};
 
 bool has(const SensorScene& sensor, const char* parameter) { return sensor.parameters.values().contains(parameter); }
 
@@ -51,18 +55,10 @@ double rate_of(const SensorScene& sensor) { return has(sensor, "rate") ? sensor.
 
 std::string rate_path(const SensorScene& sensor) { return "sensors." + sensor.name + ".rate"; }
 
-Override fidelity(const char* name) { return {"fidelity", name}; }
 Override step(double time_step) { return {"time_step", step_text(time_step)}; }
 
 // Whole to within the rounding of decimal text.
 bool whole(double x) { return x > 0.5 && std::abs(x - std::round(x)) < 1e-9 * x; }
-
-// The fastest rate that a user can change; 0 where there is none.
-double fastest_rate(const Scene& scene) {
-  double fastest = 0.0;
-  for (const SensorScene& sensor : scene.sensors) fastest = std::max(fastest, rate_of(sensor));
-  return fastest;
-}
 
 // Every sensor that samples faster than `rate` [Hz] is slowed down to it.
 void limit_rates(const Scene& scene, double rate, std::vector<Override>& changes) {
@@ -82,15 +78,17 @@ void add_step(const Scene& scene, const std::string& series, double time_step, s
   settings.push_back({series, label + short_text(time_step) + slowed, std::move(changes)});
 }
 
-// Steps from ten sampling times down to a twentieth of one. Where forces move bodies, the scene's step is near the longest that they bear: from
-// four times as long down to an eighth.
-std::vector<double> ladder(const Scene& scene, double sampling_time, double own) {
+// Steps from ten of the scene's own down to a twentieth. Where forces move bodies, the scene's is near the longest that they bear: from four of
+// them down to an eighth, in whole parts of a sampling time.
+std::vector<double> ladder(const Scene& scene, double own) {
   std::vector<double> steps;
   if (!scene.dynamic()) {
-    for (const double factor : coarse_factors) steps.push_back(factor * sampling_time);
-    for (const double divisor : divisors) steps.push_back(sampling_time / divisor);
+    for (const double factor : coarse_factors) steps.push_back(factor * own);
+    for (const double divisor : divisors) steps.push_back(own / divisor);
     return steps;
   }
+  const double rate = fastest_rate(scene);
+  const double sampling_time = rate > 0.0 ? 1.0 / rate : own;
   const double parts = std::max(1.0, std::round(sampling_time / own));
   for (const double factor : {0.25, 0.5, 1.0, 2.0, 4.0, 8.0})
     steps.push_back(sampling_time / std::max(1.0, std::ceil(factor * parts)));
@@ -98,36 +96,56 @@ std::vector<double> ladder(const Scene& scene, double sampling_time, double own)
   return steps;
 }
 
+// Takes back the scene's own way of simulating, which need not suit another.
+std::vector<Override> plain(const Scene& scene, const char* name) {
+  std::vector<Override> changes;
+  if (scene.fidelity == "mujoco_contact") changes.push_back({"contact", "none"});
+  if (!scene.integrator.empty()) changes.push_back({"integrator", "auto"});
+  if (scene.implicit_fields) changes.push_back({"field_solver", "explicit"});
+  changes.push_back({"fidelity", name});
+  return changes;
+}
+
 void add_steps(const Scene& scene, const OwnRun& own, std::vector<Setting>& settings) {
-  const double rate = fastest_rate(scene);
-  const double sampling_time = rate > 0.0 ? 1.0 / rate : own.time_step;
-  for (const double h : ladder(scene, sampling_time, own.time_step)) {
-    if (std::abs(h / own.time_step - 1.0) < 1e-9 && !scene.implicit_fields && scene.fidelity == "field") continue;
-    std::vector<Override> changes{fidelity("field")};
-    if (scene.dynamic() && !scene.grasp) changes.push_back({"field_solver", "explicit"});
-    add_step(scene, "field", h, std::move(changes), "", settings);
+  const bool own_is_plain = scene.fidelity == "field" && !scene.implicit_fields && scene.integrator.empty();
+  const std::vector<double> steps = ladder(scene, own.time_step);
+  for (const double h : steps) {
+    if (own_is_plain && std::abs(h / own.time_step - 1.0) < 1e-9) continue;
+    add_step(scene, "field", h, plain(scene, "field"), "", settings);
   }
   if (scene.dynamic() && !scene.grasp) {
-    for (const double h : ladder(scene, sampling_time, own.time_step)) {
-      add_step(scene, "implicit", h, {fidelity("field"), {"field_solver", "implicit"}}, "", settings);
+    for (const double h : steps) {
+      std::vector<Override> changes = plain(scene, "field");
+      changes.push_back({"field_solver", "implicit"});
+      add_step(scene, "implicit", h, std::move(changes), "", settings);
     }
     for (const char* const integrator : {"Euler", "implicitfast", "implicit", "discrete", "RK4"}) {
-      settings.push_back({"integrator", integrator, {fidelity("field"), {"integrator", integrator}}});
+      std::vector<Override> changes = plain(scene, "field");
+      changes.push_back({"integrator", integrator});
+      settings.push_back({"integrator", integrator, std::move(changes)});
     }
   }
   if (!scene.grasp && scene.effects.empty()) {
-    for (const double h : {2e-3, 1e-3, 5e-4, 2e-4}) add_step(scene, "articulated", h, {fidelity("articulated")}, "", settings);
+    for (const double h : {2e-3, 1e-3, 5e-4, 2e-4}) add_step(scene, "articulated", h, plain(scene, "articulated"), "", settings);
   }
 }
 
 void add_contact(const Scene& scene, std::vector<Setting>& settings) {
   if (!scene.effects.empty()) return;
+  const FrictionScene& friction = scene.friction;
   for (const ContactChoice& choice : contact_choices) {
     for (const double h : contact_steps) {
       std::string contact = filled(choice.contact, "%2h", format_number(2.0 * h));
       contact = filled(filled(contact, "%h", format_number(h)), "%m", scene.dynamic() ? "1 g" : "10 g");
-      add_step(scene, "contact", h, {fidelity("mujoco_contact"), {"contact", contact}}, fmt::format("{}, ", choice.label),
-               settings);
+      std::vector<Override> changes = plain(scene, "mujoco_contact");
+      if (scene.fidelity == "mujoco_contact") changes.erase(changes.begin());
+      changes.push_back({"contact", contact});
+      if (one_friction(scene)) {
+        const std::string both = format_number(friction.static_coefficient / friction.scale);
+        changes.push_back(
+            {"friction", fmt::format("{{static: {0}, kinetic: {0}, scale: {1}}}", both, format_number(friction.scale))});
+      }
+      add_step(scene, "contact", h, std::move(changes), fmt::format("{}, ", choice.label), settings);
     }
   }
 }
@@ -179,6 +197,14 @@ void add_rates(const Scene& scene, const OwnRun& own, std::vector<Setting>& sett
 
 }  // namespace
 
+double fastest_rate(const Scene& scene) {
+  double fastest = 0.0;
+  for (const SensorScene& sensor : scene.sensors) fastest = std::max(fastest, rate_of(sensor));
+  return fastest;
+}
+
+bool one_friction(const Scene& scene) { return scene.friction.static_coefficient != scene.friction.kinetic_coefficient; }
+
 const std::vector<Series>& all_series() {
   static const std::vector<Series> series{
       {"own", "the scene as it is"},
@@ -188,7 +214,7 @@ const std::vector<Series>& all_series() {
       {"articulated", "articulated pillars"},
       {"contact", "MuJoCo's own contact"},
       {"rate", "output rate, at the scene's step"},
-      {"elements", "elements a pad, against the most", true},
+      {"elements", "elements a pad, against the most that ran", true},
   };
   return series;
 }

@@ -33,6 +33,12 @@ struct OwnRun {
   double time_step = 0.0;  // s, of the fastest sensor's pad
 };
 
+// The fastest of the rates [Hz] that the scene's sensors are given; 0 where none has one.
+double fastest_rate(const Scene& scene);
+
+// Whether MuJoCo's own contact, which knows one coefficient of friction, has to take the static one for the kinetic one too.
+bool one_friction(const Scene& scene);
+
 // All settings that suit the scene, the scene's own not among them; those of a series from coarse to fine. What the scene's kind refuses
 // as such (an integrator where nothing is integrated) is left out; what a scene could have and this one may not (a step that is too long)
 // is not.

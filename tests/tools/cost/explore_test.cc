@@ -88,6 +88,22 @@ TEST(CostExplore, AnInterruptEndsTheTimingOnly) {
   EXPECT_TRUE(exploration.reference.closed_onsets);
 }
 
+TEST(CostExplore, ABudgetOfLessThanADozenRunsIsRefused) {
+  try {
+    explore(quick(1e-6), program_catalogues());
+    FAIL() << "a microsecond is no budget";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("allowed: at least"));
+  }
+}
+
+TEST(CostExplore, AnInterruptBeforeTheReferenceLeavesNothing) {
+  std::atomic<bool> interrupt{true};
+  ExploreOptions options = quick(30.0);
+  options.interrupt = &interrupt;
+  EXPECT_THROW(explore(options, program_catalogues()), Interrupted);
+}
+
 TEST(CostExplore, ASceneThatDoesNotRunIsAnErrorAndNoDiagram) {
   ExploreOptions options = quick(3.0);
   options.overrides.push_back({"motion.speeed", "1 mm/s"});

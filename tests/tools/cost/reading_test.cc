@@ -50,6 +50,38 @@ TEST(CostReading, AReferenceThatHasNotConvergedIsNoSecret) {
   exploration.reference.converged = false;
   exploration.reference.own_error = onset_error(0.02);
   EXPECT_THAT(sentences(exploration), Contains(HasSubstr("has not converged by: slip onset (2 %)")));
+  EXPECT_THAT(sentences(exploration), Contains(HasSubstr("1 % slip onset error: cannot be shown")));
+}
+
+// A row that puts out less is cheaper for giving less.
+TEST(CostReading, OnlyWhatPutsOutAsOftenIsCompared) {
+  Exploration exploration = example();
+  for (Row& row : exploration.rows) row.rate = 1000.0;
+  exploration.rows[2].rate = 200.0;  // 5 ms
+  mark_fronts(exploration);
+  EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-2)->setting.label, "2 ms");
+}
+
+// What was not tried has not failed.
+TEST(CostReading, ContactThatWasNotTriedHasNotFailed) {
+  Exploration exploration = example();
+  for (Row& row : exploration.rows) {
+    if (row.setting.series != "contact") continue;
+    row.status = Status::refused;
+    row.why = "no such thing";
+  }
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("MuJoCo's own contact could not be tried (no such thing)"));
+  for (Row& row : exploration.rows) {
+    if (row.setting.series == "contact") row.status = Status::over_budget;
+  }
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("the budget left no time to try MuJoCo's own contact"));
+}
+
+TEST(CostReading, AnInterruptedExplorationSaysSo) {
+  Exploration exploration = example();
+  exploration.interrupted = true;
+  EXPECT_THAT(sentences(exploration).back(), HasSubstr("Interrupted"));
+  EXPECT_EQ(cost_json(exploration, nlohmann::ordered_json::object())["interrupted"], true);
 }
 
 TEST(CostReading, AnEffectThatCostsAndChangesNothingIsPointedOut) {
