@@ -45,8 +45,7 @@ std::optional<AccuracyScene> AccuracyReader::read(const YamlNode& root) {
     fail(node->origin, "accuracy is empty" + allowed_names("", names_of(specs)) + ", or accuracy: none");
   for (const std::string_view key : settings) {
     const YamlNode* setting = root.find(key);
-    if (setting == nullptr || (key == "time_step" && setting->kind == YamlNode::Kind::scalar && setting->text == "auto"))
-      continue;
+    if (setting == nullptr || (setting->kind == YamlNode::Kind::scalar && setting->text == "auto")) continue;
     fail(setting->key_origin, quote(key) + " is found for a scene that says its accuracy; allowed: one of the two");
   }
   AccuracyScene accuracy;

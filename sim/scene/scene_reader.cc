@@ -28,6 +28,21 @@ constexpr std::array<std::string_view, 2> arm_motions{"lift", guided_motion_name
 constexpr std::array<std::string_view, 4> dynamic_keys{"controls", "field_solver", "gravity", "integrator"};
 constexpr std::array<std::string_view, 4> dynamic_sensor_keys{"damping", "follows", "site", "touches"};
 
+// What an override writes to take a key back: the key then counts as absent.
+struct Withdrawal {
+  std::string_view key;
+  std::string_view word;
+};
+constexpr std::array<Withdrawal, 3> withdrawals{{{"contact", "none"}, {"field_solver", "explicit"}, {"integrator", "auto"}}};
+
+// The value of `key` in the scene, null where it has none or takes it back.
+const YamlNode* find_kept(const YamlNode& root, std::string_view key) {
+  const YamlNode* node = root.find(key);
+  if (node == nullptr || node->kind != YamlNode::Kind::scalar) return node;
+  const auto taken_back = [&](const Withdrawal& w) { return w.key == key && w.word == node->text; };
+  return std::ranges::any_of(withdrawals, taken_back) ? nullptr : node;
+}
+
 bool is_identifier(const std::string& name) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   return !name.empty() && letter(name.front()) &&
@@ -53,7 +68,7 @@ class SceneReader : EntryReader {
     scene.time_step = read_time_step(root.find("time_step"), scene.duration);
     scene.accuracy = AccuracyReader(*this).read(root);
     scene.fidelity = read_fidelity(root.find("fidelity"));
-    scene.contact = read_contact(root.find("contact"), scene.fidelity);
+    scene.contact = read_contact(find_kept(root, "contact"), scene.fidelity);
     scene.seed = read_seed(root);
     const Material& material = read_surface(root.find("surface"), scene);
     scene.friction = read_friction(root.find("friction"), material);
@@ -108,7 +123,7 @@ class SceneReader : EntryReader {
       }
       return std::nullopt;
     }
-    if (node != nullptr) require_map(*node, "contact", "parameters");
+    if (node != nullptr) require_map(*node, "contact", "parameters, or none");
     Parameters contact = parameters(node, "contact", "contact", contact_entry, {});
     refuse_mixed(node, contact, "solref", "two positive numbers, or two negative ones: -stiffness and -damping", false);
     refuse_mixed(node, contact, "solreffriction", "two positive numbers, two negative ones, or 0, 0: as solref", true);
@@ -260,7 +275,7 @@ class SceneReader : EntryReader {
       return std::nullopt;
     }
     for (const std::string_view key : {"bodies", "controls", "field_solver", "model"}) {
-      if (const YamlNode* node = root.find(key)) {
+      if (const YamlNode* node = find_kept(root, key)) {
         fail(node->key_origin, quote(key) + " has no place in a grasp, a scene with 'grip' or 'box': it brings its own bodies");
       }
     }
@@ -307,12 +322,12 @@ class SceneReader : EntryReader {
     if (const YamlNode* node = root.find("surface")) check_keys(*node, "surface of a scene with bodies", {"material"});
     if (const YamlNode* node = root.find("gravity")) scene.gravity = number(node, "gravity", gravity_spec);
     scene.implicit_fields =
-        std::get<std::string>(value(root.find("field_solver"), "field_solver", field_solver_spec)) == "implicit";
+        std::get<std::string>(value(find_kept(root, "field_solver"), "field_solver", field_solver_spec)) == "implicit";
     if (scene.implicit_fields && scene.fidelity != "field") {
       fail(root.find("field_solver")->origin,
            "field_solver: 'implicit' is for pads as fields; with 'fidelity: " + scene.fidelity + "' leave it out");
     }
-    scene.integrator = read_integrator(root.find("integrator"), scene);
+    scene.integrator = read_integrator(find_kept(root, "integrator"), scene);
     if (const YamlNode* node = root.find("controls")) scene.controls = read_controls(*node);
     read_followers(*root.find("sensors"), scene);
     if (scene.grasp) {
@@ -406,7 +421,7 @@ class SceneReader : EntryReader {
   static void refuse_dynamic_keys(const YamlNode& root) {
     const auto refuse = [](const YamlNode& map, const std::string& where, const auto& keys) {
       for (const std::string_view key : keys) {
-        if (const YamlNode* node = map.find(key)) {
+        if (const YamlNode* node = find_kept(map, key)) {
           fail(node->key_origin, quote(key) + where + " needs bodies that move by forces: a scene with 'model' or 'bodies'");
         }
       }

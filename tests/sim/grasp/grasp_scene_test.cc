@@ -168,6 +168,9 @@ TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
     EXPECT_NE(found.find(message), std::string::npos) << found;
   }
   EXPECT_EQ(refusal("grip: {}\nbox: {}\nscatter: {}\ngravity: 1.6 m/s2\n"), "");
+  for (const std::string fidelity : {"field", "mujoco_contact"}) {
+    EXPECT_EQ(refusal("grip: {}\nfidelity: " + fidelity + "\ncontact: none\nintegrator: auto\nfield_solver: explicit\n"), "");
+  }
 }
 
 TEST(GraspScene, EverySensorButTheFirstFollows) {

@@ -6,6 +6,7 @@
 
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
+#include "sim/scene/scene_reader.h"
 #include "tests/sim/scene/test_catalogues.h"
 
 namespace slipbench {
@@ -45,6 +46,35 @@ TEST(Override, ReplacesAValue) {
   EXPECT_EQ(read({{"effects", "[stribeck]"}}).effects[0].name, "stribeck");
   EXPECT_TRUE(read({{"effects", "[]"}}).effects.empty());
   EXPECT_EQ(read({{"motion", "{start: 1 s}"}}).motion.parameters.number("speed"), 0.004) << "a map is replaced, not merged";
+}
+
+// What a comparison of settings writes before its own, whatever the scene says: nothing else of the scene may tell.
+TEST(Override, TakesKeysBackInEveryScene) {
+  const Catalogues catalogues = test_catalogues();
+  const auto trace_of = [&](const std::string& text, const std::vector<Override>& changes) {
+    Trace trace;
+    read_scene(with(changes, text).root(), catalogues, &trace);
+    return trace;
+  };
+  const std::string head = "slipbench: 1\n", bodies = head + "bodies: {box: {shape: box}}\n";
+  const std::string prescribed = head + "sensors: {pad: {type: papillarray}}\n";
+  const std::string pad = bodies + "sensors: {pad: {type: papillarray, touches: [box]}}\n";
+  const std::vector<Override> back{{"contact", "none"}, {"integrator", "auto"}, {"field_solver", "explicit"}};
+  for (const std::string& scene : {prescribed, pad}) {
+    for (const std::string fidelity : {"field", "articulated", "mujoco_contact"}) {
+      const std::string plain = scene + "fidelity: " + fidelity + "\n";
+      EXPECT_EQ(trace_of(plain, back), trace_of(plain, {})) << plain;
+    }
+    const std::string contact = scene + "fidelity: mujoco_contact\ncontact: {noslip: 3}\n";
+    std::vector<Override> to_field = back;
+    to_field.push_back({"fidelity", "field"});
+    EXPECT_EQ(trace_of(contact, to_field), trace_of(scene, {})) << contact;
+    EXPECT_NE(trace_of(contact, {}), trace_of(contact, back)) << "the defaults again";
+  }
+  EXPECT_EQ(trace_of(pad + "integrator: RK4\n", back), trace_of(pad, {}));
+  EXPECT_EQ(trace_of(pad + "field_solver: implicit\n", back), trace_of(pad, {}));
+  EXPECT_EQ(trace_of(prescribed + "accuracy: {onset: 1 %}\n", {back[0], back[1]}),
+            trace_of(prescribed + "accuracy: {onset: 1 %}\n", {}));
 }
 
 TEST(Override, AddsAValueAndTheMapsOnTheWay) {

@@ -150,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(
             "ContactOfTheRecipe", head + "fidelity: articulated\ncontact: {}\n",
             "s.yaml:4: 'contact' is of MuJoCo's own contact friction, and the fidelity is 'articulated'; allowed with 'fidelity: "
             "mujoco_contact'"},
-        Case{"ContactAsASequence", with_contact("[]"), "s.yaml:4: contact is a sequence; allowed: a map of parameters"},
+        Case{"ContactAsASequence", with_contact("[]"), "s.yaml:4: contact is a sequence; allowed: a map of parameters, or none"},
         Case{
             "ContactKey", with_contact("{no_slip: 3}"),
             "s.yaml:4: unknown key 'no_slip' in contact; did you mean 'noslip'? allowed: cone, impratio, integrator, iterations, "
@@ -173,6 +173,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"ContactAccepted",
              with_contact("{cone: elliptic, solref: [-1e7, -6325], solreffriction: [0.002, 1], solimp: [0.99, 0.999, 0.001]}"),
              "accepted"},
+        Case{"ContactWord", with_contact("nothing"), "s.yaml:4: contact is 'nothing'; allowed: a map of parameters, or none"},
         Case{"NegativeSeed", head + "seed: -1\n", "s.yaml:3: seed: '-1' is no seed; allowed: 0 to 18446744073709551615"},
         Case{"HugeSeed", head + "seed: 18446744073709551616\n",
              "s.yaml:3: seed: '18446744073709551616' is no seed; allowed: 0 to 18446744073709551615"},
@@ -241,6 +242,8 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:3: 'field_solver' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"IntegratorWithoutBodies", head + "integrator: RK4\n",
              "s.yaml:3: 'integrator' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"SolverAutoWithoutBodies", head + "field_solver: auto\n",
+             "s.yaml:3: 'field_solver' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"SiteWithoutBodies", "slipbench: 1\nsensors: {pad: {type: papillarray, site: tip}}\n",
              "s.yaml:2: 'site' in sensors.pad needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"TouchesWithoutBodies", "slipbench: 1\nsensors: {pad: {type: papillarray, touches: [box]}}\n",
@@ -257,8 +260,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"ImplicitArticulated", bodies_head + "fidelity: articulated\nfield_solver: implicit\n",
              "s.yaml:6: field_solver: 'implicit' is for pads as fields; with 'fidelity: articulated' leave it out"},
         Case{"Integrator", bodies_head + "integrator: RK5\n",
-             "s.yaml:5: integrator: unknown value 'RK5'; did you mean 'RK4'? allowed: Euler, implicit, implicitfast, discrete, "
-             "RK4"},
+             "s.yaml:5: integrator: unknown value 'RK5'; did you mean 'RK4'? allowed: auto, Euler, implicit, implicitfast, "
+             "discrete, RK4"},
         Case{"IntegratorOfPillars", bodies_head + "fidelity: articulated\nintegrator: Euler\n",
              "s.yaml:6: integrator: 'Euler' is for pads as fields; 'fidelity: articulated' has its own, discrete"},
         Case{"IntegratorOfContact", bodies_head + "fidelity: mujoco_contact\nintegrator: Euler\n",
