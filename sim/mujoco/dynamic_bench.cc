@@ -381,7 +381,7 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
   s.find_bodies(carrying);
   s.leads = !s.articulated && s.model->opt.integrator == mjINT_RK4;
   if (s.articulated) s.settle_tips(pillars_of_scene(carrying, s.dt).settling_steps);
-  s.to_keep = !s.articulated && !s.implicit && !s.leads && options.hand == nullptr;
+  s.to_keep = !s.articulated && !s.implicit && !s.leads;
   call_mujoco([&s] { mj_forward(s.model.get(), s.data.get()); });
   // RK4 commits at the end of a step only. What touches at t = 0 sticks there, unstrained, as by any other integrator: else no tip would hold in
   // the first step, and tick 0 would have no truth.
