@@ -8,14 +8,17 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
+#include "tests/tools/cost/example.h"
 #include "tests/tools/dataset/test_records.h"
 #include "tests/tools/report/web_files.h"
 #include "tools/cost/assets.h"
+#include "tools/cost/cost_json.h"
 #include "tools/report/page.h"
 
 namespace slipbench::cost {
@@ -33,38 +36,10 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-Json run(const std::string& label, const std::string& status, double cost, double error) {
-  return {
-      {"series", "field"},
-      {"label", label},
-      {"settings", "field, " + label},
-      {"command", "slipbench run a.yaml --set time_step=" + label},
-      {"own", label == "1 ms"},
-      {"status", status},
-      {"why", status == "ok" ? "" : "a <reason>"},
-      {"cpu_s", status == "ok" ? Json{{"median", 2 * cost}, {"low", 1.5 * cost}, {"high", 3 * cost}, {"repeats", 3}} : Json()},
-      {"cost", status == "ok" ? Json(cost) : Json()},
-      {"errors", {{"onset", status == "ok" ? Json{{"worst", error}, {"median", 0.5 * error}} : Json()}}},
-      {"different", Json::array()},
-      {"pareto", status == "ok" ? Json::array({"onset"}) : Json::array()}};
-}
-
-Json measure() {
-  return {{"name", "onset"},
-          {"title", "slip onset time"},
-          {"unit", "%"},
-          {"factor", 100},
-          {"definition", "of the first pillar"},
-          {"reference", "closed form"},
-          {"floor", 1e-6},
-          {"wish", "onset"}};
-}
-
-Json effect() {
-  return {{"name", "texture"}, {"kind", "effect"},
-          {"share", 0.2},      {"low", 0.1},
-          {"high", 0.3},       {"changes", {{"signal", 0.5}, {"onset", 0}}},
-          {"idle", false},     {"verdict", "costs 20 % <b>"}};
+Price price(const std::string& name, Errors changes) {
+  Price price{.name = name, .share = 0.2, .low = 0.1, .high = 0.3, .changes = std::move(changes)};
+  price.without = CpuTime{0.016, 0.015, 0.017, 9};
+  return price;
 }
 
 Json combination() {
@@ -82,17 +57,21 @@ Json stability() {
           {"remarks", Json::array({"none"})}};
 }
 
+// As the program makes it, so that what the page reads is what there is: an effect that changes something, one without which another
+// thing happens, one without which nothing runs, a setting that there was no time for.
 Json exploration(const std::string& scene = "a.yaml") {
-  return {{"slipbench_cost", 1},
-          {"scene", scene},
-          {"description", "A <scene> é"},
-          {"simulated_s", 2.0},
-          {"environment", {{"cpu", "a processor"}}},
-          {"measures", Json::array({measure()})},
-          {"series", Json::array({{{"name", "field"}, {"title", "element field"}}})},
-          {"rows", Json::array({run("1 ms", "ok", 1e-3, 0.01), run("2 ms", "ok", 5e-4, 0.04), run("9 ms", "refused", 0.0, 0.0)})},
-          {"sentences", Json::array({"1 % costs </script><script>alert(1)</script>"})},
-          {"effects", Json::array({effect()})}};
+  Exploration made = example();
+  made.scene_path = scene;
+  made.description = "A <scene> é </script><script>alert(1)</script>";
+  made.rows.front().own = true;
+  made.rows.back().why = "a <reason>";
+  Row unrun = made.rows.back();
+  unrun.status = Status::over_budget;
+  made.rows.push_back(unrun);
+  Price refused = price("noise", {});
+  refused.why = "a <rule>";
+  made.prices = {price("texture", onset_error(0.05)), price("stribeck", onset_error(0.5, true)), refused};
+  return cost_json(made, {{"cpu", "a processor"}});
 }
 
 // What a browser reads as the page's data.
@@ -110,8 +89,8 @@ TEST(CostPage, HoldsTheResultAsData) {
 
 TEST(CostPage, TextIsNeverMarkup) {
   const std::string page = cost_page(exploration("<b>.yaml"));
-  EXPECT_THAT(page, AllOf(Not(HasSubstr("<script>alert")), Not(HasSubstr("a <reason>")), Not(HasSubstr("<b>.yaml")),
-                          HasSubstr("<title>&lt;b&gt;.yaml · slipbench cost</title>")));
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("<script>alert")), Not(HasSubstr("a <reason>")), Not(HasSubstr("a <rule>")),
+                          Not(HasSubstr("<b>.yaml")), HasSubstr("<title>&lt;b&gt;.yaml · slipbench cost</title>")));
   EXPECT_THAT(cost_page(stability()), HasSubstr("<title>stability · slipbench cost</title>"));
   for (const auto& [name, text] : web_files("tools/cost/web", ".js")) {
     EXPECT_THAT(text, AllOf(Not(HasSubstr("innerHTML")), Not(HasSubstr(".html(")), Not(HasSubstr("insertAdjacent")))) << name;
@@ -207,26 +186,44 @@ TEST(CostScripts, UseOnlyWhatSomeScriptDefines) {
   }
 }
 
-// A member that a script reads under another name than it has would silently be empty, and one that no script reads would not be shown.
+// A member that a script reads under another name or in another shape than it has would silently be empty, and one that no script reads
+// would not be shown.
 TEST(CostScripts, ReadTheMembersThatThereAre) {
   std::string all;
   for (const auto& [name, text] : web_files("tools/cost/web", ".js")) all += text;
-  const std::map<std::string, Json> objects = {{"row", run("1 ms", "ok", 1e-3, 0.01)},
-                                               {"cpu", run("1 ms", "ok", 1e-3, 0.01).at("cpu_s")},
-                                               {"measure", measure()},
-                                               {"effect", effect()},
+  Json data = exploration();
+  data["stability"] = stability();  // of --stability alone
+  data["remarks"] = Json::array();
+  const std::map<std::string, Json> objects = {{"data", data},
+                                               {"reference", data.at("reference")},
+                                               {"row", data.at("rows").at(0)},
+                                               {"cpu", data.at("rows").at(0).at("cpu_s")},
+                                               {"measure", data.at("measures").at(0)},
+                                               {"effect", data.at("effects").at(0)},
+                                               {"change", data.at("effects").at(0).at("changes").at("onset")},
                                                {"combination", combination()},
                                                {"stability", stability()}};
-  // Not shown: the scale is in the stiffness, the frequency in the prediction; a map is told by not being an exploration.
-  const std::set<std::string> unread = {"stiffness_scale", "omega", "slipbench_stability"};
+  // Not shown: the scale is in the stiffness, the frequency in the prediction; a map is told by not being an exploration; the trial is in
+  // the command, the reference's own error in every measure as its floor.
+  const std::set<std::string> unread = {"stiffness_scale", "omega", "slipbench_stability", "trial", "own_error"};
+  // Read where they are there.
+  const std::set<std::string> optional = {"data.interrupted", "effect.status", "effect.why", "row.rate_hz"};
   for (const auto& [name, object] : objects) {
     const std::set<std::string> read = matches(all, "\\b" + name + R"(\.(\w+))");
     EXPECT_THAT(read, Not(IsEmpty())) << name;
-    for (const std::string& member : read) EXPECT_TRUE(object.contains(member)) << name << "." << member;
+    for (const std::string& member : read) {
+      EXPECT_TRUE(object.contains(member) || optional.contains(name + "." + member)) << name << "." << member;
+    }
     for (const auto& member : object.items()) {
       EXPECT_EQ(std::regex_search(all, std::regex("\\b" + member.key() + "\\b")), !unread.contains(member.key())) << member.key();
     }
   }
+}
+
+// What the page tells failures from by name.
+TEST(CostScripts, KnowWhatWasNotRun) {
+  EXPECT_THAT(web_files("tools/cost/web", ".js").at("marks.js"),
+              HasSubstr("row.status === '" + std::string(status_name(Status::over_budget)) + "'"));
 }
 
 TEST(CostStyles, DefineEveryColourInBothThemes) {

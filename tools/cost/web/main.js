@@ -22,11 +22,16 @@ function header() {
 
 const sentences = () => el('ul.sentences', {}, (data.sentences || []).map(text => el('li', {}, text)));
 
+const interrupted = () => el(
+    'p.warning', {}, el('b', {}, 'The timing ended early: '),
+    'it was interrupted. What stands here is a part; figures of few runs scatter more, and what is not here may be cheaper.');
+
 function reference() {
-  const {kind, settings, command, converged, text} = data.reference;
+  const reference = data.reference;
   return el(
-      converged ? 'p.note' : 'p.warning', {}, converged ? null : el('b', {}, 'The reference is not converged. '), text || '',
-      ' (' + [kind, settings].filter(word => word).join(': ') + ') ', command ? sb.copyButton(command) : null);
+      reference.converged ? 'p.note' : 'p.warning', {},
+      reference.converged ? null : el('b', {}, 'The reference is not converged. '), reference.text,
+      ' (' + reference.kind + ': ' + reference.settings + ') ', sb.copyButton(reference.command));
 }
 
 const remarks = texts =>
@@ -61,7 +66,7 @@ sb.followTheme();
 const page = document.getElementById('page');
 const parts = [header()];
 if (explored) {
-  parts.push(sentences(), data.reference ? reference() : null);
+  parts.push(data.interrupted ? interrupted() : null, sentences(), reference());
   if (sb.choice.rows.length && sb.choice.measures.length) parts.push(sb.diagramSection(), sb.rowsSection());
   if ((data.effects || []).length) parts.push(sb.effectsSection(data.effects));
 }

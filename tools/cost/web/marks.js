@@ -24,15 +24,15 @@ sb.markPath = (index, radius) => {
 };
 sb.crossPath = radius => 'M' + [-radius, -radius] + 'L' + [radius, radius] + 'M' + [-radius, radius] + 'L' + [radius, -radius];
 sb.hue = index => 'var(--s' + index % shapes.length + ')';
-// The mark of a series as legends and tables show it; hollow for a failure.
-sb.swatch = (index, failed) => {
+// The mark of a series as legends and tables show it. `kind`: of choice.kind().
+sb.swatch = (index, kind) => {
   const holder = el('span.swatch');
   d3.select(holder)
       .append('svg')
       .attr({viewBox: '-8 -8 16 16', 'aria-hidden': 'true'})
       .append('path')
-      .attr({class: failed ? 'mark hollow' : 'mark', d: sb.markPath(index, 5)})
-      .style('color', sb.hue(index));
+      .attr({class: 'mark ' + (kind || ''), d: sb.markPath(index, 5)})
+      .style('color', kind === 'unrun' ? 'var(--soft)' : sb.hue(index));
   return holder;
 };
 
@@ -53,6 +53,13 @@ sb.duration = seconds => {
 };
 // How many times faster than real time a cost in CPU seconds per simulated second is.
 sb.timesReal = cost => cost > 0 ? sb.figure(1 / cost) + ' ×' : sb.missing;
+
+sb.rateText = rate => sb.figure(rate) + ' Hz';
+// Of a CPU time without a spread: from how few runs it is.
+sb.fewRuns = cpu => cpu.low === null ? (cpu.repeats === 1 ? 'one run' : cpu.repeats === 2 ? 'two runs' : cpu.repeats + ' runs') : '';
+
+// An error below this in its measure's unit is none: rounding of numbers, which only the axis of a diagram would be longer for.
+sb.negligible = 1e-6;
 
 // A measure by its name and unit, and a value of it in that unit.
 sb.titled = measure => measure.title + (measure.unit ? ', ' + measure.unit : '');
@@ -179,8 +186,32 @@ class Choice {
     return Boolean(measure) && (row.different || []).includes(measure.name);
   }
 
+  // Left out for want of time, which says nothing about the setting.
+  notRun(row) {
+    return row.status === 'over budget';
+  }
+
   failed(row) {
-    return row.status !== 'ok' || this.differs(row);
+    return !this.notRun(row) && (row.status !== 'ok' || this.differs(row));
+  }
+
+  kind(row) {
+    return this.notRun(row) ? 'unrun' : this.failed(row) ? 'failure' : 'point';
+  }
+
+  // How it ended, in the page's words. What was run once, for its errors, and not timed has these.
+  ending(row) {
+    return !this.notRun(row) ? row.status : Object.keys(row.errors || {}).length ? 'not timed' : 'not run';
+  }
+
+  // Whether it has a place in the diagram: a time and an error.
+  placed(row) {
+    return this.kind(row) === 'point' && row.cost > 0 && this.error(row) !== null;
+  }
+
+  // Whether an error is none.
+  none(error, measure = this.measure) {
+    return error * measure.factor < sb.negligible;
   }
 
   errorText(row, measure = this.measure, statistic = this.statistic) {
@@ -191,8 +222,11 @@ class Choice {
 
   // The cheapest row of the front whose worst error is no larger than this one's; null where that is this one or none.
   cheapestAsExact(row) {
-    const worst = other => this.error(other, this.measure, 'worst');
-    if (this.failed(row) || worst(row) === null || !(row.cost > 0)) return null;
+    const worst = other => {
+      const error = this.error(other, this.measure, 'worst');
+      return error !== null && this.none(error) ? 0 : error;
+    };
+    if (!this.placed(row) || worst(row) === null) return null;
     const front = this.rows.filter(other => (other.pareto || []).includes(this.measure.name) && worst(other) <= worst(row));
     const [best] = front.sort((a, b) => a.cost - b.cost);
     return best && best.cost < row.cost ? best : null;
@@ -200,9 +234,9 @@ class Choice {
 
   // Why a row is no point of the diagram.
   reason(row) {
-    const parts = row.status === 'ok' ? [] : [row.status];
+    const parts = row.status === 'ok' ? [] : [this.ending(row)];
     if (row.why) parts.push(row.why);
-    if (this.differs(row)) parts.push('no bound: the event is in only one of this run and the reference');
+    if (this.failed(row) && this.differs(row)) parts.push('no bound: the event is in only one of this run and the reference');
     return parts.join(': ');
   }
 }

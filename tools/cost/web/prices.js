@@ -9,10 +9,13 @@ const most = 8;  // rows
 // that some run keeps, none below the reference's own error.
 function bounds(points) {
   const measure = choice.measure;
-  const errors = points.map(row => choice.error(row)).filter(error => error > 0);
+  const [exact, errors] = [true, false].map(
+      none => points.map(row => choice.error(row)).filter(error => choice.none(error) === none));
   if (!errors.length) return [];
   const [low, high] = d3.extent(errors.map(error => error * measure.factor));
-  const last = Math.ceil(Math.log10(Math.max(low, (measure.floor || 0) * measure.factor)) - 1e-9);
+  const least = Math.max(low, (measure.floor || 0) * measure.factor);
+  // One more where something keeps any.
+  const last = Math.ceil(Math.log10(least) - 1e-9) - (exact.length ? 1 : 0);
   const first = Math.max(last, Math.floor(Math.log10(high)));
   return d3.range(first, last - 1, -1).slice(0, most).map(power => +('1e' + power));
 }
@@ -20,9 +23,13 @@ function bounds(points) {
 sb.pricesTable = () => {
   const host = el('div');
   const draw = () => {
-    const points = choice.rows.filter(
-        row => !choice.hidden.has(row.series) && !choice.failed(row) && row.cost > 0 && choice.error(row) !== null);
-    const used = choice.series.filter(series => points.some(row => row.series === series.name));
+    const shown = choice.rows.filter(row => !choice.hidden.has(row.series));
+    const points = shown.filter(row => choice.placed(row));
+    const unrun = shown.filter(row => choice.notRun(row));
+    const [used, unused] = [true, false].map(
+        wanted => choice.series.filter(series => points.some(row => row.series === series.name) === wanted));
+    const unrunOf = series => unrun.filter(row => row.series === series.name).length;
+    const unknown = unused.filter(series => unrunOf(series));
     const wanted = bounds(points);
     const cell = (limit, series) => {
       // Rounding of a figure that is shown as 1 % must not push it out of "1 %".
@@ -36,7 +43,9 @@ sb.pricesTable = () => {
       return el(
           'tr', {}, el('th', {scope: 'row'}, '≤ ' + sb.tickText(limit) + ' ' + choice.measure.unit),
           cells.map(
-              ({best, cost}) => !best ?
+              ({series, best, cost}) => !best ?
+                  unrunOf(series) ?
+                  el('td', {}, el('span.pending', {}, 'not reached'), el('small', {}, unrunOf(series) + ' not run')) :
                   el('td', {}, el('span.unreached', {}, '× not reached')) :
                   el(cost === cheapest ? 'td.cheapest' : 'td', {},
                      el('button.link', {title: best.settings, onclick: () => choice.select(best)}, sb.timesReal(cost)),
@@ -47,7 +56,8 @@ sb.pricesTable = () => {
       el('h3.sub', {}, 'What each error costs'),
       el('p.note', {},
          'Times real time of the cheapest setting of each series whose ' + choice.statistic + ' error in ' +
-             choice.measure.title + ' keeps within a bound. Bold: the cheapest of all.'),
+             choice.measure.title + ' keeps within a bound. Bold: the cheapest of all.',
+         unknown.length ? ' Not run for want of time: ' + unknown.map(series => series.title).join('; ') + '.' : ''),
       el('div.scroll', {},
          el('table.prices', {},
             el('thead', {},

@@ -42,13 +42,14 @@ const percent = share => sb.figure(100 * share, 2) + ' %';
 // All rows with their times, errors and failures.
 sb.rowsSection = () => {
   const nodes = new Map();
-  const spread = ({cpu_s: cpu}) => cpu && cpu.median > 0 ? (cpu.high - cpu.low) / (2 * cpu.median) : null;
+  const spread = ({cpu_s: cpu}) =>
+      cpu && cpu.median > 0 && cpu.low !== null ? (cpu.high - cpu.low) / (2 * cpu.median) : null;
   const columns = [
     {
       title: 'series',
       text: true,
       value: row => choice.seriesTitle(row),
-      cell: row => [sb.swatch(choice.seriesIndex(row), choice.failed(row)), choice.seriesTitle(row)]
+      cell: row => [sb.swatch(choice.seriesIndex(row), choice.kind(row)), choice.seriesTitle(row)]
     },
     {
       title: 'settings',
@@ -57,14 +58,25 @@ sb.rowsSection = () => {
       value: row => row.settings,
       cell: row =>
           [el('button.link', {onclick: () => choice.select(row)}, row.settings), row.own ? el('span.tag', {}, 'own') : null,
-           row.why ? el('span.why', {}, row.why) : null]
+           row.why ? el(choice.notRun(row) ? 'span.why.pending' : 'span.why', {}, row.why) : null]
     },
-    {title: 'end', text: true, value: row => row.status, cell: row => row.status === 'ok' ? 'ok' : el('b.why', {}, row.status)},
+    {
+      title: 'end',
+      text: true,
+      value: row => choice.ending(row),
+      cell: row => row.status === 'ok' ? 'ok' : el(choice.notRun(row) ? 'span.pending' : 'b.why', {}, choice.ending(row))
+    },
+    ...(choice.rows.some(row => row.rate_hz) ? [{
+      title: 'output',
+      value: row => row.rate_hz,
+      cell: row => row.rate_hz ? sb.rateText(row.rate_hz) : sb.missing,
+      note: 'rate of the fastest sensor'
+    }] : []),
     {title: 'CPU / simulated s', value: row => row.cost, cell: row => sb.duration(row.cost), note: 'median'},
     {
       title: '±',
       value: spread,
-      cell: row => spread(row) === null ? sb.missing : percent(spread(row)),
+      cell: row => spread(row) !== null ? percent(spread(row)) : row.cpu_s ? sb.fewRuns(row.cpu_s) : sb.missing,
       note: 'half the spread of the CPU time'
     },
     {
