@@ -114,8 +114,8 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-// Throws InputError for a scene that cannot be read or does not run as it is, and for a budget of less than budget_in_runs of its trials;
-// Interrupted.
+// Throws InputError for a scene that cannot be read or does not run as it is, and for a budget of less than budget_in_runs of its trials, and
+// Interrupted where it was interrupted before there was a reference.
 inline constexpr double budget_in_runs = 12.0;
 Exploration explore(const ExploreOptions& options, const Catalogues& catalogues);
 
