@@ -89,19 +89,6 @@ std::size_t needed_of(const Named& expectation, std::size_t trials, double confi
   return std::max(share_of(expectation, trials), shown);
 }
 
-SweepOptions sweep_of(const CheckOptions& options) {
-  SweepOptions sweep;
-  sweep.scene_path = options.scene_path;
-  sweep.overrides = options.overrides;
-  sweep.seed = options.seed;
-  sweep.trials = options.trials;
-  sweep.jobs = options.jobs;
-  sweep.interrupt = options.interrupt;
-  sweep.on_start = options.on_start;
-  sweep.keep_failed = true;
-  return sweep;
-}
-
 // The run that repeats one trial. `run` knows the trials of a scene's own sweep: their number goes there.
 SweepOptions replay_of(const CheckOptions& options, std::uint64_t seed, std::size_t trial) {
   SweepOptions run;
@@ -215,6 +202,19 @@ std::string verdict_text(Verdict verdict) {
 
 bool expects_anything(const CheckOptions& options, const Catalogues& catalogues) {
   return !parse_scene(load_scene(options), catalogues).expect.expectations.empty();
+}
+
+SweepOptions sweep_of(const CheckOptions& options) {
+  SweepOptions sweep;
+  sweep.scene_path = options.scene_path;
+  sweep.overrides = options.overrides;
+  sweep.seed = options.seed;
+  sweep.trials = options.trials;
+  sweep.jobs = options.jobs;
+  sweep.interrupt = options.interrupt;
+  sweep.on_start = options.on_start;
+  sweep.keep_failed = true;
+  return sweep;
 }
 
 SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {

@@ -77,6 +77,9 @@ struct SceneCheck {
 // Whether the scene expects anything. Throws InputError for a scene that cannot be read.
 bool expects_anything(const CheckOptions& options, const Catalogues& catalogues);
 
+// The sweep whose trials are held against what the scene expects.
+SweepOptions sweep_of(const CheckOptions& options);
+
 // Runs the scene's trials and holds each expectation against them. A trial that fails keeps none. Throws InputError for a scene that
 // cannot be run, for a reliability that so many trials cannot show, and where the files of a failed check cannot be written.
 SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});

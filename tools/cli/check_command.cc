@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -161,7 +162,9 @@ int check_command(const Options& options) {
       if (!guard) guard.emplace();
     };
     if (expects_anything(check, catalogues)) {
-      settle_accuracy(check.scene_path, check.overrides, check.seed, catalogues, options.quiet || options.json);
+      SweepOptions sweep = sweep_of(check);
+      settle_accuracy(sweep, catalogues, options.quiet || options.json);
+      check.overrides = std::move(sweep.overrides);
     }
     checks.push_back(check_with_progress(check, catalogues, options.quiet || options.json));
     if (checks.back().interrupted) {

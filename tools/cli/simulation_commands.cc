@@ -105,7 +105,7 @@ int report_interrupted(const SweepSummary& summary) {
 
 int simulate_and_print(SweepOptions sweep, const Options& options) {
   const Catalogues catalogues = program_catalogues();
-  settle_accuracy(sweep.scene_path, sweep.overrides, sweep.seed, catalogues, options.quiet || options.json);
+  settle_accuracy(sweep, catalogues, options.quiet || options.json);
   const Finished finished = simulate(sweep, options, catalogues);
   if (options.json) {
     print_json(finished);

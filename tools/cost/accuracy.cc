@@ -38,6 +38,12 @@ Measure measure_named(const std::string& name) {
   return found->measure;
 }
 
+// To four digits.
+std::string rounded_time(const std::string& text) {
+  const std::string rounded = fmt::format("{:.3e}", parse_quantity(text, Quantity::time));
+  return format_quantity(parse_quantity(rounded, Quantity::time), Quantity::time);
+}
+
 struct Wish {
   Measure measure;
   double limit;
@@ -53,12 +59,8 @@ struct Cut {
 
 class Search {
  public:
-  Search(const SceneFile& file, std::uint64_t seed, const Catalogues& catalogues)
-      : file_(file),
-        seed_(seed),
-        catalogues_(catalogues),
-        wished_(file, catalogues, 0, seed),
-        trials_(spread_trials(wished_.size(), most_probed)) {
+  explicit Search(const PlannedTrials& planned)
+      : wished_(planned.plan), asked_(planned.asked), trials_(spread_trials(asked_, most_probed)) {
     const Scene scene = wished_.trial(0).scene;
     if (!scene.accuracy) return;
     for (const AccuracyScene::Wish& wish : scene.accuracy->wishes) wishes_.push_back({measure_named(wish.measure), wish.limit});
@@ -122,11 +124,11 @@ class Search {
   // The longest time that divides all that sensors with pads of their own leave between readings.
   void find_sampling_time() {
     std::set<double> rates;
-    for (const std::size_t trial : spread_trials(wished_.size(), most_checked)) {
+    for (const std::size_t trial : spread_trials(asked_, most_checked)) {
       const Scene scene = wished_.trial(trial).scene;
       for (const SensorScene& sensor : scene.sensors) {
         if (!sensor.follows.empty()) continue;
-        const std::unique_ptr<Sensor> made = make_sensor(sensor, seed_, trial);
+        const std::unique_ptr<Sensor> made = make_sensor(sensor, scene.seed, trial);
         rates.insert(made->rate() * static_cast<double>(made->scans()));
       }
     }
@@ -145,28 +147,37 @@ class Search {
     refuse("accuracy", "the sensors' sampling times have no common step; allowed: rates that have one, or no wish");
   }
 
+  // Why a trial cannot begin with the setting; empty: it can.
+  [[nodiscard]] std::optional<SceneValueError> refusal_of(const Cut& cut, std::size_t trial) const {
+    try {
+      check_trial(scene_of(cut, trial), trial);
+      return std::nullopt;
+    } catch (const SceneValueError& error) {
+      return error;
+    }
+  }
+
   // The fewest steps in the sampling time that are stable in all trials looked at; 0: none are, and `last_refusal_` says why.
   std::size_t fewest_steps(bool implicit) {
-    for (std::size_t steps = 1; steps <= most_divisors; ++steps) {
-      const std::vector<std::size_t> checked = spread_trials(wished_.size(), most_checked);
-      try {
-        for (const std::size_t trial : checked) check_trial(scene_of({implicit, steps}, trial), trial);
-        return steps;
-      } catch (const SceneValueError& error) {
-        last_refusal_ = std::current_exception();
-        if (error.path() != "time_step" && error.path() != "duration") return 0;
+    std::size_t steps = 1;
+    // What is stable with a step is so with a shorter one: trials seen before are not looked at again.
+    for (const std::size_t trial : spread_trials(asked_, most_checked)) {
+      while (std::optional<SceneValueError> refusal = refusal_of({implicit, steps}, trial)) {
+        last_refusal_ = std::move(refusal);
+        const bool of_step = last_refusal_->path() == "time_step" || last_refusal_->path() == "duration";
+        if (!of_step || ++steps > most_divisors) return 0;
       }
     }
-    return 0;
+    return steps;
   }
 
   // Finds from where on settings are tried; returns the steps of the longest one of the kind that references are of.
   std::size_t longest_step() {
     find_sampling_time();
     explicit_steps_ = fewest_steps(false);
-    if (explicit_steps_ == 0 && !has_choice_) std::rethrow_exception(last_refusal_);
+    if (explicit_steps_ == 0 && !has_choice_) throw SceneValueError(*last_refusal_);
     if (has_choice_) implicit_steps_ = fewest_steps(true);
-    if (explicit_steps_ == 0 && implicit_steps_ == 0) std::rethrow_exception(last_refusal_);
+    if (explicit_steps_ == 0 && implicit_steps_ == 0) throw SceneValueError(*last_refusal_);
     return explicit_steps_ > 0 ? explicit_steps_ : implicit_steps_;
   }
 
@@ -263,7 +274,8 @@ class Search {
       }
       refuse_what_never_happens(errors);
       reference_ = std::move(results);
-      found.reference = setting_text(overrides_of(cut));
+      found.reference_overrides = overrides_of(cut);
+      found.reference = setting_text(found.reference_overrides);
       found.reference_errors = errors;
       reference_steps_ = cut.steps;
       if (meets(errors, reference_share)) return;
@@ -305,16 +317,14 @@ class Search {
     throw std::logic_error("a setting that meets the wish was refused");
   }
 
-  const SceneFile& file_;
-  std::uint64_t seed_;
-  const Catalogues& catalogues_;
-  TrialPlan wished_;  // as the scene stands
+  const TrialPlan& wished_;  // as the scene stands
+  std::size_t asked_;        // the first so many trials are to run
   std::vector<std::size_t> trials_;
   std::vector<Wish> wishes_;
   bool has_choice_ = false;  // of the solver
   double sampling_time_ = 0.0;
   std::size_t explicit_steps_ = 0, implicit_steps_ = 0;  // fewest in the sampling time; 0: there is no such setting
-  std::exception_ptr last_refusal_;
+  std::optional<SceneValueError> last_refusal_;
   std::vector<ClosedForm> exact_;       // by trial looked at
   std::vector<TrialResult> reference_;  // likewise
   std::size_t reference_steps_ = 0;
@@ -322,15 +332,14 @@ class Search {
 
 }  // namespace
 
-std::optional<FoundSetting> find_setting(const SceneFile& file, std::uint64_t seed, const Catalogues& catalogues) {
-  return Search(file, seed, catalogues).find();
-}
+std::optional<FoundSetting> find_setting(const PlannedTrials& planned) { return Search(planned).find(); }
 
 std::string setting_text(const std::vector<Override>& overrides) {
   std::string text;
   for (const Override& change : overrides) {
     if (change.path == no_wish.path) continue;
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", change.path, change.value);
+    const std::string value = change.path == "time_step" ? rounded_time(change.value) : change.value;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", change.path, value);
   }
   return text;
 }

@@ -16,16 +16,16 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
 #include "tools/cost/errors.h"
+#include "tools/run/run_sweep.h"
 
 namespace slipbench {
 
 inline constexpr double margin = 0.5;
 inline constexpr double reference_share = 0.1;
 inline constexpr std::size_t implicit_cost = 4;       // what an implicit step costs, as a multiple of an explicit one (assumed)
-inline constexpr std::size_t most_probed = 5;         // trials looked at, spread evenly over the scene's sweep
+inline constexpr std::size_t most_probed = 5;         // trials looked at, spread evenly over those asked for
 inline constexpr std::size_t finest_reference = 512;  // the longest step over the shortest one of a reference
 
 // One setting that was tried.
@@ -38,18 +38,19 @@ struct SettingLook {
 
 struct FoundSetting {
   std::vector<Override> overrides;  // what replaces the wish: accuracy, time_step and, where it is not explicit, field_solver
-  std::vector<std::size_t> trials;  // of the scene's sweep, looked at
-  std::string reference;            // "closed form", "time_step 62.5 us"
-  Errors reference_errors;          // of the reference, as estimated; empty: closed form
-  std::vector<SettingLook> looks;   // in the order in which they were tried; the last one is what was found
+  std::vector<std::size_t> trials;  // of the plan, looked at
+  std::string reference;            // as a person reads it: "closed form", "time_step 62.5 us"
+  std::vector<Override> reference_overrides;  // exactly; empty: closed form
+  Errors reference_errors;                    // of the reference, as estimated; empty: closed form
+  std::vector<SettingLook> looks;             // in the order in which they were tried; the last one is what was found
 };
 
-// Empty where the scene wishes for nothing. `file` with its overrides; `seed`: the dataset's. Throws InputError, as
-// "scene.yaml:3: ...", for a scene that cannot be run, for a wish for what never happens in the trials looked at, and for one
-// that cannot be met: then it says what can.
-std::optional<FoundSetting> find_setting(const SceneFile& file, std::uint64_t seed, const Catalogues& catalogues);
+// Empty where the scene wishes for nothing. `planned`: the trials that are to run, and thus the scene and the dataset's seed.
+// Throws InputError, as "scene.yaml:3: ...", for a scene that cannot be run, for a wish for what never happens in the trials
+// looked at, and for one that cannot be met: then it says what can.
+std::optional<FoundSetting> find_setting(const PlannedTrials& planned);
 
-// Settings as a person reads them: "time_step 1 ms, field_solver implicit".
+// Settings as a person reads them, steps to four digits: "time_step 227.3 us, field_solver implicit".
 std::string setting_text(const std::vector<Override>& overrides);
 
 // An error in its measure's unit: "0.52 %".

@@ -1,9 +1,15 @@
 #include "tools/cost/kept_setting.h"
 
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string_view>
+#include <system_error>
+
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -49,11 +55,13 @@ OrderedJson errors_as_json(const Errors& errors) {
 }
 
 // What an entry is for: the same in, the same setting out.
-OrderedJson subject_of(const SceneFile& file, const Scene& scene, const std::vector<Override>& overrides, std::uint64_t seed) {
+OrderedJson subject_of(const SceneFile& file, const Scene& scene, const std::vector<Override>& overrides,
+                       const PlannedTrials& planned) {
   return {{"version", SLIPBENCH_VERSION},
           {"scene_sha256", text_sha256(file.text())},
           {"model_sha256", scene.model.empty() ? OrderedJson(nullptr) : OrderedJson(file_sha256(scene.model))},
-          {"seed", seed},
+          {"seed", scene.seed},
+          {"trials", {{"asked", planned.asked}, {"of_each_cell", planned.plan.draws()}}},
           {"overrides", overrides_as_json(overrides)}};
 }
 
@@ -71,17 +79,44 @@ OrderedJson entry_of(const OrderedJson& subject, const Scene& scene, const Found
                        {"wish", std::move(wish)},
                        {"setting", overrides_as_json(found.overrides)},
                        {"trials", found.trials},
-                       {"reference", {{"is", found.reference}, {"errors", errors_as_json(found.reference_errors)}}},
+                       {"reference",
+                        {{"is", found.reference},
+                         {"setting", overrides_as_json(found.reference_overrides)},
+                         {"errors", errors_as_json(found.reference_errors)}}},
                        {"margin", margin},
                        {"looks", std::move(looks)}};
   entry["sha256"] = text_sha256(entry.dump());
   return entry;
 }
 
+[[noreturn]] void refuse_to_keep(const std::string& why) {
+  throw InputError(why +
+                   "; the setting that meets the scene's wish for accuracy is kept there; allowed: a file that can be "
+                   "written, or no wish: --set accuracy=none runs without");
+}
+
+// Refuses where write_text_file would fail. Whether a file can be made is known for sure only once one has been: its name is as
+// long as the one that will be.
+void check_record(const std::string& path, const std::string& scene_path) {
+  try {
+    check_text_target(path, {scene_path}, kept_kind);
+  } catch (const InputError& error) {
+    refuse_to_keep(error.what());
+  }
+  std::string name = path + "..XXXXXX";
+  const int descriptor = ::mkstemp(name.data());
+  if (descriptor < 0) refuse_to_keep(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+  ::close(descriptor);
+  ::unlink(name.c_str());
+}
+
 // The entries of the file; none where there is no file.
 OrderedJson read_entries(const std::string& path) {
-  if (!std::filesystem::exists(path)) return OrderedJson::array();
-  if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": is no file; the scene's setting is kept there");
+  std::error_code error;
+  const std::filesystem::file_type type = std::filesystem::status(path, error).type();
+  // Where it cannot even be looked for, writing says why.
+  if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::none) return OrderedJson::array();
+  if (type != std::filesystem::file_type::regular) refuse_to_keep(path + ": is no file");
   std::ifstream stream(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   const auto damaged = [&](const std::string& why) {
@@ -121,24 +156,26 @@ std::string line_of(const OrderedJson& entry) {
 
 }  // namespace
 
-std::optional<KeptSetting> setting_for(const std::string& scene_path, const std::vector<Override>& overrides,
-                                       std::optional<std::uint64_t> seed, const Catalogues& catalogues,
+std::optional<KeptSetting> setting_for(const SweepOptions& sweep, const Catalogues& catalogues,
                                        const std::function<void()>& on_search) {
-  SceneFile file = SceneFile::load(scene_path);
-  for (const Override& change : overrides) file.apply(change);
-  const Scene scene = parse_scene(file, catalogues);
+  SceneFile file = SceneFile::load(sweep.scene_path);
+  for (const Override& change : sweep.overrides) file.apply(change);
+  if (file.root().find("accuracy") == nullptr) return std::nullopt;
+  const std::uint64_t seed = sweep.seed ? *sweep.seed : parse_scene(file, catalogues).seed;
+  const PlannedTrials planned = plan_trials(file, catalogues, sweep, seed);
+  const Scene scene = planned.plan.trial(0).scene;
   if (!scene.accuracy) return std::nullopt;
 
-  const std::string path = scene_path + ".accuracy.json";
-  const OrderedJson subject = subject_of(file, scene, overrides, seed.value_or(scene.seed));
+  const std::string path = sweep.scene_path + ".accuracy.json";
+  const OrderedJson subject = subject_of(file, scene, sweep.overrides, planned);
   OrderedJson entries = read_entries(path);
   for (const OrderedJson& entry : entries) {
     if (entry.at("subject") == subject) return KeptSetting{overrides_of(entry.at("setting")), path, line_of(entry)};
   }
 
-  check_text_target(path, {scene_path}, kept_kind);  // before the work
+  check_record(path, sweep.scene_path);  // before the work
   if (on_search) on_search();
-  const FoundSetting found = find_setting(file, seed.value_or(scene.seed), catalogues).value();
+  const FoundSetting found = find_setting(planned).value();
   OrderedJson kept = OrderedJson::array();
   for (const OrderedJson& entry : entries) {
     if (entry.at("subject").at("scene_sha256") == subject.at("scene_sha256")) kept.push_back(entry);

@@ -105,14 +105,6 @@ FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* enc
   return finished;
 }
 
-// The trials to choose from: the scene's sweep, its cells repeated until there are at least options.limit.
-TrialPlan make_plan(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
-  TrialPlan plan(file, catalogues, options.trials, seed);
-  if (plan.size() >= options.limit) return plan;
-  const std::size_t cells = TrialPlan(file, catalogues, 1, seed).size();
-  return {file, catalogues, (options.limit + cells - 1) / cells, seed};
-}
-
 // Adds the trial's number, and the line of the scene where one is to blame, to what went wrong.
 [[noreturn]] void rethrow_of_trial(const TrialPlan& plan, std::size_t index) {
   try {
@@ -214,7 +206,23 @@ Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) 
   return values;
 }
 
+TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
+  TrialPlan plan(file, catalogues, options.trials, seed);
+  if (plan.size() >= options.limit) return plan;
+  const std::size_t cells = TrialPlan(file, catalogues, 1, seed).size();
+  return {file, catalogues, (options.limit + cells - 1) / cells, seed};
+}
+
 }  // namespace
+
+PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
+  PlannedTrials planned{long_enough_plan(file, catalogues, options, seed), options.limit};
+  if (planned.asked == 0) planned.asked = planned.plan.size();
+  if (options.only && *options.only >= planned.asked) {
+    throw InputError(fmt::format("{}: there is no trial {}; allowed: 0 to {}", file.name(), *options.only, planned.asked - 1));
+  }
+  return planned;
+}
 
 std::string shell_word(const std::string& word) {
   const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
@@ -244,12 +252,9 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   SweepSummary summary;
   summary.seed = options.seed ? *options.seed : parse_scene(file, catalogues).seed;
   summary.command = canonical_command(options);
-  const TrialPlan plan = make_plan(file, catalogues, options, summary.seed);
-  const std::size_t asked = options.limit == 0 ? plan.size() : options.limit;
-  if (options.only && *options.only >= asked) {
-    throw InputError(fmt::format("{}: there is no trial {}; allowed: 0 to {}", options.scene_path, *options.only, asked - 1));
-  }
-  summary.planned = options.only ? 1 : asked;
+  const PlannedTrials chosen = plan_trials(file, catalogues, options, summary.seed);
+  const TrialPlan& plan = chosen.plan;
+  summary.planned = options.only ? 1 : chosen.asked;
   summary.scene = plan.trial(options.only.value_or(0)).scene;
   if (summary.scene.accuracy) throw std::logic_error("run_sweep: a scene whose wish for accuracy has not been settled");
   summary.available = plan.size();

@@ -79,15 +79,26 @@ struct SweepSummary {
   std::vector<std::string> files;  // written; those of the kept partial dataset when interrupted
 };
 
+// The trials that a command chooses from.
+struct PlannedTrials {
+  TrialPlan plan;         // the scene's sweep, its cells repeated until there are at least options.limit
+  std::size_t asked = 0;  // the first so many of them are asked for; options.only is one of these
+};
+
+// `file`: with options.overrides; `catalogues` must outlive what comes back; `seed`: the dataset's. Throws InputError as TrialPlan
+// does, and when options.only is none of the trials asked for.
+PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed);
+
 // What decides the bytes of a dataset, as a shell would be given it: no --jobs, no -o.
 std::string canonical_command(const SweepOptions& options);
 
 // A word as a shell has to be given it.
 std::string shell_word(const std::string& word);
 
-// Runs the sweep. Throws InputError for a scene or a target that cannot be used, when options.only is none of its trials, and, but for options.keep_failed, when a trial fails ("trial 17: ..."): the
-// trials before it are kept under OUT.partial.h5, which the message names. A scene that wishes for accuracy is a std::logic_error: its setting is found
-// before (tools/cost). What is written does not depend on `jobs`.
+// Runs the sweep. Throws InputError for a scene or a target that cannot be used, when options.only is none of its trials, and, but
+// for options.keep_failed, when a trial fails ("trial 17: ..."): the trials before it are kept under OUT.partial.h5, which the
+// message names. A scene that wishes for accuracy is a std::logic_error: its setting is found before (tools/cost). What is written
+// does not depend on `jobs`.
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 
 // The summary as the one JSON object of `--json`.

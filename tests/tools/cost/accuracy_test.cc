@@ -16,17 +16,24 @@
 namespace slipbench::testing {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr std::uint64_t seed = 7;
 
 SceneFile file_of(const std::string& text) { return SceneFile::from_text("slipbench: 1\n" + text, "wish.yaml"); }
 
-FoundSetting found_for(const SceneFile& file) { return find_setting(file, seed, program_catalogues()).value(); }
+// What is found for the trials of the scene's own sweep, or for those that `sweep` asks for.
+std::optional<FoundSetting> look_for(const SceneFile& file, const SweepOptions& sweep = {}) {
+  const Catalogues catalogues = program_catalogues();
+  return find_setting(plan_trials(file, catalogues, sweep, seed));
+}
+
+FoundSetting found_for(const SceneFile& file, const SweepOptions& sweep = {}) { return look_for(file, sweep).value(); }
 
 std::string refusal(const std::string& text) {
   try {
-    find_setting(file_of(text), seed, program_catalogues());
+    look_for(file_of(text));
   } catch (const InputError& error) {
     return error.what();
   }
@@ -49,9 +56,7 @@ double step_of(const std::vector<Override>& overrides) {
 const std::string stage = "duration: 1.2 s\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\n";
 const std::string moves = "motion: {kind: stage, start: 0.7 s, ";
 
-TEST(FindSetting, LooksForNothingWithoutAWish) {
-  EXPECT_FALSE(find_setting(file_of(stage), seed, program_catalogues()).has_value());
-}
+TEST(FindSetting, LooksForNothingWithoutAWish) { EXPECT_FALSE(look_for(file_of(stage)).has_value()); }
 
 TEST(FindSetting, TakesTheLongestStepWhereTheFieldIsExact) {
   // At constant speed each onset is exact at any step, and the closed form says so.
@@ -90,6 +95,31 @@ TEST(FindSetting, LooksAtTrialsSpreadOverTheSweep) {
   EXPECT_EQ(found.trials, (std::vector<std::size_t>{0, 2, 4, 6, 8}));
   EXPECT_EQ(found.reference.substr(0, 10), "time_step ");  // distances have no closed form
   EXPECT_LE(at(found.reference_errors, Measure::slip_distance)->worst, reference_share * 0.05);
+}
+
+TEST(FindSetting, LooksAtTheTrialsThatRun) {
+  const SceneFile file = file_of(stage + moves +
+                                 "speed: 8 mm/s, acceleration: inf}\naccuracy: {onset: 1 %}\n"
+                                 "sweep: {motion.direction: {draw: uniform, min: 0 deg, max: 90 deg}}\n");
+  SweepOptions sweep;
+  EXPECT_THAT(found_for(file, sweep).trials, ElementsAre(0));
+  sweep.trials = 6;  // draws of the one cell: k 5/4, rounded down
+  EXPECT_THAT(found_for(file, sweep).trials, ElementsAre(0, 1, 2, 3, 5));
+  sweep.only = 4;  // one of these, with their setting
+  EXPECT_THAT(found_for(file, sweep).trials, ElementsAre(0, 1, 2, 3, 5));
+  SweepOptions run;
+  run.limit = 3;  // the first three, of more than the scene's sweep has
+  EXPECT_THAT(found_for(file, run).trials, ElementsAre(0, 1, 2));
+}
+
+TEST(FindSetting, SaysStepsToFourDigits) {
+  // 10 ms / 44 has no short decimal; the override is exact, and what a person reads is not.
+  const double step = 0.01 / 44;
+  const std::string exact = format_quantity(step, Quantity::time);
+  EXPECT_EQ(parse_quantity(exact, Quantity::time), step);
+  EXPECT_EQ(setting_text({{"accuracy", "none"}, {"time_step", exact}, {"field_solver", "implicit"}}),
+            "time_step 227.3 us, field_solver implicit");
+  EXPECT_EQ(setting_text({{"time_step", "2 ms"}}), "time_step 2 ms");
 }
 
 TEST(FindSetting, RefusesAWishForWhatNeverHappens) {
@@ -163,8 +193,7 @@ TEST_P(OnsetWish, IsMetAgainstAFinerRun) {
     const SceneFile file = file_of(GetParam().text + fmt::format("accuracy: {{onset: {}}}\n", wish));
     const FoundSetting found = found_for(file);
     const bool exact = found.reference == "closed form";
-    const double step = exact ? step_of(found.overrides) / 16.0
-                              : parse_quantity(found.reference.substr(found.reference.find(' ') + 1), Quantity::time) / 2.0;
+    const double step = exact ? step_of(found.overrides) / 16.0 : step_of(found.reference_overrides) / 2.0;
     Scene scene;
     const TrialResult finer =
         run_with(file, {{"accuracy", "none"}, {"time_step", format_quantity(step, Quantity::time)}}, 0, &scene);

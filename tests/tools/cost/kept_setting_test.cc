@@ -15,6 +15,7 @@
 namespace slipbench::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -32,12 +33,21 @@ class KeptSettingTest : public FolderTest {
     return {std::istreambuf_iterator<char>(file), {}};
   }
   // Counts in `searches_` whether it was looked for.
-  std::optional<KeptSetting> settle(const std::vector<Override>& overrides = {}, std::optional<std::uint64_t> seed = {}) {
-    return setting_for(path("s.yaml"), overrides, seed, program_catalogues(), [this] { ++searches_; });
+  std::optional<KeptSetting> settle_for(SweepOptions sweep) {
+    if (sweep.scene_path.empty()) sweep.scene_path = path("s.yaml");
+    return setting_for(sweep, program_catalogues(), [this] { ++searches_; });
   }
-  std::string refusal() {
+  std::optional<KeptSetting> settle(const std::vector<Override>& overrides = {}, std::optional<std::uint64_t> seed = {}) {
+    SweepOptions sweep;
+    sweep.overrides = overrides;
+    sweep.seed = seed;
+    return settle_for(sweep);
+  }
+  std::string refusal(const std::string& name = "s.yaml") {
+    SweepOptions sweep;
+    sweep.scene_path = path(name);
     try {
-      settle();
+      settle_for(sweep);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -91,6 +101,41 @@ TEST_F(KeptSettingTest, IsOfThisSceneAlone) {
   EXPECT_EQ(nlohmann::json::parse(read("s.yaml.accuracy.json")).at("settings").size(), 1U);
 }
 
+TEST_F(KeptSettingTest, IsOfTheseTrialsAlone) {
+  write("s.yaml", dragged + "accuracy: {onset: 1 %}\nsweep: {motion.direction: {draw: uniform, min: 0 deg, max: 90 deg}}\n");
+  SweepOptions run;
+  run.limit = 1;
+  SweepOptions sweep;
+  sweep.trials = 6;
+  settle_for(run);
+  settle_for(sweep);
+  EXPECT_EQ(searches_, 2);
+  settle_for(run);
+  settle_for(sweep);
+  SweepOptions first;  // the sweep as the scene has it: its one trial
+  settle_for(first);
+  SweepOptions one = sweep;  // has the bytes that it has among them
+  one.only = 4;
+  settle_for(one);
+  EXPECT_EQ(searches_, 2);
+  one.only = 6;
+  EXPECT_THAT(message_of<InputError>([&] { settle_for(one); }), HasSubstr("there is no trial 6; allowed: 0 to 5"));
+  EXPECT_EQ(searches_, 2);
+  const auto entries = nlohmann::json::parse(read("s.yaml.accuracy.json")).at("settings");
+  ASSERT_EQ(entries.size(), 2U);
+  EXPECT_EQ(entries.at(0).at("trials"), nlohmann::json::array({0}));
+  EXPECT_EQ(entries.at(1).at("trials"), nlohmann::json::array({0, 1, 2, 3, 5}));
+  EXPECT_EQ(entries.at(1).at("subject").at("trials").at("asked"), 6);
+}
+
+// What is wrong with a scene that wishes for nothing is found once, where it runs.
+TEST_F(KeptSettingTest, ReadsNoMoreThanTheKeyOfASceneWithoutAWish) {
+  write("s.yaml", dragged + "surface: {material: no such material}\n");
+  EXPECT_FALSE(settle().has_value());
+  write("s.yaml", dragged + "surface: {material: no such material}\naccuracy: {onset: 1 %}\n");
+  EXPECT_THAT(refusal(), HasSubstr("no such material"));
+}
+
 TEST_F(KeptSettingTest, IsNoneWithoutAWish) {
   EXPECT_FALSE(settle({{"accuracy", "none"}}).has_value());
   EXPECT_TRUE(settle({{"accuracy", "none"}, {"accuracy", "{micro_onset: 1 %}"}}).has_value());
@@ -109,9 +154,25 @@ TEST_F(KeptSettingTest, RefusesADamagedFile) {
   EXPECT_THAT(refusal(), HasSubstr("an entry is not as it was written"));
 }
 
-TEST_F(KeptSettingTest, NamesTheFileThatCannotBeWritten) {
+TEST_F(KeptSettingTest, NamesTheFileThatCannotBeWrittenBeforeItLooks) {
+  const std::string how =
+      "; the setting that meets the scene's wish for accuracy is kept there; allowed: a file that can be "
+      "written, or no wish: --set accuracy=none runs without";
   std::filesystem::create_directory(path("s.yaml.accuracy.json"));
-  EXPECT_THAT(refusal(), HasSubstr(path("s.yaml.accuracy.json")));
+  EXPECT_EQ(refusal(), path("s.yaml.accuracy.json") + ": is no file" + how);
+  std::filesystem::remove(path("s.yaml.accuracy.json"));
+  std::filesystem::create_directory(path("s.yaml.accuracy.json.partial"));
+  EXPECT_THAT(refusal(), AllOf(HasSubstr(path("s.yaml.accuracy.json.partial") + ": it is a folder"), HasSubstr(how)));
+  // A folder that takes no file of this name, whoever asks: with .accuracy.json it is longer than the 255 bytes of a name.
+  const std::string name = std::string(245, 's') + ".yaml";
+  std::filesystem::rename(path("s.yaml"), path(name));
+  EXPECT_EQ(refusal(name), "cannot write " + path(name) + ".accuracy.json: File name too long" + how);
+  EXPECT_EQ(searches_, 0);
+  EXPECT_THAT(names(), ElementsAre("s.yaml.accuracy.json.partial", name));
+  SweepOptions without;
+  without.scene_path = path(name);
+  without.overrides = {{"accuracy", "none"}};
+  EXPECT_FALSE(settle_for(without).has_value());
 }
 
 TEST_F(KeptSettingTest, MakesTheSceneOneThatItsCommandRepeats) {
