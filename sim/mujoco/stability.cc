@@ -218,8 +218,10 @@ LinearModel linear_model(const mjModel* m, mjData* d, std::span<const PadOnBodie
     model.stiffness += jacobian.transpose() * tangents[i].stiffness * jacobian;
     model.damping += jacobian.transpose() * tangents[i].damping * jacobian;
   }
-  if ((m->opt.disableflags & mjDSBL_DAMPER) == 0)
-    model.joint_damping.diagonal() = Eigen::Map<const Eigen::VectorXd>(m->dof_damping, nv);
+  if ((m->opt.disableflags & mjDSBL_DAMPER) == 0) {
+    const bool explicitly = m->opt.integrator == mjINT_EULER && (m->opt.disableflags & mjDSBL_EULERDAMP) != 0;
+    (explicitly ? model.damping : model.joint_damping).diagonal() += Eigen::Map<const Eigen::VectorXd>(m->dof_damping, nv);
+  }
   return model;
 }
 

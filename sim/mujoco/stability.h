@@ -15,7 +15,8 @@
 //
 // Where an explicit step diverges. With the pads' damping C (their dashpots, of whatever pad) and the dampers D of the model's joints
 //   M q'' = -K q - (C + D) q'.
-// MuJoCo's one-stage integrators take the velocity first and the position with the new one, and dampers of joints implicitly:
+// MuJoCo's one-stage integrators take the velocity first and the position with the new one, and dampers of joints implicitly (but Euler
+// where the model disables that with `eulerdamp`: then they are as explicit as C, and count there):
 //   (M + h D) (v' - v) = -h (K x + C v + D v),  x' = x + h v'
 // A mode that grows by l a step has v = (l - 1)/(h l) x, and with m, k, c, d the squares of M, K, C, D in its shape x
 //   (m + h d) (l - 1)^2 + h (c + d) (l - 1) + h^2 k l = 0
@@ -99,7 +100,7 @@ struct Vibration {
 struct LinearModel {
   Eigen::MatrixXd mass;
   Eigen::MatrixXd stiffness;      // K
-  Eigen::MatrixXd damping;        // C
+  Eigen::MatrixXd damping;        // C, and joints' dampers that the integrator takes explicitly
   Eigen::MatrixXd joint_damping;  // D
 };
 // `tangents` and `pads` go in pairs. Springs of joints, tendons and actuators are not in it. Throws std::invalid_argument when the

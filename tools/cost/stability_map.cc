@@ -165,8 +165,8 @@ StabilityCombination measure(const SetUp& set_up, const Parameters& parameters, 
 std::vector<std::string> sentences() {
   const StepProbeOptions probe;
   return {
-      "The largest stable time step of explicit pads, measured beside predicted, over mass, stiffness, damping, set-up and "
-      "integrator.",
+      "The largest stable time step of explicit pads whose elements all stick, measured beside predicted, over mass, stiffness, "
+      "damping, set-up and integrator. Of pads that slip, let go or strike it says nothing.",
       fmt::format("Measured: MuJoCo steps the model with the plugin, and nothing refuses a step that is too long. It stands in "
                   "equilibrium, every "
                   "element stuck (what slips is less stiff), gets a kick that excites every mode, and takes {} steps, which at "

@@ -251,6 +251,16 @@ TEST(Stability, LinearModelHasThePadsSpringsAndTheJointsDampers) {
   EXPECT_NEAR(model.mass(guide, guide), 0.2, 1e-12);
   EXPECT_EQ(model.joint_damping(guide, guide), 7.0);
   EXPECT_EQ(model.joint_damping.sum(), 7.0);
+  // Without MuJoCo's implicit dampers Euler alone takes them as explicitly as C.
+  bodies.model->opt.disableflags |= mjDSBL_EULERDAMP;
+  for (const int integrator : {mjINT_EULER, mjINT_IMPLICITFAST}) {
+    bodies.model->opt.integrator = integrator;
+    const bool explicitly = integrator == mjINT_EULER;
+    const LinearModel other = linear_model(bodies.model.get(), bodies.data.get(), pads, tangents);
+    EXPECT_NEAR(other.damping(guide, guide), tau * k + (explicitly ? 7.0 : 0.0), 1e-9 * tau * k);
+    EXPECT_EQ(other.joint_damping.sum(), explicitly ? 0.0 : 7.0);
+  }
+  bodies.model->opt.integrator = mjINT_EULER;
   bodies.model->opt.disableflags |= mjDSBL_DAMPER;
   EXPECT_EQ(linear_model(bodies.model.get(), bodies.data.get(), pads, tangents).joint_damping.sum(), 0.0);
   EXPECT_EQ(stepping_of(bodies.model.get()), Stepping::velocity_first);
@@ -328,6 +338,52 @@ double growth(double viscous_time, double part_of_limit) {
     fastest = std::max(fastest, std::abs(rig.d()->qvel[0]) / kick);
   }
   return fastest;
+}
+
+// The box on a slide with a damper of D = 40 N s/m between the same pads, stepped by MuJoCo's Euler: omega^2 = 18 k_n/m, d = D/m = 400/s. The
+// limit is (h omega)^2 = 4 + 2 h d, 3.56 ms, and where MuJoCo is told not to take dampers implicitly (h omega)^2 + 2 h d = 4, 2.08 ms.
+TEST(Stability, DampersOfJointsCountAsEulerTakesThem) {
+  const double square = 18.0 * k_n / 0.1, d = 400.0, root = std::sqrt(d * d + 4.0 * square);
+  const PadLayout layout = nine_flat_pillars(1.0);
+  for (const bool implicitly : {true, false}) {
+    const auto build = [&](double dt) {
+      return compile(parse("<mujoco><option timestep='" + std::to_string(dt * 1e9) + "e-9' gravity='0 0 0'><flag eulerdamp='" +
+                           (implicitly ? "enable" : "disable") +
+                           "'/></option><worldbody><body name='box'><joint type='slide' axis='1 0 0' damping='40'/>"
+                           "<geom name='box' type='box' size='0.015 0.02 0.06' mass='0.1' contype='0' conaffinity='0'/></body>"
+                           "<body pos='-0.01499 0 0' euler='0 -90 0'><site name='left'/></body>"
+                           "<body pos='0.01499 0 0' euler='0 90 0'><site name='right'/></body></worldbody></mujoco>")
+                         .get());
+    };
+    const auto rig_of = [&](double dt) {
+      return FieldRig(build(dt), {{"left", "box"}, {"right", "box"}}, layout, {1.0, 1.0}, 0.0, false);
+    };
+    FieldRig probe = rig_of(1e-3);
+    mj_forward(probe.m(), probe.d());
+    std::vector<PadOnBodies> pads;
+    std::vector<PadTangent> tangents;
+    for (int site = 0; site < 2; ++site) {
+      const Pose pad = pose_of(probe.d()->site_xpos + 3 * site, probe.d()->site_xmat + 9 * site);
+      pads.push_back({0, mj_name2id(probe.m(), mjOBJ_BODY, "box"), pad.position});
+      tangents.push_back(stuck_tangent(layout, pad, pad.position, 0.0));
+    }
+    const double limit = divergence_step(linear_model(probe.m(), probe.d(), pads, tangents), stepping_of(probe.m())) / less;
+    EXPECT_NEAR(limit, (implicitly ? root + d : root - d) / square, 1e-9 * limit);
+    for (const double part : {0.95, 1.05}) {
+      FieldRig rig = rig_of(part * limit);
+      rig.d()->qvel[0] = 1e-5;
+      double fastest = 0.0;
+      for (int i = 0; i < 1000; ++i) {
+        rig.step();
+        fastest = std::max(fastest, std::abs(rig.d()->qvel[0]) / 1e-5);
+      }
+      if (part < 1.0) {
+        EXPECT_LT(fastest, 4.0);
+      } else {
+        EXPECT_GT(fastest, 100.0);
+      }
+    }
+  }
 }
 
 // What semi-implicit Euler conserves is an ellipse of axis ratio 1/sqrt(1 - (h omega / 2)^2), 3.2 at 0.95 of the limit. A step 5
