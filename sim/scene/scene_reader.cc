@@ -127,6 +127,11 @@ class SceneReader : EntryReader {
     Parameters contact = parameters(node, "contact", "contact", contact_entry, {});
     refuse_mixed(node, contact, "solref", "two positive numbers, or two negative ones: -stiffness and -damping", false);
     refuse_mixed(node, contact, "solreffriction", "two positive numbers, two negative ones, or 0, 0: as solref", true);
+    if (const std::vector<double>& own = contact.vector("solreffriction");
+        contact.choice("cone") == "pyramidal" && (own[0] != 0.0 || own[1] != 0.0)) {
+      fail(node->find("solreffriction")->origin,
+           "contact.solreffriction: MuJoCo leaves it aside under pyramidal cones, its default; allowed with: cone: elliptic");
+    }
     const std::vector<double>& impedance = contact.vector("solimp");
     for (std::size_t i = 0; i < 2; ++i) {
       if (impedance[i] >= least_impedance && impedance[i] <= most_impedance) continue;
