@@ -61,15 +61,5 @@ TEST(Wish, ThatCannotBeMetEndsTheProgramWithWhatCan) {
   EXPECT_FALSE(std::filesystem::exists(folder / "wish.yaml.accuracy.json"));
 }
 
-#ifdef SLIPBENCH_WITH_MUJOCO
-// The box is scattered anew in each trial, and the fourth takes a shorter step than the first.
-TEST(Wish, IsMetInAllTrialsOfASceneThatDraws) {
-  const TemporaryFolder folder;
-  std::ofstream(folder / "lift.yaml") << bytes_of(SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml") << "accuracy: {onset: 1 %}\n";
-  const ChildResult sweep = run_program_file({"sweep", folder / "lift.yaml", "--trials", "6", "--seed", "2"});
-  EXPECT_EQ(sweep.status, 0) << sweep.err;
-}
-#endif
-
 }  // namespace
 }  // namespace slipbench
