@@ -8,6 +8,7 @@
 namespace slipbench {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
@@ -23,8 +24,8 @@ TEST(CostText, SaysFirstWhatAnErrorCosts) {
 // 2 s in 4 ms: 500 times real time; 0.005 is 0.5 %.
 TEST(CostText, EverySettingHasALineBelowItsSeries) {
   const std::string text = text_of(cost::example());
-  EXPECT_THAT(text, HasSubstr("setting           x real time  CPU ms   +-  onset [%]\n"));
-  EXPECT_THAT(text, HasSubstr("    5 ms                  500       4  0 %        0.5\n"));
+  EXPECT_THAT(text, ContainsRegex("setting +x real time +CPU ms +\\+- +onset \\[%\\]\n"));
+  EXPECT_THAT(text, ContainsRegex("    5 ms +500 +4 +0 % +0\\.5\n"));
   EXPECT_LT(text.find("element field"), text.find("MuJoCo's own contact\n"));
 }
 
@@ -38,7 +39,7 @@ TEST(CostText, WhatDidNotRunSaysWhyOnce) {
 TEST(CostText, ARunInWhichOtherThingsHappenHasNoNumber) {
   cost::Exploration exploration = cost::example();
   exploration.rows[1].errors = cost::onset_error(0.05, true);
-  EXPECT_THAT(text_of(exploration), HasSubstr("    10 ms                1000       2  0 %      other\n"));
+  EXPECT_THAT(text_of(exploration), ContainsRegex("    10 ms +1000 +2 +0 % +other\n"));
 }
 
 TEST(CostText, PricesStandBelow) {

@@ -243,13 +243,13 @@ INSTANTIATE_TEST_SUITE_P(
                 "doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{{"run", "s.yaml", "--job", "2"},
-                "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --trials, --jobs, "
-                "--quiet, --output, --record, --trial"},
+                "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, "
+                "--jobs, --output, --record, --trial"},
         Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
         Refusal{{"cost"}, "cost: a scene is missing; allowed: SCENE.yaml, --stability, or both"},
         Refusal{{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},
         Refusal{{"cost", "s.yaml", "--budget", "3 N"},
-                "cost: --budget: unit 'N' in '3 N' is not a unit of time; allowed: s, ms, us, min"},
+                "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
         Refusal{{"view", "s.yaml"},
                 "command 'view' is not available in this version; available: run, sweep, check, report, export, hd, train, eval, "
                 "reproduce, "
