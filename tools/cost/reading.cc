@@ -74,8 +74,11 @@ std::string contact_text(const Exploration& exploration, Measure measure, double
   }
   if (tried.refused == tried.all) return fmt::format("MuJoCo's own contact could not be tried ({})", tried.why);
   if (tried.not_run + tried.refused == tried.all) return "the budget left no time to try MuJoCo's own contact";
-  const std::string rest =
-      tried.not_run > 0 ? fmt::format("; the budget left no time for {} of {} settings", tried.not_run, tried.all) : "";
+  const std::size_t untried = tried.refused + tried.not_run;
+  const std::string rest = untried == 0
+                               ? ""
+                               : fmt::format("; that is of {} of {} settings: {} were refused, the budget left no time for {}",
+                                             tried.all - untried, tried.all, tried.refused, tried.not_run);
   if (const Row* const best = best_of(exploration, measure, contact_series)) {
     return fmt::format("MuJoCo's own contact does not reach it: {} at best ({}, {}){}",
                        limit_text(info, at(best->errors, measure)->worst), best->setting.label,

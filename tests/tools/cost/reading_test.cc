@@ -77,6 +77,14 @@ TEST(CostReading, ContactThatWasNotTriedHasNotFailed) {
   EXPECT_THAT(sentences(exploration).front(), HasSubstr("the budget left no time to try MuJoCo's own contact"));
 }
 
+// One of three, noslip 3, is refused: what is said is of the other two.
+TEST(CostReading, OfHowManySettingsAFailureIsSaid) {
+  Exploration exploration = example();
+  exploration.rows[5].status = Status::refused;
+  EXPECT_THAT(sentences(exploration).front(),
+              HasSubstr("; that is of 2 of 3 settings: 1 were refused, the budget left no time for 0"));
+}
+
 TEST(CostReading, AnInterruptedExplorationSaysSo) {
   Exploration exploration = example();
   exploration.interrupted = true;
