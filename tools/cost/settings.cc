@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <span>
+#include <string_view>
 #include <variant>
 
 #include <fmt/format.h>
@@ -48,6 +49,8 @@ std::string filled(std::string text, const std::string& mark, const std::string&
   return text;
 }
 constexpr std::array contact_steps{4e-3, 2e-3, 1e-3, 5e-4, 2e-4};
+// In a grasp the springs of the fingers bear no step above 0.8 ms.
+constexpr std::array grasp_contact_steps{5e-4, 2e-4, 1e-4, 5e-5};
 
 bool has(const SensorScene& sensor, const char* parameter) { return sensor.parameters.values().contains(parameter); }
 
@@ -133,8 +136,9 @@ void add_steps(const Scene& scene, const OwnRun& own, std::vector<Setting>& sett
 void add_contact(const Scene& scene, std::vector<Setting>& settings) {
   if (!scene.effects.empty()) return;
   const FrictionScene& friction = scene.friction;
-  for (const ContactChoice& choice : contact_choices) {
-    for (const double h : contact_steps) {
+  const std::span<const double> steps = scene.grasp ? std::span<const double>(grasp_contact_steps) : contact_steps;
+  for (const double h : steps) {
+    for (const ContactChoice& choice : contact_choices) {
       std::string contact = filled(choice.contact, "%2h", format_number(2.0 * h));
       contact = filled(filled(contact, "%h", format_number(h)), "%m", scene.dynamic() ? "1 g" : "10 g");
       std::vector<Override> changes = plain(scene, "mujoco_contact");
@@ -150,33 +154,27 @@ void add_contact(const Scene& scene, std::vector<Setting>& settings) {
   }
 }
 
-// By the parameter that says of how many elements a pad is made.
-const std::map<std::string, std::array<int, 4>>& element_counts() {
-  static const std::map<std::string, std::array<int, 4>> counts{
-      {"bristles", {1, 2, 6, 48}},
-      {"elements", {0, 0, 0, 0}},
-  };
-  return counts;
-}
+// The parameters that say of how many elements a pad is made: a sensor has one of them or none.
+constexpr std::array count_parameters{"bristles", "elements"};
 
-// The counts for a parameter with so many elements now: those of the table, or from two thirds to four times as many.
-std::array<int, 4> counts_for(const std::string& parameter, int now) {
-  const std::array<int, 4>& fixed = element_counts().at(parameter);
-  if (fixed[0] > 0) return fixed;
+// The counts to try for a parameter with so many elements now: bristles from the one of a point contact to a dense end face, of other
+// pads from two thirds to four times as many.
+std::array<int, 4> counts_for(std::string_view parameter, int now) {
+  if (parameter == "bristles") return {1, 2, 6, 48};
   return {(2 * now) / 3, now, 2 * now, 4 * now};
 }
 
 void add_elements(const Scene& scene, std::vector<Setting>& settings) {
-  for (const auto& [parameter, unused] : element_counts()) {
+  for (const char* const parameter : count_parameters) {
     std::vector<const SensorScene*> with;
     for (const SensorScene& sensor : scene.sensors) {
-      if (has(sensor, parameter.c_str())) with.push_back(&sensor);
+      if (has(sensor, parameter)) with.push_back(&sensor);
     }
     if (with.empty()) continue;
     for (const int count : counts_for(parameter, static_cast<int>(with.front()->parameters.integer(parameter)))) {
       std::vector<Override> changes;
       for (const SensorScene* const sensor : with)
-        changes.push_back({"sensors." + sensor->name + "." + parameter, std::to_string(count)});
+        changes.push_back({fmt::format("sensors.{}.{}", sensor->name, parameter), std::to_string(count)});
       settings.push_back({"elements", fmt::format("{}: {}", parameter, count), std::move(changes)});
     }
     return;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/catalogue/catalogues.h"
+#include "tools/run/run_trial.h"
 
 namespace slipbench::cost {
 namespace {
@@ -72,6 +73,20 @@ TEST(CostSettings, EverySettingOfAShippedSceneIsASceneOrRefusedByName) {
       EXPECT_NO_THROW(parsed(file)) << name << ": " << setting.series << ", " << setting.label;
     }
   }
+}
+
+// The springs of its fingers bear no step of the other scenes' ladder above half a millisecond.
+TEST(CostSettings, EveryContactOfAGraspIsOneThatStarts) {
+  std::set<double> steps;
+  for (const Setting& setting : settings_to_try(parsed(shipped("grasp/lift.yaml")), {5e-4})) {
+    if (setting.series != "contact") continue;
+    SceneFile file = shipped("grasp/lift.yaml");
+    for (const Override& change : setting.changes) file.apply(change);
+    const Scene scene = parsed(file);
+    steps.insert(scene.time_step.value());
+    EXPECT_NO_THROW(check_trial(scene, 0)) << setting.label;
+  }
+  EXPECT_THAT(steps, ::testing::ElementsAre(5e-5, 1e-4, 2e-4, 5e-4));
 }
 
 TEST(CostSettings, EverySeriesIsDeclared) {
