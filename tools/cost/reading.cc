@@ -26,7 +26,10 @@ bool comparable(const Row& row, Measure measure) {
 
 bool apart(const Row& row) { return series_of(row.setting).own_reference; }
 
-std::string limit_text(const MeasureInfo& info, double limit) { return fmt::format("{:.3g} {}", info.factor * limit, info.unit); }
+// "0.17 %", "1420 %"
+std::string limit_text(const MeasureInfo& info, double limit) {
+  return fmt::format("{} {}", ratio_text(info.factor * limit), info.unit);
+}
 
 // "1/380 of real time", or "2.3 times real time" of what is slower than that.
 std::string cost_text(double cost) {
@@ -73,18 +76,23 @@ std::string contact_text(const Exploration& exploration, Measure measure, double
                        contact->setting.label, ratio_text(exploration.cost(*contact) / exploration.cost(cheapest_row)));
   }
   if (tried.refused == tried.all) return fmt::format("MuJoCo's own contact could not be tried ({})", tried.why);
-  if (tried.not_run + tried.refused == tried.all) return "the budget left no time to try MuJoCo's own contact";
-  const std::size_t untried = tried.refused + tried.not_run;
-  const std::string rest = untried == 0
-                               ? ""
-                               : fmt::format("; that is of {} of {} settings: {} were refused, the budget left no time for {}",
-                                             tried.all - untried, tried.all, tried.refused, tried.not_run);
-  if (const Row* const best = best_of(exploration, measure, contact_series)) {
-    return fmt::format("MuJoCo's own contact does not reach it: {} at best ({}, {}){}",
-                       limit_text(info, at(best->errors, measure)->worst), best->setting.label,
-                       cost_text(exploration.cost(*best)), rest);
-  }
-  return "MuJoCo's own contact does not reach it: in every run other things happen" + rest;
+  const std::size_t run = tried.all - tried.refused - tried.not_run;
+  if (run == 0) return "the budget left no time to try MuJoCo's own contact";
+  const std::string none = fmt::format("MuJoCo's own contact reaches it with none of {} settings", run);
+  const Row* const best = best_of(exploration, measure, contact_series);
+  if (best == nullptr) return none + ": in every run other things happen";
+  return fmt::format("{}: {} at best ({}, {})", none, limit_text(info, at(best->errors, measure)->worst), best->setting.label,
+                     cost_text(exploration.cost(*best)));
+}
+
+// What "none of 16 settings" leaves open; empty: nothing.
+std::string untried_text(const Tried& tried) {
+  std::vector<std::string> parts;
+  if (tried.not_run > 0) parts.push_back(fmt::format("for {} the budget left no time", tried.not_run));
+  if (tried.refused > 0) parts.push_back(fmt::format("{} refused", tried.refused));
+  if (parts.empty()) return "";
+  return fmt::format("Of MuJoCo's own contact {} of {} settings were not run: {}.", tried.not_run + tried.refused, tried.all,
+                     fmt::join(parts, ", "));
 }
 
 void tell(const Exploration& exploration, Measure measure, double limit, std::vector<std::string>& lines) {
@@ -185,6 +193,10 @@ std::vector<std::string> sentences(const Exploration& exploration) {
     for (const double limit : measure == Measure::creep ? told_creeps : told_shares) tell(exploration, measure, limit, lines);
   }
   if (!exploration.reference.converged) lines.push_back(reference_text(exploration));
+  const Tried tried = tried_contact(exploration);
+  if (tried.refused < tried.all && tried.not_run < tried.all) {
+    if (const std::string untried = untried_text(tried); !untried.empty()) lines.push_back(untried);
+  }
   if (exploration.one_friction && has_series(exploration, contact_series)) {
     lines.push_back("MuJoCo's own contact knows one coefficient of friction: its rows have the scene's static one for both.");
   }

@@ -41,8 +41,8 @@ TEST(CostReading, SentencesSayWhatAnErrorCostsAndWhatMujocoPays) {
       sentences(example()),
       ElementsAre("1 % slip onset error costs 1/500 of real time: element field, 5 ms; MuJoCo's own contact needs 1/1.25 of "
                   "real time for it (noslip 3): 400 times as much.",
-                  "0.1 % slip onset error costs 1/100 of real time: the scene as it is, 1 ms; MuJoCo's own contact does not "
-                  "reach it: 0.8 % at best (noslip 3, 1/1.25 of real time)."));
+                  "0.1 % slip onset error costs 1/100 of real time: the scene as it is, 1 ms; MuJoCo's own contact reaches it "
+                  "with none of 3 settings: 0.8 % at best (noslip 3, 1/1.25 of real time)."));
 }
 
 TEST(CostReading, AReferenceThatHasNotConvergedIsNoSecret) {
@@ -81,8 +81,18 @@ TEST(CostReading, ContactThatWasNotTriedHasNotFailed) {
 TEST(CostReading, OfHowManySettingsAFailureIsSaid) {
   Exploration exploration = example();
   exploration.rows[5].status = Status::refused;
-  EXPECT_THAT(sentences(exploration).front(),
-              HasSubstr("; that is of 2 of 3 settings: 1 were refused, the budget left no time for 0"));
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("reaches it with none of 2 settings: "));
+  EXPECT_THAT(sentences(exploration), Contains("Of MuJoCo's own contact 1 of 3 settings were not run: 1 refused."));
+  exploration.rows[7].status = Status::over_budget;
+  EXPECT_THAT(sentences(exploration),
+              Contains("Of MuJoCo's own contact 2 of 3 settings were not run: for 1 the budget left no time, 1 refused."));
+}
+
+// Three digits and no exponent: 1 420 % are read faster than 1.42e+03 %.
+TEST(CostReading, LargeErrorsAreWrittenOut) {
+  Exploration exploration = example();
+  for (const std::size_t contact : {4, 5}) exploration.rows[contact].errors = onset_error(14.2);
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("1420 % at best"));
 }
 
 TEST(CostReading, AnInterruptedExplorationSaysSo) {
