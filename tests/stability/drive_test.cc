@@ -63,14 +63,9 @@ TEST_P(MassRatio, OfOneToAThousandIsCarriedOrRefused) {
   box.mass = mass;
   box.position.z() = -sag_of(box);
   box.turn = {1e-4, 0.6e-4, 4e-3};
-  std::string model = stacked_model(box);
-  model.insert(model.find("</worldbody>"),
-               "<body name='finger' pos='0.05e-3 0.03e-3 0.01e-3'><joint name='down' type='slide' axis='0 0 -1' damping='" +
-                   exact(40.0 * finger) + "'/><geom type='box' pos='0 0 0.03' size='0.01 0.01 0.01' mass='" + exact(finger) +
-                   "'/><site name='finger'/></body>");
-  model.insert(model.find("</actuator>"), "<motor name='press' joint='down'/>");
-  // The stiffest mode: the light body against 18 springs or 9 that are fixed; tau omega = 0.4 at most.
-  const double fastest = std::sqrt(18.0 * k_n / std::min(finger, mass));
+  const std::string model = fingered_model(box, finger);
+  const double fastest = fastest_of_ratio(finger, mass);
+  // tau omega = 0.4 at most
   const auto scene = [&](const std::string& step) {
     return "slipbench: 1\nmodel: box.xml\nduration: 4 s\ntime_step: " + step +
            "\nfriction: {static: 0.5, kinetic: 0.5}\ncontrols: {press: [[0.1 s, 0 N], [0.3 s, 5 N]]}\nsensors:\n"

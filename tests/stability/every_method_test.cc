@@ -500,20 +500,14 @@ OtherCase mass_ratio(double finger, double mass) {
   box.mass = mass;
   box.position.z() = -sag_of(box);
   box.turn = {1e-4, 0.6e-4, 4e-3};
-  std::string model = stacked_model(box);
-  model.insert(model.find("</worldbody>"),
-               "<body name='finger' pos='0.05e-3 0.03e-3 0.01e-3'><joint name='down' type='slide' axis='0 0 -1' damping='" +
-                   exact(40.0 * finger) + "'/><geom type='box' pos='0 0 0.03' size='0.01 0.01 0.01' mass='" + exact(finger) +
-                   "'/><site name='finger'/></body>");
-  model.insert(model.find("</actuator>"), "<motor name='press' joint='down'/>");
-  const double fastest = std::sqrt(18.0 * k_n / std::min(finger, mass));
+  const double fastest = fastest_of_ratio(finger, mass);
   const std::string tau = exact(0.4 / fastest);
   const std::string scene =
       "duration: 0.2 s\nfriction: {static: 0.5, kinetic: 0.5}\ncontrols: {press: [[0.02 s, 0 N], [0.12 s, 5 N]]}\nsensors:\n"
       "  top: {type: papillarray, site: finger, touches: [box], damping: " +
       tau + " s}\n  bottom: {type: papillarray, site: pad, touches: [box], damping: " + tau + " s}\n";
   return {"finger and box " + exact(finger) + " to " + exact(mass) + " kg",
-          model,
+          fingered_model(box, finger),
           scene,
           {box.pad, box.pad},
           fastest,

@@ -110,6 +110,20 @@ inline std::string stacked_model(const BoxOnPad& box) {
   return model;
 }
 
+// The same with a finger of `finger` [kg] on a guide, whose motor is `press`; the pad above the box sits at its site `finger` instead of the stage.
+inline std::string fingered_model(const BoxOnPad& box, double finger) {
+  std::string model = stacked_model(box);
+  model.insert(model.find("</worldbody>"),
+               "<body name='finger' pos='0.05e-3 0.03e-3 0.01e-3'><joint name='down' type='slide' axis='0 0 -1' damping='" +
+                   exact(40.0 * finger) + "'/><geom type='box' pos='0 0 0.03' size='0.01 0.01 0.01' mass='" + exact(finger) +
+                   "'/><site name='finger'/></body>");
+  model.insert(model.find("</actuator>"), "<motor name='press' joint='down'/>");
+  return model;
+}
+
+// The stiffest mode [rad/s] between finger and box: the lighter of them against 18 springs, or 9 that are fixed.
+inline double fastest_of_ratio(double finger, double box) { return std::sqrt(18.0 * k_n / std::min(finger, box)); }
+
 // What a scene says of how its pads are simulated: with articulated pads there is no solver to choose.
 inline std::string pads_of(const std::string& fidelity, const std::string& solver) {
   return fidelity == "articulated" ? "fidelity: articulated\n" : "field_solver: " + solver + "\n";
