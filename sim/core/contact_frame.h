@@ -46,7 +46,7 @@ struct ContactFrame {
   Eigen::Array3Xd contact_force;      // [3,N] N, the same in the contact plane: x, y tangential, z normal, compression positive
   Eigen::Array3Xd displacement;       // [3,N] m, deformed tip minus undeformed tip (mean of a unit's elements)
   Eigen::Array2Xd slip_velocity;      // [2,N] m/s, velocity of the slipping tip in the contact plane, mean over the last step
-  Eigen::ArrayXd slip_distance;       // [N] m, path length slipped since the start, mean of a unit's elements
+  Eigen::ArrayXd slip_distance;       // [N] m, path slipped, in mujoco_contact also crept, since the start: mean of its elements
   Eigen::ArrayXd margin;              // [N] 1 - f_t/(mu_s f_n), NaN while detached; below 0 where a rate law carries more
   std::vector<UnitState> unit_state;  // [N]
   PadState state = PadState::no_contact;        // rule strict: a unit slips when all of it slips

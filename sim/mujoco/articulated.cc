@@ -258,7 +258,7 @@ const ContactFrame& ArticulatedContact::read(const mjModel* model, const mjData*
   for (std::size_t i = 0; i < tips_.size(); ++i) {
     tips_[i].fall = before_[i].press - tips_[i].press;
     tips_[i].state = judge(i);
-    if (tips_[i].state == ElementState::slip) path_[i] += dt * tips_[i].velocity.norm();
+    if (settings_.counts_creep || tips_[i].state == ElementState::slip) path_[i] += dt * tips_[i].velocity.norm();
   }
   frame_.time = time;
   sum_units(data);

@@ -57,6 +57,7 @@ void leave_out_of_scale(mjModel* model, const mjData* data, int dof);
 //             creep_speed, and so is its mean velocity, exponential over creep_time
 //   stick     otherwise
 // f_t in the cone's own norm, see user_pillars(); in the recipe the cone is all. A slide slower than least_speed reads as stick.
+// The slip distance adds up the tip's way over the surface in slip, and with counts_creep in stick too.
 // Touch, onset, stop and detach are located inside the step along straight lines (articulated.cc). Like that of a Field, a
 // unit's margin and contact plane are those on the surface that presses it hardest.
 class ArticulatedContact {

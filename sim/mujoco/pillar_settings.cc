@@ -105,6 +105,7 @@ PillarSettings user_pillars(const Parameters& contact, double dt) {
   pillars.least_speed = least_speed;
   pillars.creep_speed = creep_speed;
   pillars.creep_time = creep_time;
+  pillars.counts_creep = true;
   return pillars;
 }
 

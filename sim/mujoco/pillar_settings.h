@@ -55,6 +55,8 @@ struct PillarSettings {
   double least_speed = 0.0;                                      // m/s
   double creep_speed = std::numeric_limits<double>::infinity();  // m/s; infinite: what the cone says is enough
   double creep_time = 0.0;                                       // s
+  // Whether the slip distance is all of a pressed tip's way over the surface, creep that reads as stick included.
+  bool counts_creep = false;
 };
 
 // The recipe of `fidelity: articulated`. It is one: the values go together and were judged together, on onset, hold, steady slide
@@ -107,6 +109,8 @@ PillarSettings articulated_pillars(const ArticulatedSettings& recipe, double dt)
 // any creep at all every loaded tip would slip. And no threshold of the force would be exact, for on a ramp f_t comes to
 // (1 - s) mu f_n by a share s too early. Where friction holds the cone decides, to the digit, and where it does not, the tip's
 // motion. The mean leaves out how a stuck tip gives way for a step or two when the drive jumps to its speed.
+// No speed parts creep from slide in such a contact, so the slip distance asks for no state: it is all of a pressed tip's way over the
+// surface, as MuJoCo moves it.
 // With pyramidal cones f_t is |f_x| + |f_y| along the contact's axes: mu f_n is MuJoCo's own bound of that.
 PillarSettings user_pillars(const Parameters& contact, double dt);
 

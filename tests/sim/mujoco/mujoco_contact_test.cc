@@ -52,14 +52,15 @@ Parameters plain(const std::string& integrator, const std::string& cone, double 
 }
 double holds(double mass, double impratio) { return 2.0 * mass * impratio / (time_constant * (1.0 - impedance)); }
 
-// Presses the pad in, draws it at `speed` from `start` until `stop` [s] and hands every frame from `start` on to `look`.
-void run(const Parameters& contact, double stop, double end, const std::function<void(const ContactFrame&)>& look) {
+// Presses the pad in, draws it at `drive` [m/s] from `start` until `stop` [s] and hands every frame from `start` on to `look`.
+void run(const Parameters& contact, double stop, double end, const std::function<void(const ContactFrame&)>& look,
+         double drive = speed) {
   ArticulatedBench bench(oracle::nine_pillars(1, k_n, k_t), Plane{}, {mu, mu}, user_pillars(contact, dt));
   const auto ticks = static_cast<std::size_t>(std::lround(end / dt));
   for (std::size_t tick = 0; tick <= ticks; ++tick) {
     const double time = static_cast<double>(tick) * dt;
     Pose pose;
-    pose.position = {speed * (std::clamp(time, start, stop) - start), 0.0, 1e-4 - (depth + 1e-4) * std::min(1.0, time / pressed)};
+    pose.position = {drive * (std::clamp(time, start, stop) - start), 0.0, 1e-4 - (depth + 1e-4) * std::min(1.0, time / pressed)};
     const ContactFrame& frame = bench.step(pose, time);
     if (time > start) look(frame);
   }
@@ -102,6 +103,24 @@ TEST(MujocoContact, FrictionAtImpratioOneNeverComesNearTheCone) {
   }
 }
 
+// A slide that is too slow to read as slip goes its way all the same: what the pad is drawn by less what the tips are bent by.
+// c = 100 N s/m at 0.4 mm/s bends them by 0.04 N/k_t = 80 um. Bar: 1e-3 of the way.
+TEST(MujocoContact, SlideThatReadsAsStickHasItsDistance) {
+  const double slow = 0.1 * speed, duration = 1.5;
+  ContactFrame last;
+  run(plain("implicitfast", "elliptic", 1.0, 0), 10.0, start + duration,
+      [&](const ContactFrame& frame) {
+        for (const UnitState state : frame.unit_state) ASSERT_EQ(state, UnitState::stick) << frame.time;
+        last = frame;
+      },
+      slow);
+  for (Eigen::Index u = 0; u < 9; ++u) {
+    EXPECT_NEAR(-last.displacement(0, u), 80e-6, 1e-6) << u;
+    EXPECT_NEAR(last.slip_distance[u], slow * duration + last.displacement(0, u), 1e-3 * slow * duration) << u;
+    EXPECT_EQ(last.slip_velocity.col(u).matrix().norm(), 0.0) << u << ": of tips that slip";
+  }
+}
+
 // The rows of a pyramidal contact are other ones, and what is read from them the same: the pad's speed, once all have given way.
 TEST(MujocoContact, PyramidalContactIsReadByItsEdges) {
   ContactFrame last;
@@ -141,17 +160,21 @@ INSTANTIATE_TEST_SUITE_P(Iterations, NoslipOnset,
                                          std::pair{"Euler", 3}, std::pair{"implicit", 3}));
 
 // Held under shear, tips of 100 g (c = 1 kN s/m, tau = 2 s) let go of 22 % in half a second by every integrator that solves
-// contacts with the inertia alone; with noslip they do not move.
+// contacts with the inertia alone, and their way is what they let go of; with noslip they do not move.
 class HoldCreep : public testing::TestWithParam<std::string> {};
 TEST_P(HoldCreep, IsTheDampersAndNoneWithNoslip) {
   const double tau = holds(0.1, 1.0) / k_t, stop = start + 0.2, settled = stop + 0.1, end = settled + 0.5;
   const auto left = [&](std::int64_t noslip) {
-    double before = 0.0, after = 0.0;
+    double before = 0.0, after = 0.0, distance_before = 0.0, distance = 0.0;
     run(plain(GetParam(), "elliptic", 1.0, noslip, 0.1), stop, end, [&](const ContactFrame& frame) {
       EXPECT_NE(frame.unit_state[0], UnitState::slip) << frame.time;
-      if (std::abs(frame.time - settled) < 0.5 * dt) before = frame.displacement(0, 0);
+      distance = frame.slip_distance[0];
       after = frame.displacement(0, 0);
+      if (std::abs(frame.time - settled) > 0.5 * dt) return;
+      before = after;
+      distance_before = distance;
     });
+    EXPECT_NEAR(distance - distance_before, std::abs(after - before), 1e-4 * std::abs(before));
     return after / before;
   };
   EXPECT_NEAR(left(0), std::exp(-0.5 / tau), 0.005);
