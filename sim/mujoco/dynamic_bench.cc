@@ -246,8 +246,8 @@ void DynamicBench::State::prescribe(double time) {
 void DynamicBench::State::advance(std::size_t from) {
   const double time = time_of(from);
   for (const Control& control : controls) d()->ctrl[control.actuator] = value_at(control.points, time);
-  // RK4's pads have been committed at the end of the step before, at the time that MuJoCo gave it.
-  if (!leads) d()->time = time;
+  // RK4's fields have been committed at the end of the step before, at the time that MuJoCo gave it.
+  if (!leads || articulated) d()->time = time;
   // Tips stick through positions, which follow from velocities: they need the step's mean one.
   if (articulated && motion) {
     drive_free_joint(m(), d(), stage_joint, motion->pad_at(time).pose, motion->pad_at(time_of(from + 1)).pose, dt);
@@ -379,13 +379,13 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
   for (std::size_t i = 0; i < s.read; ++i) s.pads[i].stride = plan.strides[i];
   s.find_followers(scene, pads, output_rates);
   s.find_bodies(carrying);
-  s.leads = !s.articulated && s.model->opt.integrator == mjINT_RK4;
+  s.leads = s.model->opt.integrator == mjINT_RK4;
   if (s.articulated) s.settle_tips(pillars_of_scene(carrying, s.dt).settling_steps);
   s.to_keep = !s.articulated && !s.implicit && !s.leads;
   call_mujoco([&s] { mj_forward(s.model.get(), s.data.get()); });
   // RK4 commits at the end of a step only. What touches at t = 0 sticks there, unstrained, as by any other integrator: else no tip would hold in
   // the first step, and tick 0 would have no truth.
-  if (s.leads) {
+  if (s.leads && !s.articulated) {
     for (const State::Pad& pad : s.pads) pad.instance->commit(s.m(), s.d());
   }
   s.find_watched(options.limits);
@@ -444,28 +444,21 @@ mjData* DynamicBench::data() const { return state_->d(); }
 // From one tick of the bench to the next.
 void DynamicBench::State::take_tick() {
   const double time = time_of(tick);
-  if (articulated) {
-    if (tick > 0) {
-      advance(tick - 1);
-      watch_step(time_of(tick - 1), before);
-      follow();
+  if (!articulated && !leads) {
+    advance(tick);
+    if (std::exchange(to_keep, false)) {
+      for (const Pad& pad : pads) pad.instance->keep_state();
     }
-    read_bodies();
+  } else if (tick > 0) {
+    advance(tick - 1);
+    if (!leads) watch_step(time_of(tick - 1), before);
+    if (articulated) follow();
   } else {
-    if (!leads) {
-      advance(tick);
-      if (std::exchange(to_keep, false)) {
-        for (const Pad& pad : pads) pad.instance->keep_state();
-      }
-    } else if (tick > 0) {
-      advance(tick - 1);
-    } else {
-      after = Eigen::Map<Eigen::VectorXd>(d()->qvel, m()->nv);
-    }
-    read_bodies();
-    check_limit(time);
-    watch_step(time, leads ? after : before);
+    after = Eigen::Map<Eigen::VectorXd>(d()->qvel, m()->nv);
   }
+  read_bodies();
+  check_limit(time);
+  if (!articulated || leads) watch_step(time, leads ? after : before);
   for (const auto& follower : followers) follower->look(time);
   ++tick;
 }

@@ -93,7 +93,7 @@ struct DynamicBench::State {
   int stage_joint = -1, stage_qpos = -1, stage_dof = -1;
   double dt = 0.0;
   std::size_t ticks = 0, tick = 0;
-  bool leads = false;    // RK4: a step tells the truth of its end
+  bool leads = false;    // RK4: a step tells the truth of its end, and what it leaves in the data is of there
   bool to_keep = false;  // pads keep their state from the first step on: before it, who has the data may still move bodies
   bool articulated = false;
   bool own_contact = false;  // articulated, with the contact of the scene's own settings
