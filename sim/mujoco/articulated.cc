@@ -219,17 +219,20 @@ ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& 
   frame_.unit_state.assign(layout.units.size(), UnitState::detached);
 }
 
-void ArticulatedContact::begin_on(const mjModel* model, mjData* data, const Surface& surface, const Pose& pad_in_surface) const {
+bool ArticulatedContact::begin_on(const mjModel* model, mjData* data, const Surface& surface, const Pose& pad_in_surface) const {
+  bool any = false;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Eigen::Vector3d p = pad_in_surface * layout_.elements[i].tip, axis = pad_in_surface.rotation * layout_.elements[i].axis;
     const SurfacePoint point =
         std::visit([&](const auto& shape) { return shape.at(p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z()); }, surface);
     const double towards = -(point.nx * axis.x() + point.ny * axis.y() + point.nz * axis.z());
     if (!(point.gap < 0.0 && towards > 0.0)) continue;
+    any = true;
     mjtNum& slide = data->qpos[qpos_[i] + 2];
     const double share = layout_.elements[i].k_normal / model->jnt_stiffness[model->body_jntadr[bodies_[i]] + 2];
     slide = std::max(slide, -share * point.gap / towards);
   }
+  return any;
 }
 
 void ArticulatedContact::suit_to_held(mjModel* held) const {

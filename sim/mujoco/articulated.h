@@ -67,7 +67,11 @@ class ArticulatedContact {
 
   // Presses the tips in that stand inside the surface, each along its axis: slide and contact share the depth as in a press that
   // has come to rest, sideways nothing is strained. For data as mj_makeData() leaves it; of several surfaces the deepest counts.
-  void begin_on(const mjModel* model, mjData* data, const Surface& surface, const Pose& pad_in_surface) const;
+  // Returns whether there are any.
+  bool begin_on(const mjModel* model, mjData* data, const Surface& surface, const Pose& pad_in_surface) const;
+
+  // See pillar_settings.h.
+  [[nodiscard]] int steps_to_settle(bool pressed_in) const { return slipbench::steps_to_settle(settings_, pressed_in); }
 
   // Makes of `held`, a copy of the model in which nothing but tips can give way, one whose slides suit that: there is no inverse
   // mass to make up for, and dashpots, which at rest do nothing, would only delay the rest.

@@ -48,7 +48,6 @@ struct ArticulatedBench::World {
   Surface surface;
   double dt;
   int parts;  // MuJoCo's steps in one of the bench's
-  int settling_steps;
   ModelPointer model;
   DataPointer data;
   std::unique_ptr<ArticulatedContact> contact;
@@ -80,7 +79,6 @@ ArticulatedBench::ArticulatedBench(const PadLayout& layout, const Surface& surfa
   w.surface = surface;
   w.parts = parts;
   w.dt = pillars.dt;
-  w.settling_steps = pillars.settling_steps;
 
   const SpecPointer spec(mj_makeSpec());
   set_pillar_options(spec.get(), pillars);
@@ -119,8 +117,8 @@ const ContactFrame& ArticulatedBench::frame() const { return world_->frame; }
 
 // Tips inside the surface are pressed in; then the contacts take up the rest of their load while the pad rests.
 void ArticulatedBench::World::place(const Pose& pad, double time) {
-  contact->begin_on(model.get(), data.get(), surface, pad);
-  for (int k = 0; k < settling_steps; ++k) {
+  const int steps = contact->steps_to_settle(contact->begin_on(model.get(), data.get(), surface, pad));
+  for (int k = 0; k < steps; ++k) {
     step_part(pad, pad, time);
     contact->read(model.get(), data.get(), time, dt);
   }

@@ -380,7 +380,7 @@ DynamicBench::DynamicBench(const Scene& scene, std::span<const PadLayout* const>
   s.find_followers(scene, pads, output_rates);
   s.find_bodies(carrying);
   s.leads = s.model->opt.integrator == mjINT_RK4;
-  if (s.articulated) s.settle_tips(pillars_of_scene(carrying, s.dt).settling_steps);
+  if (s.articulated) s.settle_tips();
   s.to_keep = !s.articulated && !s.implicit && !s.leads;
   call_mujoco([&s] { mj_forward(s.model.get(), s.data.get()); });
   // RK4 commits at the end of a step only. What touches at t = 0 sticks there, unstrained, as by any other integrator: else no tip would hold in

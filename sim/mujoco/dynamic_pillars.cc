@@ -27,8 +27,9 @@ void DynamicBench::State::find_pillars(const Scene& scene) {
   }
 }
 
-// Tips that stand inside what they touch at the start.
-void DynamicBench::State::press_tips_in(const mjModel* held, mjData* settled) const {
+// Tips that stand inside what they touch at the start. Returns whether there are any.
+bool DynamicBench::State::press_tips_in(const mjModel* held, mjData* settled) const {
+  bool any = false;
   call_mujoco([&] { mj_kinematics(held, settled); });
   for (const Pad& pad : pads) {
     const Pose pad_in_world = pose_at(settled->site_xpos + 3 * pad.site, settled->site_xmat + 9 * pad.site);
@@ -41,15 +42,16 @@ void DynamicBench::State::press_tips_in(const mjModel* held, mjData* settled) co
       const int geom = first ? two : one;
       const GeomSurface surface = surface_of_geom(held, geom);
       const Pose placed = pose_at(settled->geom_xpos + 3 * geom, settled->geom_xmat + 9 * geom) * surface.in_geom;
-      pad.pillars->begin_on(held, settled, surface.shape, placed.inverse() * pad_in_world);
+      any |= pad.pillars->begin_on(held, settled, surface.shape, placed.inverse() * pad_in_world);
     }
   }
+  return any;
 }
 
 // Steps in which only the tips move, without weights, so that they take up their loads before the run begins. As the stage is, what
 // is not a tip is deaf to what it touches and overwritten before every step: were it to give way within a step, the pads would push
 // it to where their forces balance.
-void DynamicBench::State::settle_tips(int steps) {
+void DynamicBench::State::settle_tips() {
   const ModelPointer held(mj_copyModel(nullptr, m()));
   std::vector<bool> of_tip(static_cast<std::size_t>(m()->nv), false);
   for (const Pad& pad : pads) {
@@ -69,7 +71,7 @@ void DynamicBench::State::settle_tips(int steps) {
   for (const Pad& pad : pads) pad.pillars->suit_to_held(held.get());
 
   std::copy_n(d()->qpos, m()->nq, settled->qpos);
-  press_tips_in(held.get(), settled.get());
+  const int steps = pads.front().pillars->steps_to_settle(press_tips_in(held.get(), settled.get()));
   std::vector<mjtNum> qpos(settled->qpos, settled->qpos + m()->nq), qvel(static_cast<std::size_t>(m()->nv), 0.0);
   for (int k = 0; k < steps; ++k) {
     std::ranges::copy(qpos, settled->qpos);

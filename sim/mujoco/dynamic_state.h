@@ -130,8 +130,8 @@ struct DynamicBench::State {
   void find_pads(const Scene& scene);
   void find_fields(const Scene& scene);
   void find_pillars(const Scene& scene);
-  void press_tips_in(const mjModel* held, mjData* settled) const;
-  void settle_tips(int steps);
+  bool press_tips_in(const mjModel* held, mjData* settled) const;
+  void settle_tips();
   void refuse_other_contacts(double time) const;
   [[nodiscard]] bool is_tip(int body) const {
     return articulated && std::ranges::any_of(pads, [body](const Pad& pad) {

@@ -6,6 +6,11 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+
 namespace slipbench {
 namespace {
 
@@ -17,8 +22,11 @@ constexpr double creep_time = 1e-2;   // s
 
 constexpr double tip_radius = 1e-4;  // m, as the recipe's
 
-// A contact's time constants within which tips come to rest: e^-10.
+// A contact's time constants within which tips come to rest: e^-10. In steps one counts for two at least, the least that MuJoCo calls
+// safe: a faster contact overshoots, and rests no sooner.
 constexpr double settling_times = 10.0;
+constexpr double least_time_constant = 2.0;  // steps
+constexpr double most_settling_steps = 10'000.0;
 
 template <std::size_t n>
 std::array<mjtNum, n> start_of(const mjtNum (&values)[n]) {
@@ -100,7 +108,8 @@ PillarSettings user_pillars(const Parameters& contact, double dt) {
   take(pillars.solreffriction, contact.vector("solreffriction"));
   pillars.solimp = start_of(usual.solimp);
   take(pillars.solimp, contact.vector("solimp"));
-  pillars.settling_steps = static_cast<int>(std::ceil(settling_times * std::max(1.0, time_constant(pillars.solref) / dt)));
+  const double steps = settling_times * std::max(least_time_constant, time_constant(pillars.solref) / dt);
+  pillars.settling_steps = std::ceil(steps * (1.0 - 1e-9));  // a hair above a whole number is rounding of a step that was divided
   pillars.cone_share = cone_share;
   pillars.least_speed = least_speed;
   pillars.creep_speed = creep_speed;
@@ -111,6 +120,23 @@ PillarSettings user_pillars(const Parameters& contact, double dt) {
 
 PillarSettings pillars_of_scene(const Scene& scene, double dt) {
   return scene.contact ? user_pillars(*scene.contact, dt) : articulated_pillars(ArticulatedSettings{}, dt);
+}
+
+int steps_to_settle(const PillarSettings& settings, bool pressed_in) {
+  if (settings.settling_steps <= most_settling_steps) return static_cast<int>(settings.settling_steps);
+  if (!pressed_in) return 1;
+  const double longest = most_settling_steps / settling_times * settings.dt;
+  const auto [time, damping] = settings.solref;
+  const bool direct = damping < 0.0;
+  throw SceneValueError(
+      "contact.solref",
+      fmt::format("with {} tips that begin pressed in need {:.0f} steps of {} to come to rest before the run; allowed are up to "
+                  "{:.0f} steps: {}",
+                  direct ? fmt::format("a damping of {} /s", format_number(-damping))
+                         : "a time constant of " + format_quantity(time, Quantity::time),
+                  settings.settling_steps, format_quantity(settings.dt, Quantity::time), most_settling_steps,
+                  direct ? fmt::format("a damping of at least {} /s", format_number(2.0 / longest))
+                         : "a time constant of at most " + format_quantity(longest, Quantity::time)));
 }
 
 void set_pillar_options(mjSpec* spec, const PillarSettings& settings) {

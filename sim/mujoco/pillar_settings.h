@@ -48,7 +48,7 @@ struct PillarSettings {
   // carrier in it.
   bool carrier_in_scale = false;
 
-  int settling_steps = 0;  // of tips that begin pressed in, before the run
+  double settling_steps = 0.0;  // whole; in which tips that begin pressed in come to rest before the run, see steps_to_settle()
 
   // The state rule, see ArticulatedContact.
   double cone_share = 0.0;
@@ -116,6 +116,11 @@ PillarSettings user_pillars(const Parameters& contact, double dt);
 
 // As the scene's fidelity says.
 PillarSettings pillars_of_scene(const Scene& scene, double dt);
+
+// How many steps to take before the run. `pressed_in`: a tip begins inside what it touches. Throws SceneValueError at contact.solref
+// where one does and would take more than 10,000 of them to come to rest. Where none does nothing moves in them, and so long a contact
+// gets one.
+int steps_to_settle(const PillarSettings& settings, bool pressed_in);
 
 // Sets the model-wide options, the step among them, and takes the flag autoreset off.
 void set_pillar_options(mjSpec* spec, const PillarSettings& settings);

@@ -97,6 +97,32 @@ TEST(MujocoContactScene, WatchSeesABoxThrownOutByRk4Too) {
   }
 }
 
+// 10 time constants of 300 s in steps of 1 ms are 3,000,000, and 10 of 2/(0.01 /s) as many as 2,000,000; the 10,000 that are allowed are
+// those of 1,000 steps.
+TEST(MujocoContactScene, RefusesAContactThatTakesTooLongToSettle) {
+  const ModelFolder folder;
+  folder.write("fingers.xml", two_fingers(""));
+  const auto refusal = [&](const std::string& solref) -> std::string {
+    try {
+      DynamicRig rig(held_box("fidelity: mujoco_contact\ncontact: {tip_mass: 10 g, solref: " + solref +
+                              "}\ntime_step: 1 ms\nduration: 1 s\n"),
+                     folder.file("scene.yaml"));
+    } catch (const SceneValueError& error) {
+      return error.path() == "contact.solref" ? error.what() : "blames " + error.path();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal("[300, 1]"),
+            "contact.solref: with a time constant of 300 s tips that begin pressed in need 3000000 steps of 1 ms to come to rest "
+            "before the run; allowed are up to 10000 steps: a time constant of at most 1 s");
+  EXPECT_EQ(
+      refusal("[-1, -0.01]"),
+      "contact.solref: with a damping of 0.01 /s tips that begin pressed in need 2000000 steps of 1 ms to come to rest before "
+      "the run; allowed are up to 10000 steps: a damping of at least 2 /s");
+  EXPECT_EQ(refusal("[1, 1]"), "accepted");
+  EXPECT_NE(refusal("[1.001, 1]"), "accepted");
+}
+
 class Integrators : public testing::TestWithParam<std::pair<std::string, mjtIntegrator>> {};
 
 // Whatever the model says, and no box creeps by any of them: bar 0.05 um/s.

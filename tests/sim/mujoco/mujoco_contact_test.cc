@@ -108,7 +108,8 @@ TEST(MujocoContact, FrictionAtImpratioOneNeverComesNearTheCone) {
 TEST(MujocoContact, SlideThatReadsAsStickHasItsDistance) {
   const double slow = 0.1 * speed, duration = 1.5;
   ContactFrame last;
-  run(plain("implicitfast", "elliptic", 1.0, 0), 10.0, start + duration,
+  run(
+      plain("implicitfast", "elliptic", 1.0, 0), 10.0, start + duration,
       [&](const ContactFrame& frame) {
         for (const UnitState state : frame.unit_state) ASSERT_EQ(state, UnitState::stick) << frame.time;
         last = frame;
@@ -201,6 +202,22 @@ TEST_F(ContactScene, StageRunsToItsEndWithASetting) {
   const auto bench = bench_of("contact: {cone: elliptic, noslip: 3, solref: [0.002, 1], tip_mass: 10 g}\n");
   for (std::size_t tick = 0; tick < bench->ticks(0); ++tick) bench->step();
   EXPECT_EQ(bench->contact(0).state, PadState::gross);
+}
+
+// 10 time constants, of two steps at least, and of any length where nothing is pressed in; a minute's steps are refused where something is.
+TEST(MujocoContact, SettlesForTenTimeConstants) {
+  const auto steps = [](double time_constant, double step, bool pressed_in) {
+    return steps_to_settle(user_pillars(contact({{"solref", std::vector<double>{time_constant, 1.0}}}), step), pressed_in);
+  };
+  EXPECT_EQ(steps(0.02, 1e-3, true), 200);
+  EXPECT_EQ(steps(0.02, 0.1, true), 20);
+  EXPECT_EQ(steps(0.002, 2e-6, true), 10'000);
+  EXPECT_THROW(steps(0.002, 1.99e-6, true), SceneValueError);
+  EXPECT_EQ(steps(0.02, 1e-3, false), 200) << "as where tips are pressed in: labels do not hang on rounding";
+  EXPECT_EQ(steps(300.0, 1e-3, false), 1);
+  EXPECT_EQ(steps(1e9, 1e-3, false), 1) << "more than an int holds";
+  const PillarSettings direct = user_pillars(contact({{"solref", std::vector<double>{-1e4, -200.0}}}), 1e-3);
+  EXPECT_EQ(steps_to_settle(direct, true), 100) << "2/(200 /s) = 10 ms";
 }
 
 // Tips of 0.1 g on 7.1 kN/m vibrate at 8,400 rad/s, and bear explicit springs of 2/8,400 s = 0.24 ms.
