@@ -19,6 +19,7 @@ constexpr std::string_view schema_version = "1";
 constexpr double max_steps = 1e8;
 constexpr std::size_t max_sensors = 64;
 constexpr double least_impedance = 1e-4, most_impedance = 0.9999;  // mjMINIMP and mjMAXIMP
+constexpr double least_width = 1e-15;                              // m, mjMINVAL, and no more
 constexpr std::string_view contact_fidelity = "mujoco_contact";
 
 // The motions of a grasp's arm, the usual one first, which are no motions of a stage.
@@ -138,6 +139,11 @@ class SceneReader : EntryReader {
       fail(node->find("solimp")->children[i].origin, "contact.solimp." + std::to_string(i) + ": " + format_number(impedance[i]) +
                                                          " would be clipped by MuJoCo; allowed: " +
                                                          format_number(least_impedance) + " to " + format_number(most_impedance));
+    }
+    if (!(impedance[2] > least_width)) {
+      fail(node->find("solimp")->children[2].origin, "contact.solimp.2: of a depth of " + format_number(impedance[2]) +
+                                                         " MuJoCo makes a constant impedance, the mean of the two; allowed: > " +
+                                                         format_number(least_width) + " m");
     }
     return contact;
   }

@@ -166,8 +166,23 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:4: contact.solref: 0, 0; allowed: two positive numbers, or two negative ones: -stiffness and -damping"},
         Case{"ContactSolreffriction", with_contact("{solreffriction: [0.02, 0]}"),
              "s.yaml:4: contact.solreffriction: 0.02, 0; allowed: two positive numbers, two negative ones, or 0, 0: as solref"},
+        Case{"ContactSolreffrictionOfPyramidalCones", with_contact("\n  noslip: 3\n  solreffriction: [0.002, 1]"),
+             "s.yaml:6: contact.solreffriction: MuJoCo leaves it aside under pyramidal cones, its default; allowed with: cone: "
+             "elliptic"},
         Case{"ContactSolimp", with_contact("{solimp: [0.9, 1, 0.001]}"),
              "s.yaml:4: contact.solimp.1: 1 would be clipped by MuJoCo; allowed: 1e-04 to 0.9999"},
+        Case{"ContactSolimpOfNoDepth", with_contact("\n  noslip: 3\n  solimp:\n    - 0.9\n    - 0.95\n    - 0"),
+             "s.yaml:9: contact.solimp.2: of a depth of 0 MuJoCo makes a constant impedance, the mean of the two; allowed: > "
+             "1e-15 m"},
+        Case{"ContactSolimpAtTheLeastDepth", with_contact("{solimp: [0.9, 0.95, 1e-15]}"),
+             "s.yaml:4: contact.solimp.2: of a depth of 1e-15 MuJoCo makes a constant impedance, the mean of the two; allowed: > "
+             "1e-15 m"},
+        Case{"ContactSolimpBelow", with_contact("{solimp: [0.00009, 0.95, 0.001]}"),
+             "s.yaml:4: contact.solimp.0: 9e-05 would be clipped by MuJoCo; allowed: 1e-04 to 0.9999"},
+        Case{"ContactSolimpOfMore", with_contact("{solimp: [0.9, 0.95, 0.001, 0.5, 0]}"),
+             "s.yaml:4: contact.solimp has 5 entries; allowed: a sequence of 3 such as [0.9, 0.95, 0.001]"},
+        Case{"ContactImpratio", with_contact("{impratio: 1e-16}"),
+             "s.yaml:4: contact.impratio: '1e-16' is out of range; allowed: >= 1e-15"},
         Case{"ContactTipMass", with_contact("{tip_mass: 0 g}"),
              "s.yaml:4: contact.tip_mass: '0 g' is out of range; allowed: > 0 kg"},
         Case{"ContactAccepted",
