@@ -9,6 +9,7 @@
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_values.h"
 #include "tools/cli/suggestion.h"
 
 namespace slipbench {
@@ -22,12 +23,13 @@ constexpr CatalogueKind materials{"materials", "material", "surface.material"};
 constexpr CatalogueKind motions{"motions", "motion", "motion.kind"};
 constexpr CatalogueKind electronics{"electronics", "electronics part", "sensors.<name>.electronics"};
 constexpr CatalogueKind grasp{"grasp", "part of a grasp", "box, grip, scatter"};
+constexpr CatalogueKind contact{"contact", "part of fidelity mujoco_contact", "contact"};
 constexpr CatalogueKind detectors{"detectors", "detector", "detector.type"};
 constexpr CatalogueKind oracle{detectors.plural, "oracle", detectors.use};
 constexpr CatalogueKind controllers{"controllers", "controller", "controller.type"};
 constexpr CatalogueKind expectations{"expectations", "expectation", "expect"};
-constexpr std::array kinds{effects,     sensors, surfaces,  bodies,      materials,   motions,
-                           electronics, grasp,   detectors, controllers, expectations};
+constexpr std::array kinds{effects,     sensors, surfaces, bodies,    materials,   motions,
+                           electronics, grasp,   contact,  detectors, controllers, expectations};
 
 std::string type_text(const ParameterSpec& spec) {
   switch (spec.type) {
@@ -169,6 +171,7 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
     for (const Entry& part : catalogues.electronics.at(sensor.name)) items.push_back({electronics, part, {}, sensor.name});
   }
   add_all(grasp, catalogues.grasp);
+  items.push_back({contact, contact_entry});
   add_all(detectors, catalogues.detectors);
   add_all(controllers, catalogues.controllers);
   for (const ExpectationEntry& entry : catalogues.expectations) items.push_back({expectations, entry});
@@ -223,6 +226,11 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
   if (item.kind.plural == grasp.plural) {
     const std::string key = entry.name + ":\n" + parameter_lines(entry, 2);
     return entry.name == "scatter" ? "grip: {}\n" + key : key;
+  }
+  if (item.kind.plural == contact.plural) {
+    // Most materials have two coefficients of friction, and MuJoCo's contact knows one.
+    return fmt::format("fidelity: mujoco_contact\nfriction: {{static: 0.5, kinetic: 0.5}}\n{}:\n", entry.name) +
+           parameter_lines(entry, 2);
   }
   if (item.kind.plural == motions.plural) {
     const std::string arm = entry.name == "lift" || entry.name == guided_motion_name ? "grip: {}\n" : "";

@@ -171,6 +171,20 @@ TEST(Describe, ExamplesNameTheEntryWhereItsKindBelongs) {
   EXPECT_EQ(scene_example(item("hum"), catalogues), "sensors:\n  pad:\n    type: pad\n    electronics:\n      - hum\n");
 }
 
+// Its own numbers are bare, as MuJoCo writes them: where they have a unit the meaning says so.
+TEST(Describe, ContactIsTheScenesOwnKey) {
+  const std::string text = page("contact");
+  EXPECT_THAT(text, HasSubstr("contact  part of fidelity mujoco_contact\n  MuJoCo's own contact friction"));
+  EXPECT_THAT(text,
+              HasSubstr("  solref  2 numbers\n      time constant [s] and damping ratio of a contact, or -stiffness [1/s2] and "
+                        "-damping [1/s]\n"));
+  EXPECT_THAT(text, HasSubstr("      default: [0.02, 1]\n"));
+  EXPECT_THAT(text, HasSubstr("      unit:    kg (also g)\n      default: 0.1 g\n"));
+  EXPECT_THAT(text,
+              HasSubstr("In a scene (contact)\n  fidelity: mujoco_contact\n  friction: {static: 0.5, kinetic: 0.5}\n  contact:\n"
+                        "    integrator: implicitfast\n    cone: pyramidal\n"));
+}
+
 TEST(Describe, ColoursOnlyWhereTheStyleHasThem) {
   EXPECT_THAT(page("creep"), Not(HasSubstr("\033")));
   EXPECT_THAT(describe_text(item("creep"), small_catalogues(), Style(true), 100), HasSubstr("\033[1;36mcreep\033[0m"));
@@ -195,33 +209,36 @@ TEST(Describe, JsonHoldsEverythingDeclared) {
 
 TEST(List, ShowsNamesAndSummariesByKind) {
   const std::vector<CatalogueItem> items = catalogue_items(small_catalogues());
-  // Names are padded to the longest, five characters.
+  // Names are padded to the longest, seven characters: the scene's own key `contact` is there whatever the catalogues hold.
   EXPECT_EQ(list_text(items, catalogue_kinds(), Style(false), 100), R"(effects  scene key effects
-  creep  The tip creeps under load.
+  creep    The tip creeps under load.
 
 sensors  scene key sensors.<name>.type
-  pad    A sensor.
+  pad      A sensor.
 
 surfaces  scene key surface.shape
-  pad    A sensor.
+  pad      A sensor.
 
 bodies  scene key bodies.<name>.shape
   (none)
 
 materials  scene key surface.material
-  glass  mu_static 0.4, mu_kinetic 0.3
+  glass    mu_static 0.4, mu_kinetic 0.3
 
 motions  scene key motion.kind
   (none)
 
 electronics  scene key sensors.<name>.electronics
-  hum    Mains hum.
+  hum      Mains hum.
 
 grasp  scene key box, grip, scatter
   (none)
 
+contact  scene key contact
+  contact  MuJoCo's own contact friction, with fidelity: mujoco_contact
+
 detectors  scene key detector.type
-  limit  A threshold.
+  limit    A threshold.
 
 controllers  scene key controller.type
   (none)
@@ -235,16 +252,16 @@ TEST(List, OneKindOnly) {
   const std::vector<CatalogueItem> items = catalogue_items(small_catalogues());
   const CatalogueKind kind = find_kind("materials");
   EXPECT_EQ(list_text(items, {&kind, 1}, Style(false), 100),
-            "materials  scene key surface.material\n  glass  mu_static 0.4, mu_kinetic 0.3\n");
+            "materials  scene key surface.material\n  glass    mu_static 0.4, mu_kinetic 0.3\n");
   EXPECT_EQ(list_json(items, {&kind, 1}).dump(), R"({"materials":[{"name":"glass","summary":"mu_static 0.4, mu_kinetic 0.3"}]})");
 }
 
 TEST(List, LongSummariesWrapBesideTheirName) {
   const std::vector<CatalogueItem> items = catalogue_items(small_catalogues());
   const CatalogueKind kind = find_kind("effects");
-  // Nine columns of margin leave 15 of the 24.
-  EXPECT_EQ(list_text(items, {&kind, 1}, Style(false), 24),
-            "effects  scene key effects\n  creep  The tip creeps\n         under load.\n");
+  // Eleven columns of margin leave 15 of the 26.
+  EXPECT_EQ(list_text(items, {&kind, 1}, Style(false), 26),
+            "effects  scene key effects\n  creep    The tip creeps\n           under load.\n");
 }
 
 TEST(List, UnknownCatalogueGetsTheNearestOne) {
@@ -254,7 +271,7 @@ TEST(List, UnknownCatalogueGetsTheNearestOne) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
                  "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, "
-                 "materials, motions, electronics, grasp, detectors, controllers, expectations");
+                 "materials, motions, electronics, grasp, contact, detectors, controllers, expectations");
   }
 }
 

@@ -212,13 +212,16 @@ TEST(Program, OneTrialOfASweepIsWhatItIsAmongAll) {
 
 TEST(Program, ListAndDescribe) {
   const nlohmann::json list = json_of(run_program_file({"list", "--json"}));
-  for (const char* kind : {"effects", "sensors", "surfaces", "materials", "motions", "electronics", "grasp", "detectors"}) {
+  for (const char* kind :
+       {"effects", "sensors", "surfaces", "materials", "motions", "electronics", "grasp", "contact", "detectors"}) {
     EXPECT_FALSE(list.at(kind).empty()) << kind;
   }
   EXPECT_EQ(json_of(run_program_file({"list", "sensors", "--json"})).size(), 1U);
   const nlohmann::json entry = json_of(run_program_file({"describe", "papillarray", "--json"}))["entries"].at(0);
   EXPECT_EQ(entry["kind"], "sensor");
   EXPECT_EQ(json_of(run_program_file({"describe", "truth", "--json"}))["entries"].at(0)["kind"], "oracle");
+  EXPECT_EQ(json_of(run_program_file({"describe", "contact", "--json"}))["entries"].at(0)["parameters"].at(0)["name"],
+            "integrator");
   // A detector and a controller of one name.
   const nlohmann::json both = json_of(run_program_file({"describe", "stuck_fraction", "--json"}))["entries"];
   ASSERT_EQ(both.size(), 2U);
