@@ -81,6 +81,13 @@ class ParameterRows {
         found == table.end() ? "assumed: see slipbench list materials" : found->source);
   }
 
+  void add_contact() {
+    const YamlNode* fidelity = at({"fidelity"});
+    if (fidelity != nullptr && fidelity->text == "mujoco_contact" && !swept_.contains("fidelity")) {
+      add({contact_entry.name}, contact_entry);
+    }
+  }
+
   [[nodiscard]] const YamlNode* at(const std::vector<std::string>& path) const { return node_at(root_, path); }
   [[nodiscard]] Json rows() && { return std::move(rows_); }
 
@@ -141,6 +148,7 @@ Json grasp_parameters(const std::string& scene, const Json& overrides, const Jso
   rows.add_friction("static", "friction coefficient");
   rows.add_friction("kinetic", "friction coefficient of what slides");
   rows.add_friction("scale", "multiplies both coefficients");
+  rows.add_contact();
   const Catalogues catalogues = program_catalogues();
   rows.add_effects(catalogues.effects);
   if (const YamlNode* sensors = rows.at({"sensors"})) {

@@ -7,7 +7,8 @@
 
 namespace slipbench::report {
 
-// Every parameter of the entries grip, box, scatter (where the scene has it) and of the motion `lift`, and the surface's material:
+// Every parameter of the entries grip, box, scatter (where the scene has it), of the motion `lift`, of `contact` with fidelity
+// mujoco_contact, and the surface's material:
 // [{"path": "grip.stiffness", "value": as a scene writes it, "by": "scene" (or the command line), "sweep", "protocol" or "default", "doc",
 //   "source", "assumed": the source says so}].
 // `scene`: the text of a scene file with a grasp. `overrides`: {path: YAML text} of the command line. `swept`: object whose keys are the swept

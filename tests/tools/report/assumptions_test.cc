@@ -78,6 +78,21 @@ TEST(GraspParameters, AreThoseOfEverythingThatTheSceneNames) {
   expect_row(row(all, "controller.force_per_count"), "1.6 N", "default", true);
 }
 
+TEST(GraspParameters, ContactIsThereWithItsFidelity) {
+  EXPECT_TRUE(row(rows(), "contact.noslip").is_null());
+  const std::string own = lift_text + "fidelity: mujoco_contact\n";
+  const Json all = rows(own + "contact: {noslip: 10, solref: [0.001, 1]}\n");
+  expect_row(row(all, "contact.noslip"), "10", "scene", false);
+  expect_row(row(all, "contact.solref"), "[0.001, 1]", "scene", false);
+  expect_row(row(all, "contact.cone"), "pyramidal", "default", false);
+  expect_row(row(all, "contact.tip_mass"), "0.1 g", "default", true);
+  expect_row(row(rows(own), "contact.noslip"), "0", "default", false);
+  expect_row(row(rows(own, {{"contact", "{noslip: 3}"}}), "contact.noslip"), "3", "scene", false);
+  expect_row(row(rows(own, Json::object(), {{"contact.noslip", 1}}), "contact.noslip"), "", "sweep", false);
+  EXPECT_TRUE(row(rows(own, Json::object(), {{"fidelity", 1}}), "contact.noslip").is_null());
+  EXPECT_FALSE(row(rows(lift_text, {{"fidelity", "mujoco_contact"}}), "contact.noslip").is_null());
+}
+
 TEST(GraspParameters, RefusesOverridesThatDoNotFit) {
   EXPECT_THROW(rows(lift_text, {{"slipbench.a", "1"}}), InputError);
   EXPECT_THROW(rows(lift_text, {{"box.mass", 1}}), InputError);
