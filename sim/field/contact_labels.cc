@@ -234,40 +234,27 @@ void ContactLabels::sum_elements(const Field& field, std::size_t begin, std::siz
                                                                                 {kernel::pad_slip_x, unit::slip},
                                                                                 {kernel::force_x, unit::tangential}}};
   const auto element = [&](std::size_t c) { return field.column(static_cast<kernel::Column>(c)); };
-  std::array<const double*, 3 * vectors> from;
-  for (std::size_t v = 0; v < from.size(); ++v) from[v] = element(summed[v / 3].first + v % 3);
-  const double *const mode = element(kernel::mode), *const press = element(kernel::press), *const path = element(kernel::path),
-                      *const limit = element(kernel::limit);
+  kernel::UnitSum::Summed from{{}, element(kernel::path), element(kernel::limit), element(kernel::press), element(kernel::mode)};
+  for (std::size_t v = 0; v < from.vectors.size(); ++v) from.vectors[v] = element(summed[v / 3].first + v % 3);
+  const bool curved = !field.on_plane();
   for (std::size_t u = begin; u < end_unit; ++u) {
-    // All sums in one loop: each waits for its own last addition only.
     const std::size_t first = units_[u].first, end = first + units_[u].count;
-    std::array<double, 3 * vectors> total;
-    for (std::size_t v = 0; v < from.size(); ++v) total[v] = from[v][first];
-    for (std::size_t i = first + 1; i < end; ++i) {
-      for (std::size_t v = 0; v < from.size(); ++v) total[v] += from[v][i];
-    }
-    double slipped = 0.0, reach = 0.0, pressed = 0.0, modes = 0.0, squares = 0.0;
-    for (std::size_t i = first; i < end; ++i) {
-      slipped += path[i];
-      reach += limit[i];
-      pressed += std::max(0.0, press[i]);
-      modes += mode[i];
-      squares += mode[i] * mode[i];
-    }
-    const double slide = 0.5 * (squares - modes);  // of the modes 0, 1 and 2, without a branch for each element
-    const double touch = modes - slide;
+    const kernel::UnitSum sum = kernel::sum_unit(from, first, units_[u].count);
     std::size_t hardest = first;
-    for (std::size_t i = first + 1; i < end && !field.on_plane(); ++i) {
-      if (field.normal_force(i) > field.normal_force(hardest)) hardest = i;
+    if (curved && sum.press > 0.0) {
+      double most = std::max(0.0, from.press[first]);
+      for (std::size_t i = first + 1; i < end; ++i) {
+        if (from.press[i] > most) most = from.press[hardest = i];
+      }
     }
     const auto row = static_cast<Eigen::Index>(u);
     const auto set = [&](std::size_t c, double value) { sums(row, static_cast<Eigen::Index>(c)) = value; };
-    for (std::size_t v = 0; v < from.size(); ++v) set(summed[v / 3].second + v % 3, total[v]);
-    set(unit::path, slipped);
-    set(unit::limit, reach);
-    set(unit::touching, touch);
-    set(unit::slipping, slide);
-    set(unit::press, pressed);
+    for (std::size_t v = 0; v < from.vectors.size(); ++v) set(summed[v / 3].second + v % 3, sum.vectors[v]);
+    set(unit::path, sum.path);
+    set(unit::limit, sum.limit);
+    set(unit::touching, sum.touching);
+    set(unit::slipping, sum.slipping);
+    set(unit::press, sum.press);
     for (const std::size_t k : {0U, 1U, 2U}) set(unit::normal + k, element(kernel::normal_x + k)[hardest]);
   }
 }

@@ -147,6 +147,21 @@ void map_active(const Columns& columns, const Groups& groups);
 bool any_changes(const Columns& columns, const Groups& groups);
 void view_active(const Columns& columns, const Eigen::Matrix3d& to_pad, const Groups& groups);
 
+// What the elements of a unit add up to, each column one after the other from the first element on.
+struct UnitSum {
+  static constexpr std::size_t vector_columns = 12;
+  // The columns that are added up: `vectors` as they come, and what the others say.
+  struct Summed {
+    std::array<const double*, vector_columns> vectors;
+    const double *path, *limit, *press, *mode;
+  };
+  std::array<double, vector_columns> vectors;
+  double path, limit;
+  double press;               // N, of what presses
+  double touching, slipping;  // elements
+};
+UnitSum sum_unit(const UnitSum::Summed& columns, std::size_t first, std::size_t count);
+
 // What labels are made of, an entry a unit: sums over its elements, vectors by component.
 struct UnitColumns {
   std::array<const double*, 3> force, deflection, slip;  // columns pad_force_x, deflection_x and pad_slip_x

@@ -54,7 +54,79 @@ SLIPBENCH_DISPATCHED void label_turned(const UnitColumns& units, const Eigen::Ma
   label_all<false>(units, turn, rate, first, end, frame);
 }
 
+// Rows of four entries each, from four columns of `lanes` entries.
+SLIPBENCH_INLINE void turn_round(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+  const Lanes ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Lanes cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
+  b = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
+  c = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+  d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
+}
+
 }  // namespace
+
+// An element's entries of four columns are added at once: columns side by side, so that each is summed in the order of the elements.
+SLIPBENCH_DISPATCHED UnitSum sum_unit(const UnitSum::Summed& columns, std::size_t first, std::size_t count) {
+  constexpr std::size_t quads = UnitSum::vector_columns / lanes;
+  const auto& from = columns.vectors;
+  const Lanes none{};
+  Lanes total[quads], modes = none, squares = none;
+  for (std::size_t q = 0; q < quads; ++q) {
+    for (std::size_t k = 0; k < lanes; ++k) total[q][k] = from[lanes * q + k][first];
+  }
+  const auto of_own = [&columns](std::size_t i) {
+    return Lanes{columns.path[i], columns.limit[i], std::max(0.0, columns.press[i]), 0.0};
+  };
+  Lanes own = none + of_own(first);
+  double mode = columns.mode[first], square = mode * mode;
+  std::size_t i = first + 1;
+  const std::size_t end = first + count;
+  for (; i + lanes <= end; i += lanes) {
+    for (std::size_t q = 0; q < quads; ++q) {
+      Lanes a = lanes_at(from[lanes * q] + i), b = lanes_at(from[lanes * q + 1] + i), c = lanes_at(from[lanes * q + 2] + i),
+            d = lanes_at(from[lanes * q + 3] + i);
+      turn_round(a, b, c, d);
+      total[q] += a;
+      total[q] += b;
+      total[q] += c;
+      total[q] += d;
+    }
+    const Lanes raw = lanes_at(columns.press + i);
+    Lanes a = lanes_at(columns.path + i), b = lanes_at(columns.limit + i), c = raw > 0.0 ? raw : none, d = none;
+    turn_round(a, b, c, d);
+    own += a;
+    own += b;
+    own += c;
+    own += d;
+    const Lanes now = lanes_at(columns.mode + i);
+    modes += now;
+    squares += now * now;
+  }
+  for (; i < end; ++i) {
+    for (std::size_t q = 0; q < quads; ++q) {
+      Lanes entries;
+      for (std::size_t k = 0; k < lanes; ++k) entries[k] = from[lanes * q + k][i];
+      total[q] += entries;
+    }
+    own += of_own(i);
+    mode += columns.mode[i];
+    square += columns.mode[i] * columns.mode[i];
+  }
+  UnitSum sum;
+  for (std::size_t q = 0; q < quads; ++q) put_lanes(sum.vectors.data() + lanes * q, total[q]);
+  sum.path = own[0];
+  sum.limit = own[1];
+  sum.press = own[2];
+  // Of the modes 0, 1 and 2, whole numbers, in whatever order they are added.
+  for (std::size_t k = 0; k < lanes; ++k) {
+    mode += modes[k];
+    square += squares[k];
+  }
+  sum.slipping = 0.5 * (square - mode);
+  sum.touching = mode - sum.slipping;
+  return sum;
+}
 
 // The turn of unit_rules::ContactPlane, entry by entry in the order in which it is worked out there, for units with a normal each.
 SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix3d& to_pad, double rate, const Groups& groups,
