@@ -161,15 +161,15 @@ void DynamicBench::State::refuse_implicit() const {
 
 // With every element of every pad stuck, as stiff as it can get, where a pad that is away would come down on what it touches: from
 // afar it would turn the object by a lever that it will never have. Or with the elements that touch, where they are.
-Vibration DynamicBench::State::vibration(bool touching_only) const {
-  std::vector<PadOnBodies> on_bodies;
-  std::vector<PadTangent> tangents;
+DynamicBench::State::StuckPads DynamicBench::State::stuck_pads(bool touching_only) const {
+  StuckPads stuck;
   for (const Contact& contact : contacts) {
     const Pad& pad = pads[contact.pad];
+    const Field& field = pad.instance->fields()[contact.field];
     Pose pose = pad_pose(pad);
-    PadLayout layout = *layouts[contact.pad];
-    for (Element& element : layout.elements) element.k_tangential += pad.instance->fields()[contact.field].stop_stiffness();
+    PadLayout layout;
     if (!touching_only) {
+      layout = *layouts[contact.pad];
       const int geom = pad.instance->config().geoms[contact.field];
       const GeomSurface surface = surface_of_geom(m(), geom);
       const Pose placed = pose_at(d()->geom_xpos + 3 * geom, d()->geom_xmat + 9 * geom) * surface.in_geom;
@@ -180,21 +180,22 @@ Vibration DynamicBench::State::vibration(bool touching_only) const {
           surface.shape);
       if (met.gap > 0.0) pose.position -= met.gap * (placed.rotation * Eigen::Vector3d(met.nx, met.ny, met.nz));
     } else {
-      const Field& field = pad.instance->fields()[contact.field];
-      std::size_t i = 0;
-      std::erase_if(layout.elements, [&](const Element&) { return field.state(i++) == ElementState::detached; });
+      for (std::size_t i = 0; i < field.size(); ++i) {
+        if (field.state(i) != ElementState::detached) layout.elements.push_back(layouts[contact.pad]->elements[i]);
+      }
     }
-    on_bodies.push_back({pad.body, contact.object_body, pose.position});
-    tangents.push_back(stuck_tangent(layout, pose, pose.position, pad.instance->config().damping));
+    for (Element& element : layout.elements) element.k_tangential += field.stop_stiffness();
+    stuck.bodies.push_back({pad.body, contact.object_body, pose.position});
+    stuck.tangents.push_back(stuck_tangent(layout, pose, pose.position, pad.instance->config().damping));
   }
   if (spring) {
     for (const FingerNames& finger : finger_names) {
       const int body = mj_name2id(m(), mjOBJ_BODY, finger.body);
-      on_bodies.push_back({body, 0, MjVector(d()->xpos + 3 * body)});
-      tangents.push_back(spring->tangent(MjMatrix(d()->xmat + 9 * body)));
+      stuck.bodies.push_back({body, 0, MjVector(d()->xpos + 3 * body)});
+      stuck.tangents.push_back(spring->tangent(MjMatrix(d()->xmat + 9 * body)));
     }
   }
-  return fastest_vibration(m(), d(), on_bodies, tangents);
+  return stuck;
 }
 
 void DynamicBench::State::check_limit(double time) {
@@ -206,7 +207,9 @@ void DynamicBench::State::check_limit(double time) {
   const bool more = touching > touching_before;
   touching_before = touching;
   if (!more) return;
-  const double longest = limit_slack * longest_explicit_step(vibration(true));
+  const StuckPads stuck = stuck_pads(true);
+  if (dt <= limit_slack * longest_explicit_step(vibration_bound(m(), d(), stuck.bodies, stuck.tangents))) return;
+  const double longest = limit_slack * longest_explicit_step(fastest_vibration(m(), d(), stuck.bodies, stuck.tangents));
   if (dt > longest) {
     throw SceneValueError(
         "time_step",
@@ -309,7 +312,8 @@ StepPlan DynamicBench::State::plan_fields(const Scene& scene, std::span<const do
   std::string limited_by = "the scene's effects";
   limited = options.refuse_long_steps && !implicit;
   if (limited) {
-    const Vibration fastest = vibration(false);
+    const StuckPads stuck = stuck_pads(false);
+    const Vibration fastest = fastest_vibration(m(), d(), stuck.bodies, stuck.tangents);
     if (const double limit = longest_explicit_step(fastest); limit < longest) {
       longest = rounded_down(limit);
       limited_by = fmt::format(

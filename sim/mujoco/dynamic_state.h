@@ -151,7 +151,11 @@ struct DynamicBench::State {
   void prescribe(double time);
   [[nodiscard]] double time_of(std::size_t at) const { return TickTimes(dt).at(at); }
   void advance(std::size_t from);
-  [[nodiscard]] Vibration vibration(bool touching_only) const;
+  struct StuckPads {
+    std::vector<PadOnBodies> bodies;
+    std::vector<PadTangent> tangents;
+  };
+  [[nodiscard]] StuckPads stuck_pads(bool touching_only) const;
   void check_limit(double time);
   [[nodiscard]] static const ContactFrame& truth_of(const Pad& pad) {
     return pad.pillars ? pad.pillars->frame() : pad.instance->truth();

@@ -44,6 +44,15 @@ Matrix6d root(const Matrix6d& k) {
   return pivots.asDiagonal() * permuted;
 }
 
+// J M^-1 J' of all pads.
+Eigen::MatrixXd delassus_of(const mjModel* m, mjData* d, std::span<const PadOnBodies> pads) {
+  RowMatrix jacobians(static_cast<Eigen::Index>(6 * pads.size()), static_cast<Eigen::Index>(m->nv));
+  for (std::size_t i = 0; i < pads.size(); ++i) {
+    relative_jacobian(m, d, pads[i], jacobians.row(static_cast<Eigen::Index>(6 * i)).data());
+  }
+  return delassus(m, d, jacobians);
+}
+
 // Largest eigenvalue of R A R' with R = diag(roots).
 double largest_eigenvalue(const Eigen::MatrixXd& a, std::span<const Matrix6d> roots) {
   Eigen::MatrixXd product(a.rows(), a.cols());
@@ -186,15 +195,28 @@ Vibration fastest_vibration(const mjModel* m, mjData* d, std::span<const PadOnBo
                             std::span<const PadTangent> tangents) {
   if (pads.size() != tangents.size()) throw std::invalid_argument("fastest_vibration: every pad needs one tangent");
   if (pads.empty() || m->nv == 0) return {};
-  RowMatrix jacobians(static_cast<Eigen::Index>(6 * pads.size()), static_cast<Eigen::Index>(m->nv));
   std::vector<Matrix6d> stiffness, damping;
-  for (std::size_t i = 0; i < pads.size(); ++i) {
-    relative_jacobian(m, d, pads[i], jacobians.row(static_cast<Eigen::Index>(6 * i)).data());
-    stiffness.push_back(root(tangents[i].stiffness));
-    damping.push_back(root(tangents[i].damping));
+  for (const PadTangent& tangent : tangents) {
+    stiffness.push_back(root(tangent.stiffness));
+    damping.push_back(root(tangent.damping));
   }
-  const Eigen::MatrixXd a = delassus(m, d, jacobians);
+  const Eigen::MatrixXd a = delassus_of(m, d, pads);
   return {std::sqrt(largest_eigenvalue(a, stiffness)), largest_eigenvalue(a, damping)};
+}
+
+Vibration vibration_bound(const mjModel* m, mjData* d, std::span<const PadOnBodies> pads, std::span<const PadTangent> tangents) {
+  if (pads.size() != tangents.size()) throw std::invalid_argument("vibration_bound: every pad needs one tangent");
+  if (pads.empty() || m->nv == 0) return {};
+  const Eigen::MatrixXd a = delassus_of(m, d, pads);
+  Eigen::MatrixXd product(a.rows(), a.cols());
+  const auto bound = [&](Matrix6d PadTangent::*part) {
+    for (std::size_t i = 0; i < tangents.size(); ++i) {
+      const auto column = static_cast<Eigen::Index>(6 * i);
+      product.middleCols<6>(column).noalias() = a.middleCols<6>(column) * tangents[i].*part;
+    }
+    return std::sqrt(product.cwiseProduct(product.transpose()).sum());
+  };
+  return {std::sqrt(bound(&PadTangent::stiffness)), bound(&PadTangent::damping)};
 }
 
 double longest_explicit_step(const Vibration& vibration) {

@@ -92,6 +92,10 @@ struct Vibration {
 [[nodiscard]] Vibration fastest_vibration(const mjModel_* m, mjData_* d, std::span<const PadOnBodies> pads,
                                           std::span<const PadTangent> tangents);
 
+// No slower than that, and in a fifth of its time: the largest eigenvalue of a matrix P whose eigenvalues are real is sqrt(tr P^2) at most.
+[[nodiscard]] Vibration vibration_bound(const mjModel_* m, mjData_* d, std::span<const PadOnBodies> pads,
+                                        std::span<const PadTangent> tangents);
+
 // The longest step [s] at which an explicit force is right (see above): min(0.75/omega, 1/damping_rate); infinite when nothing
 // vibrates.
 [[nodiscard]] double longest_explicit_step(const Vibration& vibration);

@@ -62,6 +62,20 @@ TEST(Stability, BodyBetweenTwoPads) {
   EXPECT_NEAR(one.omega / (omega * std::sqrt(0.5)), 1.0, 1e-9);
 }
 
+// The bound is the root of the sum of all omega^4: of a body that is hard to turn, K along the normal and twice k_t/k_n K across it.
+TEST(Stability, BoundIsTheRootOfTheSumOfSquaresOfAllModes) {
+  const Bodies bodies(body("box", "<freejoint/>", 0.1, 1e6));
+  const Eigen::Vector3d point(0.0, 0.0, 0.0);
+  const std::array pads{PadOnBodies{0, bodies.id("box"), point}};
+  const double tau = 1e-3, k = 9.0 * k_n / 0.1, across = 9.0 * k_t / 0.1;
+  const std::array tangents{stuck_tangent(nine_flat_pillars(1.0), at(point), point, tau)};
+  const Vibration bound = vibration_bound(bodies.model.get(), bodies.data.get(), pads, tangents);
+  const double squares = std::sqrt(k * k + 2.0 * across * across);
+  EXPECT_NEAR(bound.omega / std::sqrt(squares), 1.0, 1e-9);
+  EXPECT_NEAR(bound.damping_rate / (tau * squares), 1.0, 1e-9);
+  EXPECT_GT(bound.omega, fastest_vibration(bodies.model.get(), bodies.data.get(), pads, tangents).omega);
+}
+
 // A disc on a hinge along the pad's normal: sum k_t r^2 with four pillars at r^2 = 2 pitch^2 and four at pitch^2. Where the
 // tangent is taken does not matter.
 TEST(Stability, RotationAboutTheNormal) {
