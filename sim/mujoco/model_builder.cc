@@ -330,9 +330,10 @@ class Builder {
       spec->option.integrator = mjINT_IMPLICITFAST;
       spec->option.cone = mjCONE_ELLIPTIC;
       spec->option.noslip_iterations = 10;
-      spec->option.disableflags |= mjDSBL_SENSOR;  // there are none, and MuJoCo would prepare for them at every step
       if (scene_.implicit_fields) spec->option.impratio = implicit_impratio;
     }
+    // Where there are none MuJoCo would prepare for them at every step.
+    if (mjs_firstElement(spec, mjOBJ_SENSOR) == nullptr) spec->option.disableflags |= mjDSBL_SENSOR;
     for (const BodyScene& body : scene_.bodies) add_body(spec, body);
     if (hand_ != nullptr) {
       add_fingers(mjs_findBody(spec, "world"), *hand_);
