@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <deque>
 #include <iterator>
 #include <sstream>
 #include <utility>
@@ -150,27 +151,31 @@ std::vector<int> touched_geoms(const Attributes& attributes) {
   return geoms;
 }
 
-// The pad of the attributes elements and units. MuJoCo asks for it three times a pad and model, and pads of one kind and the trials of a sweep have
-// the same: the one that this thread read last serves as long as its text does.
+struct Table {
+  std::string rows, units;
+  PadLayout layout;
+};
+
+// The pad of the attributes elements and units. MuJoCo asks for it three times a pad and model, and the trials of a sweep have the same few: those
+// that this thread read last serve as long as their text does.
 const PadLayout& table_of(const Attributes& attributes) {
-  struct Table {
-    std::string rows, units;
-    PadLayout layout;
-  };
-  thread_local Table last;
-  std::string rows = attributes.text("elements"), units = attributes.has("units") ? attributes.text("units") : "";
-  if (last.rows != rows || last.units != units) {
-    const YamlNode table = attributes.yaml("elements");
-    if (attributes.has("units")) {
-      const YamlNode counts = attributes.yaml("units");
-      last.layout = read_element_table(table, &counts);
-    } else {
-      last.layout = read_element_table(table, nullptr);
-    }
-    last.rows = std::move(rows);
-    last.units = std::move(units);
+  constexpr std::size_t most = 8;
+  thread_local std::deque<Table> known;  // the one asked for last in front
+  std::string rows = attributes.text("elements"), units = attributes.text("units");
+  const auto found = std::ranges::find_if(known, [&](const Table& table) { return table.rows == rows && table.units == units; });
+  if (found != known.end()) {
+    std::rotate(known.begin(), found, found + 1);
+    return known.front().layout;
   }
-  return last.layout;
+  const YamlNode table = attributes.yaml("elements");
+  if (attributes.has("units")) {
+    const YamlNode counts = attributes.yaml("units");
+    known.push_front({std::move(rows), std::move(units), read_element_table(table, &counts)});
+  } else {
+    known.push_front({std::move(rows), std::move(units), read_element_table(table, nullptr)});
+  }
+  if (known.size() > most) known.pop_back();
+  return known.front().layout;
 }
 
 }  // namespace
