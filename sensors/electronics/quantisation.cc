@@ -28,6 +28,19 @@ SLIPBENCH_DISPATCHED bool convert(std::size_t count, const double* lowest, const
   return beyond != 0;
 }
 
+// The same of values in codes: from 0 on, by steps of 1.
+SLIPBENCH_DISPATCHED bool round_codes(std::size_t count, double last_code, float* values) {
+  std::uint64_t beyond = 0;
+  SLIPBENCH_VECTORISE
+  for (std::size_t v = 0; v < count; ++v) {
+    const double code = (values[v] + to_whole) - to_whole;
+    const double held = std::min(std::max(code, 0.0), last_code);
+    beyond |= held != code ? 1U : 0U;
+    values[v] = static_cast<float>(held);
+  }
+  return beyond != 0;
+}
+
 class Quantisation final : public ElectronicsStage {
  public:
   Quantisation(const Parameters& parameters, const SignalModel& model) {
@@ -39,10 +52,14 @@ class Quantisation final : public ElectronicsStage {
       step_.push_back((range.highest - range.lowest) / codes);
     }
     last_code_ = codes;
+    in_codes_ = std::ranges::all_of(lowest_, [](double lowest) { return lowest == 0.0; }) &&
+                std::ranges::all_of(step_, [](double step) { return step == 1.0; });
   }
 
   void apply(std::span<float> values, double /*time*/) override {
-    if (convert(step_.size(), lowest_.data(), step_.data(), last_code_, values.data())) ++saturated_;
+    const bool beyond = in_codes_ ? round_codes(values.size(), last_code_, values.data())
+                                  : convert(values.size(), lowest_.data(), step_.data(), last_code_, values.data());
+    if (beyond) ++saturated_;
   }
 
   [[nodiscard]] std::uint64_t saturated() const override { return saturated_; }
@@ -50,6 +67,7 @@ class Quantisation final : public ElectronicsStage {
  private:
   std::vector<double> lowest_, step_;  // [V] in the value's unit
   double last_code_ = 0.0;
+  bool in_codes_ = false;  // the sensor's unit is the code
   std::uint64_t saturated_ = 0;
 };
 

@@ -14,7 +14,7 @@ namespace slipbench {
 namespace {
 
 constexpr std::size_t bits = 12, levels = std::size_t{1} << bits;
-constexpr std::size_t levels_a_draw = 4;  // of the upper 48 bits of a draw
+constexpr std::size_t levels_a_draw = quad;  // of the upper 48 bits of a draw
 
 // The middles of `levels` stretches of the normal distribution that are as likely as one another, scaled to a mean square of 1 (from 0.9995).
 const std::array<double, levels>& quantiles() {
@@ -40,9 +40,22 @@ const std::array<double, levels>& quantiles() {
   return table;
 }
 
-SLIPBENCH_DISPATCHED void add_scaled(std::size_t count, const double* sd, const double* drawn, float* values) {
-  SLIPBENCH_VECTORISE
-  for (std::size_t v = 0; v < count; ++v) values[v] = static_cast<float>(values[v] + sd[v] * drawn[v]);
+// The quantiles that a draw picks.
+SLIPBENCH_INLINE Quad picked_by(std::uint64_t draw, const double* table) {
+  const auto level = [draw](std::size_t k) { return draw >> (64 - bits * (levels_a_draw - k)) & (levels - 1); };
+  return Quad{table[level(0)], table[level(1)], table[level(2)], table[level(3)]};
+}
+
+// Adds to `count` values what `draws` pick for them.
+SLIPBENCH_DISPATCHED void add_picked(std::size_t count, const double* table, const std::uint64_t* draws, const double* sd,
+                                     float* values) {
+  std::size_t v = 0;
+  for (; v + levels_a_draw <= count; v += levels_a_draw) {
+    store(values + v, __builtin_convertvector(widened(values + v) + load<Quad>(sd + v) * picked_by(*draws++, table), QuadFloat));
+  }
+  if (v == count) return;
+  const Quad left = picked_by(*draws, table);
+  for (std::size_t k = 0; v < count; ++v, ++k) values[v] = static_cast<float>(values[v] + sd[v] * left[k]);
 }
 
 class WhiteNoise final : public ElectronicsStage {
@@ -51,26 +64,23 @@ class WhiteNoise final : public ElectronicsStage {
       : source_(model.source), table_(quantiles().data()), stream_(stream) {
     for (const double sd : model.noise_sd) sd_.push_back(parameters.number("scale") * sd);
     const std::size_t draws = (model.sources + levels_a_draw - 1) / levels_a_draw;
-    bits_.resize(draws + draws % 2);
-    drawn_.resize(levels_a_draw * bits_.size());
+    draws_.resize(draws + draws % 2);
     each_its_own_ = true;
     for (std::size_t v = 0; v < source_.size(); ++v) each_its_own_ = each_its_own_ && source_[v] == v;
   }
 
   void apply(std::span<float> values, double /*time*/) override {
-    stream_.seek(static_cast<std::uint64_t>(samples_[0]) * (bits_.size() / 2));
+    stream_.seek(static_cast<std::uint64_t>(samples_[0]) * (draws_.size() / 2));
     samples_[0] += 1.0;
-    stream_.bits(bits_);
-    double* drawn = drawn_.data();
-    for (std::uint64_t draw : bits_) {
-      draw >>= 64 - bits * levels_a_draw;
-      for (std::size_t k = 0; k < levels_a_draw; ++k, draw >>= bits) *drawn++ = table_[draw % levels];
-    }
+    stream_.bits(draws_);
     if (each_its_own_) {
-      add_scaled(sd_.size(), sd_.data(), drawn_.data(), values.data());
+      add_picked(sd_.size(), table_, draws_.data(), sd_.data(), values.data());
       return;
     }
-    for (std::size_t v = 0; v < sd_.size(); ++v) values[v] = static_cast<float>(values[v] + sd_[v] * drawn_[source_[v]]);
+    for (std::size_t v = 0; v < sd_.size(); ++v) {
+      const Quad picked = picked_by(draws_[source_[v] / levels_a_draw], table_);
+      values[v] = static_cast<float>(values[v] + sd_[v] * picked[source_[v] % levels_a_draw]);
+    }
   }
 
   [[nodiscard]] std::span<double> memory() override { return samples_; }
@@ -79,10 +89,9 @@ class WhiteNoise final : public ElectronicsStage {
   std::vector<std::size_t> source_;  // [V]
   std::vector<double> sd_;           // [V] in the value's unit
   const double* table_;
-  std::vector<std::uint64_t> bits_;  // of the sample at hand, in pairs
-  std::vector<double> drawn_;        // [sources], and what the last bits give beyond them
-  bool each_its_own_;                // value v follows source v
-  std::array<double, 1> samples_{};  // drawn so far
+  std::vector<std::uint64_t> draws_;  // of the sample at hand, in pairs
+  bool each_its_own_;                 // value v follows source v
+  std::array<double, 1> samples_{};   // drawn so far
   RandomStream stream_;
 };
 

@@ -1,8 +1,6 @@
 // What a cell of piezoresistive foam between two electrodes reads.
 #pragma once
 
-#include <algorithm>
-
 namespace slipbench::myrmex {
 
 // Rest of a converter of 12 bits: the reading falls with the force.
@@ -22,15 +20,27 @@ struct FoamCell {
   double softness;    // 2 Rs/reference [N]
   double contact;     // R0/reference
 
+  // `Real`: double, or several at once.
+
   // The force that the cell feels [N] under F >= 0 [N]; p_1 and p_2 are moved to F.
-  [[nodiscard]] double felt(double force, double& p_1, double& p_2) const {
-    p_1 = std::min(std::max(p_1, (1.0 - hysteresis) * force), (1.0 + hysteresis) * force);
-    p_2 = std::min(std::max(p_2, (1.0 - 2.0 * hysteresis) * force), (1.0 + 2.0 * hysteresis) * force);
+  template <class Real>
+  [[nodiscard, gnu::always_inline]] inline Real felt(const Real& force, Real& p_1, Real& p_2) const {
+    p_1 = between(p_1, (1.0 - hysteresis) * force, (1.0 + hysteresis) * force);
+    p_2 = between(p_2, (1.0 - 2.0 * hysteresis) * force, (1.0 + 2.0 * hysteresis) * force);
     return (force + p_1 + p_2) * (1.0 / 3.0);
   }
   // Counts under a felt force [N].
-  [[nodiscard]] double reading(double force) const {
-    return std::max(0.0, full_scale - full_scale * force / (softness + contact * force));
+  template <class Real>
+  [[nodiscard, gnu::always_inline]] inline Real reading(const Real& force) const {
+    const Real counts = full_scale - full_scale * force / (softness + contact * force), none{};
+    return counts > 0.0 ? counts : none;
+  }
+
+ private:
+  template <class Real>
+  [[gnu::always_inline]] static inline Real between(const Real& x, const Real& lowest, const Real& highest) {
+    const Real raised = x < lowest ? lowest : x;
+    return highest < raised ? highest : raised;
   }
 };
 

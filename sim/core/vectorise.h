@@ -1,10 +1,14 @@
 // How a loop is compiled to vector code.
 #pragma once
 
+#include <cstddef>
+#include <cstring>
+
 // A function is compiled for x86-64-v3 and for any x86-64, and the loader picks one by the CPU it finds. Sanitizers do not survive the
 // loader's early calls, and other compilers lack the attribute: they get the portable version, which computes the same bits.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__OPTIMIZE__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define SLIPBENCH_DISPATCHES
 #define SLIPBENCH_DISPATCHED __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define SLIPBENCH_DISPATCHED
@@ -16,3 +20,35 @@
 #define SLIPBENCH_VECTORISE _Pragma("GCC ivdep")
 #endif
 #define SLIPBENCH_INLINE inline __attribute__((always_inline))
+
+namespace slipbench {
+
+// Four numbers that are worked on at once, for loops that would not become vector code by themselves.
+inline constexpr std::size_t quad = 4;
+using Quad __attribute__((vector_size(quad * sizeof(double)))) = double;
+using QuadFloat __attribute__((vector_size(quad * sizeof(float)))) = float;
+
+template <class Vector, class Number>
+SLIPBENCH_INLINE Vector load(const Number* from) {
+  Vector values;
+  std::memcpy(&values, from, sizeof values);
+  return values;
+}
+
+template <class Vector, class Number>
+SLIPBENCH_INLINE void store(Number* to, const Vector& values) {
+  std::memcpy(to, &values, sizeof values);
+}
+
+// Element by element: of __builtin_convertvector GCC 12 makes two halves and a dependence on the step before.
+SLIPBENCH_INLINE Quad widened(const float* from) {
+  const auto values = load<QuadFloat>(from);
+  return Quad{values[0], values[1], values[2], values[3]};
+}
+
+SLIPBENCH_INLINE bool any(const decltype(Quad{} == Quad{}) & mask) {
+  const auto halves = __builtin_shufflevector(mask, mask, 0, 1) | __builtin_shufflevector(mask, mask, 2, 3);
+  return (halves[0] | halves[1]) != 0;
+}
+
+}  // namespace slipbench
