@@ -51,7 +51,8 @@ SLIPBENCH_DISPATCHED void add_picked(std::size_t count, const double* table, con
                                      float* values) {
   std::size_t v = 0;
   for (; v + levels_a_draw <= count; v += levels_a_draw) {
-    store(values + v, __builtin_convertvector(widened(values + v) + load<Quad>(sd + v) * picked_by(*draws++, table), QuadFloat));
+    put_vector(values + v,
+               __builtin_convertvector(widened(values + v) + vector_at<Quad>(sd + v) * picked_by(*draws++, table), QuadFloat));
   }
   if (v == count) return;
   const Quad left = picked_by(*draws, table);

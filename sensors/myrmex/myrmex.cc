@@ -65,19 +65,20 @@ SLIPBENCH_DISPATCHED void read_cells(const FoamCell& cell_read, std::size_t taxe
   std::size_t taxel = 0;
   for (; taxel + quad <= taxels; taxel += quad) {
     // The third, the sixth, the ninth and the twelfth of twelve numbers, each in the lane that it has in its four.
-    const Quad a = load<Quad>(force + 3 * taxel), b = load<Quad>(force + 3 * taxel + 4), c = load<Quad>(force + 3 * taxel + 8);
+    const Quad a = vector_at<Quad>(force + 3 * taxel), b = vector_at<Quad>(force + 3 * taxel + 4),
+               c = vector_at<Quad>(force + 3 * taxel + 8);
     const Quad mixed = __builtin_shufflevector(__builtin_shufflevector(c, b, 0, 5, 2, 3), a, 0, 1, 6, 3);
     if (!any(mixed > 0.0)) {
-      store(play_1 + taxel, none);
-      store(play_2 + taxel, none);
-      store(values + taxel, rest);
+      put_vector(play_1 + taxel, none);
+      put_vector(play_2 + taxel, none);
+      put_vector(values + taxel, rest);
       continue;
     }
     const Quad normal = __builtin_shufflevector(mixed, mixed, 2, 1, 0, 3), pressed = normal > 0.0 ? normal : none;
-    Quad p_1 = load<Quad>(play_1 + taxel), p_2 = load<Quad>(play_2 + taxel);
-    store(values + taxel, __builtin_convertvector(cell.reading(cell.felt(pressed, p_1, p_2)), QuadFloat));
-    store(play_1 + taxel, p_1);
-    store(play_2 + taxel, p_2);
+    Quad p_1 = vector_at<Quad>(play_1 + taxel), p_2 = vector_at<Quad>(play_2 + taxel);
+    put_vector(values + taxel, __builtin_convertvector(cell.reading(cell.felt(pressed, p_1, p_2)), QuadFloat));
+    put_vector(play_1 + taxel, p_1);
+    put_vector(play_2 + taxel, p_2);
   }
   for (; taxel < taxels; ++taxel) {
     const double pressed = std::max(0.0, force[3 * taxel + 2]);

@@ -29,20 +29,20 @@ using Quad __attribute__((vector_size(quad * sizeof(double)))) = double;
 using QuadFloat __attribute__((vector_size(quad * sizeof(float)))) = float;
 
 template <class Vector, class Number>
-SLIPBENCH_INLINE Vector load(const Number* from) {
+SLIPBENCH_INLINE Vector vector_at(const Number* from) {
   Vector values;
   std::memcpy(&values, from, sizeof values);
   return values;
 }
 
 template <class Vector, class Number>
-SLIPBENCH_INLINE void store(Number* to, const Vector& values) {
+SLIPBENCH_INLINE void put_vector(Number* to, const Vector& values) {
   std::memcpy(to, &values, sizeof values);
 }
 
 // Element by element: of __builtin_convertvector GCC 12 makes two halves and a dependence on the step before.
 SLIPBENCH_INLINE Quad widened(const float* from) {
-  const auto values = load<QuadFloat>(from);
+  const auto values = vector_at<QuadFloat>(from);
   return Quad{values[0], values[1], values[2], values[3]};
 }
 

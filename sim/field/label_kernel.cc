@@ -1,5 +1,6 @@
 // Vectorised passes: from elements to labels.
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "sim/field/kernel.h"
@@ -128,50 +129,81 @@ SLIPBENCH_DISPATCHED UnitSum sum_unit(const UnitSum::Summed& columns, std::size_
   return sum;
 }
 
-// The turn of unit_rules::ContactPlane, entry by entry in the order in which it is worked out there, for units with a normal each.
+namespace {
+
+// The turn of unit_rules::ContactPlane, entry by entry in the order in which it is worked out there: entry 10 is 01.
+struct Turn {
+  Lanes r00, r01, r02, r11, r12, r20, r21, r22;
+
+  SLIPBENCH_INLINE Turn(const Lanes& nx, const Lanes& ny, const Lanes& nz) {
+    const Lanes none{}, one = none + 1.0, mz = nz + 1.0;
+    r00 = one - nx * nx / mz;
+    r01 = none - nx * ny / mz;
+    r02 = none - nx * mz / mz;
+    r11 = one - ny * ny / mz;
+    r12 = none - ny * mz / mz;
+    r20 = r02 + 2.0 * nx;
+    r21 = r12 + 2.0 * ny;
+    r22 = one - mz * mz / mz + 2.0 * nz;
+    const Mask opposite = (nx == 0.0) & (ny == 0.0) & (nz == -1.0);
+    if (!any(opposite)) return;
+    r00 = opposite ? one : r00;
+    r11 = opposite ? -one : r11;
+    r22 = opposite ? -one : r22;
+    for (Lanes* entry : {&r01, &r02, &r12, &r20, &r21}) *entry = opposite ? none : *entry;
+  }
+};
+
+// Where the labels of the units from `first` on go.
+struct Labels {
+  double *force, *contact_force, *displacement, *slip_velocity, *slip_distance, *margin;
+};
+
+SLIPBENCH_INLINE void label_group(const UnitColumns& c, const Rotation& to, double rate, std::size_t first,
+                                  const Labels& labels) {
+  const auto at = [first](const std::array<const double*, 3>& vector, std::size_t k) { return lanes_at(vector[k] + first); };
+  const Lanes sx = at(c.normal, 0), sy = at(c.normal, 1), sz = at(c.normal, 2);
+  const Turn r(to.r00 * sx + to.r01 * sy + to.r02 * sz, to.r10 * sx + to.r11 * sy + to.r12 * sz,
+               to.r20 * sx + to.r21 * sy + to.r22 * sz);
+  const Lanes fx = at(c.force, 0), fy = at(c.force, 1), fz = at(c.force, 2);
+  put_vectors(labels.force, fx, fy, fz);
+  put_vectors(labels.contact_force, r.r00 * fx + r.r01 * fy + r.r02 * fz, r.r01 * fx + r.r11 * fy + r.r12 * fz,
+              r.r20 * fx + (r.r21 * fy + r.r22 * fz));
+  put_vectors(labels.displacement, at(c.deflection, 0), at(c.deflection, 1), at(c.deflection, 2));
+  const Lanes vx = at(c.slip, 0), vy = at(c.slip, 1), vz = at(c.slip, 2);
+  put_vectors(labels.slip_velocity, rate * (r.r00 * vx + r.r01 * vy + r.r02 * vz), rate * (r.r01 * vx + r.r11 * vy + r.r12 * vz));
+  put_lanes(labels.slip_distance, lanes_at(c.path + first));
+  const Lanes tx = at(c.tangential, 0), ty = at(c.tangential, 1), tz = at(c.tangential, 2), limit = lanes_at(c.limit + first);
+  const Lanes none{}, gauge = root(tx * tx + ty * ty + tz * tz) / limit, left = limit == 0.0 ? none : 1.0 - gauge;
+  put_lanes(labels.margin, lanes_at(c.touching + first) == 0.0 ? none + std::numeric_limits<double>::quiet_NaN() : left);
+}
+
+}  // namespace
+
 SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix3d& to_pad, double rate, const Groups& groups,
                                        std::size_t count, ContactFrame& frame) {
-  double* const force = frame.force.data();
-  double* const contact_force = frame.contact_force.data();
-  double* const displacement = frame.displacement.data();
-  double* const slip_velocity = frame.slip_velocity.data();
-  double* const slip_distance = frame.slip_distance.data();
-  double* const margin = frame.margin.data();
   const Rotation to = entries_of(to_pad);
+  const auto labels_at = [&frame](std::size_t u) {
+    return Labels{frame.force.data() + 3 * u,         frame.contact_force.data() + 3 * u, frame.displacement.data() + 3 * u,
+                  frame.slip_velocity.data() + 2 * u, frame.slip_distance.data() + u,     frame.margin.data() + u};
+  };
   for (std::size_t k = 0; k < groups.count; ++k) {
-    const std::size_t end = std::min(count, groups[k] + lanes);
-    SLIPBENCH_VECTORISE
-    for (std::size_t u = groups[k]; u < end; ++u) {
-      const double sx = c.normal[0][u], sy = c.normal[1][u], sz = c.normal[2][u];
-      const double nx = to.r00 * sx + to.r01 * sy + to.r02 * sz, ny = to.r10 * sx + to.r11 * sy + to.r12 * sz,
-                   nz = to.r20 * sx + to.r21 * sy + to.r22 * sz;
-      const double mz = nz + 1.0, size = 1.0 + nz;
-      const bool opposite = nx == 0.0 && ny == 0.0 && nz == -1.0;
-      const double r00 = opposite ? 1.0 : 1.0 - nx * nx / size, r01 = opposite ? 0.0 : 0.0 - nx * ny / size,
-                   r02 = opposite ? 0.0 : 0.0 - nx * mz / size;
-      const double r11 = opposite ? -1.0 : 1.0 - ny * ny / size, r12 = opposite ? 0.0 : 0.0 - ny * mz / size;
-      const double r20 = opposite ? 0.0 : 0.0 - mz * nx / size + 2.0 * nx, r21 = opposite ? 0.0 : 0.0 - mz * ny / size + 2.0 * ny,
-                   r22 = opposite ? -1.0 : 1.0 - mz * mz / size + 2.0 * nz;
-      const double share = c.share[u], pace = share * rate;
-      const double fx = c.force[0][u], fy = c.force[1][u], fz = c.force[2][u];
-      const double vx = c.slip[0][u], vy = c.slip[1][u], vz = c.slip[2][u];
-      force[3 * u] = fx;
-      force[3 * u + 1] = fy;
-      force[3 * u + 2] = fz;
-      contact_force[3 * u] = r00 * fx + r01 * fy + r02 * fz;
-      contact_force[3 * u + 1] = r01 * fx + r11 * fy + r12 * fz;
-      contact_force[3 * u + 2] = r20 * fx + (r21 * fy + r22 * fz);
-      displacement[3 * u] = share * c.deflection[0][u];
-      displacement[3 * u + 1] = share * c.deflection[1][u];
-      displacement[3 * u + 2] = share * c.deflection[2][u];
-      slip_velocity[2 * u] = pace * (r00 * vx + r01 * vy + r02 * vz);
-      slip_velocity[2 * u + 1] = pace * (r01 * vx + r11 * vy + r12 * vz);
-      slip_distance[u] = share * c.path[u];
-      const double tx = c.tangential[0][u], ty = c.tangential[1][u], tz = c.tangential[2][u], limit = c.limit[u];
-      const double gauge = std::sqrt(tx * tx + ty * ty + tz * tz) / limit;
-      const double left = limit == 0.0 ? 0.0 : 1.0 - gauge;
-      margin[u] = c.touching[u] == 0.0 ? std::numeric_limits<double>::quiet_NaN() : left;
+    const std::size_t first = groups[k];
+    if (first + lanes <= count) {
+      label_group(c, to, rate, first, labels_at(first));
+      continue;
     }
+    // The last group is not whole: the columns are, the frame is not.
+    double vectors[3][3 * lanes], velocity[2 * lanes], distance[lanes], margin[lanes];
+    label_group(c, to, rate, first, {vectors[0], vectors[1], vectors[2], velocity, distance, margin});
+    const Labels own = labels_at(first);
+    const std::size_t units = count - first;
+    std::copy_n(vectors[0], 3 * units, own.force);
+    std::copy_n(vectors[1], 3 * units, own.contact_force);
+    std::copy_n(vectors[2], 3 * units, own.displacement);
+    std::copy_n(velocity, 2 * units, own.slip_velocity);
+    std::copy_n(distance, units, own.slip_distance);
+    std::copy_n(margin, units, own.margin);
   }
 }
 

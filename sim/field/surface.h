@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "sim/core/vectorise.h"
 #include "sim/field/distance_grid.h"
 #include "sim/field/surface_point.h"
 
@@ -35,6 +36,16 @@ template <class Real>
     Real roots;
     for (std::size_t lane = 0; lane < sizeof(Real) / sizeof(double); ++lane) roots[lane] = std::sqrt(values[lane]);
     return roots;
+  }
+}
+
+// Whether a condition holds for the one element, or for one of several.
+template <class Mask>
+[[gnu::always_inline]] inline bool any_of(const Mask& mask) {
+  if constexpr (std::is_same_v<Mask, bool> || std::is_same_v<Mask, int>) {
+    return mask != 0;
+  } else {
+    return any(mask);
   }
 }
 
@@ -137,7 +148,6 @@ struct Cylinder {
     const auto beside = side > 0.0, beyond = cap > 0.0;
     const Real end = p[2] < 0.0 ? -one : one,
                looks = a[2] < 0.0 ? one : -one;  // the cap that is near, that which looks at the element
-    const Real corner = root_of(side * side + cap * cap);
 
     const Real towards_side = -(nx * a[0] + ny * a[1]), towards_cap = a[2] < 0.0 ? -a[2] : a[2];
     const Real depth = half_length - looks * p[2];
@@ -152,8 +162,14 @@ struct Cylinder {
 
     const Real past_gap = beyond ? cap : inside_gap, past_z = beyond ? end : inside_z;
     const Real past_faces = beyond ? cap_bit(end) : inside_faces, past = beyond ? none : within;
-    const Real out_gap = beyond ? corner : side, out_z = beyond ? end * cap / corner : none;
-    const Real out_faces = beyond ? none + side_bit + cap_bit(end) : none + side_bit, out = beyond ? side / corner : one;
+    Real out_gap = side, out_z = none, out = one;
+    if (any_of(beside & beyond)) {  // hardly ever, and a root and two quotients dear
+      const Real corner = root_of(side * side + cap * cap);
+      out_gap = beyond ? corner : side;
+      out_z = beyond ? end * cap / corner : none;
+      out = beyond ? side / corner : one;
+    }
+    const Real out_faces = beyond ? none + side_bit + cap_bit(end) : none + side_bit;
     const Real share = beside ? out : past;
     return {beside ? out_gap : past_gap, share * nx, share * ny, beside ? out_z : past_z, beside ? out_faces : past_faces};
   }

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 
 #include <Eigen/Core>
 
@@ -14,24 +13,33 @@ namespace slipbench::kernel {
 
 // As many entries of a column as are worked on at once: for loops that would not become vector code by themselves, and for sums whose
 // order does not depend on how they do.
-using Lanes __attribute__((vector_size(lanes * sizeof(double)))) = double;
+using Lanes = Quad;
 using Mask = decltype(Lanes{} == Lanes{});
+static_assert(lanes == quad);
+using slipbench::any;
 
-SLIPBENCH_INLINE Lanes lanes_at(const double* from) {
-  Lanes values;
-  std::memcpy(&values, from, sizeof values);
-  return values;
+SLIPBENCH_INLINE Lanes lanes_at(const double* from) { return vector_at<Lanes>(from); }
+SLIPBENCH_INLINE void put_lanes(double* to, const Lanes& values) { put_vector(to, values); }
+
+// Three components of as many vectors, one vector after the other.
+SLIPBENCH_INLINE void put_vectors(double* to, const Lanes& x, const Lanes& y, const Lanes& z) {
+  const Lanes even = __builtin_shufflevector(x, y, 0, 4, 2, 6), odd = __builtin_shufflevector(y, z, 1, 5, 3, 7);
+  const Lanes across = __builtin_shufflevector(z, x, 0, 5, 2, 7);
+  put_lanes(to, __builtin_shufflevector(even, across, 0, 1, 4, 5));
+  put_lanes(to + lanes, __builtin_shufflevector(odd, even, 0, 1, 6, 7));
+  put_lanes(to + 2 * lanes, __builtin_shufflevector(across, odd, 2, 3, 6, 7));
 }
-
-SLIPBENCH_INLINE void put_lanes(double* to, const Lanes& values) { std::memcpy(to, &values, sizeof values); }
+// The same of two.
+SLIPBENCH_INLINE void put_vectors(double* to, const Lanes& x, const Lanes& y) {
+  put_lanes(to, __builtin_shufflevector(x, y, 0, 4, 1, 5));
+  put_lanes(to + lanes, __builtin_shufflevector(x, y, 2, 6, 3, 7));
+}
 
 SLIPBENCH_INLINE Lanes root(const Lanes& values) {
   Lanes roots;
   for (std::size_t lane = 0; lane < lanes; ++lane) roots[lane] = std::sqrt(values[lane]);
   return roots;
 }
-
-SLIPBENCH_INLINE bool any(const Mask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
 // The entries of a rotation, for loops that are to find them in registers.
 struct Rotation {
