@@ -242,6 +242,23 @@ TEST(DynamicBench, EveryShapeComesToRestOnATable) {
   }
 }
 
+// MuJoCo leaves sensors out only where a model has none: a force sensor tells what its motor is told.
+TEST(DynamicPhysics, SensorsOfTheModelAreRead) {
+  const ModelFolder folder;
+  std::string fingers = two_fingers("");
+  folder.write("bare.xml", fingers);
+  folder.write("fingers.xml", fingers.insert(fingers.rfind("</mujoco>"), "<sensor><actuatorfrc actuator='left'/></sensor>"));
+  const std::string scene = held_box("duration: 0.1 s\ncontrols: {left: 4 N, right: 4 N}\n");
+  DynamicRig rig(scene, folder.file("scene.yaml"));
+  rig.run();
+  ASSERT_EQ(rig->model()->nsensordata, 1);
+  EXPECT_EQ(rig->data()->sensordata[0], 4.0);
+  std::string without = scene;
+  without.replace(without.find("fingers.xml"), std::string("fingers.xml").size(), "bare.xml");
+  DynamicRig bare(without, folder.file("scene.yaml"));
+  EXPECT_NE(bare->model()->opt.disableflags & mjDSBL_SENSOR, 0);
+}
+
 // A model whose flag takes gravity away, and a scene that brings its own.
 TEST(DynamicPhysics, GravityIsThatOfMuJoCo) {
   for (const std::string fidelity : {"field", "articulated"}) {
