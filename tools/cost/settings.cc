@@ -81,6 +81,19 @@ void add_step(const Scene& scene, const std::string& series, double time_step, s
   settings.push_back({series, label + short_text(time_step) + slowed, std::move(changes)});
 }
 
+// A sampling time [s] of the scene. Where nothing is integrated the scene's step is one, also of a sensor that reads several times a sample.
+double sampling_time_of(const Scene& scene, double own) {
+  const double rate = fastest_rate(scene);
+  return scene.dynamic() && rate > 0.0 ? 1.0 / rate : own;
+}
+
+// The step next to `wanted` [s] that goes into the sampling time, or that this goes into: the ladders of MuJoCo's contact are made for 1 kHz,
+// and a scene may have any rate.
+double fitting(double wanted, double sampling_time) {
+  const double times = wanted / sampling_time;
+  return times >= 1.0 ? std::round(times) * sampling_time : sampling_time / std::ceil(1.0 / times - 1e-9);
+}
+
 // Steps from ten of the scene's own down to a twentieth. Where forces move bodies, the scene's is near the longest that they bear: from four of
 // them down to an eighth, in whole parts of a sampling time.
 std::vector<double> ladder(const Scene& scene, double own) {
@@ -90,8 +103,7 @@ std::vector<double> ladder(const Scene& scene, double own) {
     for (const double divisor : divisors) steps.push_back(own / divisor);
     return steps;
   }
-  const double rate = fastest_rate(scene);
-  const double sampling_time = rate > 0.0 ? 1.0 / rate : own;
+  const double sampling_time = sampling_time_of(scene, own);
   const double parts = std::max(1.0, std::round(sampling_time / own));
   for (const double factor : {0.25, 0.5, 1.0, 2.0, 4.0, 8.0})
     steps.push_back(sampling_time / std::max(1.0, std::ceil(factor * parts)));
@@ -129,15 +141,18 @@ void add_steps(const Scene& scene, const OwnRun& own, std::vector<Setting>& sett
     }
   }
   if (!scene.grasp && scene.effects.empty()) {
-    for (const double h : {2e-3, 1e-3, 5e-4, 2e-4}) add_step(scene, "articulated", h, plain(scene, "articulated"), "", settings);
+    for (const double h : {2e-3, 1e-3, 5e-4, 2e-4})
+      add_step(scene, "articulated", fitting(h, sampling_time_of(scene, own.time_step)), plain(scene, "articulated"), "",
+               settings);
   }
 }
 
-void add_contact(const Scene& scene, std::vector<Setting>& settings) {
+void add_contact(const Scene& scene, const OwnRun& own, std::vector<Setting>& settings) {
   if (!scene.effects.empty()) return;
   const FrictionScene& friction = scene.friction;
   const std::span<const double> steps = scene.grasp ? std::span<const double>(grasp_contact_steps) : contact_steps;
-  for (const double h : steps) {
+  for (const double wanted : steps) {
+    const double h = fitting(wanted, sampling_time_of(scene, own.time_step));
     for (const ContactChoice& choice : contact_choices) {
       std::string contact = filled(choice.contact, "%2h", format_number(2.0 * h));
       contact = filled(filled(contact, "%h", format_number(h)), "%m", scene.dynamic() ? "1 g" : "10 g");
@@ -222,7 +237,7 @@ const Series& series_of(const Setting& setting) { return *std::ranges::find(all_
 std::vector<Setting> settings_to_try(const Scene& scene, const OwnRun& own) {
   std::vector<Setting> settings;
   add_steps(scene, own, settings);
-  add_contact(scene, settings);
+  add_contact(scene, own, settings);
   add_rates(scene, own, settings);
   add_elements(scene, settings);
   return settings;

@@ -13,8 +13,8 @@
 namespace slipbench::testing_field::sparse_test {
 namespace {
 
-constexpr std::size_t rows = 16, columns = 15,
-                      rows_a_part = 4;  // 15: groups run over the ends of rows, and the pad's last is not whole
+// Groups of four run over the ends of rows, and of the 225 elements the last group has one.
+constexpr std::size_t rows = 15, columns = 15, rows_a_part = 3;
 
 PadLayout part_of_pad(std::size_t first_row, std::size_t count) {
   PadLayout pad;

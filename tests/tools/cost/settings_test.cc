@@ -1,12 +1,14 @@
 #include "tools/cost/settings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/core/quantity.h"
 #include "tools/catalogue/catalogues.h"
 #include "tools/run/run_trial.h"
 
@@ -87,6 +89,19 @@ TEST(CostSettings, EveryContactOfAGraspIsOneThatStarts) {
     EXPECT_NO_THROW(check_trial(scene, 0)) << setting.label;
   }
   EXPECT_THAT(steps, ::testing::ElementsAre(5e-5, 1e-4, 2e-4, 5e-4));
+}
+
+// 2,400 readings a second: 4 ms are 10 sampling times of 0.41667 ms to the next whole number, 2 ms 5, 1 ms 2 (2.4), 0.5 ms 1 (1.2), and 0.2 ms
+// a third of one (0.48, of which at least three parts are short enough).
+TEST(CostSettings, StepsOfMujocosContactFitAnyRate) {
+  std::set<double> parts;
+  for (const Setting& setting : settings_to_try(parsed(shipped("nib_pad/calibrate_lying.yaml")), {1.0 / 2400.0})) {
+    if (setting.series != "contact") continue;
+    const auto step = std::ranges::find(setting.changes, "time_step", &Override::path);
+    ASSERT_NE(step, setting.changes.end()) << setting.label;
+    parts.insert(1e-6 * std::round(1e6 * 2400.0 * parse_quantity(step->value, Quantity::time)));
+  }
+  EXPECT_THAT(parts, ::testing::ElementsAre(1e-6 * 333333, 1.0, 2.0, 5.0, 10.0));
 }
 
 TEST(CostSettings, EverySeriesIsDeclared) {
