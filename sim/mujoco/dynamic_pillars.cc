@@ -77,7 +77,11 @@ void DynamicBench::State::settle_tips() {
     std::ranges::copy(qpos, settled->qpos);
     std::ranges::copy(qvel, settled->qvel);
     call_mujoco([&] { mj_step(held.get(), settled.get()); });
-    refuse_warnings(held.get(), settled.get(), 0.0);
+    try {
+      refuse_warnings(held.get(), settled.get(), dt * k);
+    } catch (const InputError& error) {
+      throw InputError(std::string("the tips do not come to rest before the run: ") + error.what());
+    }
     for (const Pad& pad : pads) {
       pad.pillars->read(held.get(), settled.get(), 0.0, dt);
       for (const int body : pad.pillars->bodies()) {

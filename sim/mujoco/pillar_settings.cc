@@ -26,7 +26,7 @@ constexpr double tip_radius = 1e-4;  // m, as the recipe's
 // safe: a faster contact overshoots, and rests no sooner.
 constexpr double settling_times = 10.0;
 constexpr double least_time_constant = 2.0;  // steps
-constexpr double most_settling_steps = 10'000.0;
+constexpr double most_settling_steps = 100'000.0;
 
 template <std::size_t n>
 std::array<mjtNum, n> start_of(const mjtNum (&values)[n]) {
@@ -131,7 +131,7 @@ int steps_to_settle(const PillarSettings& settings, bool pressed_in) {
   throw SceneValueError(
       "contact.solref",
       fmt::format("with {} tips that begin pressed in need {:.0f} steps of {} to come to rest before the run; allowed are up to "
-                  "{:.0f} steps: {}",
+                  "{:.0f} steps: {}, or longer steps",
                   direct ? fmt::format("a damping of {} /s", format_number(-damping))
                          : "a time constant of " + format_quantity(time, Quantity::time),
                   settings.settling_steps, format_quantity(settings.dt, Quantity::time), most_settling_steps,

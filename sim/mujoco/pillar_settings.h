@@ -118,7 +118,7 @@ PillarSettings user_pillars(const Parameters& contact, double dt);
 PillarSettings pillars_of_scene(const Scene& scene, double dt);
 
 // How many steps to take before the run. `pressed_in`: a tip begins inside what it touches. Throws SceneValueError at contact.solref
-// where one does and would take more than 10,000 of them to come to rest. Where none does nothing moves in them, and so long a contact
+// where one does and would take more than 100,000 of them to come to rest. Where none does nothing moves in them, and so long a contact
 // gets one.
 int steps_to_settle(const PillarSettings& settings, bool pressed_in);
 

@@ -138,7 +138,8 @@ inline const Entry contact_entry{
                     .default_text = "[0.02, 1]",
                     .choices = {},
                     .size = 2,
-                    .doc = "time constant [s] and damping ratio of a contact, or -stiffness [1/s2] and -damping [1/s]",
+                    .doc = "time constant [s] and damping ratio of a contact, both above 0, or -stiffness [1/s2] and -damping "
+                           "[1/s], both below",
                     .source = "MuJoCo"},
                    {.name = "solreffriction",
                     .type = ParameterType::vector,

@@ -30,6 +30,9 @@ constexpr double trying_share = 0.5;
 constexpr double turn = 0.01;  // s
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+bool warned(std::string_view why) { return why.find("MuJoCo warns") != std::string_view::npos; }
 
 constexpr std::array reference_divisors{64, 32, 16, 8, 4, 2};
 
@@ -110,11 +113,9 @@ class Explorer {
   TrialResult own_;
   TrialResult reference_;
   std::optional<ClosedForm> exact_;
-  // What the last run of the series at hand has taken; zeros: there was none.
-  struct Pace {
-    std::string series = {};
-    double time_step = 0.0, seconds = 0.0;  // s
-  } pace_;
+  // Of the series at hand: the least that a run has taken, on the clock, times its step [s2]; empty: none has run.
+  std::string series_at_hand_;
+  std::optional<double> pace_;
 };
 
 std::vector<Override> Explorer::changes_of(const Setting& setting) const {
@@ -234,25 +235,24 @@ std::optional<TrialResult> Explorer::try_setting(Row& row, Job& job) {
   try {
     job.scene = scene_of(row.setting);
   } catch (const InputError& error) {
-    row.status = Status::refused;
     row.why = error.what();
+    row.status = warned(row.why) ? Status::warning : Status::refused;  // tips that settle before the first step may diverge
     return std::nullopt;
   }
-  // Time goes with the number of steps, by what the series' last run has shown.
-  job.expected = job.scene.time_step ? pace_.seconds * pace_.time_step / *job.scene.time_step : pace_.seconds;
+  // Time goes with the number of steps, by what the quickest of the series has shown: a stalled run is to speak for itself alone.
+  job.expected = job.scene.time_step && pace_ ? *pace_ / *job.scene.time_step : 0.0;
   if (static_cast<double>(least_repeats) * job.expected > setting_share * options_.budget) {
     row.status = Status::over_budget;
-    row.why = fmt::format("about {:.2g} s a run: more than a thirtieth of the budget", job.expected);
+    row.why = fmt::format("{:.2g} s a run, by the quickest of the series: more than a thirtieth of the budget", job.expected);
     return std::nullopt;
   }
   try {
     TrialResult run = timed_run(job, Recording::full);
-    pace_.time_step = run.time_step;
-    pace_.seconds = job.expected;
+    pace_ = std::min(pace_.value_or(infinite), job.expected * run.time_step);
     return run;
   } catch (const InputError& error) {
     row.why = error.what();
-    row.status = row.why.find("MuJoCo warns") != std::string::npos ? Status::warning : Status::diverged;
+    row.status = warned(row.why) ? Status::warning : Status::diverged;
     return std::nullopt;
   }
 }
@@ -263,9 +263,10 @@ void Explorer::try_all() {
   for (Setting& setting : settings_to_try(jobs_.front().scene, {own_.time_step})) {
     if (interrupted()) return;
     const Series& series = series_of(setting);
-    if (setting.series != pace_.series) {
+    if (setting.series != series_at_hand_) {
       say(series.title);
-      pace_ = {.series = setting.series};
+      series_at_hand_ = setting.series;
+      pace_.reset();
     }
     Row row{.setting = std::move(setting), .command = {}};
     Job job;

@@ -53,17 +53,26 @@ bool has_series(const Exploration& exploration, std::string_view series) {
 // What became of all settings of MuJoCo's own contact.
 struct Tried {
   std::size_t all = 0, refused = 0, not_run = 0;
-  std::string why = {};  // of a refusal
+  std::size_t failed = 0;    // they ran, and went wrong
+  std::size_t slower = 0;    // they ran, and put out less often than the scene does
+  std::size_t compared = 0;  // they ran, and could have reached an error
+  std::string why = {};      // of a refusal
 };
 Tried tried_contact(const Exploration& exploration) {
   Tried tried;
   for (const Row& row : exploration.rows) {
     if (row.setting.series != contact_series) continue;
     ++tried.all;
-    tried.not_run += row.status == Status::over_budget;
-    if (row.status != Status::refused) continue;
-    ++tried.refused;
-    tried.why = row.why;
+    switch (row.status) {
+      case Status::ok: ++(as_often(exploration, row) ? tried.compared : tried.slower); break;
+      case Status::refused:
+        ++tried.refused;
+        tried.why = row.why;
+        break;
+      case Status::over_budget: ++tried.not_run; break;
+      case Status::warning:
+      case Status::diverged: ++tried.failed; break;
+    }
   }
   return tried;
 }
@@ -76,22 +85,28 @@ std::string contact_text(const Exploration& exploration, Measure measure, double
                        contact->setting.label, ratio_text(exploration.cost(*contact) / exploration.cost(cheapest_row)));
   }
   if (tried.refused == tried.all) return fmt::format("MuJoCo's own contact could not be tried ({})", tried.why);
-  const std::size_t run = tried.all - tried.refused - tried.not_run;
-  if (run == 0) return "the budget left no time to try MuJoCo's own contact";
-  const std::string none = fmt::format("MuJoCo's own contact reaches it with none of {} settings", run);
+  if (tried.not_run + tried.refused == tried.all) return "the budget left no time to try MuJoCo's own contact";
+  if (tried.compared == 0) return "of MuJoCo's own contact no run can be compared";
+  const std::string none =
+      fmt::format("MuJoCo's own contact reaches it with none of {} setting{}", tried.compared, tried.compared == 1 ? "" : "s");
   const Row* const best = best_of(exploration, measure, contact_series);
   if (best == nullptr) return none + ": in every run other things happen";
   return fmt::format("{}: {} at best ({}, {})", none, limit_text(info, at(best->errors, measure)->worst), best->setting.label,
                      cost_text(exploration.cost(*best)));
 }
 
-// What "none of 16 settings" leaves open; empty: nothing.
-std::string untried_text(const Tried& tried) {
+// Of which settings nothing could be said; empty: there are none.
+std::string left_out_text(const Tried& tried) {
   std::vector<std::string> parts;
-  if (tried.not_run > 0) parts.push_back(fmt::format("for {} the budget left no time", tried.not_run));
-  if (tried.refused > 0) parts.push_back(fmt::format("{} refused", tried.refused));
+  const auto add = [&parts](std::size_t count, std::string_view what) {
+    if (count > 0) parts.push_back(fmt::format("{} {}", count, what));
+  };
+  add(tried.failed, "went wrong");
+  add(tried.slower, "put out less often than the scene");
+  add(tried.refused, "refused");
+  add(tried.not_run, "not run for want of time");
   if (parts.empty()) return "";
-  return fmt::format("Of MuJoCo's own contact {} of {} settings were not run: {}.", tried.not_run + tried.refused, tried.all,
+  return fmt::format("Of {} settings of MuJoCo's own contact {} could not count: {}.", tried.all, tried.all - tried.compared,
                      fmt::join(parts, ", "));
 }
 
@@ -194,9 +209,8 @@ std::vector<std::string> sentences(const Exploration& exploration) {
   }
   if (!exploration.reference.converged) lines.push_back(reference_text(exploration));
   const Tried tried = tried_contact(exploration);
-  if (tried.refused < tried.all && tried.not_run < tried.all) {
-    if (const std::string untried = untried_text(tried); !untried.empty()) lines.push_back(untried);
-  }
+  if (const std::string left_out = left_out_text(tried); tried.refused < tried.all && !left_out.empty())
+    lines.push_back(left_out);
   if (exploration.one_friction && has_series(exploration, contact_series)) {
     lines.push_back("MuJoCo's own contact knows one coefficient of friction: its rows have the scene's static one for both.");
   }

@@ -211,8 +211,8 @@ TEST(MujocoContact, SettlesForTenTimeConstants) {
   };
   EXPECT_EQ(steps(0.02, 1e-3, true), 200);
   EXPECT_EQ(steps(0.02, 0.1, true), 20);
-  EXPECT_EQ(steps(0.002, 2e-6, true), 10'000);
-  EXPECT_THROW(steps(0.002, 1.99e-6, true), SceneValueError);
+  EXPECT_EQ(steps(0.02, 2e-6, true), 100'000);
+  EXPECT_THROW(steps(0.02, 1.99e-6, true), SceneValueError);
   EXPECT_EQ(steps(0.02, 1e-3, false), 200) << "as where tips are pressed in: labels do not hang on rounding";
   EXPECT_EQ(steps(300.0, 1e-3, false), 1);
   EXPECT_EQ(steps(1e9, 1e-3, false), 1) << "more than an int holds";

@@ -175,14 +175,13 @@ TEST(Describe, ExamplesNameTheEntryWhereItsKindBelongs) {
 TEST(Describe, ContactIsTheScenesOwnKey) {
   const std::string text = page("contact");
   EXPECT_THAT(text, HasSubstr("contact  part of fidelity mujoco_contact\n  MuJoCo's own contact friction"));
-  EXPECT_THAT(text,
-              HasSubstr("  solref  2 numbers\n      time constant [s] and damping ratio of a contact, or -stiffness [1/s2] and "
-                        "-damping [1/s]\n"));
+  EXPECT_THAT(text, HasSubstr("  solref  2 numbers\n      time constant [s] and damping ratio of a contact, both above 0, or "
+                              "-stiffness [1/s2] and\n      -damping [1/s], both below\n"));
   EXPECT_THAT(text, HasSubstr("      default: [0.02, 1]\n"));
   EXPECT_THAT(text, HasSubstr("      unit:    kg (also g)\n      default: 0.1 g\n"));
   EXPECT_THAT(text,
               HasSubstr("In a scene (contact)\n  fidelity: mujoco_contact\n  friction: {static: 0.5, kinetic: 0.5}\n  contact:\n"
-                        "    integrator: implicitfast\n    cone: pyramidal\n"));
+                        "    integrator: discrete\n    cone: elliptic\n"));
 }
 
 TEST(Describe, ColoursOnlyWhereTheStyleHasThem) {

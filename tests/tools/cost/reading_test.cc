@@ -36,13 +36,15 @@ TEST(CostReading, ARunInWhichOtherThingsHappenMeetsNoWish) {
 }
 
 // 5 ms: 0.004 s for 2 s, 1/500 of real time. noslip 3: 1.6 s for 2 s, 1/1.25, 400 times as much. 0.1 %: the scene itself, 0.02 s, 1/100.
+// Of the three settings of MuJoCo's contact one has ended in a warning.
 TEST(CostReading, SentencesSayWhatAnErrorCostsAndWhatMujocoPays) {
   EXPECT_THAT(
       sentences(example()),
       ElementsAre("1 % slip onset error costs 1/500 of real time: element field, 5 ms; MuJoCo's own contact needs 1/1.25 of "
                   "real time for it (noslip 3): 400 times as much.",
                   "0.1 % slip onset error costs 1/100 of real time: the scene as it is, 1 ms; MuJoCo's own contact reaches it "
-                  "with none of 3 settings: 0.8 % at best (noslip 3, 1/1.25 of real time)."));
+                  "with none of 2 settings: 0.8 % at best (noslip 3, 1/1.25 of real time).",
+                  "Of 3 settings of MuJoCo's own contact 1 could not count: 1 went wrong."));
 }
 
 TEST(CostReading, AReferenceThatHasNotConvergedIsNoSecret) {
@@ -77,15 +79,27 @@ TEST(CostReading, ContactThatWasNotTriedHasNotFailed) {
   EXPECT_THAT(sentences(exploration).front(), HasSubstr("the budget left no time to try MuJoCo's own contact"));
 }
 
-// One of three, noslip 3, is refused: what is said is of the other two.
+// Of three one has gone wrong; then noslip 3 puts out less often; then the last, impratio 100, is out of time.
 TEST(CostReading, OfHowManySettingsAFailureIsSaid) {
   Exploration exploration = example();
-  exploration.rows[5].status = Status::refused;
-  EXPECT_THAT(sentences(exploration).front(), HasSubstr("reaches it with none of 2 settings: "));
-  EXPECT_THAT(sentences(exploration), Contains("Of MuJoCo's own contact 1 of 3 settings were not run: 1 refused."));
-  exploration.rows[7].status = Status::over_budget;
-  EXPECT_THAT(sentences(exploration),
-              Contains("Of MuJoCo's own contact 2 of 3 settings were not run: for 1 the budget left no time, 1 refused."));
+  for (Row& row : exploration.rows) row.rate = 1000.0;
+  exploration.rows[5].rate = 250.0;
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("reaches it with none of 1 setting: 3 % at best (impratio 100"));
+  EXPECT_THAT(sentences(exploration), Contains("Of 3 settings of MuJoCo's own contact 2 could not count: 1 went wrong, 1 put out "
+                                               "less often than the scene."));
+  exploration.rows[4].status = Status::over_budget;
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("of MuJoCo's own contact no run can be compared"));
+  EXPECT_THAT(sentences(exploration), Contains("Of 3 settings of MuJoCo's own contact 3 could not count: 1 went wrong, 1 put out "
+                                               "less often than the scene, 1 not run for want of time."));
+}
+
+// In both that are left the other thing happens.
+TEST(CostReading, OtherThingsHappenOnlyWhereSomethingWasCompared) {
+  Exploration exploration = example();
+  for (const std::size_t contact : {4, 5}) exploration.rows[contact].errors = onset_error(0.0, true);
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("with none of 2 settings: in every run other things happen"));
+  for (const std::size_t contact : {4, 5}) exploration.rows[contact].status = Status::diverged;
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("no run can be compared"));
 }
 
 // Three digits and no exponent: 1 420 % are read faster than 1.42e+03 %.
