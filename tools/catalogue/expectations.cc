@@ -113,7 +113,8 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
              [](const TrialOutcome& o) { return o.gross_slip_time; }),
       number("no_slip_before", at_least, time, "1 s", "No unit slips as a whole before this time of the trial.",
              "first_slip_time_s", [](const TrialOutcome& o) { return o.first_slip_time; }),
-      number("max_unit_slip", at_most, length, "1 mm", "Largest distance that any unit slips over the surface.",
+      number("max_unit_slip", at_most, length, "1 mm",
+             "Largest distance that any unit slips over the surface; with fidelity mujoco_contact its creep counts.",
              "max_slip_distance_m", [](const TrialOutcome& o) { return o.max_slip_distance; }),
 
       of_detector(flag("false_alarm", "Whether the detector says slip before any unit of its sensor slips as a whole.",

@@ -49,7 +49,7 @@ std::string filled(std::string text, const std::string& mark, const std::string&
   return text;
 }
 constexpr std::array contact_steps{4e-3, 2e-3, 1e-3, 5e-4, 2e-4};
-// In a grasp the springs of the fingers bear no step above 0.8 ms.
+// In a grasp the springs of the fingers bear no step above 0.8 ms by the grip's defaults; stiffer fingers refuse more of these.
 constexpr std::array grasp_contact_steps{5e-4, 2e-4, 1e-4, 5e-5};
 
 bool has(const SensorScene& sensor, const char* parameter) { return sensor.parameters.values().contains(parameter); }
