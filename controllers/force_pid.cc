@@ -66,16 +66,11 @@ class ForcePid final : public Controller {
 ControllerKind force_pid() {
   return {
       {"force_pid", "PID on the measured grip force, whatever the slip.",
-       "u_k = u_k-1 + (Kp (F_k-1 - F_k) + T/Ti (r - F_k) - Td/T (F_k - 2 F_k-1 + F_k-2)) / c while |r - F_k| > dead_band, "
-       "otherwise u_k = u_k-1; u_0 = measured position\n"
+       "u_k = u_k-1 + (Kp (F_k-1 - F_k) + T/Ti (r - F_k) - Td/T (F_k - 2 F_k-1 + F_k-2)) / c while |r - F_k| > dead_band, otherwise u_k = u_k-1; u_0 = measured position\n"
        "position = round(u_k), u_k kept within measured position +- lead and within 0 to 255 (so that nothing winds up)\n"
-       "F: sum of the pillars' normal forces, r: preset, T: time between two reads of the status, c: force_per_count, Kp: "
-       "proportional, Ti: integral_time, Td: derivative_time\n"
-       "a count at its real worth c' that is seen d periods after the read that led to it: with Kp = Td = 0 stable for "
-       "T/Ti c'/c < 2 sin(pi/(4d - 2)), without overshoot up to (d-1)^(d-1)/d^d; 0.62 and 0.15 for 60 ms of 20 ms. It comes to "
-       "rest because a dead band of c/2 or more holds a whole count",
-       "velocity form of PID with derivative and proportional action on the measured value: Astrom and Hagglund, PID Controllers "
-       "(1995), chapter 3; bounds: roots of z^d - z^(d-1) + T/Ti c'/c",
+       "F: sum of the pillars' normal forces, r: preset, T: time between two reads of the status, c: force_per_count, Kp: proportional, Ti: integral_time, Td: derivative_time\n"
+       "a count at its real worth c' that is seen d periods after the read that led to it: with Kp = Td = 0 stable for T/Ti c'/c < 2 sin(pi/(4d - 2)), without overshoot up to (d-1)^(d-1)/d^d; 0.62 and 0.15 for 60 ms of 20 ms. It comes to rest because a dead band of c/2 or more holds a whole count",
+       "velocity form of PID with derivative and proportional action on the measured value: Astrom and Hagglund, PID Controllers (1995), chapter 3; bounds: roots of z^d - z^(d-1) + T/Ti c'/c",
        with_registers({
            declared("proportional", ParameterType::number, Quantity::none, "0.1", non_negative,
                     "Kp: share of a change of the force that is taken back at once.", "assumed"),
@@ -87,11 +82,10 @@ ControllerKind force_pid() {
            declared("dead_band", ParameterType::number, Quantity::force, "0.8 N", non_negative,
                     "Error that is let be; below half a real count the fingers may never come to rest.",
                     "assumed: half of force_per_count"),
-           declared("lead", ParameterType::integer, Quantity::none, "2",
-                    {.min = 1.0, .max = double{max_register}, .open_min = false},
-                    "Counts by which the command may differ from the measured position: the pace in free air, and the limit of "
-                    "what winds up while the motor is stopped.",
-                    "assumed"),
+           declared(
+               "lead", ParameterType::integer, Quantity::none, "2", {.min = 1.0, .max = double{max_register}, .open_min = false},
+               "Counts by which the command may differ from the measured position: the pace in free air, and the limit of what winds up while the motor is stopped.",
+               "assumed"),
            force_per_count_spec(),
        })},
       [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {

@@ -47,8 +47,7 @@ ControllerKind stuck_fraction() {
       {"stuck_fraction", "Grip force in proportion to the share of the touching pillars that do not stick.",
        "target = preset + gain (1 - s), s: the detector's stuck fraction; 1 while it sees no contact\n"
        "position = measured position + ceil((target - F)/force_per_count) counts while F < target, otherwise the last command\n"
-       "F: sum of the pillars' normal forces. The position ends at 255 and stays there. A detector that tells no stuck fraction "
-       "is refused",
+       "F: sum of the pillars' normal forces. The position ends at 255 and stays there. A detector that tells no stuck fraction is refused",
        "stick ratio as feedback: Ikeda et al., IROS 2004, and arXiv:2402.11879",
        with_registers({
            declared("gain", ParameterType::number, Quantity::force, "12 N", non_negative,

@@ -35,21 +35,19 @@ class ForceRatio final : public Detector {
 }  // namespace
 
 Entry force_ratio_entry() {
-  return {.name = "force_ratio",
-          .summary = "threshold on each unit's ratio of tangential to normal force; no training",
-          .law =
-              "a unit with f_n >= touch slips when f_t > ratio f_n\n"
-              "no contact: no unit touches; non-slip: none of those that touch slips; incipient: some do; gross: all do; stuck "
-              "fraction: "
-              "share of those that touch and do not slip",
-          .source =
-              "Coulomb's law: a unit that sticks has f_t <= mu_s f_n, one that slips f_t = mu_k f_n. Below mu_k the ratio warns "
-              "early; above it nothing that slips is seen for long",
-          .parameters = {
-              number_spec("ratio", Quantity::none, "0.4", positive, "Ratio f_t/f_n above which a unit counts as slipping.",
-                          "assumed: 0.8 of the friction coefficient 0.5 of stage.yaml"),
-              touch_spec(),
-          }};
+  return {
+      .name = "force_ratio",
+      .summary = "threshold on each unit's ratio of tangential to normal force; no training",
+      .law =
+          "a unit with f_n >= touch slips when f_t > ratio f_n\n"
+          "no contact: no unit touches; non-slip: none of those that touch slips; incipient: some do; gross: all do; stuck fraction: share of those that touch and do not slip",
+      .source =
+          "Coulomb's law: a unit that sticks has f_t <= mu_s f_n, one that slips f_t = mu_k f_n. Below mu_k the ratio warns early; above it nothing that slips is seen for long",
+      .parameters = {
+          number_spec("ratio", Quantity::none, "0.4", positive, "Ratio f_t/f_n above which a unit counts as slipping.",
+                      "assumed: 0.8 of the friction coefficient 0.5 of stage.yaml"),
+          touch_spec(),
+      }};
 }
 
 std::unique_ptr<Detector> make_force_ratio(const Parameters& parameters, const FrameSource& source) {

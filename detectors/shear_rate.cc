@@ -87,24 +87,13 @@ Entry shear_rate_entry() {
       .name = "shear_rate",
       .summary = "a unit slips when its shear force no longer grows as it did; no training",
       .law =
-          "r = change of f_t over window / window, of the units with f_n >= touch; p: largest r while f_t/f_n grew too, since "
-          "the unit's loading "
-          "began\n"
-          "a unit that has loaded, p >= loading / window, slips from when r < following p, unless f_t < least_friction f_n: then "
-          "its loading has "
-          "ended\n"
-          "it sticks again when r >= following p, or when f_t/f_n is less than release of what it was when it was found to slip; "
-          "this ends its "
-          "loading, p = 0\n"
-          "non-slip: no unit slips; incipient: some do; gross: all do; stuck fraction: share of those that touch and do not "
-          "slip\n"
-          "On a surface at constant speed a slip is told (1 - following) window after it began. A load that stops growing is "
-          "taken for a "
-          "slip, until a firmer grip lowers f_t/f_n.",
+          "r = change of f_t over window / window, of the units with f_n >= touch; p: largest r while f_t/f_n grew too, since the unit's loading began\n"
+          "a unit that has loaded, p >= loading / window, slips from when r < following p, unless f_t < least_friction f_n: then its loading has ended\n"
+          "it sticks again when r >= following p, or when f_t/f_n is less than release of what it was when it was found to slip; this ends its loading, p = 0\n"
+          "non-slip: no unit slips; incipient: some do; gross: all do; stuck fraction: share of those that touch and do not slip\n"
+          "On a surface at constant speed a slip is told (1 - following) window after it began. A load that stops growing is taken for a slip, until a firmer grip lowers f_t/f_n.",
       .source =
-          "A unit that sticks is a spring, df_t/dt = k_t v; one that slips carries f_t = mu_k f_n <= mu_s f_n, so that its shear "
-          "stays or "
-          "drops. Coulomb's law releases it. The figures: assumed",
+          "A unit that sticks is a spring, df_t/dt = k_t v; one that slips carries f_t = mu_k f_n <= mu_s f_n, so that its shear stays or drops. Coulomb's law releases it. The figures: assumed",
       .parameters = {
           window_spec(),
           number_spec("loading", Quantity::force, "20 mN", positive,

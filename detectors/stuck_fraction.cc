@@ -88,18 +88,10 @@ Entry stuck_fraction_entry() {
           "V >= moving_speed: a pillar slips when v_i < stuck_share V; mu = sum f_t / sum f_n over those that slip\n"
           "V < moving_speed: a pillar slips when f_t >= friction_share mu f_n; before any slipped, none does\n"
           "f_t < least_friction f_n: a pillar sticks in any case\n"
-          "non-slip: no pillar slips; incipient: some do; gross: all do; stuck fraction: share of those that touch and do not "
-          "slip\n"
-          "On a surface at constant speed v a slip is told (1 - stuck_share) window after it began, that of the last pillar "
-          "(1 - moving_speed/v) window after. A pad that is stopped in a slide, and stays loaded, is taken for one that slides; "
-          "one of "
-          "which all pillars let go at once for one at rest.",
+          "non-slip: no pillar slips; incipient: some do; gross: all do; stuck fraction: share of those that touch and do not slip\n"
+          "On a surface at constant speed v a slip is told (1 - stuck_share) window after it began, that of the last pillar (1 - moving_speed/v) window after. A pad that is stopped in a slide, and stays loaded, is taken for one that slides; one of which all pillars let go at once for one at rest.",
       .source =
-          "A tip that sticks goes with the surface, so its displacement changes at the surface's speed over the pad; one that "
-          "slides keeps "
-          "the displacement at which friction gave way, f_t = mu_k f_n. Friction read from pillars that slip: HD-computing slip "
-          "paper, "
-          "section III. The figures: assumed",
+          "A tip that sticks goes with the surface, so its displacement changes at the surface's speed over the pad; one that slides keeps the displacement at which friction gave way, f_t = mu_k f_n. Friction read from pillars that slip: HD-computing slip paper, section III. The figures: assumed",
       .parameters = {
           window_spec(),
           number_spec("moving_speed", Quantity::speed, "0.5 mm/s", positive,

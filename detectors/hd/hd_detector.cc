@@ -110,8 +110,7 @@ std::vector<ParameterSpec> detector_parameters() {
              "without model.txt: fixed_point, as the published hardware"),
       choice(
           "compat", {"paper", "published_core"},
-          "Whose bundle, where not as in model.txt: the paper's, or that of the published core, which does not clear its counts "
-          "between the frames of a window.",
+          "Whose bundle, where not as in model.txt: the paper's, or that of the published core, which does not clear its counts between the frames of a window.",
           "without model.txt: paper"),
       choice("ties", names_of(ties_words), "What a bit becomes whose bundle sums to zero, where not as in model.txt.",
              "without model.txt: one")};
@@ -138,11 +137,9 @@ Entry gst_hd_entry() {
       .law =
           "level of a pillar: |(d_x, d_y)| / |d| in 21 steps; GST_t = prod_k rho^k GS_{t-k} over N frames\n"
           "class: the prototype nearest to GST_t once bound with the context, which is the compression of the centre pillar\n"
-          "no contact: the first N - 1 frames; later on there is no such class, and a pad that touches nothing gets one of the "
-          "three",
+          "no contact: the first N - 1 frames; later on there is no such class, and a pad that touches nothing gets one of the three",
       .source =
-          "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile "
-          "Sensor, section III",
+          "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor, section III",
       .parameters = hd::detector_parameters()};
 }
 

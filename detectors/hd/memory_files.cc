@@ -189,9 +189,9 @@ SavedModel load(const std::string& folder, const std::optional<Model>& unnamed) 
   } else {
     const std::size_t digits = usual_length(path);
     if (!unnamed) {
-      throw UnnamedModelError((path / description_file).string() +
-                              ": no such file, and the memories do not say which model they belong to; needed: a folder that "
-                              "`slipbench train` wrote");
+      throw UnnamedModelError(
+          (path / description_file).string() +
+          ": no such file, and the memories do not say which model they belong to; needed: a folder that `slipbench train` wrote");
     }
     saved.model = *unnamed;
     saved.model.dimension = 4 * digits;

@@ -24,9 +24,9 @@ std::size_t place_of(const FrameSource& source, const std::string& name, const s
     }
     first += channel.size();
   }
-  throw SceneValueError("detector.sensor", fmt::format("{} reads the channel '{}' of a nib pad, which the {} {} does not have; "
-                                                       "allowed: a nib_pad",
-                                                       detector, name, source.type, quote(source.sensor)));
+  throw SceneValueError("detector.sensor",
+                        fmt::format("{} reads the channel '{}' of a nib pad, which the {} {} does not have; allowed: a nib_pad",
+                                    detector, name, source.type, quote(source.sensor)));
 }
 
 // `length` [s] in frames.

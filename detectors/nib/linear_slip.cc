@@ -90,17 +90,17 @@ bool FlagCounter::update(double time, double magnitude, double ratio) {
 }  // namespace nib
 
 Entry nib_linear_slip_entry() {
-  return {.name = "nib_linear_slip",
-          .summary =
-              "Algorithm 1 of the nib pad's paper: flags of the linear mode's spectrum, counted against shear over normal force",
-          .law =
-              "D = C_N - C_S; magnitude: mean over 0 to 6 Hz of |FFT((D - line of least squares) Hamming)|, not divided by "
-              "anything [counts]\n"
-              "a spectrum above threshold: counter + 1; none for longer than patience: counter - 1, to 0 at least\n"
-              "slip: counter >= max(1, counter_max - weight |F_S,y|/F_N), F_S,y: sum of N - S, F_N: sum of W + N + E + S\n"
-              "gross from then on while the pad touches",
-          .source = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, sections IV-B and V, Algorithm 1",
-          .parameters = nib::flag_specs()};
+  return {
+      .name = "nib_linear_slip",
+      .summary =
+          "Algorithm 1 of the nib pad's paper: flags of the linear mode's spectrum, counted against shear over normal force",
+      .law =
+          "D = C_N - C_S; magnitude: mean over 0 to 6 Hz of |FFT((D - line of least squares) Hamming)|, not divided by anything [counts]\n"
+          "a spectrum above threshold: counter + 1; none for longer than patience: counter - 1, to 0 at least\n"
+          "slip: counter >= max(1, counter_max - weight |F_S,y|/F_N), F_S,y: sum of N - S, F_N: sum of W + N + E + S\n"
+          "gross from then on while the pad touches",
+      .source = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, sections IV-B and V, Algorithm 1",
+      .parameters = nib::flag_specs()};
 }
 
 std::unique_ptr<Detector> make_nib_linear_slip(const Parameters& parameters, const FrameSource& source) {

@@ -70,9 +70,7 @@ Entry nib_slip_kind_entry() {
       .summary = "no slip, linear or rotational slip, from the nib pad's spectra and the curl of its shear",
       .law =
           "no slip: mean over 0 to 6 Hz of the spectra of D_FL and D_FR (nib_linear_slip) both within their bounds\n"
-          "else rotational where |curl| >= curl, linear below; curl: (dF_y/dx - dF_x/dy) of F_S,i = (E - W, N - S) by least "
-          "squares over "
-          "the nine taxels, their distance as unit length, over the mean |F_S,i|",
+          "else rotational where |curl| >= curl, linear below; curl: (dF_y/dx - dF_x/dy) of F_S,i = (E - W, N - S) by least squares over the nine taxels, their distance as unit length, over the mean |F_S,i|",
       .source = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, section IV; the bounds are not in the paper",
       .parameters = nib::kind_specs()};
 }

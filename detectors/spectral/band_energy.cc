@@ -76,14 +76,12 @@ Entry band_energy_entry() {
       .name = "band_energy",
       .summary = "the pad slips when its signal's power in a band of frequencies is above a threshold; no training",
       .law =
-          "r^2 = rate/window sum_k S_k over the bins k within [low, high], S the power spectral density of a window less its "
-          "mean:\n"
+          "r^2 = rate/window sum_k S_k over the bins k within [low, high], S the power spectral density of a window less its mean:\n"
           "the mean square of the signal in the band\n"
           "slip from the first window with r >= threshold until the first with r < release threshold\n"
           "gross: slip; non-slip: none, which stands for no contact too: a signal without a static part cannot tell them apart",
       .source =
-          "friction vibration of a piezoelectric skin: FFT-GRU slip detection, sections IV-A and V-B (20 ms windows every 10 ms, "
-          "50 to 600 Hz); threshold and hysteresis: assumed",
+          "friction vibration of a piezoelectric skin: FFT-GRU slip detection, sections IV-A and V-B (20 ms windows every 10 ms, 50 to 600 Hz); threshold and hysteresis: assumed",
       .parameters = {
           number_spec("window", Quantity::time, "20 ms", positive, "Length of the signal that a spectrum is taken of.",
                       "FFT-GRU slip detection, section IV-A"),

@@ -40,14 +40,12 @@ Entry biotac_sp_entry() {
       .law =
           "w_e = sum_i d_i (G_ei + S q_i.grad G_ei) - B mean d,  G = (1 - a) exp(-r^2/(2 l^2)) + a exp(-r/L)\n"
           "Z_e = Zrest_e exp(w_e/g) + Zc;  E_e = round(4095/(1 + Z_e/10 kOhm)), 0 to 4095: pressing lowers the counts\n"
-          "d_i, q_i: depth of element i, and its drag along the surface; r: from the skin over electrode e; each of G's two "
-          "parts is scaled so\n"
+          "d_i, q_i: depth of element i, and its drag along the surface; r: from the skin over electrode e; each of G's two parts is scaled so\n"
           "that a dent of the whole skin is felt in full by the electrode that feels it most; mean: by area\n"
           "p = K sum_i min(d_i, core_gap) A_i;  pdc = round(pdc_rest + p/36.5 Pa);  pac = round(2048 + band-pass(p)/0.37 Pa),\n"
           "of first order at 10 and 1040 Hz, moved exactly for a pressure that goes straight between readings\n"
           "skin: elements of stiffness k_normal A_i/A on half an ellipsoid, each along its own normal\n"
-          "scan: cycle_rate cycles a second, two slots of a round of 28 and two of pac each: E1 to E24, PDC, TAC, TDC and one "
-          "more;\n"
+          "scan: cycle_rate cycles a second, two slots of a round of 28 and two of pac each: E1 to E24, PDC, TAC, TDC and one more;\n"
           "held, logged at rate",
       .source =
           "BioTac SP product manual, section 5 (divider, conversions, filters) and 9; timing, levels and kernel: measured on " +
@@ -67,8 +65,7 @@ Entry biotac_sp_entry() {
                       "bsadr/biotac, a finite element model of the SP: 13.85 x 10.1 x 9.74 to 9.99 mm"),
           number_spec(
               "k_normal", Quantity::stiffness, "37 N/mm", positive, "Stiffness of all elements together.",
-              "assumed: 0.047 N/mm3 of 786 mm2, so that a plane dents the skin by core_gap with 2 N, from where on the manual's "
-              "pressure saturates"),
+              "assumed: 0.047 N/mm3 of 786 mm2, so that a plane dents the skin by core_gap with 2 N, from where on the manual's pressure saturates"),
           number_spec("shear", Quantity::none, "0.5", {.min = 0.0, .max = 2.0, .open_min = true},
                       "Tangential stiffness against the normal one.", "assumed: 0.25 to 1 did not matter in the dry run"),
           number_spec("near", Quantity::length, "3.5 mm", some_length, "l, width of what an electrode feels.",
@@ -106,8 +103,7 @@ std::vector<Entry> biotac_sp_electronics() {
         "10 % on each electrode's `gap`, which stands in the exponent: assumed; the levels of electrodes differ so much",
         {}},
        {"offset",
-        "on the logarithm of each electrode's impedance at rest, sd 0.02: assumed; scale 10 to 30 gives the hundreds of "
-        "counts between fingers and sessions of public grasps (3dperceptionlab, bts3v2)",
+        "on the logarithm of each electrode's impedance at rest, sd 0.02: assumed; scale 10 to 30 gives the hundreds of counts between fingers and sessions of public grasps (3dperceptionlab, bts3v2)",
         {}},
        {"drift", "1.5 counts/s, electrodes: " + recordings + ", median of the slope 1.7"},
        {"skewed_noise", "electrodes: 3.1 counts times each one's own noise against the mean, once a reading: " + recordings},

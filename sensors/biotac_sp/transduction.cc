@@ -26,8 +26,7 @@ Dents::Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor) 
       throw SceneValueError(
           sensor + "." + parameter,
           format_quantity(reach, Quantity::length) +
-              " is so short that an electrode feels nothing of the element nearest to it; allowed: lengths not far below "
-              "the distance of two elements, some " +
+              " is so short that an electrode feels nothing of the element nearest to it; allowed: lengths not far below the distance of two elements, some " +
               format_quantity(std::round(1e4 * std::sqrt(area.mean())) / 1e4, Quantity::length));
     }
     return Eigen::ArrayXXd(share / weighted.colwise().sum().maxCoeff() * weighted);

@@ -103,15 +103,17 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
 }  // namespace
 
 PartKind white_noise_part() {
-  return {.entry = {.name = "white_noise",
-                    .summary = "white noise of many values: `noise` without its memory, at a tenth of its time",
-                    .law = "y = x + scale*sd*n,  n: one of 4,096 quantiles of the normal distribution, drawn anew of each source "
-                           "and sample;\n"
-                           "mean square 1, none beyond 3.7; sd: of the value's noise",
-                    .source = "the definition of white noise",
-                    .parameters = {scale_parameter()}},
-          .drawn_per = DrawnPer::trial,
-          .make = &make};
+  return {
+      .entry =
+          {.name = "white_noise",
+           .summary = "white noise of many values: `noise` without its memory, at a tenth of its time",
+           .law =
+               "y = x + scale*sd*n,  n: one of 4,096 quantiles of the normal distribution, drawn anew of each source and sample;\n"
+               "mean square 1, none beyond 3.7; sd: of the value's noise",
+           .source = "the definition of white noise",
+           .parameters = {scale_parameter()}},
+      .drawn_per = DrawnPer::trial,
+      .make = &make};
 }
 
 }  // namespace slipbench

@@ -182,8 +182,7 @@ Entry myrmex_entry() {
           number_spec("pitch", Quantity::length, "5 mm", positive, "Edge of a taxel.", paper),
           number_spec(
               "modulus", Quantity::none, "20000", positive, "Stress of the foam by strain [Pa].",
-              "assumed: a soft conductive foam. The makers' own simulation (ubi-agni/mujoco_contact_surfaces) has 5e4 Pa over a "
-              "slab of 40 mm, which is a third as stiff"),
+              "assumed: a soft conductive foam. The makers' own simulation (ubi-agni/mujoco_contact_surfaces) has 5e4 Pa over a slab of 40 mm, which is a third as stiff"),
           number_spec("thickness", Quantity::length, "5 mm", positive, "Of the foam; only modulus/thickness counts.",
                       "assumed, as nothing is published"),
           number_spec(

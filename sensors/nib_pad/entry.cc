@@ -42,9 +42,7 @@ Entry nib_pad_entry() {
           "a sample: fl N, fl S, fr +, fr -, then W, N, E, S of one taxel, each 1/8 of the sampling time after the one before;\n"
           "nine samples are an image of si, which is averaged over the last images",
       .source =
-          "\"Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation\", IEEE RA-L 2020: geometry, electrodes, scan, "
-          "bits; "
-          "stiffness and capacitance from the geometry (README)",
+          "\"Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation\", IEEE RA-L 2020: geometry, electrodes, scan, bits; stiffness and capacitance from the geometry (README)",
       .parameters = {
           number_spec("rate", Quantity::frequency, "300 Hz", positive, "Samples a second; an image of si takes nine.",
                       "the paper: 300 Hz for fl and fr, 33.3 Hz for si"),
@@ -56,12 +54,10 @@ Entry nib_pad_entry() {
                   "Images over which si is averaged, fewer while there are fewer; 1: none.", "the paper: moving average of 5"),
           number_spec(
               "k_normal", Quantity::stiffness, "0.83 N/mm", positive, "Normal stiffness of a nib.",
-              "post, nib and rounded tip in series, with 1.15 MPa of Shore A 30; the hardness is assumed: TAP's RTV is not named "
-              "closer"),
+              "post, nib and rounded tip in series, with 1.15 MPa of Shore A 30; the hardness is assumed: TAP's RTV is not named closer"),
           number_spec(
               "k_tangential", Quantity::stiffness, "0.2 N/mm", positive, "Tangential stiffness of a nib's tip without load.",
-              "assumed: 0.03 for the post alone and 0.1 with the fabric's strips could not carry the paper's 3.5 N of shear; "
-              "0.1 to 0.4 are possible"),
+              "assumed: 0.03 for the post alone and 0.1 with the fabric's strips could not carry the paper's 3.5 N of shear; 0.1 to 0.4 are possible"),
           number_spec("height_sd", Quantity::length, "0.03 mm", {.min = 0.0, .max = 1e-3, .open_min = false},
                       "Scatter of the nibs' heights, normal, drawn for the device.",
                       "assumed: mould printed in layers of 0.028 mm"),
@@ -84,9 +80,7 @@ Entry nib_pad_entry() {
                  "1/gap, or its tangent at rest in its place, which no device has: for comparison.", "gap: a plate capacitor"),
           number_spec(
               "gain", Quantity::none, "850", positive, "Counts per pF of si, at 13 bit.",
-              "assumed: 6960 counts at 8.2 pF, which is mostly that of the wiring; a taxel's four nibs with their fabric flat "
-              "on the "
-              "mask just stay below full scale"),
+              "assumed: 6960 counts at 8.2 pF, which is mostly that of the wiring; a taxel's four nibs with their fabric flat on the mask just stay below full scale"),
           number_spec(
               "cluster_gain", Quantity::none, "300", positive, "Counts per pF of fl and fr, at 13 bit.",
               "assumed: at the paper's strongest linear grip, 8 N, fl just stays below full scale however far it is pulled"),

@@ -42,9 +42,7 @@ std::vector<Entry> nib_pad_electronics() {
         "assumed: 20 counts of 13 bit, about a third of a step of the 7-bit current source that calibrates the reading at rest"},
        {"drift", "assumed: 0.02 counts/s of 13 bit, 3 ppm/s of what is at rest; temperature"},
        {"noise",
-        "assumed: 1.5 counts of 13 bit for si, 1.2 for clusters; the maker calls below 10 counts quiet (Infineon's tuning "
-        "guide), and "
-        "another capacitive fingertip has 0.8 to 1.3 counts (FabricSlide)",
+        "assumed: 1.5 counts of 13 bit for si, 1.2 for clusters; the maker calls below 10 counts quiet (Infineon's tuning guide), and another capacitive fingertip has 0.8 to 1.3 counts (FabricSlide)",
         {{"corner", "inf", "a converter's noise is white: each reading integrates anew"}}}});
 }
 

@@ -188,8 +188,7 @@ Entry papillarray_entry() {
           "force = what the object does to the pillar's tip; displacement = deformed tip minus undeformed tip\n"
           "n bristles a pillar: k_n,j = k_n/n * w_j, w_j linear from 2-w to w (mean 1), k_t,j = k_t/n",
       .source =
-          "PTS 2.0 and 2.1 data sheets; public recordings (Contactile_Data_Viz, Contactile_Data); label: HD-computing slip paper,"
-          " section III-A",
+          "PTS 2.0 and 2.1 data sheets; public recordings (Contactile_Data_Viz, Contactile_Data); label: HD-computing slip paper, section III-A",
       .parameters = {
           value("rate", ParameterType::number, Quantity::frequency, "1 kHz", positive,
                 "Samples a second: 100, 250, 500 or 1000 Hz.", "selectable on the device; the published sequences have 1000 Hz"),
@@ -206,11 +205,10 @@ Entry papillarray_entry() {
                "plane fits to public gripper recordings, 0.163 to 0.196 mm; the vendor's drawing scaled, 0.22 mm"),
           drop("corner_drop", "0.45 mm", "How much shorter the four corner pillars are than the centre pillar.",
                "plane fits to public gripper recordings, 0.29 to 0.45 mm; the vendor's drawing scaled, 0.52 mm"),
-          value("stiffness_sd", ParameterType::number, Quantity::none, "0", {.min = 0.0, .max = 1.0, .open_min = false},
-                "Scatter of the pillars' stiffness, relative, lognormal with mean 1, normal and tangential alike.",
-                "0: none; the ratio of reported normal force to displacement scatters by 9.3 %, which is attributed to the part "
-                "gain of"
-                " the electronics: use one of the two"),
+          value(
+              "stiffness_sd", ParameterType::number, Quantity::none, "0", {.min = 0.0, .max = 1.0, .open_min = false},
+              "Scatter of the pillars' stiffness, relative, lognormal with mean 1, normal and tangential alike.",
+              "0: none; the ratio of reported normal force to displacement scatters by 9.3 %, which is attributed to the part gain of the electronics: use one of the two"),
           choice("device", "fixed", {"fixed", "redrawn"},
                  "Whether all trials of a dataset use one device, or each draws its own stiffness scatter, gains and coupling.",
                  "fixed: the published sequences were recorded with one device"),

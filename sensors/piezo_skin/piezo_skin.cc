@@ -150,21 +150,18 @@ Entry piezo_skin_entry() {
   ParameterSpec elements = number_spec(
       "elements", Quantity::none, "20", {.min = 1.0, .max = 1000.0, .open_min = false},
       "Friction points of the contact, on Vogel's spiral, each of the same area.",
-      "assumed: 20 to 100 in a dry run; the spectrum keeps its shape, but more elements even one another out, so that the "
-      "signal of stick-slip falls, from 20 to 100 by a third");
+      "assumed: 20 to 100 in a dry run; the spectrum keeps its shape, but more elements even one another out, so that the signal of stick-slip falls, from 20 to 100 by a third");
   elements.type = ParameterType::integer;
   ParameterSpec shear = number_spec(
       "shear", Quantity::none, "[0.35, 0.35]", any_value,
       "Charge of a newton of tangential force, along X and along Y, against a newton of normal force.",
-      "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. One signal of both is "
-      "deaf to shear across their sum, here at 135 and 315 deg");
+      "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. One signal of both is deaf to shear across their sum, here at 135 and 315 deg");
   shear.type = ParameterType::vector;
   shear.size = 2;
   return {
       .name = "piezo_skin",
       .summary =
-          "PVDF-TrFE patch of 20 x 10 mm under a compliant layer: one signal, of the charge that normal and tangential force "
-          "make",
+          "PVDF-TrFE patch of 20 x 10 mm under a compliant layer: one signal, of the charge that normal and tangential force make",
       .law =
           "charge/d33 = F_z + shear_x F_x + shear_y F_y  (direct effect, of all elements together)\n"
           "signal = gain * charge/d33 through a high-pass of first order at corner, a low-pass of first order at anti_alias;\n"
@@ -172,9 +169,9 @@ Entry piezo_skin_entry() {
           "gain/(2 pi corner) d(charge/d33)/dt, the rate of stress\n"
           "contact: n springs k_normal/n, k_tangential/n on a disc; under a tip of radius R the gap is r^2/2R. The origin is at\n"
           "their mean height, so that F_z = k_normal * compression once all touch, from k_normal radius^2/4R on",
-      .source = paper +
-                " (layers, size, rate); IEEE Std 176-1987 (direct effect); K. L. Johnson, Contact Mechanics (1985), sec. 4.3 "
-                "(elastic foundation)",
+      .source =
+          paper +
+          " (layers, size, rate); IEEE Std 176-1987 (direct effect); K. L. Johnson, Contact Mechanics (1985), sec. 4.3 (elastic foundation)",
       .parameters = {
           number_spec("rate", Quantity::frequency, "10 kHz", positive, "Samples a second.", paper + ": 10 kHz"),
           std::move(elements),

@@ -145,11 +145,7 @@ EffectKind asperities() {
       {"asperities",
        "A slipping element strikes single asperities, which make its body ring.",
        "Poisson process along the path that a tip has slipped: one in distance for a unit, whose elements have equal shares\n"
-       "each adds A exp(-zeta w t) (sin(w1 t) + second sin(w2 t)) to what is felt along the slip, w1 and w2 = 2.1 w1 those of "
-       "inertia, "
-       "A = +-amplitude sqrt(f_n/load) sqrt(v/speed) exp(scatter g), g normal; f_n: load of the element over its share, v: speed "
-       "of "
-       "the tip. The tip's friction is not changed",
+       "each adds A exp(-zeta w t) (sin(w1 t) + second sin(w2 t)) to what is felt along the slip, w1 and w2 = 2.1 w1 those of inertia, A = +-amplitude sqrt(f_n/load) sqrt(v/speed) exp(scatter g), g normal; f_n: load of the element over its share, v: speed of the tip. The tip's friction is not changed",
        "assumed: band of slip noise that does not move with speed, as published for a piezoelectric fingertip (50 to 450 Hz)",
        {{"distance",
          ParameterType::number,

@@ -214,15 +214,11 @@ EffectKind inertia() {
   return {
       {"inertia",
        "The tips have mass: elements ring, and stick and slip by themselves.",
-       "m a'' = k u + c u' - F in the plane; a: place of the tip on the surface, u = r - a: stretch, r: root, k: the sensor's "
-       "tangential stiffness,\n"
+       "m a'' = k u + c u' - F in the plane; a: place of the tip on the surface, u = r - a: stretch, r: root, k: the sensor's tangential stiffness,\n"
        "m = k/(2 pi f)^2, c = 2 damping sqrt(k m), f = frequency exp(scatter g), g normal, one an element\n"
-       "stick: a stands, F = k u + c r' up to mu_s f_n; slip: F = mu_k f_n along a', until a' is zero; moved exactly at any "
-       "step\n"
-       "felt: k u + c u', also of the free tip; it is in no contact force that the friction would limit. Mass counts in the "
-       "surface's frame, and along the surface only",
-       "K. L. Johnson, Contact Mechanics (1985), ch. 7; stick-slip of a driven mass: J. P. Den Hartog, Mechanical Vibrations "
-       "(1956), ch. 7",
+       "stick: a stands, F = k u + c r' up to mu_s f_n; slip: F = mu_k f_n along a', until a' is zero; moved exactly at any step\n"
+       "felt: k u + c u', also of the free tip; it is in no contact force that the friction would limit. Mass counts in the surface's frame, and along the surface only",
+       "K. L. Johnson, Contact Mechanics (1985), ch. 7; stick-slip of a driven mass: J. P. Den Hartog, Mechanical Vibrations (1956), ch. 7",
        {{"frequency",
          ParameterType::number,
          Quantity::frequency,
@@ -253,9 +249,9 @@ EffectKind inertia() {
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!context.plane) throw SceneValueError("effects", "inertia needs a plane; allowed shapes: plane");
         if (context.dashpots) {
-          throw SceneValueError("effects",
-                                "inertia gives the elements dashpots (damping), and the sensor's have some of their "
-                                "own; allowed: a sensor without");
+          throw SceneValueError(
+              "effects",
+              "inertia gives the elements dashpots (damping), and the sensor's have some of their own; allowed: a sensor without");
         }
         effects.tip = std::make_unique<Inertia>(p, context);
       }};

@@ -3,46 +3,42 @@
 namespace slipbench {
 
 EffectKind lean() {
-  return {{"lean",
-           "Elements are slender columns (nibs, pillars) that lean under shear: load softens them, and beyond the buckling load "
-           "tips them over.",
-           "f_n = k_n (d - q^2/(2 length)), f_t = k_t q - f_n q/length + stop_stiffness max(0, q - stop)\n"
-           "q: stretch of the element, d: its penetration. Buckling load k_t length; an element loaded beyond (k_t + "
-           "stop_stiffness) length is an "
-           "error. Not together with anisotropic_friction",
-           "a rigid column on a hinge, to second order in q/length (P-delta): Timoshenko and Gere, Theory of Elastic Stability "
-           "(1961), "
-           "sec. 2.1",
-           {{"length",
-             ParameterType::number,
-             Quantity::length,
-             "3.65 mm",
-             positive,
-             {},
-             1,
-             "from the hinge to the tip",
-             "reconfigurable nib sensor: nib 2.1 mm and round tip 1.4 mm over the fabric, 0.15 mm of fabric assumed"},
-            {"stop",
-             ParameterType::number,
-             Quantity::length,
-             "0.55 mm",
-             non_negative,
-             {},
-             1,
-             "stretch at which the column comes to lean on something",
-             "geometry: length x gap of 0.254 mm less what load takes, over 1.4 mm from the hinge to the edge that touches down"},
-            {"stop_stiffness",
-             ParameterType::number,
-             Quantity::stiffness,
-             "1 N/mm",
-             non_negative,
-             {},
-             1,
-             "stiffness that is added from there on",
-             "assumed: five times the column's own"}}},
-          [](const Parameters& p, const EffectContext&, FieldEffects& effects) {
-            effects.lean = Lean{p.number("length"), p.number("stop"), p.number("stop_stiffness")};
-          }};
+  return {
+      {"lean",
+       "Elements are slender columns (nibs, pillars) that lean under shear: load softens them, and beyond the buckling load tips them over.",
+       "f_n = k_n (d - q^2/(2 length)), f_t = k_t q - f_n q/length + stop_stiffness max(0, q - stop)\n"
+       "q: stretch of the element, d: its penetration. Buckling load k_t length; an element loaded beyond (k_t + stop_stiffness) length is an error. Not together with anisotropic_friction",
+       "a rigid column on a hinge, to second order in q/length (P-delta): Timoshenko and Gere, Theory of Elastic Stability (1961), sec. 2.1",
+       {{"length",
+         ParameterType::number,
+         Quantity::length,
+         "3.65 mm",
+         positive,
+         {},
+         1,
+         "from the hinge to the tip",
+         "reconfigurable nib sensor: nib 2.1 mm and round tip 1.4 mm over the fabric, 0.15 mm of fabric assumed"},
+        {"stop",
+         ParameterType::number,
+         Quantity::length,
+         "0.55 mm",
+         non_negative,
+         {},
+         1,
+         "stretch at which the column comes to lean on something",
+         "geometry: length x gap of 0.254 mm less what load takes, over 1.4 mm from the hinge to the edge that touches down"},
+        {"stop_stiffness",
+         ParameterType::number,
+         Quantity::stiffness,
+         "1 N/mm",
+         non_negative,
+         {},
+         1,
+         "stiffness that is added from there on",
+         "assumed: five times the column's own"}}},
+      [](const Parameters& p, const EffectContext&, FieldEffects& effects) {
+        effects.lean = Lean{p.number("length"), p.number("stop"), p.number("stop_stiffness")};
+      }};
 }
 
 }  // namespace slipbench

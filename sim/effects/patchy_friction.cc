@@ -115,8 +115,7 @@ EffectKind patchy_friction() {
   return {
       {"patchy_friction",
        "Friction varies over the surface in patches that are fixed to it.",
-       "mu(x, y) = mu exp(sd g(x, y) - sd^2/2); g: 24 random plane waves of wavelengths between shortest and longest, mean 0, "
-       "variance 1; mean of mu kept; x, y: the two coordinates along the face of a box that is touched, each face with its own g",
+       "mu(x, y) = mu exp(sd g(x, y) - sd^2/2); g: 24 random plane waves of wavelengths between shortest and longest, mean 0, variance 1; mean of mu kept; x, y: the two coordinates along the face of a box that is touched, each face with its own g",
        "assumed: patches of 2 to 5 mm give a pad in slow slip the published energy below 8 Hz",
        {{"sd", ParameterType::number, Quantity::none, "0.2", {0.0, 2.0, false}, {}, 1, "standard deviation of ln mu", "assumed"},
         {"shortest", ParameterType::number, Quantity::length, "2 mm", positive, {}, 1, "shortest wavelength", "assumed"},

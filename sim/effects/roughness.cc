@@ -119,14 +119,9 @@ EffectKind roughness() {
       {"roughness",
        "The surface is rough on many lengths at once, so that a sliding tip hears noise.",
        "gap shrinks by h(x, y) = sum_j h_j(x cos a_j + y sin a_j), a_j = angle + pi j/directions\n"
-       "h_j(s) = sum_n a n^-exponent cos(2 pi n s/L + phase), waves L/n from longest to shortest, L = 8 longest, phases at "
-       "random; "
-       "rms of h: height\n"
-       "directions 1: a ground surface, ridges across angle; 2: rms of height and slope are the same along any way; 3: that of "
-       "curvature too. Slopes are small: the normal stays the plane's",
-       "power spectrum k^(-2 exponent) of a profile: self-affine with Hurst exponent H = exponent - 1/2 (Persson et al., J. "
-       "Phys.: "
-       "Condens. Matter 17 (2005) R1)",
+       "h_j(s) = sum_n a n^-exponent cos(2 pi n s/L + phase), waves L/n from longest to shortest, L = 8 longest, phases at random; rms of h: height\n"
+       "directions 1: a ground surface, ridges across angle; 2: rms of height and slope are the same along any way; 3: that of curvature too. Slopes are small: the normal stays the plane's",
+       "power spectrum k^(-2 exponent) of a profile: self-affine with Hurst exponent H = exponent - 1/2 (Persson et al., J. Phys.: Condens. Matter 17 (2005) R1)",
        {{"height",
          ParameterType::number,
          Quantity::length,

@@ -46,24 +46,17 @@ Entry grip_entry() {
   return {
       .name = "grip",
       .summary =
-          "A gripper after the Robotiq 2F-85 on an arm: two fingers on springs, a sensor's pad on one, a second pad on the "
-          "other.",
+          "A gripper after the Robotiq 2F-85 on an arm: two fingers on springs, a sensor's pad on one, a second pad on the other.",
       .law =
           "opening = (closed_at - position) count; speed and force linear in their registers; trapezoids of `acceleration`\n"
-          "finger: m x'' = k (drive - x) + 2 zeta sqrt(k m) (drive' - x') + pad, likewise y, z and the turns, which stay where "
-          "the hand is\n"
-          "the drive locks itself: no force moves it; while it closes it stops where k (drive - x) reaches the force register's "
-          "force",
+          "finger: m x'' = k (drive - x) + 2 zeta sqrt(k m) (drive' - x') + pad, likewise y, z and the turns, which stay where the hand is\n"
+          "the drive locks itself: no force moves it; while it closes it stops where k (drive - x) reaches the force register's force",
       .source = "SENSORS: Robotiq 2F-85; stiffness and latency of a real one are not published",
       .parameters = {
-          choice("protocol", "as_recorded", {"as_printed", "as_recorded"},
-                 "which of the published trials' figures are the defaults of grip.preset, motion.speed and motion.acceleration, "
-                 "and how long a "
-                 "trial then is",
-                 "as_recorded: 4 N, 43 mm/s, 400 mm/s2, 5 s, as the gripper's code and the motion capture files have it; "
-                 "as_printed: "
-                 "1 N, "
-                 "5 mm/s, 50 mm/s2, 23 s, as the paper says"),
+          choice(
+              "protocol", "as_recorded", {"as_printed", "as_recorded"},
+              "which of the published trials' figures are the defaults of grip.preset, motion.speed and motion.acceleration, and how long a trial then is",
+              "as_recorded: 4 N, 43 mm/s, 400 mm/s2, 5 s, as the gripper's code and the motion capture files have it; as_printed: 1 N, 5 mm/s, 50 mm/s2, 23 s, as the paper says"),
           number("preset", Quantity::force, "4 N", non_negative,
                  "force on the sensor below which a controller tightens before anything has slipped; protocol as_printed: 1 N",
                  "the published gripper's code; the paper prints 1 N"),

@@ -46,8 +46,7 @@ MotionKind guided_motion() {
   return {
       {"guided",
        "The arm of a grasp moves at the speed that the controller commands, sideways and up.",
-       "from a write's time + latency on: each velocity changes to the commanded one at `top_acceleration`, then stays; at rest "
-       "before the first command",
+       "from a write's time + latency on: each velocity changes to the commanded one at `top_acceleration`, then stays; at rest before the first command",
        "a robot's velocity interface; integrated exactly",
        {number_spec("top_speed", Quantity::speed, "100 mm/s", {0.0, 10.0, true},
                     "the most that may be commanded: more is refused", "assumed"),

@@ -35,19 +35,15 @@ Entry about() {
   return {
       "rub",
       "A finger is pressed on a spot of its round skin and slides, turns or only rests there, by fits and starts.",
-      "skin: the lower half of an ellipsoid in the pad frame; the spot (x, arc) has the parametric angle arc/mean(b, c) about "
-      "X,\n"
+      "skin: the lower half of an ellipsoid in the pad frame; the spot (x, arc) has the parametric angle arc/mean(b, c) about X,\n"
       "counted towards +Y; the pad is rolled and pitched, Rz(yaw + turn) Ry Rx, until the spot is the skin's lowest point\n"
       "p: Gaussian, mean 0, variance 1, white noise behind two equal low passes of corner f: E p(0) p(s) = (1 + a s) exp(-a s),\n"
-      "a = 2 pi f, in a time of its own that runs exp(warp p_w) times as fast, p_w such a process of warp_corner: fits and "
-      "starts\n"
-      "depth = deepest tanh(compression effort skin_share exp(gain load_sd p_1)/deepest): harder, the nearer the skin is to the "
-      "core\n"
+      "a = 2 pi f, in a time of its own that runs exp(warp p_w) times as fast, p_w such a process of warp_corner: fits and starts\n"
+      "depth = deepest tanh(compression effort skin_share exp(gain load_sd p_1)/deepest): harder, the nearer the skin is to the core\n"
       "spot = site + offset + room tanh(gain wander (p_2, p_3)/room), room: from there to the skin's end; rocking in place\n"
       "way and turn: integrals of speed q and rotation q with q = max(0, drive + p_4)\n"
       "Between knots of 10 ms, at which the processes are drawn, p is cubic with continuous rate, and q straight.",
-      "BIOTAC.md section 4 (slipbench, 2026): what the recordings of yayaneath/BioTacSP-DoS need; exact transition of the "
-      "process",
+      "BIOTAC.md section 4 (slipbench, 2026): what the recordings of yayaneath/BioTacSP-DoS need; exact transition of the process",
       {
           vector_spec(3, "half_axes", Quantity::length, "[13.85 mm, 9.85 mm, 10.1 mm]", axes,
                       "Half axes a, b, c of the skin's ellipsoid along the pad's X, Y, Z.", outline),

@@ -19,8 +19,7 @@ Entry about_wander() {
   return {
       "wander",
       "A hand presses the pad onto the surface and pushes, tilts and turns it at random: six smooth, band-limited coordinates.",
-      "w_i(t) = erf(g_i(t)/sqrt 2),  g_i(t) = 1/2 sum of 8 sin(2 pi f t + p): f uniform up to the bandwidth, p uniform, drawn "
-      "for\n"
+      "w_i(t) = erf(g_i(t)/sqrt 2),  g_i(t) = 1/2 sum of 8 sin(2 pi f t + p): f uniform up to the bandwidth, p uniform, drawn for\n"
       "each coordinate and trial; g has variance 1 and is nearly normal, so that w is spread evenly over -1 to 1\n"
       "compression = b c C with c = (1 + w_0)/2;  each other coordinate = b c w_i times its own limit: what is pressed less is\n"
       "pushed less, as it would slip otherwise;  b = 3 s^2 - 2 s^3 from 0 to 1 during the approach, s its share",

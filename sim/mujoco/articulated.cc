@@ -95,11 +95,11 @@ void refuse_without_field(const Scene& scene) {
   }
   for (const SensorScene& sensor : scene.sensors) {
     if (sensor.damping <= longest_dashpot_time) continue;
-    throw SceneValueError("sensors." + sensor.name + ".damping",
-                          format_quantity(sensor.damping, Quantity::time) +
-                              ": articulated pads' dashpots are joint damping, which the labels contain and the friction cone "
-                              "does not hold; allowed: 0 to " +
-                              format_quantity(longest_dashpot_time, Quantity::time) + ", or fidelity: field");
+    throw SceneValueError(
+        "sensors." + sensor.name + ".damping",
+        format_quantity(sensor.damping, Quantity::time) +
+            ": articulated pads' dashpots are joint damping, which the labels contain and the friction cone does not hold; allowed: 0 to " +
+            format_quantity(longest_dashpot_time, Quantity::time) + ", or fidelity: field");
   }
 }
 

@@ -138,10 +138,11 @@ void DynamicBench::State::find_bodies(const Scene& scene) {
   for (const std::string& name : recorded_by_wish(m())) {
     const int body = mj_name2id(m(), mjOBJ_BODY, name.c_str());
     if (body <= 0) {
-      throw SceneValueError("model",
-                            fmt::format("its custom text {} names {}, and it has no body of that name; allowed: names of "
-                                        "bodies, with spaces between them",
-                                        record_text, quote(name)));
+      throw SceneValueError(
+          "model",
+          fmt::format(
+              "its custom text {} names {}, and it has no body of that name; allowed: names of bodies, with spaces between them",
+              record_text, quote(name)));
     }
     add(name, mjOBJ_XBODY, body, "model");
   }
@@ -317,8 +318,7 @@ StepPlan DynamicBench::State::plan_fields(const Scene& scene, std::span<const do
     if (const double limit = longest_explicit_step(fastest); limit < longest) {
       longest = rounded_down(limit);
       limited_by = fmt::format(
-          "explicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies and are damped at {:.4g} /s "
-          "(`field_solver: implicit` has no such limit)",
+          "explicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies and are damped at {:.4g} /s (`field_solver: implicit` has no such limit)",
           fastest.omega, fastest.damping_rate);
     }
   }

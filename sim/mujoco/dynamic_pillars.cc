@@ -111,9 +111,9 @@ void DynamicBench::State::refuse_other_contacts(double time) const {
     };
     throw SceneValueError(
         "fidelity",
-        fmt::format("at {:.6g} s the bodies {} and {} touch by MuJoCo's own contact, whose friction would be wrong beside "
-                    "articulated pads; allowed: contacts of pads alone, or without friction (condim 1), or fidelity: field",
-                    time, name(one), name(two)));
+        fmt::format(
+            "at {:.6g} s the bodies {} and {} touch by MuJoCo's own contact, whose friction would be wrong beside articulated pads; allowed: contacts of pads alone, or without friction (condim 1), or fidelity: field",
+            time, name(one), name(two)));
   }
 }
 

@@ -28,9 +28,10 @@ namespace {
 void refuse_textures(const Scene& scene, const PadLayout& pad) {
   for (const Named& effect : scene.effects) {
     if (!install_effects({effect}, pad, Plane{}, scene.seed, 0).surface.empty()) {
-      throw SceneValueError("effects", effect.name +
-                                           " is on a top face only, and the fingers of a gripper touch the sides of the box; "
-                                           "allowed: no effect on the height of the surface");
+      throw SceneValueError(
+          "effects",
+          effect.name +
+              " is on a top face only, and the fingers of a gripper touch the sides of the box; allowed: no effect on the height of the surface");
     }
   }
 }
@@ -249,8 +250,7 @@ void GraspBench::State::observe(double time) {
     const double allowed = 2.0 * finger.most + finger.impact;
     if (truth.pad_force[k] > allowed) {
       throw InputError(fmt::format(
-          "the run has gone wrong at {:.6g} s: the {} presses with {:.4g} N, and the finger's spring has had {:.4g} N at most; "
-          "allowed: {:.4g} N",
+          "the run has gone wrong at {:.6g} s: the {} presses with {:.4g} N, and the finger's spring has had {:.4g} N at most; allowed: {:.4g} N",
           time, k == 0 ? "sensor's pad" : "second pad", truth.pad_force[k], finger.most, allowed));
     }
   }

@@ -166,8 +166,7 @@ std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads
     if (!joined(m, pad.pad_body, pad.object_body)) {
       return who + "needs a tendon between a site on body " + body_name(m, pad.pad_body) + " and a site on body " +
              body_name(m, pad.object_body) +
-             ": <spatial damping=\"1e-9\"><site site=\"...\"/><site site=\"...\"/></spatial> in <tendon>; without it MuJoCo "
-             "leaves the field out of its solver";
+             ": <spatial damping=\"1e-9\"><site site=\"...\"/><site site=\"...\"/></spatial> in <tendon>; without it MuJoCo leaves the field out of its solver";
     }
   }
   return {};

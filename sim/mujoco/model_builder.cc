@@ -166,9 +166,11 @@ class Builder {
     for (const SensorScene& sensor : scene_.sensors) {
       const int body = mj_name2id(model.get(), mjOBJ_BODY, (pillars_of(sensor) + "/body/0").c_str());
       if (std::abs(model->body_mass[body] - settings.tip_mass) <= 1e-9 * settings.tip_mass) continue;
-      throw SceneValueError("model", fmt::format("its compiler makes a pillar's tip weigh {:.6g} kg, not {:.6g} kg; allowed with "
-                                                 "fidelity {}: no boundmass, no settotalmass",
-                                                 model->body_mass[body], settings.tip_mass, scene_.fidelity));
+      throw SceneValueError(
+          "model",
+          fmt::format(
+              "its compiler makes a pillar's tip weigh {:.6g} kg, not {:.6g} kg; allowed with fidelity {}: no boundmass, no settotalmass",
+              model->body_mass[body], settings.tip_mass, scene_.fidelity));
     }
     return model;
   }
@@ -272,10 +274,11 @@ class Builder {
   // What MuJoCo would leave out or do otherwise, without a word.
   void refuse_articulated(const mjModel* model) const {
     const auto refuse_flag = [](const std::string& flag, const std::string& setting) {
-      throw SceneValueError("model",
-                            fmt::format("its flag {} is {}, and articulated pads would not be what they should; allowed: "
-                                        "the default, or fidelity: field",
-                                        flag, setting));
+      throw SceneValueError(
+          "model",
+          fmt::format(
+              "its flag {} is {}, and articulated pads would not be what they should; allowed: the default, or fidelity: field",
+              flag, setting));
     };
     using Flag = std::pair<int, const char*>;
     for (const auto& [bit, flag] : {Flag{mjDSBL_CONSTRAINT, "constraint"}, Flag{mjDSBL_CONTACT, "contact"},
@@ -289,11 +292,11 @@ class Builder {
       for (const std::string& name : touched_[i]) {
         const int type = model->geom_type[mj_name2id(model, mjOBJ_GEOM, name.c_str())];
         if (type == mjGEOM_PLANE || (type >= mjGEOM_SPHERE && type <= mjGEOM_BOX)) continue;
-        throw SceneValueError("sensors." + scene_.sensors[i].name + ".touches",
-                              "the geom " + quote(name) +
-                                  " is a mesh or a field of heights or distances, which MuJoCo's own contact sees otherwise; "
-                                  "allowed with fidelity " +
-                                  scene_.fidelity + ": plane, box, sphere, cylinder, capsule, ellipsoid");
+        throw SceneValueError(
+            "sensors." + scene_.sensors[i].name + ".touches",
+            "the geom " + quote(name) +
+                " is a mesh or a field of heights or distances, which MuJoCo's own contact sees otherwise; allowed with fidelity " +
+                scene_.fidelity + ": plane, box, sphere, cylinder, capsule, ellipsoid");
       }
     }
   }

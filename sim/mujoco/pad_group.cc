@@ -127,8 +127,7 @@ void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
     const double longest = bearable * longest_explicit_step(vibration);
     if (!(model->opt.timestep <= longest)) {
       pending_ = fmt::format(
-          "plugins {}: the time step {} is too long for what touches at {}: its fastest vibration is {:.4g} rad/s; "
-          "allowed: up to {:.4g} ms, or solver='implicit'",
+          "plugins {}: the time step {} is too long for what touches at {}: its fastest vibration is {:.4g} rad/s; allowed: up to {:.4g} ms, or solver='implicit'",
           names_of(explicit_), format_quantity(model->opt.timestep, Quantity::time), format_quantity(data->time, Quantity::time),
           vibration.omega, 1e3 * longest);
       if (placed) throw InputError(std::exchange(pending_, ""));

@@ -233,10 +233,9 @@ void PadInstance::evaluate(const Parts& state, double time) {
   if (evaluated_ && same_start && time == time_) return;
   const double dt = is_placed(state.fields) ? time - state.header[committed_time] : 0.0;
   if (dt < 0.0) {
-    throw InputError(
-        fmt::format("plugin '{}': the time went back from {} s to {} s without a reset; allowed: mj_resetData, or a whole "
-                    "state by mj_setState",
-                    config_.name, state.header[committed_time], time));
+    throw InputError(fmt::format(
+        "plugin '{}': the time went back from {} s to {} s without a reset; allowed: mj_resetData, or a whole state by mj_setState",
+        config_.name, state.header[committed_time], time));
   }
   if (keeps_state_) {
     if (std::exchange(tried_, true))
@@ -286,22 +285,19 @@ void PadInstance::measure(const Parts& state) {
 void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
   // One reading a step: of a longer step a multiplexed sensor would miss electrodes, and not only samples.
   if (sensor_->scans() > 1 && step_ > sample_time_ * (1.0 + rounding)) {
-    throw InputError(
-        fmt::format("plugin '{}': the time step {} is longer than the {} between two readings of the sensor, which needs each; "
-                    "allowed: at most that",
-                    config_.name, format_quantity(step_, Quantity::time), format_quantity(sample_time_, Quantity::time)));
+    throw InputError(fmt::format(
+        "plugin '{}': the time step {} is longer than the {} between two readings of the sensor, which needs each; allowed: at most that",
+        config_.name, format_quantity(step_, Quantity::time), format_quantity(sample_time_, Quantity::time)));
   }
   constexpr int no_passive_forces = mjDSBL_SPRING | mjDSBL_DAMPER;
   if ((model->opt.disableflags & no_passive_forces) == no_passive_forces) {
-    throw InputError(
-        fmt::format("plugin '{}': the flags spring and damper are both disabled, so that MuJoCo leaves out every passive "
-                    "force, the pad's too; allowed: at most one of them",
-                    config_.name));
+    throw InputError(fmt::format(
+        "plugin '{}': the flags spring and damper are both disabled, so that MuJoCo leaves out every passive force, the pad's too; allowed: at most one of them",
+        config_.name));
   }
   if ((model->opt.enableflags & mjENBL_SLEEP) != 0) {
     throw InputError(fmt::format(
-        "plugin '{}': the flag sleep is enabled, and MuJoCo does not see that a pad joins two bodies: one that sleeps would "
-        "stay where it is when the other lets go; allowed: sleep off",
+        "plugin '{}': the flag sleep is enabled, and MuJoCo does not see that a pad joins two bodies: one that sleeps would stay where it is when the other lets go; allowed: sleep off",
         config_.name));
   }
   if (model->opt.timestep != step_) {

@@ -130,13 +130,13 @@ int steps_to_settle(const PillarSettings& settings, bool pressed_in) {
   const bool direct = damping < 0.0;
   throw SceneValueError(
       "contact.solref",
-      fmt::format("with {} tips that begin pressed in need {:.0f} steps of {} to come to rest before the run; allowed are up to "
-                  "{:.0f} steps: {}, or longer steps",
-                  direct ? fmt::format("a damping of {} /s", format_number(-damping))
-                         : "a time constant of " + format_quantity(time, Quantity::time),
-                  settings.settling_steps, format_quantity(settings.dt, Quantity::time), most_settling_steps,
-                  direct ? fmt::format("a damping of at least {} /s", format_number(2.0 / longest))
-                         : "a time constant of at most " + format_quantity(longest, Quantity::time)));
+      fmt::format(
+          "with {} tips that begin pressed in need {:.0f} steps of {} to come to rest before the run; allowed are up to {:.0f} steps: {}, or longer steps",
+          direct ? fmt::format("a damping of {} /s", format_number(-damping))
+                 : "a time constant of " + format_quantity(time, Quantity::time),
+          settings.settling_steps, format_quantity(settings.dt, Quantity::time), most_settling_steps,
+          direct ? fmt::format("a damping of at least {} /s", format_number(2.0 / longest))
+                 : "a time constant of at most " + format_quantity(longest, Quantity::time)));
 }
 
 void set_pillar_options(mjSpec* spec, const PillarSettings& settings) {

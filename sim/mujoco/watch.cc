@@ -72,8 +72,7 @@ std::optional<std::string> EnergyRule::check(const WatchedEnergy& tick, double d
 std::optional<std::string> EnergyRule::check_body(double kinetic) const {
   if (kinetic <= limits_.ejection_factor * total_ + limits_.energy_floor) return std::nullopt;
   return fmt::format(
-      "has {:.3g} J of kinetic energy, and all that there was and that weight, motors and the stage have given is {:.3g} J; "
-      "it was thrown out",
+      "has {:.3g} J of kinetic energy, and all that there was and that weight, motors and the stage have given is {:.3g} J; it was thrown out",
       kinetic, total_);
 }
 

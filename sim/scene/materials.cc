@@ -14,8 +14,7 @@ std::vector<Material> material_table() {
       {"masonite", 0.5, 0.475, "assumed: fits the published grip force at slip of the nib pad; kinetic 0.95 of it"},
       {"wavy_acrylic", 0.55, 0.5225, "assumed: fits the published grip force at slip of the nib pad; kinetic 0.95 of it"},
       {"soaped_wavy_acrylic", 0.07, 0.0665,
-       "static: measured, 'Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation', text to Table II; kinetic "
-       "assumed 0.95 of it"},
+       "static: measured, 'Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation', text to Table II; kinetic assumed 0.95 of it"},
       {"wet_ptfe", 0.28, 0.266, "assumed: 0.8 of dry, since PTFE sheds the water; kinetic 0.95 of it"},
       {"wet_rubber", 0.6, 0.57, "assumed: 0.6 of dry, a film of water between two rubbers; kinetic 0.95 of it"},
       {"wet_felt", 0.36, 0.342, "assumed: 0.8 of dry, since felt takes the water up; kinetic 0.95 of it"},

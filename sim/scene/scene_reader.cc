@@ -366,8 +366,7 @@ class SceneReader : EntryReader {
     if (scene.fidelity != "field") refuse("is for pads as fields; 'fidelity: " + scene.fidelity + "' has its own, discrete");
     if (scene.grasp && name == "RK4") {
       refuse(
-          "takes four stages a step, and the springs of a grasp's fingers pull the same through all of them; a grasp allows: "
-          "Euler, implicit, implicitfast, discrete");
+          "takes four stages a step, and the springs of a grasp's fingers pull the same through all of them; a grasp allows: Euler, implicit, implicitfast, discrete");
     }
     if (scene.implicit_fields && name != "discrete") refuse("does not solve implicit fields; allowed with them: discrete");
     return name;
@@ -395,9 +394,8 @@ class SceneReader : EntryReader {
         }
       }
       if (scene.fidelity != "field") {
-        fail(follows->key_origin, "'follows' in " + path +
-                                      ": an articulated pad has no field to be read beside it; allowed with "
-                                      "'fidelity: field'");
+        fail(follows->key_origin,
+             "'follows' in " + path + ": an articulated pad has no field to be read beside it; allowed with 'fidelity: field'");
       }
       record(path + ".follows", name);
       sensor.follows = name;
@@ -416,9 +414,8 @@ class SceneReader : EntryReader {
       if (!scene.sensors[i].follows.empty()) continue;
       fail(sensors.children[i].key_origin,
            "sensors." + scene.sensors[i].name +
-               " has no place of its own: a finger carries one pad; allowed beside it: sensors that "
-               "say 'follows: " +
-               node.key + "' or 'follows: " + std::string(second_pad_name) + "'");
+               " has no place of its own: a finger carries one pad; allowed beside it: sensors that say 'follows: " + node.key +
+               "' or 'follows: " + std::string(second_pad_name) + "'");
     }
     for (const std::string_view key : {"site", "touches"}) {
       if (const YamlNode* found = node.find(key)) {

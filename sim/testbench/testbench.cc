@@ -42,11 +42,10 @@ void refuse_too_deep(const Field& field, double half_thickness, double time) {
   constexpr double margin = 0.9;  // of the half thickness: a step must not lead over the rest of it
   for (std::size_t i = 0; i < field.size(); ++i) {
     if (field.penetration(i) > margin * half_thickness) {
-      throw InputError(
-          fmt::format("surface: at {} the pad is {} deep in a shape whose half thickness is {}; allowed: up to {} % of that, "
-                      "by a larger shape or less motion.compression",
-                      format_quantity(time, Quantity::time), format_quantity(field.penetration(i), Quantity::length),
-                      format_quantity(half_thickness, Quantity::length), 100.0 * margin));
+      throw InputError(fmt::format(
+          "surface: at {} the pad is {} deep in a shape whose half thickness is {}; allowed: up to {} % of that, by a larger shape or less motion.compression",
+          format_quantity(time, Quantity::time), format_quantity(field.penetration(i), Quantity::length),
+          format_quantity(half_thickness, Quantity::length), 100.0 * margin));
     }
   }
 }

@@ -123,8 +123,7 @@ TEST(StuckFraction, RefusesADetectorThatTellsNone) {
   input.slip.stuck_fraction = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(
       refusal([&] { controller->update(input); }),
-      "controller stuck_fraction: the detector tells no stuck fraction at t = 60 ms; allowed: a detector that does, such as "
-      "stuck_fraction");
+      "controller stuck_fraction: the detector tells no stuck fraction at t = 60 ms; allowed: a detector that does, such as stuck_fraction");
 }
 
 }  // namespace

@@ -78,8 +78,7 @@ TEST(ForceRatio, RefusesASensorWithoutForces) {
   } catch (const SceneValueError& error) {
     EXPECT_STREQ(
         error.what(),
-        "detector.sensor: force_ratio reads a force in three axes, which the piezo_skin 'skin' does not have; allowed: a "
-        "sensor that has it");
+        "detector.sensor: force_ratio reads a force in three axes, which the piezo_skin 'skin' does not have; allowed: a sensor that has it");
   }
 }
 

@@ -16,8 +16,7 @@ using ::testing::HasSubstr;
 
 std::string stacked_scene(const std::string& motion, double duration, double damping) {
   return "slipbench: 1\nmodel: box.xml\nduration: " + exact(longest_sample * std::ceil(duration / longest_sample)) +
-         " s\ntime_step: auto\nfriction: {static: 0.2, kinetic: 0.2}\nsensors:\n  top: {type: papillarray, touches: [box], "
-         "damping: " +
+         " s\ntime_step: auto\nfriction: {static: 0.2, kinetic: 0.2}\nsensors:\n  top: {type: papillarray, touches: [box], damping: " +
          exact(damping) + " s}\n  bottom: {type: papillarray, site: pad, touches: [box], damping: " + exact(damping) +
          " s}\nmotion: {compression: 0.04 mm, gap: 0.05 mm, start: 0.5 s, acceleration: inf, " + motion + "}\n";
 }

@@ -441,13 +441,9 @@ double position_of(CaseRun& run, const char* joint) {
 // elements carry it all, at the depth m g/(n k_n), and give way by 0.25 g/(n k_t).
 OtherCase on_edge(int touching, double x, double y) {
   const std::string model =
-      "<mujoco><compiler angle='radian'/><option integrator='@'/><worldbody><geom name='box' type='box' size='0.1 0.1 0.02' "
-      "euler='0 0 "
-      "0.004' pos='" +
+      "<mujoco><compiler angle='radian'/><option integrator='@'/><worldbody><geom name='box' type='box' size='0.1 0.1 0.02' euler='0 0 0.004' pos='" +
       exact({x - 0.1 + 1e-4, (touching % 3 == 0 ? 0.0 : y - 0.1) + 1e-4, -0.02}) +
-      "'/><body name='finger'><joint name='height' type='slide' axis='0 0 1'/><joint name='travel' type='slide' axis='0 -1 0'/>"
-      "<geom type='box' pos='0 0 0.03' size='0.01 0.01 0.01' mass='1'/><site name='pad'/></body></worldbody>"
-      "<actuator><motor name='push' joint='travel'/></actuator></mujoco>";
+      "'/><body name='finger'><joint name='height' type='slide' axis='0 0 1'/><joint name='travel' type='slide' axis='0 -1 0'/><geom type='box' pos='0 0 0.03' size='0.01 0.01 0.01' mass='1'/><site name='pad'/></body></worldbody><actuator><motor name='push' joint='travel'/></actuator></mujoco>";
   const std::string scene = "duration: 0.9 s\nfriction: {static: 0.5, kinetic: 0.5}\ncontrols: {push: [[0.4 s, 0 N], [0.6 s, " +
                             exact(0.25 * g) +
                             " N]]}\nsensors: {pad: {type: papillarray, site: pad, touches: [box], damping: 1 ms}}\n";
@@ -472,12 +468,10 @@ OtherCase driven(double speed) {
   box.position.z() = -sag_of(box);
   box.turn = {1e-4, 0.6e-4, 4e-3};
   const double there = std::max(0.1, 0.1e-3 / speed), end = 0.2 + there + std::max(0.1, 0.2e-3 / speed);
-  const std::string scene = "duration: " + exact(longest_sample * std::ceil(end / longest_sample + 1.0)) +
-                            " s\nfriction: {static: 0.2, kinetic: 0.2}\nsensors:\n  top: {type: papillarray, touches: [box], "
-                            "damping: 0.4 ms}\n  bottom: {type: "
-                            "papillarray, site: pad, touches: [box], damping: 0.4 ms}\nmotion: {compression: 0.04 mm, gap: 0.05 "
-                            "mm, start: 0.2 s, acceleration: inf, speed: " +
-                            exact(speed) + " m/s, reverse: " + exact(there) + " s}\n";
+  const std::string scene =
+      "duration: " + exact(longest_sample * std::ceil(end / longest_sample + 1.0)) +
+      " s\nfriction: {static: 0.2, kinetic: 0.2}\nsensors:\n  top: {type: papillarray, touches: [box], damping: 0.4 ms}\n  bottom: {type: papillarray, site: pad, touches: [box], damping: 0.4 ms}\nmotion: {compression: 0.04 mm, gap: 0.05 mm, start: 0.2 s, acceleration: inf, speed: " +
+      exact(speed) + " m/s, reverse: " + exact(there) + " s}\n";
   return {format_quantity(speed, Quantity::speed) + " and back",
           stacked_model(box),
           scene,

@@ -86,15 +86,12 @@ inline std::string model_of(const BoxOnPad& box) {
   const double angle = box.turn.norm();
   const Eigen::Vector3d axis = angle > 0.0 ? Eigen::Vector3d(box.turn / angle) : Eigen::Vector3d::UnitZ();
   return "<mujoco><compiler angle='radian'/><option integrator='" + box.integrator + "' gravity='0 0 " + exact(-box.gravity) +
-         "'/><worldbody>"
-         "<body name='pad'><geom type='box' pos='0 0 -0.02' size='0.02 0.02 0.005'/><site name='pad' zaxis='0 0 -1'/></body>"
-         "<body name='box' pos='" +
+         "'/><worldbody><body name='pad'><geom type='box' pos='0 0 -0.02' size='0.02 0.02 0.005'/><site name='pad' zaxis='0 0 -1'/></body><body name='box' pos='" +
          exact(box.position) + "' axisangle='" + exact(axis) + " " + exact(angle) + "'><freejoint name='box'/><inertial pos='" +
          exact(centre) + "' mass='" + exact(box.mass) + "' diaginertia='" + exact(inertia_of(box.mass)) +
          "'/><geom name='box' type='box' pos='0 0 " + exact(half_height) + "' size='" +
          exact({half_width, half_width, half_height}) +
-         "'/></body></worldbody>"
-         "<actuator><motor name='push' joint='box' gear='1 0 0 0 0 0'/></actuator></mujoco>";
+         "'/></body></worldbody><actuator><motor name='push' joint='box' gear='1 0 0 0 0 0'/></actuator></mujoco>";
 }
 
 // The box's upper face lies at z = 0, under the stage's pad; both pads are nine pillars.

@@ -180,14 +180,9 @@ TEST(Stability, EdgeAndCornerCarryWhatTheWholePadCarries) {
       const std::string model =
           "<mujoco><compiler angle='radian'/><worldbody><geom name='box' type='box' size='0.1 0.1 0.02' euler='0 0 0.004' pos='" +
           exact({place.x - 0.1 + 1e-4, (place.touching % 3 == 0 ? 0.0 : place.y - 0.1) + 1e-4, -0.02}) +
-          "'/><body name='finger'><joint name='height' type='slide' axis='0 0 1'/><joint name='travel' type='slide' axis='0 -1 "
-          "0'/>"
-          "<geom type='box' pos='0 0 0.03' size='0.01 0.01 0.01' mass='1'/><site name='pad'/></body></worldbody>"
-          "<actuator><motor name='push' joint='travel'/></actuator></mujoco>";
+          "'/><body name='finger'><joint name='height' type='slide' axis='0 0 1'/><joint name='travel' type='slide' axis='0 -1 0'/><geom type='box' pos='0 0 0.03' size='0.01 0.01 0.01' mass='1'/><site name='pad'/></body></worldbody><actuator><motor name='push' joint='travel'/></actuator></mujoco>";
       const std::string scene =
-          "slipbench: 1\nmodel: finger.xml\nduration: 2.2 s\ntime_step: auto\nfriction: {static: 0.5, kinetic: 0.5}\ncontrols: "
-          "{push: "
-          "[[0.5 s, 0 N], [1.5 s, " +
+          "slipbench: 1\nmodel: finger.xml\nduration: 2.2 s\ntime_step: auto\nfriction: {static: 0.5, kinetic: 0.5}\ncontrols: {push: [[0.5 s, 0 N], [1.5 s, " +
           exact(push) + " N]]}\nsensors: {pad: {type: papillarray, site: pad, touches: [box], damping: 5 ms}}\n";
       const PadLayout pad = flat_square(3, pitch, 10.0 * k_n, 10.0 * k_t);
       CaseRun run(scene, "finger.xml", model, {&pad});

@@ -151,18 +151,15 @@ TEST(LongRun, AThousandBouncesNeitherGainNorLose) {
     for (const double phase : {0.1, 0.05}) {
       const double step = longest_sample / std::ceil(longest_sample * omega / phase), z = step * omega;
       const double bounce = 2.0 * speed / g + 1.2 * std::numbers::pi / omega;
-      const std::string model = "<mujoco><compiler angle='radian'/><option integrator='" + std::string(integrator) +
-                                "' gravity='0 0 " + exact(-g) +
-                                "'/><worldbody><site name='pad' zaxis='0 0 -1'/><body name='box' pos='0 0 " + exact(high) +
-                                "'><joint type='slide' axis='0 0 1'/><geom name='box' type='box' pos='0 0 0.02' axisangle='0.5 "
-                                "0.7 0 0.001' size='0.04 0.04 0.02' "
-                                "mass='" +
-                                exact(mass) + "'/></body></worldbody></mujoco>";
-      const std::string scene = "slipbench: 1\nmodel: box.xml\nduration: " +
-                                exact(longest_sample * std::ceil(touches * bounce * 1.1 / longest_sample)) +
-                                " s\ntime_step: " + exact(step) +
-                                " s\nfriction: {static: 0.5}\nsensors: {pad: {type: papillarray, site: pad, "
-                                "touches: [box], damping: 0 s}}\n";
+      const std::string model =
+          "<mujoco><compiler angle='radian'/><option integrator='" + std::string(integrator) + "' gravity='0 0 " + exact(-g) +
+          "'/><worldbody><site name='pad' zaxis='0 0 -1'/><body name='box' pos='0 0 " + exact(high) +
+          "'><joint type='slide' axis='0 0 1'/><geom name='box' type='box' pos='0 0 0.02' axisangle='0.5 0.7 0 0.001' size='0.04 0.04 0.02' mass='" +
+          exact(mass) + "'/></body></worldbody></mujoco>";
+      const std::string scene =
+          "slipbench: 1\nmodel: box.xml\nduration: " +
+          exact(longest_sample * std::ceil(touches * bounce * 1.1 / longest_sample)) + " s\ntime_step: " + exact(step) +
+          " s\nfriction: {static: 0.5}\nsensors: {pad: {type: papillarray, site: pad, touches: [box], damping: 0 s}}\n";
       const PadLayout pad = flat_square(3, 7e-3, k_n, k_t);
       CaseRun run(scene, "box.xml", model, {&pad});
       int bounces = 0;

@@ -73,10 +73,9 @@ SceneCount count_scene(const std::string& valgrind, std::string_view scene, cons
   }
   const InstructionProfile profile = parse_callgrind(file_text(folder.path() / "profile"), "profile of " + std::string(scene));
   if (profile.instructions == 0 || profile.steps == 0) {
-    throw InputError(
-        fmt::format("bench: {} under {}: {} instructions in {} steps were counted inside run_trial; allowed: a program with its "
-                    "symbols, not stripped",
-                    scene, valgrind, profile.instructions, profile.steps));
+    throw InputError(fmt::format(
+        "bench: {} under {}: {} instructions in {} steps were counted inside run_trial; allowed: a program with its symbols, not stripped",
+        scene, valgrind, profile.instructions, profile.steps));
   }
   SceneCount count{.scene = std::string(scene),
                    .simulated = parse_scene(SceneFile::load(path), catalogues).duration,
@@ -159,8 +158,7 @@ std::string find_valgrind() {
   std::string path = find_program("valgrind");
   if (path.empty()) {
     throw InputError(
-        "bench: valgrind is not on PATH; it counts instructions, and is there after: apt-get install --yes "
-        "--no-install-recommends valgrind");
+        "bench: valgrind is not on PATH; it counts instructions, and is there after: apt-get install --yes --no-install-recommends valgrind");
   }
   return std::filesystem::absolute(path).string();
 }

@@ -76,16 +76,14 @@ class Panel {
     for (double decade = low_; decade <= high_; decade += 1.0) {
       const double x = position(decade);
       out += fmt::format(
-          "<path class=\"line\" d=\"M{:.1f} {}V{}\"/><text class=\"small\" x=\"{:.1f}\" y=\"38\" "
-          "text-anchor=\"middle\">{}</text>\n",
+          "<path class=\"line\" d=\"M{:.1f} {}V{}\"/><text class=\"small\" x=\"{:.1f}\" y=\"38\" text-anchor=\"middle\">{}</text>\n",
           x, top - 4, bottom, x, short_number(std::pow(10.0, decade)));
     }
     for (std::size_t i = 0; i < values_.size(); ++i) {
       const int y = top + row * static_cast<int>(i) + (row - bar_height) / 2;
       const double end = position(std::log10(values_[i]));
       out += fmt::format(
-          "<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{}\"/><text class=\"text\" x=\"{:.1f}\" "
-          "y=\"{}\">{}</text>\n",
+          "<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{}\"/><text class=\"text\" x=\"{:.1f}\" y=\"{}\">{}</text>\n",
           kind_, span_.begin, y, end - span_.begin, bar_height, end + 5.0, y + 11, short_number(values_[i]));
     }
     return out;

@@ -26,8 +26,7 @@ std::vector<ParameterSpec> parameters_of(ParameterSpec limit) {
        .range = {0.0, 0.999999},
        .choices = {},
        .doc =
-           "rate at which trials keep it that the run must demonstrate: the interval of expect.confidence must not begin below. "
-           "Too few trials for it are refused",
+           "rate at which trials keep it that the run must demonstrate: the interval of expect.confidence must not begin below. Too few trials for it are refused",
        .source = "free"}};
 }
 
@@ -125,10 +124,10 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
 
       of_box(flag("dropped", "Whether the box falls.", "dropped",
                   [](const TrialOutcome& o) { return grasp_of(o).dropped ? 1.0 : 0.0; })),
-      of_box(number("max_slip", at_most, length, "3 mm",
-                    "Slip displacement: of the box's middle in the hand, from the lift's beginning to the trial's end. A dropped "
-                    "box fails.",
-                    "slip_translation_m", [](const TrialOutcome& o) { return grasp_of(o).slip_translation; })),
+      of_box(number(
+          "max_slip", at_most, length, "3 mm",
+          "Slip displacement: of the box's middle in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
+          "slip_translation_m", [](const TrialOutcome& o) { return grasp_of(o).slip_translation; })),
       of_box(number("max_rotation", at_most, angle, "5 deg",
                     "Slip rotation: of the box in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
                     "slip_rotation_rad", [](const TrialOutcome& o) { return grasp_of(o).slip_rotation; })),
@@ -141,10 +140,10 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
                       "Peak grip force over the ideal one, the least that could hold the box.",
                       "max_grip_force_N / ideal_grip_force_N",
                       [](const TrialOutcome& o) { return grasp_of(o).max_grip_force / grasp_of(o).ideal_grip_force; })),
-      of_grasp(number("max_reaction_time", at_most, time, "150 ms",
-                      "From the first true slip of a unit in the lift until the fingers close. A trial in which nothing slips "
-                      "fails: it shows no reaction.",
-                      "reaction_time_s", [](const TrialOutcome& o) { return grasp_of(o).reaction_time; })),
+      of_grasp(number(
+          "max_reaction_time", at_most, time, "150 ms",
+          "From the first true slip of a unit in the lift until the fingers close. A trial in which nothing slips fails: it shows no reaction.",
+          "reaction_time_s", [](const TrialOutcome& o) { return grasp_of(o).reaction_time; })),
   };
   return kinds;
 }

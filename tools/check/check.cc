@@ -82,9 +82,9 @@ std::size_t needed_of(const Named& expectation, std::size_t trials, double confi
   if (shown > trials) {
     throw SceneValueError(
         "expect." + expectation.name + ".reliability",
-        fmt::format("{} cannot be shown by {} trials: with all of them kept the {} % interval begins at {:.4f}; "
-                    "allowed: at most that, or more trials",
-                    reliability, trials, 100.0 * confidence, clopper_pearson(trials, trials, confidence).low));
+        fmt::format(
+            "{} cannot be shown by {} trials: with all of them kept the {} % interval begins at {:.4f}; allowed: at most that, or more trials",
+            reliability, trials, 100.0 * confidence, clopper_pearson(trials, trials, confidence).low));
   }
   return std::max(share_of(expectation, trials), shown);
 }
@@ -283,8 +283,7 @@ std::string failure_text(const ExpectationResult& result) {
 
 std::string tests_nothing_text(const SceneCheck& check) {
   return fmt::format(
-      "tests nothing: the negative control, controller {}, keeps all of it too; a heavier box, a smoother surface or "
-      "a lower preset make a test of it",
+      "tests nothing: the negative control, controller {}, keeps all of it too; a heavier box, a smoother surface or a lower preset make a test of it",
       check.control);
 }
 

@@ -101,8 +101,7 @@ std::string junit_xml(const std::vector<SceneCheck>& checks) {
                     attribute(check.scene_path), suite.tests, suite.failures, suite.skipped, suite.cases);
   }
   return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"slipbench check\" tests=\"{}\" failures=\"{}\" "
-      "errors=\"0\" skipped=\"{}\">\n{}</testsuites>\n",
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"slipbench check\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"{}\">\n{}</testsuites>\n",
       all.tests, all.failures, all.skipped, all.cases);
 }
 

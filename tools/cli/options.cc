@@ -427,9 +427,9 @@ Parser::Parser() {
   bench->add_flag("--quiet", options.quiet, "No progress");
 
   CLI::App* list = command("list", "List what a scene may name", list_footer);
-  list->add_option("CATALOGUE", options.name,
-                   "effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers "
-                   "or expectations (default: all)")
+  list->add_option(
+          "CATALOGUE", options.name,
+          "effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers or expectations (default: all)")
       ->option_text(" ");
   CLI::App* describe = command("describe", "Explain one name: parameters, units, defaults, law, source", describe_footer);
   describe->add_option("NAME", options.name, "A name that `slipbench list` shows")->required()->option_text(" ");

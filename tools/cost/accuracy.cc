@@ -291,8 +291,7 @@ class Search {
       refuse(
           fmt::format("accuracy.{}", info_of(wish.measure).name),
           fmt::format(
-              "{} cannot be shown: the run with {} is still {} from that with twice the step{}, and has to be no farther than a "
-              "tenth of the wish; allowed: from {} on, or no wish",
+              "{} cannot be shown: the run with {} is still {} from that with twice the step{}, and has to be no farther than a tenth of the wish; allowed: from {} on, or no wish",
               error_text(wish.measure, wish.limit), reference, error_text(wish.measure, error.worst),
               error.different ? ", and something happens in one of them alone" : "",
               error_text(wish.measure, error.worst / reference_share)));

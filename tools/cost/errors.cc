@@ -18,41 +18,25 @@ namespace {
 
 constexpr std::array<MeasureInfo, num_measures> measures{{
     {Measure::onset, "onset", "slip onset", "%", 100.0,
-     "by unit, how far apart the two runs let it begin to slip as a whole, as a share of the time that the reference's friction "
-     "took to be "
-     "used up, at least 10 ms; where it slips in one run alone, how long before the trial's end, as a share of that run's"},
+     "by unit, how far apart the two runs let it begin to slip as a whole, as a share of the time that the reference's friction took to be used up, at least 10 ms; where it slips in one run alone, how long before the trial's end, as a share of that run's"},
     {Measure::micro_onset, "micro_onset", "first micro-slip", "%", 100.0,
      "the same of when a first part of the unit begins to slip"},
     {Measure::slip_distance, "slip_distance", "slipped distance", "%", 100.0,
-     "by unit that slips, how far apart the distances slipped are at the last time that both runs have, as a share of the "
-     "largest of any "
-     "unit in the reference, at least 1 um"},
+     "by unit that slips, how far apart the distances slipped are at the last time that both runs have, as a share of the largest of any unit in the reference, at least 1 um"},
     {Measure::force, "force", "force", "%", 100.0,
-     "by sensor, root mean square of the difference of the units' contact forces at all times that both runs have, as a share of "
-     "the "
-     "root mean square of the reference's"},
+     "by sensor, root mean square of the difference of the units' contact forces at all times that both runs have, as a share of the root mean square of the reference's"},
     {Measure::creep, "creep", "creep", "um/s", 1e6,
-     "by held body, how far apart the two runs let it drift over its pad, per time, while in the reference the pad touches and "
-     "no unit of any "
-     "sensor slips: the longest such stretch, of 100 ms or more"},
+     "by held body, how far apart the two runs let it drift over its pad, per time, while in the reference the pad touches and no unit of any sensor slips: the longest such stretch, of 100 ms or more"},
     {Measure::label, "label", "labels", "%", 100.0,
-     "by sensor, share of the units' states that differ at the times that both runs have, of those of units that touch in "
-     "either"},
+     "by sensor, share of the units' states that differ at the times that both runs have, of those of units that touch in either"},
     {Measure::label_micro, "label_micro", "pad state", "%", 100.0,
-     "by sensor, share of the pad's states by the rule micro that differ at the times that both runs have, of those with contact "
-     "in either"},
+     "by sensor, share of the pad's states by the rule micro that differ at the times that both runs have, of those with contact in either"},
     {Measure::outcome, "outcome", "outcome", "%", 100.0,
-     "share of the trial's decisions that differ: whether it touches, slips in part, by a unit and as a whole, and where there "
-     "is one whether "
-     "the detector sees slip and raises a false alarm, the box is dropped, the grip reacts and the box stands"},
+     "share of the trial's decisions that differ: whether it touches, slips in part, by a unit and as a whole, and where there is one whether the detector sees slip and raises a false alarm, the box is dropped, the grip reacts and the box stands"},
     {Measure::detector, "detector", "detector", "%", 100.0,
      "share of the loop's samples at the times that both runs have at which the detector's class differs"},
     {Measure::signal, "signal", "signal", "%", 100.0,
-     "by channel of a sensor, root mean square of the difference of what is emitted at the times that both runs have, as a share "
-     "of the root "
-     "mean square of the reference about its mean; noise is drawn once a sample, so it is the same in both at the same output "
-     "rate and "
-     "otherwise counts as a difference"},
+     "by channel of a sensor, root mean square of the difference of what is emitted at the times that both runs have, as a share of the root mean square of the reference about its mean; noise is drawn once a sample, so it is the same in both at the same output rate and otherwise counts as a difference"},
 }};
 
 constexpr double time_rounding = 1e-9;  // s, of times that are sums of decimal steps

@@ -90,9 +90,9 @@ OrderedJson entry_of(const OrderedJson& subject, const Scene& scene, const Found
 }
 
 [[noreturn]] void refuse_to_keep(const std::string& why) {
-  throw InputError(why +
-                   "; the setting that meets the scene's wish for accuracy is kept there; allowed: a file that can be "
-                   "written, or no wish: --set accuracy=none runs without");
+  throw InputError(
+      why +
+      "; the setting that meets the scene's wish for accuracy is kept there; allowed: a file that can be written, or no wish: --set accuracy=none runs without");
 }
 
 // Refuses where write_text_file would fail. Whether a file can be made is known for sure only once one has been: its name is as

@@ -34,14 +34,13 @@ constexpr std::array contact_choices{
                   "{cone: elliptic, tip_mass: %m, solimp: [0.999, 0.9999, 0.001], solref: [%h, 1], noslip: 3, refsafe: false}"},
     ContactChoice{
         "discrete, impratio 20, lightly damped tips",
-        "{integrator: discrete, cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%2h, 1], impratio: 20, "
-        "tip_damping: 0.03}"},
-    ContactChoice{"discrete, impratio 10",
-                  "{integrator: discrete, cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], "
-                  "solref: [%2h, 1], impratio: 10}"},
-    ContactChoice{"discrete, noslip 3, slow friction",
-                  "{integrator: discrete, cone: elliptic, impratio: 0.1, noslip: 3, "
-                  "solref: [-1e7, -6325], solreffriction: [0.002, 1], refsafe: false}"},
+        "{integrator: discrete, cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%2h, 1], impratio: 20, tip_damping: 0.03}"},
+    ContactChoice{
+        "discrete, impratio 10",
+        "{integrator: discrete, cone: elliptic, tip_mass: %m, solimp: [0.99, 0.999, 0.001], solref: [%2h, 1], impratio: 10}"},
+    ContactChoice{
+        "discrete, noslip 3, slow friction",
+        "{integrator: discrete, cone: elliptic, impratio: 0.1, noslip: 3, solref: [-1e7, -6325], solreffriction: [0.002, 1], refsafe: false}"},
 };
 
 std::string filled(std::string text, const std::string& mark, const std::string& value) {

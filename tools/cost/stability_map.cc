@@ -41,15 +41,13 @@ std::string pad(const std::string& name, const std::string& site, double pitch, 
                         p.k_tangential);
   }
   return fmt::format(
-      "<instance name='{}'><config key='pad' value='{}'/><config key='touch' value='box'/><config key='elements' "
-      "value='[{}]'/><config key='friction' value='{{static: 1}}'/><config key='damping' value='{} s'/></instance>",
+      "<instance name='{}'><config key='pad' value='{}'/><config key='touch' value='box'/><config key='elements' value='[{}]'/><config key='friction' value='{{static: 1}}'/><config key='damping' value='{} s'/></instance>",
       name, site, rows, damping);
 }
 
 std::string model_of(const std::string& integrator, double gravity, const std::string& pads, const std::string& world) {
   return fmt::format(
-      "<mujoco><compiler angle='radian'/><option integrator='{}' gravity='0 0 {}'/><extension><plugin plugin='slipbench.field'>{}"
-      "</plugin></extension><default><geom contype='0' conaffinity='0'/></default><worldbody>{}</worldbody></mujoco>",
+      "<mujoco><compiler angle='radian'/><option integrator='{}' gravity='0 0 {}'/><extension><plugin plugin='slipbench.field'>{}</plugin></extension><default><geom contype='0' conaffinity='0'/></default><worldbody>{}</worldbody></mujoco>",
       integrator, -gravity, pads, world);
 }
 
@@ -59,8 +57,7 @@ std::string box(double mass, const std::array<double, 3>& half, const std::strin
                 const std::string& axis) {
   const auto inertia = [&](double a, double b) { return mass * (a * a + b * b) / 3.0; };
   return fmt::format(
-      "<body name='box' pos='{}'><freejoint/><inertial pos='0 0 0' mass='{}' diaginertia='{} {} {}'/><geom name='box' "
-      "type='box' pos='{}' axisangle='{} 0.004' size='{} {} {}'/></body>",
+      "<body name='box' pos='{}'><freejoint/><inertial pos='0 0 0' mass='{}' diaginertia='{} {} {}'/><geom name='box' type='box' pos='{}' axisangle='{} 0.004' size='{} {} {}'/></body>",
       position, mass, inertia(half[1], half[2]), inertia(half[0], half[2]), inertia(half[0], half[1]), beside, axis, half[0],
       half[1], half[2]);
 }
@@ -114,8 +111,7 @@ Probed pressed(const Parameters& p) {
       box(p.mass, wide, fmt::format("0 0 {}", low - lower_sag), fmt::format("0.13e-3 -0.21e-3 {}", wide[2] - low), "0 0 1") +
       lower_site() +
       fmt::format(
-          "<body name='finger' pos='0 0 {}'><joint type='slide' axis='0 0 -1' damping='{}'/><inertial pos='0 0 0' mass='{}' "
-          "diaginertia='1e-3 1e-3 1e-3'/><site name='upper'/></body>",
+          "<body name='finger' pos='0 0 {}'><joint type='slide' axis='0 0 -1' damping='{}'/><inertial pos='0 0 0' mass='{}' diaginertia='1e-3 1e-3 1e-3'/><site name='upper'/></body>",
           2.0 * wide[2] - lower_sag - upper_sag, guide, finger);
   const double speed = kick_speed(upper_sag, 2.0 * stiffness, std::min(p.mass, finger), p.damping);
   Probed probed{
@@ -165,26 +161,12 @@ StabilityCombination measure(const SetUp& set_up, const Parameters& parameters, 
 std::vector<std::string> sentences() {
   const StepProbeOptions probe;
   return {
-      "The largest stable time step of explicit pads whose elements all stick, measured beside predicted, over mass, stiffness, "
-      "damping, set-up and integrator. Of pads that slip, let go or strike it says nothing.",
-      fmt::format("Measured: MuJoCo steps the model with the plugin, and nothing refuses a step that is too long. It stands in "
-                  "equilibrium, every "
-                  "element stuck (what slips is less stiff), gets a kick that excites every mode, and takes {} steps, which at "
-                  "the limit are {} periods where the velocity is stepped first. It "
-                  "diverges where the root of its kinetic energy grows to {:g} times the kick's. Bisection to {:g} of the step; "
-                  "a quarter, a half, "
-                  "three quarters and nine tenths of the result were run as well and stayed bounded.",
-                  probe.steps, probe.steps / 2, probe.growth, probe.resolution),
-      "Predicted: from mass matrix and tangents in the same pose. Where MuJoCo steps velocity first, the least h at which h^2 K "
-      "+ 2 h C has the "
-      "eigenvalue 4 in the metric M + h D/2 (K, C springs and dashpots of the pads, D dampers of joints, which MuJoCo takes "
-      "implicitly); with RK4, "
-      "where h times an eigenvalue of the linear system leaves Runge and Kutta's region of stability. 1 % is taken off for what "
-      "tangents leave out.",
-      "Allowed: what a scene may take: 0.75/omega, and 1/(tau omega^2). Between allowed and predicted a step is stable, but "
-      "slides and impacts "
-      "come out wrong, the more the longer it is; a model of a user's own is borne up to 4/3 of allowed. Beyond predicted the "
-      "pads throw off what they hold.",
+      "The largest stable time step of explicit pads whose elements all stick, measured beside predicted, over mass, stiffness, damping, set-up and integrator. Of pads that slip, let go or strike it says nothing.",
+      fmt::format(
+          "Measured: MuJoCo steps the model with the plugin, and nothing refuses a step that is too long. It stands in equilibrium, every element stuck (what slips is less stiff), gets a kick that excites every mode, and takes {} steps, which at the limit are {} periods where the velocity is stepped first. It diverges where the root of its kinetic energy grows to {:g} times the kick's. Bisection to {:g} of the step; a quarter, a half, three quarters and nine tenths of the result were run as well and stayed bounded.",
+          probe.steps, probe.steps / 2, probe.growth, probe.resolution),
+      "Predicted: from mass matrix and tangents in the same pose. Where MuJoCo steps velocity first, the least h at which h^2 K + 2 h C has the eigenvalue 4 in the metric M + h D/2 (K, C springs and dashpots of the pads, D dampers of joints, which MuJoCo takes implicitly); with RK4, where h times an eigenvalue of the linear system leaves Runge and Kutta's region of stability. 1 % is taken off for what tangents leave out.",
+      "Allowed: what a scene may take: 0.75/omega, and 1/(tau omega^2). Between allowed and predicted a step is stable, but slides and impacts come out wrong, the more the longer it is; a model of a user's own is borne up to 4/3 of allowed. Beyond predicted the pads throw off what they hold.",
       "Implicit pads (field_solver: implicit) have no such limit and are not in the map."};
 }
 

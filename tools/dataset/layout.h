@@ -12,8 +12,7 @@ using Extents = std::vector<std::size_t>;
 
 // Attribute `frame` of a sensor's labels.
 inline constexpr const char* label_frame_text =
-    "contact plane: the pad frame P turned the shortest way until its z is the surface's normal; x and y are tangential, z is "
-    "normal, compression is positive; forces act on the pad; positions, heights and slip_centre are in the pad frame P itself";
+    "contact plane: the pad frame P turned the shortest way until its z is the surface's normal; x and y are tangential, z is normal, compression is positive; forces act on the pad; positions, heights and slip_centre are in the pad frame P itself";
 
 // Calls visit(name, unit, extents after the first axis, column) for every label that has a row a sample. `units`: N.
 template <class Labels, class Visit>

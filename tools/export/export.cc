@@ -214,10 +214,9 @@ std::string slip_rule_name(SlipRule rule) {
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
                                         const ExportOptions& options) {
   if (options.label_speed && options.slip_rule != SlipRule::paper && options.slip_rule != SlipRule::has_slipped) {
-    throw InputError(
-        fmt::format("a label speed was given, which the slip rule '{}' does not have; allowed: --label-speed with "
-                    "--slip paper or --slip has_slipped",
-                    slip_rule_name(options.slip_rule)));
+    throw InputError(fmt::format(
+        "a label speed was given, which the slip rule '{}' does not have; allowed: --label-speed with --slip paper or --slip has_slipped",
+        slip_rule_name(options.slip_rule)));
   }
   const bool pillars_only = options.format == ExportFormat::vendor_csv || options.format == ExportFormat::training_csv;
   if (!pillars_only && options.slip_rule != SlipRule::strict) {

@@ -23,11 +23,9 @@ MakeNetwork* load() {
   const std::filesystem::path path = library_path();
   void* const handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) {
-    throw InputError(
-        fmt::format("there is no library of networks {}: this slipbench was built without libtorch, or cannot load it; allowed: "
-                    "build it with the package "
-                    "libtorch-dev, which tools/setup/setup.sh test installs",
-                    path.string()));
+    throw InputError(fmt::format(
+        "there is no library of networks {}: this slipbench was built without libtorch, or cannot load it; allowed: build it with the package libtorch-dev, which tools/setup/setup.sh test installs",
+        path.string()));
   }
   void* const symbol = ::dlsym(handle, make_symbol);
   if (symbol == nullptr) throw InputError(fmt::format("{} has no symbol {}", path.string(), make_symbol));

@@ -124,8 +124,7 @@ Result hd_latency(const ReproduceOptions& options) {
   Result result;
   result.title = "Latency of the hyperdimensional slip detector";
   result.source =
-      "Section IV.C and table III of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the "
-      "PapillArray Tactile Sensor\": 5,985 us on a Core i7-10700 in C++, 0.42 us on an xc7a200t FPGA";
+      "Section IV.C and table III of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor\": 5,985 us on a Core i7-10700 in C++, 0.42 us on an xc7a200t FPGA";
   LatencyTable table(result);
   table.add("paper: C++ on a Core i7-10700", "-", published_cpu);
   say("plain C++");
@@ -161,18 +160,8 @@ Result hd_latency(const ReproduceOptions& options) {
       fmt::format("RTL: cycles from {}.", core ? core_figures_file : fmt::format("nowhere: there is no {}", core_figures_file)),
   };
   result.remarks = {
-      "How the paper's C++ program computes is not said. Ours that reads like the equations computes the whole window of 15 "
-      "frames anew "
-      "at each sample, an entry of a vector at a time. Nothing in the method asks for that: in the kernel the window advances by "
-      "one "
-      "frame, the graphs collapse to counts, and 64 entries are one word. The paper's factor of 10,000 is one between two "
-      "programs more "
-      "than between two machines.",
-      "The paper's 0.42 us is level to class, without the feature, the bus and the transfer from the sensor. Our core's cycles "
-      "begin with "
-      "nine displacements and end with the class, feature included; the software has a row of its own for that. The sensor "
-      "delivers a "
-      "frame each 10 ms.",
+      "How the paper's C++ program computes is not said. Ours that reads like the equations computes the whole window of 15 frames anew at each sample, an entry of a vector at a time. Nothing in the method asks for that: in the kernel the window advances by one frame, the graphs collapse to counts, and 64 entries are one word. The paper's factor of 10,000 is one between two programs more than between two machines.",
+      "The paper's 0.42 us is level to class, without the feature, the bus and the transfer from the sensor. Our core's cycles begin with nine displacements and end with the class, feature included; the software has a row of its own for that. The sensor delivers a frame each 10 ms.",
   };
   return result;
 }

@@ -43,9 +43,7 @@ Result hd_resources(const ReproduceOptions& options) {
   Result result;
   result.title = "Resources of the hyperdimensional slip detector on an xc7a200t";
   result.source =
-      "Section IV.C of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray "
-      "Tactile "
-      "Sensor\": 28.1 % of the LUTs, 14.9 % of the flip-flops, 19.2 % of the block RAM";
+      "Section IV.C of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor\": 28.1 % of the LUTs, 14.9 % of the flip-flops, 19.2 % of the block RAM";
   ResultTable table;
   table.title = "Latency against area";
   table.head = {"what", "cycles",        "at 100 MHz", "cycles a sample", "LUT", "of the device",
@@ -76,12 +74,9 @@ Result hd_resources(const ReproduceOptions& options) {
                   fmt::format("The device has {:.0f} LUTs, {:.0f} flip-flops, {:.0f} blocks of 36 kbit, {:.0f} DSP blocks.",
                               device_lut, device_ff, device_bram, device_dsp)};
   result.remarks = {
-      "Ours are figures after synthesis, by yosys; the paper's and the published ones are Vivado's, after placement and routing, "
-      "which merges "
-      "and duplicates logic.",
+      "Ours are figures after synthesis, by yosys; the paper's and the published ones are Vivado's, after placement and routing, which merges and duplicates logic.",
       "The paper's share of LUTs is below what its published HDL takes when it is routed. What was counted is not said.",
-      "375 bytes, the paper's size of the model, is the associative memory alone; with item, level and context memories there "
-      "are 5,000.",
+      "375 bytes, the paper's size of the model, is the associative memory alone; with item, level and context memories there are 5,000.",
   };
   return result;
 }

@@ -262,9 +262,7 @@ ResultTable main_table(const Draws& by_sequence, const Draws& by_frame) {
                         percent(commonest(sequences.moving)), percent(1.0 / 3.0), percent(commonest(frames.all)),
                         percent(1.0 / 3.0)});
   table.note =
-      "By sequence: no sequence is in both parts. By frame: frames of one sequence are, which flatters every detector. Balanced: "
-      "mean of "
-      "the recalls. Moving: while the pad slides or turns; the rest is a pad at rest that cannot slip.";
+      "By sequence: no sequence is in both parts. By frame: frames of one sequence are, which flatters every detector. Balanced: mean of the recalls. Moving: while the pad slides or turns; the rest is a pad at rest that cannot slip.";
   return table;
 }
 
@@ -284,9 +282,7 @@ ResultTable delay_table(const Draws& draws) {
                           std::to_string(d.slipping), fmt::format("{} of {}", d.false_alarms, d.sequences)});
   }
   table.note =
-      "Tests of the five draws together. Onset: a first part of a pillar slips, resolved inside the step. Early: the frame "
-      "before the "
-      "onset was called slip already. False alarm: any frame called slip before the onset.";
+      "Tests of the five draws together. Onset: a first part of a pillar slips, resolved inside the step. Early: the frame before the onset was called slip already. False alarm: any frame called slip before the onset.";
   return table;
 }
 
@@ -343,30 +339,21 @@ std::vector<std::string> remarks_on(const std::map<std::string, Draws>& causes, 
   }
   return {
       fmt::format(
-          "Order: the paper has sHDC < stHDC < gstHDC < CL-gstHDC. Here sHDC is best, or as good, in {} of {} rows of that "
-          "table; by frame, where neighbours of the test frames are trained on, it has {} % against {} % of CL-gstHDC.",
+          "Order: the paper has sHDC < stHDC < gstHDC < CL-gstHDC. Here sHDC is best, or as good, in {} of {} rows of that table; by frame, where neighbours of the test frames are trained on, it has {} % against {} % of CL-gstHDC.",
           leads, causes.size(), percent(over_draws(by_frame[0], accuracy).mean), percent(over_draws(by_frame[3], accuracy).mean)),
       fmt::format(
-          "Physics and labels: a pad that stops after it slipped keeps its displacements, so that rest looks like a steady slip, "
-          "and its label is non-slip. Without these frames sHDC goes from {} to {} % and CL-gstHDC from {} to {} %; where what "
-          "has slipped stays so, as the paper words its classes, to {} and {} %. Whether the published sequences hold such "
-          "frames "
-          "is not said.",
+          "Physics and labels: a pad that stops after it slipped keeps its displacements, so that rest looks like a steady slip, and its label is non-slip. Without these frames sHDC goes from {} to {} % and CL-gstHDC from {} to {} %; where what has slipped stays so, as the paper words its classes, to {} and {} %. Whether the published sequences hold such frames is not said.",
           percent(mean(as_published, 0)), percent(mean(no_rest, 0)), percent(mean(as_published, 3)), percent(mean(no_rest, 3)),
           percent(mean(has_slipped, 0)), percent(mean(has_slipped, 3))),
       fmt::format(
-          "Encoder: the temporal product multiplies likenesses: of frames that agree to s with those learnt s^15 is left (0.9: "
-          "0.21), so that a window is known again only when every frame of it is nearly the same. CL-gstHDC has {} % with one "
-          "frame, {} % with 5, {} % with 15; bundled as the published core does, whose counts go on from frame to frame, {} %.",
+          "Encoder: the temporal product multiplies likenesses: of frames that agree to s with those learnt s^15 is left (0.9: 0.21), so that a window is known again only when every frame of it is nearly the same. CL-gstHDC has {} % with one frame, {} % with 5, {} % with 15; bundled as the published core does, whose counts go on from frame to frame, {} %.",
           percent(mean("window 1 frame", 3)), percent(mean("window 5 frames", 3)), percent(mean(as_published, 3)),
           percent(mean("counts kept in the window (published core)", 3))),
       fmt::format(
-          "Labels: CL-gstHDC has {} % by the paper's rule, {} % where a pillar counts once it slips as a whole, {} % once a "
-          "part of it does. The threshold of the paper's rule is not printed; 0.1 mm/s is assumed.",
+          "Labels: CL-gstHDC has {} % by the paper's rule, {} % where a pillar counts once it slips as a whole, {} % once a part of it does. The threshold of the paper's rule is not printed; 0.1 mm/s is assumed.",
           percent(mean(as_published, 3)), percent(mean("labels strict", 3)), percent(mean("labels micro", 3))),
       fmt::format(
-          "Not the reason: fixed point against the exact ratio, the rule for ties, D and the item memories change no model by "
-          "more than {:.2f} points.",
+          "Not the reason: fixed point against the exact ratio, the rule for ties, D and the item memories change no model by more than {:.2f} points.",
           100.0 * least),
   };
 }
@@ -385,21 +372,15 @@ Result hd_table1(const ReproduceOptions& options) {
   Result result;
   result.title = "Ablation of the hyperdimensional slip detector";
   result.source =
-      "Table I and section IV of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the "
-      "PapillArray "
-      "Tactile Sensor\"";
+      "Table I and section IV of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor\"";
   result.setup = {
       options.data.empty() ? fmt::format("Data: a fresh dataset of {}, seed {}.", scene, study.seed())
                            : fmt::format("Data: {}, made by: {}", options.data, study.data().command),
-      fmt::format("{} sequences, PapillArray at 100 Hz (every tenth sample), labels by the paper's rule, D = 1000, N = 15, ties "
-                  "to one, fixed "
-                  "point. Frames that touch and have a whole window behind them are learnt and judged, the same for every model.",
-                  study.data().sequences.size()),
       fmt::format(
-          "Six draws, seed {}: of each compression and speed as many sequences as there are, with replacement, train; those "
-          "never "
-          "drawn are the test. Draw 0 is kept for choices (none was made), the other five make mean and SD. Draw 1 trains {} "
-          "sequences, {} of them different, and tests {}.",
+          "{} sequences, PapillArray at 100 Hz (every tenth sample), labels by the paper's rule, D = 1000, N = 15, ties to one, fixed point. Frames that touch and have a whole window behind them are learnt and judged, the same for every model.",
+          study.data().sequences.size()),
+      fmt::format(
+          "Six draws, seed {}: of each compression and speed as many sequences as there are, with replacement, train; those never drawn are the test. Draw 0 is kept for choices (none was made), the other five make mean and SD. Draw 1 trains {} sequences, {} of them different, and tests {}.",
           study.seed(), by_sequence[0][1].training, by_sequence[0][1].distinct, by_sequence[0][1].tested),
   };
   result.tables = {main_table(by_sequence, by_frame), delay_table(by_sequence), confusion_table(by_sequence[3])};

@@ -338,9 +338,7 @@ ResultTable displacement_table(const std::string& title, std::span<const Cell> c
         }
       });
   table.note =
-      "Of the boxes that were not dropped. Slip: way of the box's middle in the arm's frame from the lift's "
-      "beginning on, turned: its rotation there. By markers: as the paper's script has it. 95 %: of the drop rate "
-      "after Clopper and Pearson, of the median by order statistics.";
+      "Of the boxes that were not dropped. Slip: way of the box's middle in the arm's frame from the lift's beginning on, turned: its rotation there. By markers: as the paper's script has it. 95 %: of the drop rate after Clopper and Pearson, of the median by order statistics.";
   return table;
 }
 
@@ -368,10 +366,7 @@ ResultTable force_table(const std::string& title, std::span<const Cell> cells, s
                                number(spread_of(trials, &TrialFigures::counts).median)});
       });
   table.note =
-      "Of the boxes that were not dropped. Least: m g/(2 mu_s), mu_s that of the trial, upwards, without patches. "
-      "By the paper: largest force up to 10 N over the least sum f_t/mean(f_t/f_n) of the rows called "
-      "incipient; n: trials that have such rows. Counts: by which the gripper closed after the lift had begun, "
-      "median.";
+      "Of the boxes that were not dropped. Least: m g/(2 mu_s), mu_s that of the trial, upwards, without patches. By the paper: largest force up to 10 N over the least sum f_t/mean(f_t/f_n) of the rows called incipient; n: trials that have such rows. Counts: by which the gripper closed after the lift had begun, median.";
   return table;
 }
 
@@ -419,22 +414,15 @@ std::string assumed_text(const Entry& entry) {
 std::vector<std::string> setup_lines(std::size_t trials, std::uint64_t seed) {
   const Catalogues catalogues = program_catalogues();
   std::vector<std::string> lines{
-      fmt::format("{}, seed {}, {} trials a row; nothing else differs between rows than what they name. Trial k has "
-                  "the same box, place and loop phase in every row. No parameter was fitted to the published "
-                  "figures.",
-                  lift_scene, seed, trials),
-      "Rows of detectors have the controller step_on_slip. constant_force, controller force_ratio, force_pid and "
-      "hold_preset ask no detector: gst_hd with the shipped memory looks on for the paper's estimate. Controller "
-      "stuck_fraction has the detector stuck_fraction.",
-      fmt::format("Rows of the paper's script: one in {} frames of 100 Hz; assumed, since its window of four rows is "
-                  "0.6 s in the paper. The script asks for three slips of four, the paper's words for half. With a "
-                  "row a frame it finds more.",
-                  row_stride),
-      "Published: Table II (light boxes; the script gives the same means and SDs from the recordings), and the "
-      "medians, the heavy boxes and the drops of the recordings, "
-      "github.com/JT2106/Hyperdimensional-computing-tactile-sensing, data/grip force control.",
-      "Assumed, felt: anisotropic_friction 0.6 with its grain level, so that the box hangs by the lesser friction; "
-      "patches 0.2, 8 mm to 20 mm. Assumed, hard case: mu_s 0.2, mu_k 0.19. Assumed, lift: settle 1.5 s.",
+      fmt::format(
+          "{}, seed {}, {} trials a row; nothing else differs between rows than what they name. Trial k has the same box, place and loop phase in every row. No parameter was fitted to the published figures.",
+          lift_scene, seed, trials),
+      "Rows of detectors have the controller step_on_slip. constant_force, controller force_ratio, force_pid and hold_preset ask no detector: gst_hd with the shipped memory looks on for the paper's estimate. Controller stuck_fraction has the detector stuck_fraction.",
+      fmt::format(
+          "Rows of the paper's script: one in {} frames of 100 Hz; assumed, since its window of four rows is 0.6 s in the paper. The script asks for three slips of four, the paper's words for half. With a row a frame it finds more.",
+          row_stride),
+      "Published: Table II (light boxes; the script gives the same means and SDs from the recordings), and the medians, the heavy boxes and the drops of the recordings, github.com/JT2106/Hyperdimensional-computing-tactile-sensing, data/grip force control.",
+      "Assumed, felt: anisotropic_friction 0.6 with its grain level, so that the box hangs by the lesser friction; patches 0.2, 8 mm to 20 mm. Assumed, hard case: mu_s 0.2, mu_k 0.19. Assumed, lift: settle 1.5 s.",
   };
   for (const Material& material : catalogues.materials) {
     if (std::ranges::find(surfaces(), material.name, &Choice::name) == surfaces().end()) continue;
@@ -466,20 +454,16 @@ std::vector<std::string> remarks_on(const std::vector<Cell>& cells, const std::v
                           : fmt::format("The oracle drops {} of {} light boxes: {}.", lost.size(), light, fmt::join(lost, "; ")));
   }
   if (!idle.empty()) {
-    remarks.push_back(
-        fmt::format("The negative control, which never tightens, drops no box either, so that these rows are no test "
-                    "of a detector's drops: {}.",
-                    fmt::join(idle, "; ")));
+    remarks.push_back(fmt::format(
+        "The negative control, which never tightens, drops no box either, so that these rows are no test of a detector's drops: {}.",
+        fmt::join(idle, "; ")));
   }
-  remarks.insert(remarks.end(),
-                 {"Published means stand on outliers: rubber is nine trials of 0.15 to 0.41 mm and one of 10.86 mm; "
-                  "of PTFE the largest, 8.49 mm, is a jump of the gripper's marker (median without it 2.24 mm), and "
-                  "another moves long after the lift. Compare medians.",
-                  "Published rotations are the angle of a line of 135 mm between two markers: 1 to 2 mm of play "
-                  "sideways make 0.4 to 0.9 deg.",
-                  "max/ideal by the paper is nearly the last force over the least force at a row called incipient: "
-                  "sum f_t/mean(f_t/f_n) is sum f_n when all ratios are alike. It says little about m g/(2 mu).",
-                  "The paper prints 1 N, 5 mm/s and 50 mm/s2; the published HDL holds 4 N and the recordings rise at 43 mm/s."});
+  remarks.insert(
+      remarks.end(),
+      {"Published means stand on outliers: rubber is nine trials of 0.15 to 0.41 mm and one of 10.86 mm; of PTFE the largest, 8.49 mm, is a jump of the gripper's marker (median without it 2.24 mm), and another moves long after the lift. Compare medians.",
+       "Published rotations are the angle of a line of 135 mm between two markers: 1 to 2 mm of play sideways make 0.4 to 0.9 deg.",
+       "max/ideal by the paper is nearly the last force over the least force at a row called incipient: sum f_t/mean(f_t/f_n) is sum f_n when all ratios are alike. It says little about m g/(2 mu).",
+       "The paper prints 1 N, 5 mm/s and 50 mm/s2; the published HDL holds 4 N and the recordings rise at 43 mm/s."});
   return remarks;
 }
 
@@ -493,8 +477,7 @@ Result hd_table2(const ReproduceOptions& options) {
   Result result;
   result.title = "Grasp and lift with slip detection in the loop";
   result.source =
-      "Table II and section IV-D of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional "
-      "Computing With the PapillArray Tactile Sensor\"";
+      "Table II and section IV-D of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor\"";
   result.setup = setup_lines(trials, seed);
   result.figures["cells"] = Json::array();
   for (std::size_t first = 0; first < cells.size();) {

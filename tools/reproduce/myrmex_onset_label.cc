@@ -234,16 +234,10 @@ Result myrmex_onset_label(const ReproduceOptions& options) {
   result.setup = {
       fmt::format("scenes/myrmex/dataset.yaml, seed {}: {} trials, electronics typical; {} of them hold to the end.", seed,
                   trials.size(), trials.size() - lengths.size()),
-      "True onset: from then on slipping taxels carry at least half of the normal force, on both pads, until one has lost "
-      "contact, the true end.",
-      "Rule: the sum of 4095 - counts over the third sensor's taxels (500 Hz), averaged backwards, lies below its mean from 2.0 "
-      "to 2.5 s, when nothing moves, by some standard deviations (sd) of that stretch, and stays there up to the end. The end: "
-      "no "
-      "more contact on the two holding arrays. What the paper leaves open is the average, the threshold and what a contact is. "
-      "True force: what the sensor is pressed with, without its noise and memory.",
+      "True onset: from then on slipping taxels carry at least half of the normal force, on both pads, until one has lost contact, the true end.",
+      "Rule: the sum of 4095 - counts over the third sensor's taxels (500 Hz), averaged backwards, lies below its mean from 2.0 to 2.5 s, when nothing moves, by some standard deviations (sd) of that stretch, and stays there up to the end. The end: no more contact on the two holding arrays. What the paper leaves open is the average, the threshold and what a contact is. True force: what the sensor is pressed with, without its noise and memory.",
       fmt::format(
-          "sd is that of the averaged sum over the 500 ms: {:.0f} independent means of 20 ms, {:.0f} of 100 ms, so that it "
-          "is itself known to {:.0f} % and {:.0f} % (1/sqrt(2 (n - 1))).",
+          "sd is that of the averaged sum over the 500 ms: {:.0f} independent means of 20 ms, {:.0f} of 100 ms, so that it is itself known to {:.0f} % and {:.0f} % (1/sqrt(2 (n - 1))).",
           still / 0.02, still / 0.1, 100.0 / std::sqrt(2.0 * (still / 0.02 - 1.0)),
           100.0 / std::sqrt(2.0 * (still / 0.1 - 1.0)))};
   if (!lengths.empty()) {

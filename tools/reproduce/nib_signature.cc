@@ -56,12 +56,11 @@ std::optional<Signature> signature_of(const Scene& scene, const NibTrace& trace)
 }
 
 ResultTable signature_table() {
-  return {"Energy of the linear mode below 8 Hz while the pad slips",
-          {"law", "plates", "slips that last", "share below 8 Hz", "below, counts rms", "above", "time of the slip, s"},
-          {},
-          "Medians over slips. Of C_N - C_S in windows of 0.5 s, less their line, Hamming, that lie wholly between 0.3 and 10 mm "
-          "of the lever; "
-          "shorter slips are left out. The converter's noise alone has a share of 0.05 and 1.7 counts above 8 Hz."};
+  return {
+      "Energy of the linear mode below 8 Hz while the pad slips",
+      {"law", "plates", "slips that last", "share below 8 Hz", "below, counts rms", "above", "time of the slip, s"},
+      {},
+      "Medians over slips. Of C_N - C_S in windows of 0.5 s, less their line, Hamming, that lie wholly between 0.3 and 10 mm of the lever; shorter slips are left out. The converter's noise alone has a share of 0.05 and 1.7 counts above 8 Hz."};
 }
 
 void add_signatures(const char* law, const std::vector<std::optional<Signature>>& found, ResultTable& table, Json& figures) {

@@ -176,15 +176,10 @@ Result nib_slip_kinds(const ReproduceOptions& options) {
   result.title = "No slip, linear and rotational slip of the nib pad";
   result.source = "Fig. 12 and section IV-B of \"Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation\"";
   result.setup = {
-      fmt::format("scenes/nib_pad/linear.yaml and rotational.yaml, seed {}, {} runs a cell: electronics typical (drift and "
-                  "noise), pads set up "
-                  "with scatter of place, yaw and tilt.",
-                  seed, trials),
-      "Slip: the lever has moved by 2 mm since the pull began (paper). FL, FR: magnitude over 0 to 6 Hz; curl: of the normalised "
-      "shear; means over "
-      "the windows that end within 0.5 s after these 2 mm, and of runs without slip over those that end between 0.5 s after the "
-      "pull's "
-      "beginning and 0.5 s after its end.",
+      fmt::format(
+          "scenes/nib_pad/linear.yaml and rotational.yaml, seed {}, {} runs a cell: electronics typical (drift and noise), pads set up with scatter of place, yaw and tilt.",
+          seed, trials),
+      "Slip: the lever has moved by 2 mm since the pull began (paper). FL, FR: magnitude over 0 to 6 Hz; curl: of the normalised shear; means over the windows that end within 0.5 s after these 2 mm, and of runs without slip over those that end between 0.5 s after the pull's beginning and 0.5 s after its end.",
   };
   result.tables.push_back(auc_table(runs, result.figures));
   result.tables.push_back(feature_table(runs));

@@ -170,12 +170,7 @@ ResultTable main_table(const Recordings& recordings, std::uint64_t seed, Json& f
   add_errors(table, recordings, SplitKind::random, "random split", seed, figures);
   add_errors(table, recordings, SplitKind::chronological, "chronological split", seed, figures);
   table.note =
-      "Random: test rows are drawn from among the others, so that their neighbours, 30 ms away and sharing four of the five "
-      "images of the "
-      "mean, may have taught. Chronological: the last fifth of each load tests, for a cylinder the last two of its ten places. "
-      "0.3 s apart: "
-      "ten times as long a calibration of which every tenth image is kept, so that no test row has such a neighbour; random "
-      "split.";
+      "Random: test rows are drawn from among the others, so that their neighbours, 30 ms away and sharing four of the five images of the mean, may have taught. Chronological: the last fifth of each load tests, for a cylinder the last two of its ten places. 0.3 s apart: ten times as long a calibration of which every tenth image is kept, so that no test row has such a neighbour; random split.";
   return table;
 }
 
@@ -258,14 +253,10 @@ Result nib_table1(const ReproduceOptions& options) {
   result.setup = {
       fmt::format("Data: {}, {} and {} afresh, seed {}: 5,000 images of si or more each, electronics typical.", scenes[plate],
                   scenes[end_face], scenes[lying], seed),
-      fmt::format("Fit: 703 coefficients a component on {} rows, ridge chosen on {} others of the training part out of nine "
-                  "powers of ten, "
-                  "then both teach; {} rows test. Several loads share these numbers in equal parts. The paper has 4000 and 1000, "
-                  "and does "
-                  "not say how it kept 703 coefficients in check.",
-                  fit_rows, choose_rows, test_rows),
-      "Reference: the true forces on all nibs and their moments about the pad's origin, through the same mean of five images as "
-      "si.",
+      fmt::format(
+          "Fit: 703 coefficients a component on {} rows, ridge chosen on {} others of the training part out of nine powers of ten, then both teach; {} rows test. Several loads share these numbers in equal parts. The paper has 4000 and 1000, and does not say how it kept 703 coefficients in check.",
+          fit_rows, choose_rows, test_rows),
+      "Reference: the true forces on all nibs and their moments about the pad's origin, through the same mean of five images as si.",
   };
   return result;
 }

@@ -158,10 +158,7 @@ ResultTable release_table(const std::vector<ReleaseRun>& runs, Json& figures) {
   }
   add("", "all", "-", "-", "247 of 261 (94.6 %)");
   table.note =
-      "Error: mean of |F_G,slip - F_G,req| over what was detected before 6 mm, F_G,req = pull/mu_s; gross: of those with "
-      "F_G,slip < "
-      "F_G,req; early: the others. Slip: way of the lever since the flags count. Shares with the interval of Clopper and "
-      "Pearson, 95 %.";
+      "Error: mean of |F_G,slip - F_G,req| over what was detected before 6 mm, F_G,req = pull/mu_s; gross: of those with F_G,slip < F_G,req; early: the others. Slip: way of the lever since the flags count. Shares with the interval of Clopper and Pearson, 95 %.";
   figures["table"] = std::move(rows);
   return table;
 }
@@ -227,12 +224,8 @@ Result nib_table2(const ReproduceOptions& options) {
   result.tables.push_back(std::move(signature));
   result.setup = {
       fmt::format("scenes/nib_pad/release.yaml, seed {}, {} runs of each of its surfaces and pulls.", seed, trials),
-      "Paper: M 9, alpha 10, windows of 500 ms a 100 ms, 0.03 mm/s. Not in the paper, assumed: SLIP_THRES 25 counts (a bound of "
-      "the noise: detectors/nib/README.md), TIME_THRES 0.5 s, mu_s of all plates but the soaped one, which were moved once in a "
-      "dry run after "
-      "the published errors had been seen, the plates' patches and waves, masses and damping of the lever.",
-      "F_S/F_N is one of counts, as equations 1, 2 and 4 read; a ratio of newtons, which the paper's words would allow, is a row "
-      "of its own.",
+      "Paper: M 9, alpha 10, windows of 500 ms a 100 ms, 0.03 mm/s. Not in the paper, assumed: SLIP_THRES 25 counts (a bound of the noise: detectors/nib/README.md), TIME_THRES 0.5 s, mu_s of all plates but the soaped one, which were moved once in a dry run after the published errors had been seen, the plates' patches and waves, masses and damping of the lever.",
+      "F_S/F_N is one of counts, as equations 1, 2 and 4 read; a ratio of newtons, which the paper's words would allow, is a row of its own.",
       "The soaped plate is pulled with up to 1 N: 5 N would need 71 N of grasp.",
   };
   return result;

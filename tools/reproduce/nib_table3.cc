@@ -228,17 +228,9 @@ Result nib_table3(const ReproduceOptions& options) {
   result.tables.push_back(std::move(table));
   result.tables.push_back(std::move(ends));
   result.remarks = {
-      "The height of the grip over the edge is l sin(theta): it no longer grows once theta is 90 degrees, when a box of 54 mm, "
-      "held in its middle 137.5 mm from the end, still leans by 11 degrees. What stands it up from there is its weight, which is "
-      "beyond the edge from 19 degrees on with the centre of mass in the middle, 28 at L/3, 15 at 2L/3.",
-      "Lost: no pad touched the box any more before the release began. Told early: the release began below TargetPoint, and the "
-      "box "
-      "was never nearer than 20 degrees to upright. Not turned: the same at TargetPoint. Fell: nearer than that at some time, "
-      "and not "
-      "upright at the end. Not let go: upright, but a pad touched it. Not released: the arm rose to the end of the trial.",
-      "The paper prints no threshold; slipbench describe reorient says where each of the controller's comes from, and the last "
-      "rows "
-      "what halving or doubling it does.",
+      "The height of the grip over the edge is l sin(theta): it no longer grows once theta is 90 degrees, when a box of 54 mm, held in its middle 137.5 mm from the end, still leans by 11 degrees. What stands it up from there is its weight, which is beyond the edge from 19 degrees on with the centre of mass in the middle, 28 at L/3, 15 at 2L/3.",
+      "Lost: no pad touched the box any more before the release began. Told early: the release began below TargetPoint, and the box was never nearer than 20 degrees to upright. Not turned: the same at TargetPoint. Fell: nearer than that at some time, and not upright at the end. Not let go: upright, but a pad touched it. Not released: the arm rose to the end of the trial.",
+      "The paper prints no threshold; slipbench describe reorient says where each of the controller's comes from, and the last rows what halving or doubling it does.",
       "Both fingers of the paper are read until both touch; here only one finger's pad has electronics.",
   };
   return result;

@@ -271,18 +271,13 @@ std::vector<std::string> remarks_on(const Json& figures) {
   };
   return {
       fmt::format(
-          "The motors run whenever the tip slides. From level {} to {} the area is {} against hold in contact alone and {} "
-          "against hold in the air alone.",
+          "The motors run whenever the tip slides. From level {} to {} the area is {} against hold in contact alone and {} against hold in the air alone.",
           vibration_levels().front(), vibration_levels().back(), along("contact"), along("air")),
       fmt::format(
-          "A steady press is a constant behind the amplifier; where it begins and ends the signal decays with {:.0f} ms, "
-          "over 20 ms nearly a straight line, which leaks into all bins of a window without a taper. Without motors "
-          "pressing on and settling are {:.0f} and {:.0f} % of what hold in contact lacks of 1; their areas as the paper, "
-          "with the line off, with Hann's taper: {}; {}.",
+          "A steady press is a constant behind the amplifier; where it begins and ends the signal decays with {:.0f} ms, over 20 ms nearly a straight line, which leaks into all bins of a window without a taper. Without motors pressing on and settling are {:.0f} and {:.0f} % of what hold in contact lacks of 1; their areas as the paper, with the line off, with Hann's taper: {}; {}.",
           1e3 * settling_time / 3.0, missing("press"), missing("settling"), readings("press"), readings("settling")),
       fmt::format(
-          "Instants of a slide at which all sticks lie within frames of its vibration: {:.0f} % of what is missing, areas "
-          "{}. By the position label they are slip, and so is the shear before the first slip.",
+          "Instants of a slide at which all sticks lie within frames of its vibration: {:.0f} % of what is missing, areas {}. By the position label they are slip, and so is the shear before the first slip.",
           missing("stick_between_slips"), readings("stick_between_slips")),
   };
 }
@@ -295,18 +290,14 @@ Result piezo_slip_against_hold(const ReproduceOptions& options) {
   Result result;
   result.title = "Slip against hold by the loudness of one frame of the piezoelectric skin";
   result.source =
-      "The frames of \"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor\", "
-      "section IV-A: 20 ms every 10 ms at 10 kHz, 50 to 600 Hz. The paper prints no such curve.";
+      "The frames of \"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor\", section IV-A: 20 ms every 10 ms at 10 kHz, 50 to 600 Hz. The paper prints no such curve.";
 
   ResultTable curve{"Area under the curve against the motors' level", headed("motor level"), {}, {}};
   curve.note = fmt::format(
       "The bar is {} at level 0. Intervals are by recording (Obuchowski): the frames of one depend on each other.", wanted_area);
   ResultTable readings{"Other readings of the paper, no motors", headed("reading of a frame"), {}, {}};
   readings.note =
-      "The curve is the first row: the paper's spectrum, of which it says that the mean is taken off and names no taper, with "
-      "the "
-      "true label. The paper's own reading is the row with its position label. The others are offered beside them. Frames of "
-      "one label only leave out those within which contact or slip begins or ends.";
+      "The curve is the first row: the paper's spectrum, of which it says that the mean is taken off and names no taper, with the true label. The paper's own reading is the row with its position label. The others are offered beside them. Frames of one label only leave out those within which contact or slip begins or ends.";
   ResultChart chart{.title = "Slip against hold by one frame",
                     .across = "level of the motors' vibration",
                     .up = "area under the curve",
@@ -333,9 +324,7 @@ Result piezo_slip_against_hold(const ReproduceOptions& options) {
     causes.push_back(cause_table(recordings, hold_causes(), false, result.figures["hold_causes"]));
     causes.push_back(cause_table(recordings, slip_causes(), true, result.figures["slip_causes"]));
     causes.front().note =
-        "A frame has the first cause that fits. The area is a mean over the frames, so that the causes' parts of what it lacks "
-        "of "
-        "1 add up. No slide of the published ranges is deaf: all go along X.";
+        "A frame has the first cause that fits. The area is a mean over the frames, so that the causes' parts of what it lacks of 1 add up. No slide of the published ranges is deaf: all go along X.";
   }
   ResultTable varied{"What the bench decides, no motors", headed("bench"), {}, {}};
   varied.rows.push_back(curve.rows.front());
@@ -354,9 +343,7 @@ Result piezo_slip_against_hold(const ReproduceOptions& options) {
   result.setup = {
       fmt::format("{} recordings a level from {}, half with a slip, seed {}: the same draws at every level.", count,
                   piezo_bench_scene, options.seed.value_or(1)),
-      "Loudness: power within 50 to 600 Hz, both included, of the frame less its mean. A frame's label is that of its last "
-      "sample; "
-      "slip is that a part of the contact slips (rule micro), so that a frame of partial slip is one of slip.",
+      "Loudness: power within 50 to 600 Hz, both included, of the frame less its mean. A frame's label is that of its last sample; slip is that a part of the contact slips (rule micro), so that a frame of partial slip is one of slip.",
   };
   result.remarks = remarks_on(result.figures);
   return result;

@@ -242,9 +242,7 @@ Result piezo_table4(const ReproduceOptions& options) {
   Result result;
   result.title = "A network that sees one frame of the piezoelectric skin, against the motors' vibration";
   result.source =
-      "Tables I, III and IV of \"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile "
-      "Sensor\". "
-      "Cells are balanced accuracy in % and F1 of slip.";
+      "Tables I, III and IV of \"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor\". Cells are balanced accuracy in % and F1 of slip.";
   for (const LabelRule rule : {LabelRule::paper, LabelRule::truth}) {
     ResultTable table;
     table.title = fmt::format("MLP 32 by the {} label", rule == LabelRule::truth ? "true" : "100 Hz position");
@@ -287,8 +285,7 @@ Result piezo_table4(const ReproduceOptions& options) {
     table.head = {"network", "none left out"};
     for (std::size_t tip = 0; tip < tips.size(); ++tip) table.head.push_back(fmt::format("tip {}", tip + 1));
     table.note =
-        "Tips are numbered in the order of what the sweep says of them; the paper's are not described, so that the numbers do "
-        "not match.";
+        "Tips are numbered in the order of what the sweep says of them; the paper's are not described, so that the numbers do not match.";
     table.rows.push_back({"paper, GRU 32", "98.6, 0.976", "96.5, 0.950", "95.3, 0.937", "94.4, 0.934"});
     table.rows.back().resize(table.head.size(), "-");
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -315,16 +312,10 @@ Result piezo_table4(const ReproduceOptions& options) {
           fold_count, curve.steps),
       fmt::format("The two labels differ in up to {:.1f} % of the frames of recordings with a slip.", 100.0 * differ)};
   result.remarks = {
-      "Table IV is the paper's GRU, which remembers; the columns of the curve are a network of single frames, whose counterpart "
-      "in the paper is "
-      "the row MLP 32 of Table I. The paper trains no MLP without motor recordings. `--only gru_32` adds its own network at one "
-      "level.",
-      "The true label is that a part of the patch slips; by the rule strict all of its elements, which stick and slip by turns, "
-      "would have to at once. Between them lie the stick phase at the beginning of the motion and instants at which all stick.",
-      "The paper keeps the state of the best validation result, from the recordings that also judge; here the last state is "
-      "kept.",
-      "Neither the paper's motors nor the size of its signal are printed: the level 1 is an assumption, and the curve shows what "
-      "it decides."};
+      "Table IV is the paper's GRU, which remembers; the columns of the curve are a network of single frames, whose counterpart in the paper is the row MLP 32 of Table I. The paper trains no MLP without motor recordings. `--only gru_32` adds its own network at one level.",
+      "The true label is that a part of the patch slips; by the rule strict all of its elements, which stick and slip by turns, would have to at once. Between them lie the stick phase at the beginning of the motion and instants at which all stick.",
+      "The paper keeps the state of the best validation result, from the recordings that also judge; here the last state is kept.",
+      "Neither the paper's motors nor the size of its signal are printed: the level 1 is an assumption, and the curve shows what it decides."};
   return result;
 }
 

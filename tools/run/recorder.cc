@@ -19,9 +19,7 @@ namespace {
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
 constexpr const char* pad_frame_text =
-    "pad frame P: x and y in the plane of the pad, +z into the sensor, so that compression is positive; forces act on the "
-    "sensor, displacements are of its tips; a pad that faces down on a horizontal surface has P parallel to the world. Labels: "
-    "force and slip_velocity lie in the contact plane, P turned the shortest way until +z is the surface's normal";
+    "pad frame P: x and y in the plane of the pad, +z into the sensor, so that compression is positive; forces act on the sensor, displacements are of its tips; a pad that faces down on a horizontal surface has P parallel to the world. Labels: force and slip_velocity lie in the contact plane, P turned the shortest way until +z is the surface's normal";
 
 // The earlier of two times of which either may be NaN.
 void keep_earliest(double& time, double candidate) {
@@ -153,9 +151,9 @@ void check_record_size(const Scene& scene, double bytes, double max_bytes) {
   if (bytes <= max_bytes) return;
   throw SceneValueError(
       "duration",
-      fmt::format("{} makes a record of {:.3g} GB or more; allowed: at most {:.3g} GB, which is {:.3g} GB shared by "
-                  "the jobs, so a shorter trial, slower sensors or fewer --jobs",
-                  format_quantity(scene.duration, Quantity::time), 1e-9 * bytes, 1e-9 * max_bytes, 1e-9 * max_record_bytes));
+      fmt::format(
+          "{} makes a record of {:.3g} GB or more; allowed: at most {:.3g} GB, which is {:.3g} GB shared by the jobs, so a shorter trial, slower sensors or fewer --jobs",
+          format_quantity(scene.duration, Quantity::time), 1e-9 * bytes, 1e-9 * max_bytes, 1e-9 * max_record_bytes));
 }
 
 TrialRecorder::TrialRecorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Bench& bench,

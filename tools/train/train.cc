@@ -189,10 +189,9 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
   std::vector<Evaluation> evaluations;
   while (std::optional<Evaluation> evaluation = workers.next()) {
     if (evaluation->all.total() == 0) {
-      throw InputError(
-          fmt::format("draw {} leaves no frame to test: {} sequences with contact after a window of {} frames are too few "
-                      "for their conditions",
-                      evaluations.size(), judged_sequences(samples), model.window));
+      throw InputError(fmt::format(
+          "draw {} leaves no frame to test: {} sequences with contact after a window of {} frames are too few for their conditions",
+          evaluations.size(), judged_sequences(samples), model.window));
     }
     evaluations.push_back(std::move(*evaluation));
   }

@@ -199,8 +199,7 @@ TEST(Lean, RefusesALoadThatItsStopDoesNotHold) {
     EXPECT_EQ(error.path(), "effects");
     EXPECT_EQ(
         std::string(error.what()),
-        "effects: lean: element 0 carries 4.390000 N, and its stop holds a column up to (k_t + stop stiffness) length = 4.380000 "
-        "N; press less, or give the column a stiffer stop");
+        "effects: lean: element 0 carries 4.390000 N, and its stop holds a column up to (k_t + stop stiffness) length = 4.380000 N; press less, or give the column a stiffer stop");
   }
 }
 

@@ -114,12 +114,12 @@ TEST(Stage, RestsAtTheEndOfItsTravel) {
   EXPECT_NEAR(thrice->pad_at(3.58 + 0.79).velocity.x(), -4e-3, 1e-14);
   EXPECT_NEAR(thrice->pad_at(3.58 + 1.58).pose.position.x(), 0.0, 1e-14);
   EXPECT_NEAR(thrice->pad_at(10.0).pose.position.x(), 6e-3, 1e-14);
-  EXPECT_EQ(refusal({{"travel", 6e-3}, {"stop", 1.0}}),
-            "motion.travel: 6 mm and a time both say where it ends; allowed: a speed, and neither motion.stop nor motion.reverse "
-            "beside it");
-  EXPECT_EQ(refusal({{"travel", 6e-3}, {"speed", 0.0}}),
-            "motion.travel: 6 mm is never gone at motion.speed 0; allowed: a speed, and neither motion.stop nor motion.reverse "
-            "beside it");
+  EXPECT_EQ(
+      refusal({{"travel", 6e-3}, {"stop", 1.0}}),
+      "motion.travel: 6 mm and a time both say where it ends; allowed: a speed, and neither motion.stop nor motion.reverse beside it");
+  EXPECT_EQ(
+      refusal({{"travel", 6e-3}, {"speed", 0.0}}),
+      "motion.travel: 6 mm is never gone at motion.speed 0; allowed: a speed, and neither motion.stop nor motion.reverse beside it");
 }
 
 TEST(Stage, DoesTheSameHigherUp) {

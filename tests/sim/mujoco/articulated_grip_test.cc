@@ -29,14 +29,9 @@ class Grip {
     const double finger = half - first / (9.0 * k_n);
     folder_.write(
         "fingers.xml",
-        fmt::format("<mujoco><worldbody>"
-                    "<body pos='{0} 0 0'><joint name='left' type='slide' axis='1 0 0' damping='20'/>"
-                    "<inertial pos='0 0 0' mass='0.05' diaginertia='1e-4 1e-4 1e-4'/><site name='left' zaxis='-1 0 0'/></body>"
-                    "<body pos='{1} 0 0'><joint name='right' type='slide' axis='-1 0 0' damping='20'/>"
-                    "<inertial pos='0 0 0' mass='0.05' diaginertia='1e-4 1e-4 1e-4'/><site name='right' zaxis='1 0 0'/></body>"
-                    "</worldbody><actuator><motor name='left' joint='left'/><motor name='right' joint='right'/></actuator>"
-                    "</mujoco>",
-                    -finger, finger));
+        fmt::format(
+            "<mujoco><worldbody><body pos='{0} 0 0'><joint name='left' type='slide' axis='1 0 0' damping='20'/><inertial pos='0 0 0' mass='0.05' diaginertia='1e-4 1e-4 1e-4'/><site name='left' zaxis='-1 0 0'/></body><body pos='{1} 0 0'><joint name='right' type='slide' axis='-1 0 0' damping='20'/><inertial pos='0 0 0' mass='0.05' diaginertia='1e-4 1e-4 1e-4'/><site name='right' zaxis='1 0 0'/></body></worldbody><actuator><motor name='left' joint='left'/><motor name='right' joint='right'/></actuator></mujoco>",
+            -finger, finger));
     const std::string push = fmt::format("[[0.1 s, {} N], [0.5 s, {} N]]", first, last);
     rig_ = std::make_unique<DynamicRig>(
         fmt::format("fidelity: articulated\nduration: 5 s\ntime_step: 1 ms\nfriction: {{static: {0}, kinetic: {0}}}\n"

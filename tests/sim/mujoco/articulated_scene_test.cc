@@ -174,9 +174,10 @@ TEST(ArticulatedScene, DefaultsOfTheModelDoNotReachThePillars) {
   };
   const double plain = height("");
   // What the model has itself keeps what it says: the fingers' joints and geoms set none of these but the joints' damping.
-  EXPECT_EQ(height("<default><joint damping='7' pos='0.1 0 0'/><geom margin='0.001' density='1e5' solimp='0.5 0.6'/>"
-                   "<pair solref='0.1 1' margin='0.01' gap='0.01' condim='1'/></default>"),
-            plain);
+  EXPECT_EQ(
+      height(
+          "<default><joint damping='7' pos='0.1 0 0'/><geom margin='0.001' density='1e5' solimp='0.5 0.6'/><pair solref='0.1 1' margin='0.01' gap='0.01' condim='1'/></default>"),
+      plain);
   // 100 g on ten pillars of 3.9 kN/m.
   EXPECT_NEAR(plain, 0.1 - weight_of_100_g / (10.0 * 3900.0), 1e-3 * 25e-6);
 }
@@ -259,18 +260,19 @@ TEST(ArticulatedScene, LightBoxIsPressedAsAHeavyOne) {
 }
 
 TEST(ArticulatedScene, WhatOnlyAFieldCanDoIsRefused) {
-  EXPECT_EQ(answer(replaced(held, "site: right_pad,", "site: right_pad, damping: 1.1 ms,")),
-            "sensors.right.damping: 1.1 ms: articulated pads' dashpots are joint damping, which the labels contain and the "
-            "friction cone "
-            "does not hold; allowed: 0 to 1 ms, or fidelity: field");
+  EXPECT_EQ(
+      answer(replaced(held, "site: right_pad,", "site: right_pad, damping: 1.1 ms,")),
+      "sensors.right.damping: 1.1 ms: articulated pads' dashpots are joint damping, which the labels contain and the friction cone does not hold; allowed: 0 to 1 ms, or fidelity: field");
   EXPECT_EQ(answer(held + "effects: [ageing]\n"), "effects: articulated pads have none; allowed: none, or fidelity: field");
   EXPECT_EQ(answer(replaced(held, "kinetic: 0.5", "kinetic: 0.4")),
             "friction: articulated pads have one coefficient of friction; allowed: kinetic equal to static");
-  EXPECT_THAT(answer(replaced(held, "touches: [box]", "touches: [rock]"),
-                     replaced(two_fingers(""), "<worldbody>",
-                              "<asset><mesh name='rock' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset><worldbody><body name='rock' "
-                              "pos='0 0 5'><geom name='rock' type='mesh' mesh='rock'/></body>")),
-              StartsWith("sensors.left.touches: the geom 'rock' is a mesh"));
+  EXPECT_THAT(
+      answer(
+          replaced(held, "touches: [box]", "touches: [rock]"),
+          replaced(
+              two_fingers(""), "<worldbody>",
+              "<asset><mesh name='rock' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset><worldbody><body name='rock' pos='0 0 5'><geom name='rock' type='mesh' mesh='rock'/></body>")),
+      StartsWith("sensors.left.touches: the geom 'rock' is a mesh"));
 }
 
 TEST(ArticulatedScene, ModelsThatWouldHaveOtherPillarsAreRefused) {

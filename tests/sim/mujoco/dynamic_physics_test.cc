@@ -21,17 +21,18 @@ TEST(DynamicBench, HeldBoxIsTheModelWrittenByHandToTheBit) {
   const std::string fingers = two_fingers("integrator='implicitfast'");
   const ModelFolder folder;
   folder.write("fingers.xml", fingers);
-  DynamicRig rig(held_box("duration: 0.5 s\ntime_step: 250 us\ncontrols: {left: [[0.25 s, 4 N], [0.5 s, 0.5 N]], right: [[0.25 "
-                          "s, 4 N], [0.5 s, 0.5 N]]}\n"),
-                 folder.file("scene.yaml"));
+  DynamicRig rig(
+      held_box(
+          "duration: 0.5 s\ntime_step: 250 us\ncontrols: {left: [[0.25 s, 4 N], [0.5 s, 0.5 N]], right: [[0.25 s, 4 N], [0.5 s, 0.5 N]]}\n"),
+      folder.file("scene.yaml"));
 
   std::string xml = fingers;
   const auto insert = [&xml](const std::string& before, const std::string& text) { xml.insert(xml.find(before), text); };
   std::string instances;
   for (const std::string side : {"left", "right"}) {
-    instances += "<instance name='" + side + "'><config key='pad' value='" + side +
-                 "_pad'/><config key='touch' value='box'/><config key='sensor' value='{type: papillarray}'/>"
-                 "<config key='friction' value='{static: 0.5, kinetic: 0.5}'/></instance>";
+    instances +=
+        "<instance name='" + side + "'><config key='pad' value='" + side +
+        "_pad'/><config key='touch' value='box'/><config key='sensor' value='{type: papillarray}'/><config key='friction' value='{static: 0.5, kinetic: 0.5}'/></instance>";
   }
   insert("<worldbody>", "<extension><plugin plugin='slipbench.field'>" + instances + "</plugin></extension>");
   insert("</worldbody>",
@@ -190,9 +191,8 @@ TEST(DynamicBench, BoxOnATableDoesNotCreepUnderAPad) {
 }
 
 TEST(DynamicBench, StageIsWhereItsMotionSaysAtEveryTick) {
-  DynamicRig rig(
-      pressed_box("duration: 1.5 s\nmotion: {compression: 0.8 mm, speed: 8 mm/s, rotation: 40 deg/s, pivot: [5 mm, 0 mm], "
-                  "start: 0.5 s, tilt: [1 deg, 0 deg]}\n"));
+  DynamicRig rig(pressed_box(
+      "duration: 1.5 s\nmotion: {compression: 0.8 mm, speed: 8 mm/s, rotation: 40 deg/s, pivot: [5 mm, 0 mm], start: 0.5 s, tilt: [1 deg, 0 deg]}\n"));
   const std::unique_ptr<Motion> motion = make_motion(rig.scene(), 0);
   for (std::size_t tick = 0; tick < rig->ticks(0); ++tick) {
     rig->step();
@@ -211,8 +211,7 @@ TEST(DynamicBench, StageIsWhereItsMotionSaysAtEveryTick) {
 TEST(DynamicBench, TellsOfEachElementWhereAPadAsksForIt) {
   DynamicRig rig(
       "duration: 0.5 s\nfriction: {static: 0, kinetic: 0}\nbodies: {table: {shape: plane}}\n"
-      "motion: {kind: stage, compression: 1 mm, approach_speed: 20 mm/s}\nsensors: {finger: {type: biotac_sp, touches: "
-      "[table]}}\n");
+      "motion: {kind: stage, compression: 1 mm, approach_speed: 20 mm/s}\nsensors: {finger: {type: biotac_sp, touches: [table]}}\n");
   rig.run();
   const ContactFrame& truth = rig->contact(0);
   const auto finger = make_sensor(rig.scene().sensors[0], rig.scene().seed, 0);

@@ -85,8 +85,7 @@ TEST(GraspMotion, DefaultStepAgreesWithAQuarterOfIt) {
   // Surfaces that hold; PTFE at 0.2, where pillars slip on the way up; and a friction that holds the weight with 2 %, but not the 4 % more of
   // the arm's acceleration: the box slips until that is over.
   const std::string felt =
-      "surface: {material: felt}\neffects: [{anisotropic_friction: {ratio: 0.6}}, {patchy_friction: {sd: 0.2, shortest: 8 mm, "
-      "longest: 20 mm}}]\n";
+      "surface: {material: felt}\neffects: [{anisotropic_friction: {ratio: 0.6}}, {patchy_friction: {sd: 0.2, shortest: 8 mm, longest: 20 mm}}]\n";
   for (const std::string& surface : {std::string("surface: {material: rubber}\n"), std::string("surface: {material: ptfe}\n"),
                                      felt, std::string("surface: {material: ptfe}\nfriction: {static: 0.2, kinetic: 0.2}\n"),
                                      std::string("friction: {static: 0.193, kinetic: 0.193}\n")}) {
@@ -99,8 +98,7 @@ TEST(GraspMotion, DefaultStepAgreesWithAQuarterOfIt) {
 
 TEST(GraspMotion, CarriesTiltsAndShakes) {
   GraspRig rig(
-      "friction: {static: 1.2}\ngrip: {preset: 12 N}\nmotion: {kind: lift, settle: 2 s, distance: 50 mm, speed: 100 mm/s, "
-      "sideways: [30 mm, -20 mm], tilt: [0 deg, 30 deg], shake: [5 mm, 0 mm, 10 mm], shake_frequency: 4 Hz, shake_cycles: 4}\n"
+      "friction: {static: 1.2}\ngrip: {preset: 12 N}\nmotion: {kind: lift, settle: 2 s, distance: 50 mm, speed: 100 mm/s, sideways: [30 mm, -20 mm], tilt: [0 deg, 30 deg], shake: [5 mm, 0 mm, 10 mm], shake_frequency: 4 Hz, shake_cycles: 4}\n"
       "duration: 8 s\n");
   rig.run();
   EXPECT_FALSE(rig->truth().dropped);

@@ -162,16 +162,9 @@ struct Drag {
   double press, pull;
 };
 Drag drag(double stiffer, double dt, bool implicit) {
-  const Spec spec = parse("<mujoco><option timestep='" + std::to_string(dt) +
-                          "' integrator='implicitfast' cone='elliptic' impratio='10'/><worldbody>"
-                          "<geom type='plane' size='1 1 1' friction='0.6 0.005 0.0001'/>"
-                          "<body name='box' pos='0.00013 0.00013 0.0151' axisangle='0.5 0.7 0.6 0.004'><freejoint/>"
-                          "<geom name='box' type='box' size='0.015 0.02 0.015' mass='0.005' friction='0.6 0.005 0.0001'/>"
-                          "<site name='middle'/></body>"
-                          "<body name='arm' pos='0 0 0.0305'><joint name='x' type='slide' axis='1 0 0'/>"
-                          "<joint name='z' type='slide' axis='0 0 1' damping='50'/>"
-                          "<geom size='0.005' mass='0.05' contype='0' conaffinity='0' pos='0 0 0.01'/><site name='pad'/></body>"
-                          "</worldbody><actuator><velocity joint='x' kv='1000'/></actuator></mujoco>");
+  const Spec spec = parse(
+      "<mujoco><option timestep='" + std::to_string(dt) +
+      "' integrator='implicitfast' cone='elliptic' impratio='10'/><worldbody><geom type='plane' size='1 1 1' friction='0.6 0.005 0.0001'/><body name='box' pos='0.00013 0.00013 0.0151' axisangle='0.5 0.7 0.6 0.004'><freejoint/><geom name='box' type='box' size='0.015 0.02 0.015' mass='0.005' friction='0.6 0.005 0.0001'/><site name='middle'/></body><body name='arm' pos='0 0 0.0305'><joint name='x' type='slide' axis='1 0 0'/><joint name='z' type='slide' axis='0 0 1' damping='50'/><geom size='0.005' mass='0.05' contype='0' conaffinity='0' pos='0 0 0.01'/><site name='pad'/></body></worldbody><actuator><velocity joint='x' kv='1000'/></actuator></mujoco>");
   if (implicit) prepare_implicit(spec.get(), finger_on_box);
   const double tau = 0.4 / std::sqrt(9.0 * 3000.0 * stiffer / 0.005);
   FieldRig rig(compile(spec.get()), {{"pad", "box"}}, nine_flat_pillars(stiffer), {0.3, 0.3}, tau, implicit);

@@ -125,13 +125,12 @@ TEST(MujocoContactScene, RefusesAContactThatTakesTooLongToSettle) {
     }
     return "accepted";
   };
-  EXPECT_EQ(refusal("[300, 1]"),
-            "contact.solref: with a time constant of 300 s tips that begin pressed in need 3000000 steps of 1 ms to come to rest "
-            "before the run; allowed are up to 100000 steps: a time constant of at most 10 s, or longer steps");
+  EXPECT_EQ(
+      refusal("[300, 1]"),
+      "contact.solref: with a time constant of 300 s tips that begin pressed in need 3000000 steps of 1 ms to come to rest before the run; allowed are up to 100000 steps: a time constant of at most 10 s, or longer steps");
   EXPECT_EQ(
       refusal("[-1, -0.01]"),
-      "contact.solref: with a damping of 0.01 /s tips that begin pressed in need 2000000 steps of 1 ms to come to rest before "
-      "the run; allowed are up to 100000 steps: a damping of at least 0.2 /s, or longer steps");
+      "contact.solref: with a damping of 0.01 /s tips that begin pressed in need 2000000 steps of 1 ms to come to rest before the run; allowed are up to 100000 steps: a damping of at least 0.2 /s, or longer steps");
   EXPECT_EQ(refusal("[1, 1]"), "accepted");
   EXPECT_NE(refusal("[10.001, 1]"), "accepted");
 }
@@ -177,9 +176,9 @@ TEST(GraspIntegrators, OfOneStageGiveTheSameLift) {
 
 // The box stands on the table by MuJoCo's contact, is gripped by tips and lifted.
 TEST(MujocoContactScene, LiftRunsToItsEndAndHolds) {
-  GraspRig rig(lift +
-               "fidelity: mujoco_contact\ntime_step: 0.5 ms\ncontact: {integrator: discrete, cone: elliptic, noslip: 10, solref: "
-               "[0.001, 1], solimp: [0.99, 0.999, 0.001], tip_mass: 1 g}\n");
+  GraspRig rig(
+      lift +
+      "fidelity: mujoco_contact\ntime_step: 0.5 ms\ncontact: {integrator: discrete, cone: elliptic, noslip: 10, solref: [0.001, 1], solimp: [0.99, 0.999, 0.001], tip_mass: 1 g}\n");
   const double weight = 0.2 * 9.81;
   rig.run_to(0.2);
   EXPECT_NEAR(rig->truth().table_force, weight, 1e-3 * weight);

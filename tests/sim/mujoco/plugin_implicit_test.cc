@@ -29,8 +29,7 @@ struct Pinch {
   double mass, stiffness, force;
   std::string solver = "implicit";
   std::string tendon =
-      "<tendon><spatial damping='1e-9'><site site='left'/><site site='box'/></spatial>"
-      "<spatial damping='1e-9'><site site='right'/><site site='box'/></spatial></tendon>";
+      "<tendon><spatial damping='1e-9'><site site='left'/><site site='box'/></spatial><spatial damping='1e-9'><site site='right'/><site site='box'/></spatial></tendon>";
   std::string effects = "[]";
 };
 
@@ -57,8 +56,7 @@ std::string pinch_xml(const Pinch& pinch) {
       << "<body name='left' pos='" << -0.02 + depth
       << " 0.00013 0.0001'><site name='left' zaxis='-1 0 0'/><plugin instance='left'/></body>"
       << "<body name='right' pos='" << 0.02 - depth << " 0 0'><joint type='slide' name='slide' axis='-1 0 0'/>"
-      << "<geom size='0.001' mass='0.05' contype='0' conaffinity='0'/><site name='right' zaxis='1 0 0'/><plugin "
-         "instance='right'/></body>"
+      << "<geom size='0.001' mass='0.05' contype='0' conaffinity='0'/><site name='right' zaxis='1 0 0'/><plugin instance='right'/></body>"
       << "</worldbody><actuator><motor joint='slide'/></actuator>" << pinch.tendon
       << "<sensor><plugin instance='left'/><plugin instance='right'/></sensor></mujoco>";
   return xml.str();

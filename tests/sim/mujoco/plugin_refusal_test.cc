@@ -18,11 +18,7 @@ const std::string site = config("pad", "fingertip"), plate = config("touch", "pl
 
 std::string model_of(const std::string& attributes, const std::string& option = "") {
   return "<mujoco>" + option + "<extension><plugin plugin='slipbench.field'><instance name='left'>" + attributes +
-         "</instance></plugin></extension><worldbody><geom name='plate' type='box' size='.1 .1 .1' pos='0 0 -.1'/>"
-         "<geom name='ball' type='sphere' size='.1' pos='0 0 -9'/><body><joint type='slide' axis='0 0 1'/>"
-         "<geom size='.01' mass='1' contype='0' conaffinity='0'/><site name='fingertip'/><plugin "
-         "instance='left'/></body></worldbody>"
-         "<sensor><plugin instance='left'/></sensor></mujoco>";
+         "</instance></plugin></extension><worldbody><geom name='plate' type='box' size='.1 .1 .1' pos='0 0 -.1'/><geom name='ball' type='sphere' size='.1' pos='0 0 -9'/><body><joint type='slide' axis='0 0 1'/><geom size='.01' mass='1' contype='0' conaffinity='0'/><site name='fingertip'/><plugin instance='left'/></body></worldbody><sensor><plugin instance='left'/></sensor></mujoco>";
 }
 
 std::string refusal_of_model(const std::string& model) {
@@ -56,10 +52,9 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
   refuses(site + plate, ": the pad is given by one of the attributes sensor and elements; found: neither");
   refuses(site + plate + one + config("sensor", "{type: papillarray}"),
           ": the pad is given by one of the attributes sensor and elements; found: both");
-  refuses(site + plate + config("sensor", "{type: papilarray}"),
-          " sensor='{type: papilarray}': unknown sensor 'papilarray'; did you mean 'papillarray'? allowed: biotac_sp, myrmex, "
-          "nib_pad, "
-          "papillarray, piezo_skin");
+  refuses(
+      site + plate + config("sensor", "{type: papilarray}"),
+      " sensor='{type: papilarray}': unknown sensor 'papilarray'; did you mean 'papillarray'? allowed: biotac_sp, myrmex, nib_pad, papillarray, piezo_skin");
   refuses(site + plate + config("sensor", "{type: papillarray, rate: 333}"),
           ": sensors.left.rate: 333 Hz is not a rate of the PapillArray; allowed: 100 Hz, 250 Hz, 500 Hz, 1000 Hz");
   refuses(site + plate + config("sensor", "{type: papillarray}") + config("units", "[9]"),
@@ -81,14 +76,12 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
           " units='[2]': the units have 2 elements; allowed: as many as there are, 1");
   refuses(site + plate + one + config("units", "[0.5]"),
           " units='[0.5]': unit 0 is '0.5'; allowed: a whole number from 1 to 4096");
-  refuses(site + plate + one + config("effects", "[stribek]"),
-          " effects='[stribek]': unknown effect 'stribek'; did you mean 'stribeck'? allowed: ageing, anisotropic_friction, "
-          "asperities, inertia, lean, load_dependent_friction, patchy_friction, roughness, stribeck, texture, viscoelastic, "
-          "viscous_friction");
-  refuses(site + plate + one + config("material", "acrylc"),
-          " material='acrylc': unknown material 'acrylc'; did you mean 'acrylic'? allowed: acrylic, cardboard, felt, glass, "
-          "masonite, "
-          "paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic, wet_felt, wet_paper, wet_ptfe, wet_rubber");
+  refuses(
+      site + plate + one + config("effects", "[stribek]"),
+      " effects='[stribek]': unknown effect 'stribek'; did you mean 'stribeck'? allowed: ageing, anisotropic_friction, asperities, inertia, lean, load_dependent_friction, patchy_friction, roughness, stribeck, texture, viscoelastic, viscous_friction");
+  refuses(
+      site + plate + one + config("material", "acrylc"),
+      " material='acrylc': unknown material 'acrylc'; did you mean 'acrylic'? allowed: acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic, wet_felt, wet_paper, wet_ptfe, wet_rubber");
   refuses(
       site + plate + one + config("friction", "{static: 0.2, kinetic: 0.5}"),
       " friction='{static: 0.2, kinetic: 0.5}': friction.kinetic 0.5 exceeds the static coefficient 0.2; allowed: at most that");
@@ -113,9 +106,9 @@ TEST(PluginRefusal, TipsWithMassNeedAPrescribedMotion) {
   const std::string box = "type='box' size='.1 .1 .1'";
   EXPECT_THAT(refusal_of_model(on_plane), EndsWith("inertia needs a plane; allowed shapes: plane; geom 'plate' is none"));
   on_plane.replace(on_plane.find(box), box.size(), "type='plane' size='1 1 1'");
-  EXPECT_THAT(refusal_of_model(on_plane),
-              EndsWith("slipbench: plugin 'left': effects: inertia needs pads that move as prescribed; "
-                       "allowed here: effects without"));
+  EXPECT_THAT(
+      refusal_of_model(on_plane),
+      EndsWith("slipbench: plugin 'left': effects: inertia needs pads that move as prescribed; allowed here: effects without"));
 }
 
 TEST(PluginRefusal, MessageOfALongTableKeepsItsEnd) {
@@ -151,9 +144,10 @@ TEST_F(PluginRun, DisabledPassiveForcesAreRefused) {
     data_->qpos[0] = -1e-3;
   }
   model_->opt.disableflags = mjDSBL_SPRING | mjDSBL_DAMPER;
-  EXPECT_THAT(error(),
-              EndsWith("slipbench: plugin 'left': the flags spring and damper are both disabled, so that MuJoCo leaves out every "
-                       "passive force, the pad's too; allowed: at most one of them"));
+  EXPECT_THAT(
+      error(),
+      EndsWith(
+          "slipbench: plugin 'left': the flags spring and damper are both disabled, so that MuJoCo leaves out every passive force, the pad's too; allowed: at most one of them"));
   model_->opt.disableflags = 0;
   expect_to_work_again();
 #ifdef __SANITIZE_ADDRESS__
@@ -173,8 +167,8 @@ TEST_F(PluginRun, ChangedTimeStepIsRefused) {
   model_->opt.timestep = 0.001;
   EXPECT_THAT(
       error(),
-      EndsWith("slipbench: plugin 'left': the time step has changed from 0.002 s to 0.001 s; allowed: mj_makeData after the "
-               "change"));
+      EndsWith(
+          "slipbench: plugin 'left': the time step has changed from 0.002 s to 0.001 s; allowed: mj_makeData after the change"));
   data_ = data_of(model_);
   EXPECT_EQ(error(), "");
 }
@@ -182,8 +176,10 @@ TEST_F(PluginRun, ChangedTimeStepIsRefused) {
 TEST_F(PluginRun, TimeThatGoesBackIsRefused) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(error(), "");
   data_->time = 0.002;
-  EXPECT_THAT(error(), EndsWith("slipbench: plugin 'left': the time went back from 0.004 s to 0.002 s without a reset; allowed: "
-                                "mj_resetData, or a whole state by mj_setState"));
+  EXPECT_THAT(
+      error(),
+      EndsWith(
+          "slipbench: plugin 'left': the time went back from 0.004 s to 0.002 s without a reset; allowed: mj_resetData, or a whole state by mj_setState"));
   expect_to_work_again();
 }
 

@@ -325,12 +325,11 @@ TEST(Stability, DivergenceIsWhereTheStepsSpectralRadiusLeavesOne) {
 // A box pressed from both sides, kicked so lightly that nothing slips or lifts off. Largest speed over 3000 steps, in kicks.
 double growth(double viscous_time, double part_of_limit) {
   const auto build = [](double dt) {
-    return compile(parse("<mujoco><option timestep='" + std::to_string(dt * 1e9) +
-                         "e-9' gravity='0 0 0'/><worldbody><body name='box'><freejoint/><geom name='box' type='box' "
-                         "size='0.015 0.02 0.06' mass='0.1' contype='0' conaffinity='0'/></body>"
-                         "<body pos='-0.01499 0 0' euler='0 -90 0'><site name='left'/></body>"
-                         "<body pos='0.01499 0 0' euler='0 90 0'><site name='right'/></body></worldbody></mujoco>")
-                       .get());
+    return compile(
+        parse(
+            "<mujoco><option timestep='" + std::to_string(dt * 1e9) +
+            "e-9' gravity='0 0 0'/><worldbody><body name='box'><freejoint/><geom name='box' type='box' size='0.015 0.02 0.06' mass='0.1' contype='0' conaffinity='0'/></body><body pos='-0.01499 0 0' euler='0 -90 0'><site name='left'/></body><body pos='0.01499 0 0' euler='0 90 0'><site name='right'/></body></worldbody></mujoco>")
+            .get());
   };
   const std::vector<FieldRig::Pair> pairs{{"left", "box"}, {"right", "box"}};
   const Friction friction{1.0, 1.0};
@@ -361,13 +360,12 @@ TEST(Stability, DampersOfJointsCountAsEulerTakesThem) {
   const PadLayout layout = nine_flat_pillars(1.0);
   for (const bool implicitly : {true, false}) {
     const auto build = [&](double dt) {
-      return compile(parse("<mujoco><option timestep='" + std::to_string(dt * 1e9) + "e-9' gravity='0 0 0'><flag eulerdamp='" +
-                           (implicitly ? "enable" : "disable") +
-                           "'/></option><worldbody><body name='box'><joint type='slide' axis='1 0 0' damping='40'/>"
-                           "<geom name='box' type='box' size='0.015 0.02 0.06' mass='0.1' contype='0' conaffinity='0'/></body>"
-                           "<body pos='-0.01499 0 0' euler='0 -90 0'><site name='left'/></body>"
-                           "<body pos='0.01499 0 0' euler='0 90 0'><site name='right'/></body></worldbody></mujoco>")
-                         .get());
+      return compile(
+          parse(
+              "<mujoco><option timestep='" + std::to_string(dt * 1e9) + "e-9' gravity='0 0 0'><flag eulerdamp='" +
+              (implicitly ? "enable" : "disable") +
+              "'/></option><worldbody><body name='box'><joint type='slide' axis='1 0 0' damping='40'/><geom name='box' type='box' size='0.015 0.02 0.06' mass='0.1' contype='0' conaffinity='0'/></body><body pos='-0.01499 0 0' euler='0 -90 0'><site name='left'/></body><body pos='0.01499 0 0' euler='0 90 0'><site name='right'/></body></worldbody></mujoco>")
+              .get());
     };
     const auto rig_of = [&](double dt) {
       return FieldRig(build(dt), {{"left", "box"}, {"right", "box"}}, layout, {1.0, 1.0}, 0.0, false);

@@ -21,8 +21,7 @@ std::string scene(const std::string& object, const std::string& controls, double
          " s\ntime_step: 1 ms\nsurface: {material: acrylic}\nfriction: {static: 0.5, kinetic: 0.5}\nmodel: two_arms.xml\n"
          "bodies: {object: {shape: box, mass: 250 g, " +
          object + "}}\ngravity: 9.81 m/s2\ncontrols: {touch: 120 mm, " + controls +
-         "}\nsensors:\n  left: {type: myrmex, site: left_pad, touches: [object]}\n  right: {type: myrmex, site: right_pad, "
-         "touches: [object]}\n";
+         "}\nsensors:\n  left: {type: myrmex, site: left_pad, touches: [object]}\n  right: {type: myrmex, site: right_pad, touches: [object]}\n";
 }
 
 const std::string scene_file = std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/myrmex/test.yaml";
@@ -102,11 +101,9 @@ TEST(TwoArms, HoldAnObjectBesideItsMassByTheTwistingFrictionOfThePads) {
 TEST(Bodies, HollowCylinderHasItsOwnInertia) {
   register_plugin_once();
   const std::string pad =
-      "}\nduration: 1 s\ntime_step: auto\nsurface: {material: glass}\nmotion: {kind: stage}\nsensors: {pad: {type: papillarray, "
-      "touches: [glass]}}\n";
+      "}\nduration: 1 s\ntime_step: auto\nsurface: {material: glass}\nmotion: {kind: stage}\nsensors: {pad: {type: papillarray, touches: [glass]}}\n";
   DynamicRig rig(
-      "bodies: {glass: {shape: cylinder, radius: 30 mm, bore: 27 mm, length: 120 mm, mass: 300 g, centre_of_mass: [0, 0, 10 mm], "
-      "position: [0, 0, -60 mm]}" +
+      "bodies: {glass: {shape: cylinder, radius: 30 mm, bore: 27 mm, length: 120 mm, mass: 300 g, centre_of_mass: [0, 0, 10 mm], position: [0, 0, -60 mm]}" +
       pad);
   const mjModel* m = rig->model();
   const int body = mj_name2id(m, mjOBJ_BODY, "glass");

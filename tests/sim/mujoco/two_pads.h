@@ -238,16 +238,10 @@ class GripRig {
  private:
   static Model model(const GripScene& scene) {
     const std::string pose = scene.perturbed ? "pos='0 0.00013 0.00013' axisangle='0.5 0.7 0.6 0.004'" : "";
-    Spec spec =
-        parse("<mujoco><option timestep='" + std::to_string(scene.dt) +
-              "' integrator='implicitfast'/><worldbody>"
-              "<body name='box' " +
-              pose + "><freejoint/><geom name='box' type='box' size='0.015 0.02 0.06' mass='" + std::to_string(scene.mass) +
-              "' contype='0' conaffinity='0'/><site name='middle'/></body>"
-              "<body name='left' pos='-0.0151 0 0' euler='0 -90 0'><site name='left'/></body>"
-              "<body name='right' pos='0.0151 0 0'><joint type='slide' axis='-1 0 0' damping='50'/>"
-              "<geom type='sphere' size='0.01' mass='0.05' contype='0' conaffinity='0'/>"
-              "<site name='right' euler='0 90 0'/></body></worldbody></mujoco>");
+    Spec spec = parse(
+        "<mujoco><option timestep='" + std::to_string(scene.dt) + "' integrator='implicitfast'/><worldbody><body name='box' " +
+        pose + "><freejoint/><geom name='box' type='box' size='0.015 0.02 0.06' mass='" + std::to_string(scene.mass) +
+        "' contype='0' conaffinity='0'/><site name='middle'/></body><body name='left' pos='-0.0151 0 0' euler='0 -90 0'><site name='left'/></body><body name='right' pos='0.0151 0 0'><joint type='slide' axis='-1 0 0' damping='50'/><geom type='sphere' size='0.01' mass='0.05' contype='0' conaffinity='0'/><site name='right' euler='0 90 0'/></body></worldbody></mujoco>");
     const std::vector<SitePair> pairs{{"left", "middle"}, {"right", "middle"}};
     if (scene.implicit) prepare_implicit(spec.get(), pairs);
     return compile(spec.get());

@@ -98,9 +98,7 @@ std::string outcome(const std::string& scene, const std::string& model, const Dy
 
 // A pad that looks up, under a box that falls on it askew at 0.5 m/s.
 const char* const lying_pad =
-    "<worldbody><body name='pad'><geom type='box' pos='0 0 -0.01' size='0.012 0.012 0.005'/><site name='up' zaxis='0 0 "
-    "-1'/></body>"
-    "</worldbody></mujoco>";
+    "<worldbody><body name='pad'><geom type='box' pos='0 0 -0.01' size='0.012 0.012 0.005'/><site name='up' zaxis='0 0 -1'/></body></worldbody></mujoco>";
 std::string falling_box(const std::string& mass, const std::string& damping) {
   return "duration: 0.5 s\nmodel: pad.xml\nbodies: {box: {shape: box, size: [40 mm, 40 mm, 20 mm], mass: " + mass +
          ", position: [1 mm, 2 mm, 10.5 mm], velocity: [0.1 m/s, 0 m/s, -0.5 m/s], rotation: [1 deg, 2 deg, 3 deg]}}\n"
@@ -163,8 +161,7 @@ TEST(Watch, StepBeyondTheLimitIsFoundOut) {
 // The same body in MuJoCo's own contact: it begins 9 mm deep in the table, and the contact throws it out.
 TEST(Watch, ContactThatThrowsABodyOutIsFoundOut) {
   const std::string scene =
-      "duration: 0.5 s\nbodies:\n  table: {shape: plane}\n  box: {shape: box, size: [20 mm, 20 mm, 20 mm], position: [0, 0, 1 "
-      "mm]}\n"
+      "duration: 0.5 s\nbodies:\n  table: {shape: plane}\n  box: {shape: box, size: [20 mm, 20 mm, 20 mm], position: [0, 0, 1 mm]}\n"
       "sensors: {pad: {type: papillarray, touches: [box]}}\nmotion: {gap: 90 mm, compression: 0.1 mm, start: 40 s}\n";
   EXPECT_THAT(outcome(scene, ""), HasSubstr("it was thrown out"));
 }

@@ -93,8 +93,7 @@ TEST(Override, IsNamedInMessages) {
             "--set motion.speed=8 N: motion.speed: unknown unit 'N' of a speed in '8 N'; allowed: m/s, mm/s, cm/s, um/s");
   EXPECT_EQ(
       refusal({{"motion.sped", "8"}}),
-      "--set motion.sped=8: unknown key 'sped' in motion; did you mean 'speed'? allowed: acceleration, angular_acceleration, "
-      "approach_speed, compression, direction, gap, kind, pivot, retract, reverse, rotation, speed, start, stop, tilt");
+      "--set motion.sped=8: unknown key 'sped' in motion; did you mean 'speed'? allowed: acceleration, angular_acceleration, approach_speed, compression, direction, gap, kind, pivot, retract, reverse, rotation, speed, start, stop, tilt");
   EXPECT_EQ(refusal({{"effects", "[ageing"}}), "--set effects=[ageing: a key that is not text; are all brackets closed?");
   EXPECT_EQ(refusal({{"seed", ""}}), "--set seed=: empty");
 }

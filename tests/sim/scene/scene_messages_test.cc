@@ -44,15 +44,11 @@ TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().m
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
 
 const std::string scene_keys =
-    "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, "
-    "field_solver, "
-    "friction, gravity, grip, integrator, "
-    "model, motion, scatter, seed, sensors, slipbench, surface, sweep, time_step";
+    "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, gravity, grip, integrator, model, motion, scatter, seed, sensors, slipbench, surface, sweep, time_step";
 const std::string sensor_keys =
     "bias, bristle_spread, bristles, damping, electronics, follows, profile, rate, site, touches, type";
 const std::string materials =
-    "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic, "
-    "wet_felt, wet_paper, wet_ptfe, wet_rubber";
+    "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic, wet_felt, wet_paper, wet_ptfe, wet_rubber";
 
 std::string tab(int line) {
   return "s.yaml:" + std::to_string(line) + ": a tab before the first word; allowed: spaces, since tabs cannot indent YAML";
@@ -105,17 +101,17 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:3: expect is '1 s'; allowed: a map of what must come out, such as 'gross_slip_by: 1.0 s'"},
         Case{"ExpectOfNothing", head + "expect:\n",
              "s.yaml:3: expect is nothing; allowed: a map of what must come out, such as 'gross_slip_by: 1.0 s'"},
-        Case{"ExpectationUnknown", head + "expect: {gros_slip_by: 1 s}\n",
-             "s.yaml:3: unknown key 'gros_slip_by' in expect; did you mean 'gross_slip_by'? allowed: confidence, control, "
-             "gross_slip_by"},
-        Case{"AccuracyOfNothing", head + "accuracy: {}\n",
-             "s.yaml:3: accuracy is empty; allowed: creep, force, label, label_micro, micro_onset, onset, slip_distance, or "
-             "accuracy: none"},
+        Case{
+            "ExpectationUnknown", head + "expect: {gros_slip_by: 1 s}\n",
+            "s.yaml:3: unknown key 'gros_slip_by' in expect; did you mean 'gross_slip_by'? allowed: confidence, control, gross_slip_by"},
+        Case{
+            "AccuracyOfNothing", head + "accuracy: {}\n",
+            "s.yaml:3: accuracy is empty; allowed: creep, force, label, label_micro, micro_onset, onset, slip_distance, or accuracy: none"},
         Case{"AccuracyIsNoMap", head + "accuracy: 1 %\n",
              "s.yaml:3: accuracy is '1 %'; allowed: a map of what may be wrong by how much, such as 'onset: 1 %', or none"},
-        Case{"AccuracyUnknown", head + "accuracy: {onsets: 1 %}\n",
-             "s.yaml:3: unknown key 'onsets' in accuracy; did you mean 'onset'? allowed: creep, force, label, label_micro, "
-             "micro_onset, onset, slip_distance"},
+        Case{
+            "AccuracyUnknown", head + "accuracy: {onsets: 1 %}\n",
+            "s.yaml:3: unknown key 'onsets' in accuracy; did you mean 'onset'? allowed: creep, force, label, label_micro, micro_onset, onset, slip_distance"},
         Case{"AccuracyOfASpeedInShares", head + "accuracy: {creep: 1 %}\n",
              "s.yaml:3: accuracy.creep: unknown unit '%' of a speed in '1 %'; allowed: m/s, mm/s, cm/s, um/s"},
         Case{"AccuracyOfMoreThanAll", head + "accuracy: {onset: 200 %}\n",
@@ -143,40 +139,38 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:3: time_step 10 us makes more than 100,000,000 steps; allowed: at least 10.01 us, or auto"},
         Case{"Fidelity", head + "fidelity: feild\n",
              "s.yaml:3: fidelity: unknown value 'feild'; did you mean 'field'? allowed: field, articulated, mujoco_contact"},
-        Case{"ContactOfAField", head + "contact: {noslip: 3}\n",
-             "s.yaml:3: 'contact' is of MuJoCo's own contact friction, and the fidelity is 'field'; allowed with 'fidelity: "
-             "mujoco_contact'"},
+        Case{
+            "ContactOfAField", head + "contact: {noslip: 3}\n",
+            "s.yaml:3: 'contact' is of MuJoCo's own contact friction, and the fidelity is 'field'; allowed with 'fidelity: mujoco_contact'"},
         Case{
             "ContactOfTheRecipe", head + "fidelity: articulated\ncontact: {}\n",
-            "s.yaml:4: 'contact' is of MuJoCo's own contact friction, and the fidelity is 'articulated'; allowed with 'fidelity: "
-            "mujoco_contact'"},
+            "s.yaml:4: 'contact' is of MuJoCo's own contact friction, and the fidelity is 'articulated'; allowed with 'fidelity: mujoco_contact'"},
         Case{"ContactAsASequence", with_contact("[]"), "s.yaml:4: contact is a sequence; allowed: a map of parameters, or none"},
         Case{
             "ContactKey", with_contact("{no_slip: 3}"),
-            "s.yaml:4: unknown key 'no_slip' in contact; did you mean 'noslip'? allowed: cone, impratio, integrator, iterations, "
-            "noslip, noslip_tolerance, refsafe, solimp, solref, solreffriction, solver, tip_damping, tip_mass, tolerance"},
+            "s.yaml:4: unknown key 'no_slip' in contact; did you mean 'noslip'? allowed: cone, impratio, integrator, iterations, noslip, noslip_tolerance, refsafe, solimp, solref, solreffriction, solver, tip_damping, tip_mass, tolerance"},
         Case{"ContactCone", with_contact("{cone: eliptic}"),
              "s.yaml:4: contact.cone: unknown value 'eliptic'; did you mean 'elliptic'? allowed: elliptic, pyramidal"},
-        Case{"ContactIntegrator", with_contact("{integrator: euler}"),
-             "s.yaml:4: contact.integrator: unknown value 'euler'; did you mean 'Euler'? allowed: Euler, implicit, implicitfast, "
-             "discrete, RK4"},
+        Case{
+            "ContactIntegrator", with_contact("{integrator: euler}"),
+            "s.yaml:4: contact.integrator: unknown value 'euler'; did you mean 'Euler'? allowed: Euler, implicit, implicitfast, discrete, RK4"},
         Case{"ContactSolref", with_contact("\n  noslip: 3\n  solref: [0.02, -1]"),
              "s.yaml:6: contact.solref: 0.02, -1; allowed: two positive numbers, or two negative ones: -stiffness and -damping"},
         Case{"ContactSolrefOfNothing", with_contact("{solref: [0, 0]}"),
              "s.yaml:4: contact.solref: 0, 0; allowed: two positive numbers, or two negative ones: -stiffness and -damping"},
         Case{"ContactSolreffriction", with_contact("{solreffriction: [0.02, 0]}"),
              "s.yaml:4: contact.solreffriction: 0.02, 0; allowed: two positive numbers, two negative ones, or 0, 0: as solref"},
-        Case{"ContactSolreffrictionOfPyramidalCones", with_contact("\n  noslip: 3\n  solreffriction: [0.002, 1]"),
-             "s.yaml:6: contact.solreffriction: MuJoCo leaves it aside under pyramidal cones, its default; allowed with: cone: "
-             "elliptic"},
+        Case{
+            "ContactSolreffrictionOfPyramidalCones", with_contact("\n  noslip: 3\n  solreffriction: [0.002, 1]"),
+            "s.yaml:6: contact.solreffriction: MuJoCo leaves it aside under pyramidal cones, its default; allowed with: cone: elliptic"},
         Case{"ContactSolimp", with_contact("{solimp: [0.9, 1, 0.001]}"),
              "s.yaml:4: contact.solimp.1: 1 would be clipped by MuJoCo; allowed: 1e-04 to 0.9999"},
-        Case{"ContactSolimpOfNoDepth", with_contact("\n  noslip: 3\n  solimp:\n    - 0.9\n    - 0.95\n    - 0"),
-             "s.yaml:9: contact.solimp.2: of a depth of 0 MuJoCo makes a constant impedance, the mean of the two; allowed: > "
-             "1e-15 m"},
-        Case{"ContactSolimpAtTheLeastDepth", with_contact("{solimp: [0.9, 0.95, 1e-15]}"),
-             "s.yaml:4: contact.solimp.2: of a depth of 1e-15 MuJoCo makes a constant impedance, the mean of the two; allowed: > "
-             "1e-15 m"},
+        Case{
+            "ContactSolimpOfNoDepth", with_contact("\n  noslip: 3\n  solimp:\n    - 0.9\n    - 0.95\n    - 0"),
+            "s.yaml:9: contact.solimp.2: of a depth of 0 MuJoCo makes a constant impedance, the mean of the two; allowed: > 1e-15 m"},
+        Case{
+            "ContactSolimpAtTheLeastDepth", with_contact("{solimp: [0.9, 0.95, 1e-15]}"),
+            "s.yaml:4: contact.solimp.2: of a depth of 1e-15 MuJoCo makes a constant impedance, the mean of the two; allowed: > 1e-15 m"},
         Case{"ContactSolimpBelow", with_contact("{solimp: [0.00009, 0.95, 0.001]}"),
              "s.yaml:4: contact.solimp.0: 9e-05 would be clipped by MuJoCo; allowed: 1e-04 to 0.9999"},
         Case{"ContactSolimpOfMore", with_contact("{solimp: [0.9, 0.95, 0.001, 0.5, 0]}"),
@@ -240,9 +234,9 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"BodyWithoutShape", with_bodies("{box: {mass: 1}}"), "s.yaml:3: no key 'shape' in bodies.box; allowed: box, plane"},
         Case{"BodyShape", with_bodies("{box: {shape: bax}}"),
              "s.yaml:3: unknown body shape 'bax'; did you mean 'box'? allowed: box, plane"},
-        Case{"BodyKey", with_bodies("{box: {shape: box, masse: 1}}"),
-             "s.yaml:3: unknown key 'masse' in bodies.box; did you mean 'mass'? allowed: free, friction, mass, position, shape, "
-             "size"},
+        Case{
+            "BodyKey", with_bodies("{box: {shape: box, masse: 1}}"),
+            "s.yaml:3: unknown key 'masse' in bodies.box; did you mean 'mass'? allowed: free, friction, mass, position, shape, size"},
         Case{"BodyMass", with_bodies("{box: {shape: box, mass: 0}}"),
              "s.yaml:3: bodies.box.mass: '0' is out of range; allowed: > 0 kg"},
         Case{"EmptyModel", head + "model: ''\n",
@@ -265,18 +259,18 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:2: 'touches' in sensors.pad needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"DampingWithoutBodies", "slipbench: 1\nsensors: {pad: {type: papillarray, damping: 1 ms}}\n",
              "s.yaml:2: 'damping' in sensors.pad needs bodies that move by forces: a scene with 'model' or 'bodies'"},
-        Case{"Gravity", bodies_head + "gravity: 9.81 m/s\n",
-             "s.yaml:5: gravity: unknown unit 'm/s' of an acceleration in '9.81 m/s'; did you mean 'm/s2'? allowed: m/s2, mm/s2, "
-             "cm/s2"},
+        Case{
+            "Gravity", bodies_head + "gravity: 9.81 m/s\n",
+            "s.yaml:5: gravity: unknown unit 'm/s' of an acceleration in '9.81 m/s'; did you mean 'm/s2'? allowed: m/s2, mm/s2, cm/s2"},
         Case{"NegativeGravity", bodies_head + "gravity: -1\n",
              "s.yaml:5: gravity: '-1' is out of range; allowed: >= 0 m/s2 and <= 1000 m/s2"},
         Case{"Solver", bodies_head + "field_solver: implicite\n",
              "s.yaml:5: field_solver: unknown value 'implicite'; did you mean 'implicit'? allowed: explicit, implicit"},
         Case{"ImplicitArticulated", bodies_head + "fidelity: articulated\nfield_solver: implicit\n",
              "s.yaml:6: field_solver: 'implicit' is for pads as fields; with 'fidelity: articulated' leave it out"},
-        Case{"Integrator", bodies_head + "integrator: RK5\n",
-             "s.yaml:5: integrator: unknown value 'RK5'; did you mean 'RK4'? allowed: auto, Euler, implicit, implicitfast, "
-             "discrete, RK4"},
+        Case{
+            "Integrator", bodies_head + "integrator: RK5\n",
+            "s.yaml:5: integrator: unknown value 'RK5'; did you mean 'RK4'? allowed: auto, Euler, implicit, implicitfast, discrete, RK4"},
         Case{"IntegratorOfPillars", bodies_head + "fidelity: articulated\nintegrator: Euler\n",
              "s.yaml:6: integrator: 'Euler' is for pads as fields; 'fidelity: articulated' has its own, discrete"},
         Case{"IntegratorOfContact", bodies_head + "fidelity: mujoco_contact\nintegrator: Euler\n",
@@ -304,9 +298,9 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:5: sensors.skin.follows: no pad 'nib'; allowed: pad"},
         Case{"FollowerThatTouches", bodies_head + "  skin: {type: papillarray, follows: pad, touches: [box]}\n",
              "s.yaml:5: 'touches' in sensors.skin is that of the pad that it follows; leave it out"},
-        Case{"FollowsPillars", bodies_head + "  skin: {type: papillarray, follows: pad}\nfidelity: articulated\n",
-             "s.yaml:5: 'follows' in sensors.skin: an articulated pad has no field to be read beside it; allowed with 'fidelity: "
-             "field'"},
+        Case{
+            "FollowsPillars", bodies_head + "  skin: {type: papillarray, follows: pad}\nfidelity: articulated\n",
+            "s.yaml:5: 'follows' in sensors.skin: an articulated pad has no field to be read beside it; allowed with 'fidelity: field'"},
         Case{"Damping", with_sensor("{type: papillarray, touches: [box], damping: -1 ms}"),
              "s.yaml:4: sensors.pad.damping: '-1 ms' is out of range; allowed: >= 0 s"},
         Case{"MotionThatMovesNothing",
@@ -314,12 +308,9 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:5: motion moves the sensors that have no 'site', and every sensor of this scene has one; leave it out"},
         Case{"ControlsAsSequence", bodies_head + "controls: [1]\n",
              "s.yaml:5: controls is a sequence; allowed: a map of actuators of the model, such as 'grip: 4 N'"},
-        Case{"ControlUnit", bodies_head + "controls: {grip: 4 Nn}\n",
-             "s.yaml:5: controls.grip: unknown unit 'Nn' in '4 Nn'; did you mean 'N'? allowed: %, m, mm, um, cm, nm, s, ms, us, "
-             "min, m/s, "
-             "mm/s, cm/s, um/s, m/s2, mm/s2, cm/s2, rad, deg, rad/s, deg/s, rad/s2, deg/s2, Hz, kHz, MHz, N, mN, kN, kg, g, N/m, "
-             "N/mm, "
-             "kN/m, N s/m"},
+        Case{
+            "ControlUnit", bodies_head + "controls: {grip: 4 Nn}\n",
+            "s.yaml:5: controls.grip: unknown unit 'Nn' in '4 Nn'; did you mean 'N'? allowed: %, m, mm, um, cm, nm, s, ms, us, min, m/s, mm/s, cm/s, um/s, m/s2, mm/s2, cm/s2, rad, deg, rad/s, deg/s, rad/s2, deg/s2, Hz, kHz, MHz, N, mN, kN, kg, g, N/m, N/mm, kN/m, N s/m"},
         Case{"ControlAsMap", bodies_head + "controls: {grip: {}}\n",
              "s.yaml:5: controls.grip is a map; allowed: a number such as 4 N, or points such as [[0 s, 0 N], [1 s, 4 N]]"},
         Case{"ControlPoint", bodies_head + "controls: {grip: [[0 s, 1 N], 2 N]}\n",
@@ -385,10 +376,9 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:2: sensors.pad.bristles: '2.5' is not a whole number; allowed: digits, with a leading '-' if negative"},
         Case{"SensorFlag", "slipbench: 1\nsensors: {pad: {type: papillarray, bias: on}}\n",
              "s.yaml:2: sensors.pad.bias: 'on' is not a flag; allowed: true, false"},
-        Case{"ElectronicsWord", "slipbench: 1\nsensors: {pad: {type: papillarray, electronics: idea}}\n",
-             "s.yaml:2: sensors.pad.electronics: unknown value 'idea'; did you mean 'ideal'? allowed: ideal, typical, or a "
-             "sequence "
-             "of parts"},
+        Case{
+            "ElectronicsWord", "slipbench: 1\nsensors: {pad: {type: papillarray, electronics: idea}}\n",
+            "s.yaml:2: sensors.pad.electronics: unknown value 'idea'; did you mean 'ideal'? allowed: ideal, typical, or a sequence of parts"},
         Case{"ElectronicsPart", "slipbench: 1\nsensors: {pad: {type: papillarray, electronics: [nose]}}\n",
              "s.yaml:2: unknown part of the electronics 'nose'; did you mean 'noise'? allowed: drift, noise"},
         Case{"EffectsAsName", head + "effects: ageing\n",
@@ -432,16 +422,16 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:3: sweep.motion.speed is '1'; allowed: a sequence of values, or {draw: ...}"},
         Case{"EmptyAxis", sweep("{motion.speed: []}"),
              "s.yaml:3: sweep.motion.speed is empty; allowed: a sequence of at least one value"},
-        Case{"SweptPath", sweep("{motion.sped: [1]}"),
-             "s.yaml:3: unknown key 'sped' in motion; did you mean 'speed'? allowed: acceleration, angular_acceleration, "
-             "approach_speed, compression, direction, gap, kind, pivot, retract, reverse, rotation, speed, start, stop, tilt"},
+        Case{
+            "SweptPath", sweep("{motion.sped: [1]}"),
+            "s.yaml:3: unknown key 'sped' in motion; did you mean 'speed'? allowed: acceleration, angular_acceleration, approach_speed, compression, direction, gap, kind, pivot, retract, reverse, rotation, speed, start, stop, tilt"},
         Case{"SweptPathSyntax", sweep("{motion.: [1]}"),
              "s.yaml:3: 'motion.' is not a path; allowed: keys joined by dots, such as 'motion.speed' or 'motion.tilt.0'"},
         Case{"SweptScenesSeed", sweep("{scene: [{seed: 1}]}"),
              "s.yaml:3: 'seed' cannot be swept; allowed: any other key of the scene"},
-        Case{"SweptSceneAlone", sweep("{scene: 1}"),
-             "s.yaml:3: sweep.scene is '1'; allowed: a sequence of maps of the scene's keys, or {draw: choice, values: ...} of "
-             "such"},
+        Case{
+            "SweptSceneAlone", sweep("{scene: 1}"),
+            "s.yaml:3: sweep.scene is '1'; allowed: a sequence of maps of the scene's keys, or {draw: choice, values: ...} of such"},
         Case{"SweptSceneOfNumbers", sweep("{scene: [1, 2]}"), "s.yaml:3: sweep.scene has '1'; allowed: maps of the scene's keys"},
         Case{"SweptSceneTwice", sweep("{motion.speed: [1, 2], scene: [{motion: {speed: 1}}]}"),
              "s.yaml:3: sweep.scene sets what sweep.motion.speed sets, too; allowed: each value once"},

@@ -48,8 +48,7 @@ TEST(Scene, DetectorReadsItsSensor) {
   EXPECT_EQ(one.detector->sensor, 0u);
   EXPECT_EQ(one.detector->parameters.number("threshold"), 0.4);
   const Scene two = read(
-      "slipbench: 1\nsensors: {a: {type: papillarray}, b: {type: papillarray}}\ndetector: {type: ratio, sensor: b, threshold: "
-      "0.3}\n");
+      "slipbench: 1\nsensors: {a: {type: papillarray}, b: {type: papillarray}}\ndetector: {type: ratio, sensor: b, threshold: 0.3}\n");
   EXPECT_EQ(two.detector->sensor, 1u);
   EXPECT_EQ(two.detector->parameters.number("threshold"), 0.3);
 }

@@ -54,8 +54,7 @@ TEST_F(SweepTest, TheLastAxisVariesFastest) {
 // A parameter of one detector is null in the trials of another.
 TEST_F(SweepTest, DetectorsOfAnAxisBringTheirOwnParameters) {
   const TrialPlan grid = plan(
-      "detector: {type: trained}\nsweep: {detector: [{type: ratio, threshold: 0.3}, {type: trained}, {type: none}], "
-      "motion.speed: [1, 2]}\n");
+      "detector: {type: trained}\nsweep: {detector: [{type: ratio, threshold: 0.3}, {type: trained}, {type: none}], motion.speed: [1, 2]}\n");
   ASSERT_EQ(grid.size(), 6u);
   EXPECT_EQ(grid.trial(1).scene.detector->type, "ratio");
   EXPECT_EQ(grid.trial(1).scene.detector->parameters.number("threshold"), 0.3);
@@ -97,8 +96,7 @@ TEST_F(SweepTest, AMapOnAnAxisIsMergedIntoTheScene) {
 // What belongs to several sections of the scene and goes together is one axis, and what is fixed leaves it.
 TEST_F(SweepTest, MapsOfTheAxisSceneAreMergedIntoTheSceneItself) {
   const std::string text =
-      "friction: {static: 0.4}\nsweep: {scene: [{motion: {speed: 5 mm/s}, friction: {static: 0.6}}, {motion: {speed: 3 mm/s}}], "
-      "motion.direction: [1, 2]}\n";
+      "friction: {static: 0.4}\nsweep: {scene: [{motion: {speed: 5 mm/s}, friction: {static: 0.6}}, {motion: {speed: 3 mm/s}}], motion.direction: [1, 2]}\n";
   const TrialPlan grid = plan(text);
   ASSERT_EQ(grid.size(), 4u);
   const Scene first = grid.trial(1).scene, second = grid.trial(2).scene;

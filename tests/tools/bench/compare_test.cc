@@ -71,9 +71,10 @@ TEST(BenchCompare, OnlyResultsOfTheSameBuildAndScenes) {
   Facts build = before.build;
   EXPECT_EQ(comparability(before, build), "comparable");
   build[1].second = "x86_64";
-  EXPECT_THAT(comparability(before, build),
-              HasSubstr("ci.json: counts of another build cannot be compared: it is of another instruction set "
-                        "('x86_64 with AVX2' there, 'x86_64' here)"));
+  EXPECT_THAT(
+      comparability(before, build),
+      HasSubstr(
+          "ci.json: counts of another build cannot be compared: it is of another instruction set ('x86_64 with AVX2' there, 'x86_64' here)"));
   before.scenes.pop_back();
   EXPECT_THAT(comparability(before, before.build), HasSubstr("to count again: slipbench bench -o ci.json"));
 }

@@ -92,9 +92,9 @@ TEST(BenchResults, DifferencesAreNamedFromBothSides) {
   const Facts here{{"compiler", "GNU 12.2.0"}, {"FFTW", "3.3.10"}};
   EXPECT_EQ(differences(here, here), "");
   EXPECT_EQ(differences({{"FFTW", "3.3.10"}, {"compiler", "GNU 12.2.0"}}, here), "");  // their order says nothing
-  EXPECT_EQ(differences({{"compiler", "GNU 13.1.0"}, {"MuJoCo", "4.0.1"}}, here),
-            "compiler ('GNU 13.1.0' there, 'GNU 12.2.0' here), FFTW (not said there, '3.3.10' here), MuJoCo ('4.0.1' there, not "
-            "said here)");
+  EXPECT_EQ(
+      differences({{"compiler", "GNU 13.1.0"}, {"MuJoCo", "4.0.1"}}, here),
+      "compiler ('GNU 13.1.0' there, 'GNU 12.2.0' here), FFTW (not said there, '3.3.10' here), MuJoCo ('4.0.1' there, not said here)");
 }
 
 std::string search(const std::string& folder, const Facts& build) {

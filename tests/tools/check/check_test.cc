@@ -98,8 +98,7 @@ TEST_F(CheckScene, Reliability) {
   EXPECT_EQ(check(six + "  gross_slip_by: {limit: 0.6 s, reliability: 0.681}\n").verdict, Verdict::passed);
   EXPECT_EQ(
       refusal(six + "  gross_slip_by: {limit: 0.6 s, reliability: 0.682}\n"),
-      "s.yaml:8: expect.gross_slip_by.reliability: 0.682 cannot be shown by 6 trials: with all of them kept the 80 % interval "
-      "begins at 0.6813; allowed: at most that, or more trials");
+      "s.yaml:8: expect.gross_slip_by.reliability: 0.682 cannot be shown by 6 trials: with all of them kept the 80 % interval begins at 0.6813; allowed: at most that, or more trials");
 }
 
 TEST_F(CheckScene, OutcomeDependsOnNeitherJobsNorOrder) {
@@ -147,9 +146,10 @@ TEST_F(CheckScene, Refusals) {
             "s.yaml:5: 'max_slip' in expect needs a gripper: a scene with 'grip' or 'box'");
   EXPECT_EQ(refusal("expect: {false_alarm: false}\n"),
             "s.yaml:5: 'false_alarm' in expect needs a detector: a scene with 'detector'");
-  EXPECT_THAT(refusal("expect: {gross_slip_bye: 1 s}\n"),
-              HasSubstr("s.yaml:5: unknown key 'gross_slip_bye' in expect; did you mean 'gross_slip_by'? allowed: confidence, "
-                        "control, dropped,"));
+  EXPECT_THAT(
+      refusal("expect: {gross_slip_bye: 1 s}\n"),
+      HasSubstr(
+          "s.yaml:5: unknown key 'gross_slip_bye' in expect; did you mean 'gross_slip_by'? allowed: confidence, control, dropped,"));
   EXPECT_EQ(refusal("expect: {gross_slip_by: 1 mm}\n"),
             "s.yaml:5: expect.gross_slip_by: unknown unit 'mm' of a time in '1 mm'; did you mean 'ms'? allowed: s, ms, us, min");
   EXPECT_EQ(refusal("expect: {gross_slip_by: {pass: 0.9}}\n"),

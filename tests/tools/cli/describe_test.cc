@@ -175,8 +175,10 @@ TEST(Describe, ExamplesNameTheEntryWhereItsKindBelongs) {
 TEST(Describe, ContactIsTheScenesOwnKey) {
   const std::string text = page("contact");
   EXPECT_THAT(text, HasSubstr("contact  part of fidelity mujoco_contact\n  MuJoCo's own contact friction"));
-  EXPECT_THAT(text, HasSubstr("  solref  2 numbers\n      time constant [s] and damping ratio of a contact, both above 0, or "
-                              "-stiffness [1/s2] and\n      -damping [1/s], both below\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "  solref  2 numbers\n      time constant [s] and damping ratio of a contact, both above 0, or -stiffness [1/s2] and\n      -damping [1/s], both below\n"));
   EXPECT_THAT(text, HasSubstr("      default: [0.02, 1]\n"));
   EXPECT_THAT(text, HasSubstr("      unit:    kg (also g)\n      default: 0.1 g\n"));
   EXPECT_THAT(text,
@@ -268,9 +270,9 @@ TEST(List, UnknownCatalogueGetsTheNearestOne) {
     find_kind("sensor");
     FAIL() << "accepted";
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, "
-                 "materials, motions, electronics, grasp, contact, detectors, controllers, expectations");
+    EXPECT_STREQ(
+        error.what(),
+        "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers, expectations");
   }
 }
 

@@ -223,38 +223,31 @@ TEST_P(OptionsRefusal, SaysWhatIsAllowed) { EXPECT_EQ(refusal(GetParam().argumen
 INSTANTIATE_TEST_SUITE_P(
     All, OptionsRefusal,
     ::testing::Values(
-        Refusal{{"swep", "s.yaml"},
-                "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, hd, train, eval, "
-                "reproduce, "
-                "cost, bench, list, "
-                "describe, doctor, plugin-path"},
-        Refusal{{"xyzzy"},
-                "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, "
-                "list, describe, "
-                "doctor, plugin-path"},
-        Refusal{{"--json", "lst"},
-                "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, hd, train, eval, "
-                "reproduce, cost, bench, list, "
-                "describe, doctor, plugin-path"},
+        Refusal{
+            {"swep", "s.yaml"},
+            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+        Refusal{
+            {"xyzzy"},
+            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+        Refusal{
+            {"--json", "lst"},
+            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
-        Refusal{{"--json"},
-                "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, "
-                "describe, "
-                "doctor, plugin-path"},
+        Refusal{
+            {"--json"},
+            "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
-        Refusal{{"run", "s.yaml", "--job", "2"},
-                "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, "
-                "--jobs, --output, --record, --trial"},
+        Refusal{
+            {"run", "s.yaml", "--job", "2"},
+            "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --trial"},
         Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
         Refusal{{"cost"}, "cost: a scene is missing; allowed: SCENE.yaml, --stability, or both"},
         Refusal{{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},
         Refusal{{"cost", "s.yaml", "--budget", "3 N"},
                 "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
-        Refusal{{"view", "s.yaml"},
-                "command 'view' is not available in this version; available: run, sweep, check, report, export, hd, train, eval, "
-                "reproduce, "
-                "cost, bench, list, "
-                "describe, doctor, plugin-path"},
+        Refusal{
+            {"view", "s.yaml"},
+            "command 'view' is not available in this version; available: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
         Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
         Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},

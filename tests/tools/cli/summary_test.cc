@@ -86,8 +86,8 @@ TEST(Summary, TrialSaysWhenTheDetectorSawSlip) {
   trial.outcome.detection_delay = 0.01;
   EXPECT_THAT(
       trial_text(trial, sensors, Style(false)),
-      HasSubstr("\n  ratio on pad: slip seen at 1.2600 s, 10.0 ms after it began; false alarm at 0.5000 s; right in 85.0 % of "
-                "the time in contact\n"));
+      HasSubstr(
+          "\n  ratio on pad: slip seen at 1.2600 s, 10.0 ms after it began; false alarm at 0.5000 s; right in 85.0 % of the time in contact\n"));
   trial.detector->confusion = {};
   EXPECT_THAT(trial_text(trial, sensors, Style(false)), HasSubstr("; nothing ever touches\n"));
   trial.outcome = {};
@@ -117,10 +117,9 @@ TEST(Summary, SweepSaysSoOfEachDetector) {
   // Right: 17 of 20 in three trials and 20 of 20 in one.
   EXPECT_THAT(
       sweep_text(summary, Style(false)),
-      HasSubstr("\n  ratio: slip seen in 2 of 3 trials that slip, 20.0 ms after it began (median; at worst 30.0 ms); false "
-                "alarm before it in 1; right in 88.8 % of the time in contact\n"
-                "  other: slip seen in 0 of 1 trials that slip; false alarm before it in 0; right in 85.0 % of the time in "
-                "contact\n"));
+      HasSubstr(
+          "\n  ratio: slip seen in 2 of 3 trials that slip, 20.0 ms after it began (median; at worst 30.0 ms); false alarm before it in 1; right in 88.8 % of the time in contact\n"
+          "  other: slip seen in 0 of 1 trials that slip; false alarm before it in 0; right in 85.0 % of the time in contact\n"));
 }
 
 // A grasp by `type` and step_on_slip; of an ideal 2 N.
@@ -247,9 +246,9 @@ TEST(Summary, SceneShowsWhatIsMoved) {
   scene.motion.name = "stage";
   scene.motion.parameters.set("speed", 0.0040123456);
   scene.motion.parameters.set("stop", std::numeric_limits<double>::infinity());  // never: not worth a word
-  EXPECT_EQ(scene_text(scene, catalogues, Style(false), 100),
-            "A test\n  surface: glass (plane), mu_static 0.5, mu_kinetic 0.25\n  motion:  stage, speed 4.012 mm/s\n  effects: "
-            "none\n\n");
+  EXPECT_EQ(
+      scene_text(scene, catalogues, Style(false), 100),
+      "A test\n  surface: glass (plane), mu_static 0.5, mu_kinetic 0.25\n  motion:  stage, speed 4.012 mm/s\n  effects: none\n\n");
 }
 
 TEST(Summary, SpeedIsSimulatedTimeOverRealTime) {

@@ -123,9 +123,9 @@ TEST(FindSetting, SaysStepsToFourDigits) {
 }
 
 TEST(FindSetting, RefusesAWishForWhatNeverHappens) {
-  EXPECT_EQ(refusal(stage + moves + "speed: 0 mm/s}\naccuracy: {onset: 1 %}\n"),
-            "wish.yaml:5: accuracy.onset: nothing of the kind is in the trials looked at (0); allowed: a wish for what happens, "
-            "or none");
+  EXPECT_EQ(
+      refusal(stage + moves + "speed: 0 mm/s}\naccuracy: {onset: 1 %}\n"),
+      "wish.yaml:5: accuracy.onset: nothing of the kind is in the trials looked at (0); allowed: a wish for what happens, or none");
 }
 
 TEST(FindSetting, RefusesAWishThatCannotBeShown) {
@@ -137,9 +137,10 @@ TEST(FindSetting, RefusesAWishThatCannotBeShown) {
 }
 
 TEST(FindSetting, RefusesSensorsWithoutACommonStep) {
-  EXPECT_EQ(refusal("sensors: {a: {type: papillarray}, b: {type: piezo_skin, rate: 10007 Hz, label_rate: 10007 Hz}}\naccuracy: "
-                    "{onset: 1 %}\n"),
-            "wish.yaml:3: accuracy: the sensors' sampling times have no common step; allowed: rates that have one, or no wish");
+  EXPECT_EQ(
+      refusal(
+          "sensors: {a: {type: papillarray}, b: {type: piezo_skin, rate: 10007 Hz, label_rate: 10007 Hz}}\naccuracy: {onset: 1 %}\n"),
+      "wish.yaml:3: accuracy: the sensors' sampling times have no common step; allowed: rates that have one, or no wish");
 }
 
 // Ten scenes made for this test; what is found for each is held against a run of its own that is finer than any that the search

@@ -156,8 +156,7 @@ TEST_F(KeptSettingTest, RefusesADamagedFile) {
 
 TEST_F(KeptSettingTest, NamesTheFileThatCannotBeWrittenBeforeItLooks) {
   const std::string how =
-      "; the setting that meets the scene's wish for accuracy is kept there; allowed: a file that can be "
-      "written, or no wish: --set accuracy=none runs without";
+      "; the setting that meets the scene's wish for accuracy is kept there; allowed: a file that can be written, or no wish: --set accuracy=none runs without";
   std::filesystem::create_directory(path("s.yaml.accuracy.json"));
   EXPECT_EQ(refusal(), path("s.yaml.accuracy.json") + ": is no file" + how);
   std::filesystem::remove(path("s.yaml.accuracy.json"));

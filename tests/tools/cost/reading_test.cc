@@ -40,11 +40,10 @@ TEST(CostReading, ARunInWhichOtherThingsHappenMeetsNoWish) {
 TEST(CostReading, SentencesSayWhatAnErrorCostsAndWhatMujocoPays) {
   EXPECT_THAT(
       sentences(example()),
-      ElementsAre("1 % slip onset error costs 1/500 of real time: element field, 5 ms; MuJoCo's own contact needs 1/1.25 of "
-                  "real time for it (noslip 3): 400 times as much.",
-                  "0.1 % slip onset error costs 1/100 of real time: the scene as it is, 1 ms; MuJoCo's own contact reaches it "
-                  "with none of 2 settings: 0.8 % at best (noslip 3, 1/1.25 of real time).",
-                  "Of 3 settings of MuJoCo's own contact 1 could not count: 1 went wrong."));
+      ElementsAre(
+          "1 % slip onset error costs 1/500 of real time: element field, 5 ms; MuJoCo's own contact needs 1/1.25 of real time for it (noslip 3): 400 times as much.",
+          "0.1 % slip onset error costs 1/100 of real time: the scene as it is, 1 ms; MuJoCo's own contact reaches it with none of 2 settings: 0.8 % at best (noslip 3, 1/1.25 of real time).",
+          "Of 3 settings of MuJoCo's own contact 1 could not count: 1 went wrong."));
 }
 
 TEST(CostReading, AReferenceThatHasNotConvergedIsNoSecret) {
@@ -85,12 +84,15 @@ TEST(CostReading, OfHowManySettingsAFailureIsSaid) {
   for (Row& row : exploration.rows) row.rate = 1000.0;
   exploration.rows[5].rate = 250.0;
   EXPECT_THAT(sentences(exploration).front(), HasSubstr("reaches it with none of 1 setting: 3 % at best (impratio 100"));
-  EXPECT_THAT(sentences(exploration), Contains("Of 3 settings of MuJoCo's own contact 2 could not count: 1 went wrong, 1 put out "
-                                               "less often than the scene."));
+  EXPECT_THAT(
+      sentences(exploration),
+      Contains("Of 3 settings of MuJoCo's own contact 2 could not count: 1 went wrong, 1 put out less often than the scene."));
   exploration.rows[4].status = Status::over_budget;
   EXPECT_THAT(sentences(exploration).front(), HasSubstr("of MuJoCo's own contact no run can be compared"));
-  EXPECT_THAT(sentences(exploration), Contains("Of 3 settings of MuJoCo's own contact 3 could not count: 1 went wrong, 1 put out "
-                                               "less often than the scene, 1 not run for want of time."));
+  EXPECT_THAT(
+      sentences(exploration),
+      Contains(
+          "Of 3 settings of MuJoCo's own contact 3 could not count: 1 went wrong, 1 put out less often than the scene, 1 not run for want of time."));
 }
 
 // In both that are left the other thing happens.

@@ -154,8 +154,7 @@ TEST_F(BodiesRun, ElementOverloadedInAStepOfMujocoNamesTheLine) {
                     second = "effects: [{lean: {length: 1 mm, stop_stiffness: 0 N/mm}}]\n";
   const std::string rest = "motion: {kind: stage, compression: 0.8 mm}\n";
   const std::string bodies =
-      "bodies: {table: {shape: plane, position: [0, 0, -0.02]}, box: {shape: box, size: [40 mm, 40 mm, 20 mm], mass: 100 g, "
-      "position: [0, 0, -0.01]}}\n";
+      "bodies: {table: {shape: plane, position: [0, 0, -0.02]}, box: {shape: box, size: [40 mm, 40 mm, 20 mm], mass: 100 g, position: [0, 0, -0.01]}}\n";
   for (const std::string& scene : {rest + "sensors: {pad: {type: papillarray}}\n",
                                    rest + bodies + "sensors: {pad: {type: papillarray, touches: [box]}}\n"}) {
     std::ofstream(file("scene.yaml")) << first << second << scene;

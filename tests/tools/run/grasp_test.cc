@@ -131,12 +131,13 @@ TEST(Grasp, EveryControllerWithTheOracleOnThreeSurfaces) {
 // Slip at t is sampled within 10 ms, read within 20 ms, written 10 ms later and acts after 20 ms more: 30 ms at the least, 60 ms and a tick.
 TEST(Grasp, OracleIsAnsweredAfterTheLoopsDelays) {
   for (const double phase : {0.0, 3e-3, 11e-3, 19e-3}) {
-    const TrialRecord record = run_trial(grasp_scene(fmt::format("grip: {{phase: {} s}}\ndetector: {{type: truth}}\ncontroller: "
-                                                                 "{{type: step_on_slip}}\n",
-                                                                 phase),
-                                                     "0.5 kg"),
-                                         0, Recording::outcome)
-                                   .record;
+    const TrialRecord record =
+        run_trial(
+            grasp_scene(
+                fmt::format("grip: {{phase: {} s}}\ndetector: {{type: truth}}\ncontroller: {{type: step_on_slip}}\n", phase),
+                "0.5 kg"),
+            0, Recording::outcome)
+            .record;
     EXPECT_GE(record.outcome.grasp->reaction_time, 30e-3 - 1e-9) << phase;
     EXPECT_LE(record.outcome.grasp->reaction_time, 60e-3 + 3e-4) << phase;
   }
