@@ -36,7 +36,7 @@ if(NOT SLIPBENCH_WITH_MUJOCO)
   message(STATUS "MuJoCo ${SLIPBENCH_MUJOCO_VERSION} not found: sim/mujoco is left out. Get it with: tools/setup/setup.sh python")
 endif()
 
-# libtorch teaches the networks of tools/learn. Without it everything else is built.
+# libtorch teaches the networks of tools/program/learn. Without it everything else is built.
 find_package(Torch 1.13 QUIET)                     # TORCH_LIBRARIES
 set(SLIPBENCH_WITH_TORCH ${Torch_FOUND})
 if(NOT SLIPBENCH_WITH_TORCH)

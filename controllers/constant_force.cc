@@ -1,6 +1,6 @@
 #include <optional>
 
-#include "controllers/controllers.h"
+#include "controllers/controller_kinds.h"
 #include "controllers/grip.h"
 
 namespace slipbench::controllers {

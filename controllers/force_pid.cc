@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "controllers/controllers.h"
+#include "controllers/controller_kinds.h"
 #include "controllers/grip.h"
 
 namespace slipbench::controllers {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/core/gripper.h"
+#include "sim/core/gripper_registers.h"
 #include "sim/core/parameters.h"
 #include "sim/core/sensor_frame.h"
 

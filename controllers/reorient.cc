@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "controllers/controllers.h"
+#include "controllers/controller_kinds.h"
 #include "controllers/grip.h"
 #include "sim/core/error.h"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "controllers/controllers.h"
+#include "controllers/controller_kinds.h"
 #include "controllers/grip.h"
 #include "sim/core/error.h"
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "sim/core/detector.h"
-#include "sim/core/gripper.h"
+#include "sim/core/gripper_registers.h"
 #include "sim/core/sensor_frame.h"
 
 namespace slipbench {

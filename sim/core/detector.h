@@ -39,7 +39,7 @@ struct FrameSource {
   std::uint64_t seed = 0;                                     // of the dataset
 };
 
-// What a scene names as its detector to get the truth in a detector's place (tools/catalogue/oracle.h). Wherever a person reads, it is called
+// What a scene names as its detector to get the truth in a detector's place (tools/program/catalogue/oracle.h). Wherever a person reads, it is called
 // an oracle.
 inline constexpr std::string_view oracle_type = "truth";
 

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "sim/effects/catalogue.h"
+#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sim/core/error.h"
-#include "sim/effects/catalogue.h"
+#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {

@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <deque>
 
-#include "sim/core/gripper.h"
+#include "sim/core/gripper_registers.h"
 #include "sim/core/parameters.h"
 #include "sim/motion/profile.h"
 

@@ -1,4 +1,4 @@
-// A bench with a gripper and a box, as whoever plays the loop and whoever records it sees them.
+// A simulation with a gripper and a box, as whoever plays the loop and whoever records it sees them.
 #pragma once
 
 #include <Eigen/Core>

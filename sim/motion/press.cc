@@ -14,7 +14,7 @@
 namespace slipbench {
 namespace {
 
-constexpr const char* bench = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, IEEE RA-L 2020";
+constexpr const char* simulation = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, IEEE RA-L 2020";
 
 // Limits of what a bench could be; beyond them a number is a slip of the pen.
 constexpr Range press_depth{0.0, 0.1, true};
@@ -28,7 +28,7 @@ Entry about_press() {
           "A stage presses the pad onto the surface, holds it and slowly retreats, while forces move what it touches.",
           "height: trapezoids from +gap to -compression and, from `retreat` on, back to +gap; measured at the pad's origin\n"
           "the pad stands at `offset`, turned by Rz(yaw) Ry(tilt y) Rx(tilt x), and never moves sideways",
-          std::string(bench) + ", section V (slow release); constant accelerations, integrated exactly",
+          std::string(simulation) + ", section V (slow release); constant accelerations, integrated exactly",
           {
               number_spec("compression", Quantity::length, "0.8 mm", press_depth,
                           "How far the stage goes below the touch of the pad's origin.", "assumed: 8 N on springs of 10 N/mm"),
@@ -45,7 +45,7 @@ Entry about_press() {
               number_spec("retreat", Quantity::time, "inf", positive_or_infinite, "When the pad begins to retreat; inf: never.",
                           "assumed"),
               number_spec("retreat_speed", Quantity::speed, "0.03 mm/s", press_speed, "Speed of the retreat.",
-                          std::string(bench) + ", section V"),
+                          std::string(simulation) + ", section V"),
               number_spec("acceleration", Quantity::acceleration, "50 mm/s2", positive_or_infinite,
                           "Limit for both moves; inf: at once.", "assumed: as the motion stage"),
           }};

@@ -1,4 +1,4 @@
-// DynamicBench with articulated pads.
+// DynamicSimulation with articulated pads.
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +8,7 @@
 #include "sim/mujoco/dynamic_state.h"
 #include "sim/mujoco/geom_surface.h"
 #include "sim/mujoco/model_builder.h"
-#include "sim/testbench/stage_setup.h"
+#include "sim/simulation/stage_setup.h"
 
 namespace slipbench {
 namespace {
@@ -18,7 +18,7 @@ constexpr double rest_tolerance = 1e-14;
 
 }  // namespace
 
-void DynamicBench::State::find_pillars(const Scene& scene) {
+void DynamicSimulation::State::find_pillars(const Scene& scene) {
   const PillarSettings settings = pillars_of_scene(scene, m()->opt.timestep);
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     const int site = mj_name2id(m(), mjOBJ_SITE, site_of(scene.sensors[i]).c_str());
@@ -28,7 +28,7 @@ void DynamicBench::State::find_pillars(const Scene& scene) {
 }
 
 // Tips that stand inside what they touch at the start. Returns whether there are any.
-bool DynamicBench::State::press_tips_in(const mjModel* held, mjData* settled) const {
+bool DynamicSimulation::State::press_tips_in(const mjModel* held, mjData* settled) const {
   bool any = false;
   call_mujoco([&] { mj_kinematics(held, settled); });
   for (const Pad& pad : pads) {
@@ -51,7 +51,7 @@ bool DynamicBench::State::press_tips_in(const mjModel* held, mjData* settled) co
 // Steps in which only the tips move, without weights, so that they take up their loads before the run begins. As the stage is, what
 // is not a tip is deaf to what it touches and overwritten before every step: were it to give way within a step, the pads would push
 // it to where their forces balance.
-void DynamicBench::State::settle_tips() {
+void DynamicSimulation::State::settle_tips() {
   const ModelPointer held(mj_copyModel(nullptr, m()));
   std::vector<bool> of_tip(static_cast<std::size_t>(m()->nv), false);
   for (const Pad& pad : pads) {
@@ -99,7 +99,7 @@ void DynamicBench::State::settle_tips() {
 
 // The recipe's soft friction is right for tips alone: a box that is dragged over a table under it rocks and slides at a fraction of
 // mu f_n, and creeps before.
-void DynamicBench::State::refuse_other_contacts(double time) const {
+void DynamicSimulation::State::refuse_other_contacts(double time) const {
   for (int c = 0; c < d()->ncon; ++c) {
     const mjContact& contact = d()->contact[c];
     if (contact.efc_address < 0 || contact.dim == 1 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
@@ -119,7 +119,7 @@ void DynamicBench::State::refuse_other_contacts(double time) const {
 
 // The model with articulated pads. Their joints and contacts are implicit: only the recipe limits the step, and with a contact of
 // the user's, who may find out himself, only the springs of a hand, which are not his.
-StepPlan DynamicBench::State::plan_pillars(const Scene& scene, std::span<const double> rates, const Hand* hand) {
+StepPlan DynamicSimulation::State::plan_pillars(const Scene& scene, std::span<const double> rates, const Hand* hand) {
   refuse_without_field(scene);
   judge_fields = false;
   StepPlan plan;

@@ -1,4 +1,4 @@
-// The insides of DynamicBench, for its own files: dynamic_bench.cc (the run, and pads as fields), dynamic_pillars.cc (articulated
+// The insides of DynamicSimulation, for its own files: dynamic_bench.cc (the run, and pads as fields), dynamic_pillars.cc (articulated
 // pads) and dynamic_watch.cc.
 #pragma once
 
@@ -14,18 +14,18 @@
 
 #include "sim/motion/motion.h"
 #include "sim/mujoco/articulated.h"
-#include "sim/mujoco/dynamic_bench.h"
+#include "sim/mujoco/dynamic_simulation.h"
 #include "sim/mujoco/gripper_model.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/pad_follower.h"
 #include "sim/mujoco/pad_instance.h"
 #include "sim/mujoco/stability.h"
-#include "sim/testbench/step_plan.h"
-#include "sim/testbench/tick_times.h"
+#include "sim/simulation/step_plan.h"
+#include "sim/simulation/tick_times.h"
 
 namespace slipbench {
 
-struct DynamicBench::State {
+struct DynamicSimulation::State {
   using MjMatrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
   using MjVector = Eigen::Map<const Eigen::Vector3d>;
   static Pose pose_at(const mjtNum* position, const mjtNum* rotation) { return {MjMatrix(rotation), MjVector(position)}; }
@@ -85,7 +85,7 @@ struct DynamicBench::State {
   std::vector<Read> sensors;
   std::vector<std::unique_ptr<PadFollower>> followers;
   std::vector<std::size_t> stepped;
-  bool at_tick = true;  // the instant last stepped to is a tick of the bench, no follower's before it
+  bool at_tick = true;  // the instant last stepped to is a tick of the simulation, no follower's before it
   std::vector<Contact> contacts;
   std::vector<Control> controls;
   std::vector<Recorded> recorded;
@@ -125,7 +125,7 @@ struct DynamicBench::State {
   void make_data();
   void begin(const Scene& scene);
   StepPlan plan_fields(const Scene& scene, std::span<const double> rates, std::uint64_t trial,
-                       const DynamicBenchOptions& options);
+                       const DynamicSimulationOptions& options);
   StepPlan plan_pillars(const Scene& scene, std::span<const double> rates, const Hand* hand);
   void find_pads(const Scene& scene);
   void find_fields(const Scene& scene);

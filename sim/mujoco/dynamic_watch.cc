@@ -1,4 +1,4 @@
-// DynamicBench's watch over the run (watch.h).
+// DynamicSimulation's watch over the run (watch.h).
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -14,7 +14,7 @@
 
 namespace slipbench {
 
-void DynamicBench::State::find_watched(const WatchLimits& limits) {
+void DynamicSimulation::State::find_watched(const WatchLimits& limits) {
   energy.emplace(limits, judge_fields);
   const int stage = motion ? mj_name2id(m(), mjOBJ_BODY, stage_name) : -1;
   for (int body = 1; body < m()->nbody; ++body) {
@@ -35,7 +35,7 @@ void DynamicBench::State::find_watched(const WatchLimits& limits) {
 }
 
 // Work of the weights since the tick before [J].
-double DynamicBench::State::weight_work() {
+double DynamicSimulation::State::weight_work() {
   const Eigen::Vector3d pull = gravity();
   double work = 0.0;
   for (const int body : moving) {
@@ -48,7 +48,7 @@ double DynamicBench::State::weight_work() {
 
 // The generalized force of all fields in the step that has been taken; of articulated pads, what they do to the stage: all else that
 // they do is MuJoCo's springs and contacts.
-void DynamicBench::State::find_field_force() {
+void DynamicSimulation::State::find_field_force() {
   if (articulated) {
     field_force.setZero();
     if (motion) field_force.segment<6>(stage_dof) = Eigen::Map<const Vector6d>(d()->qfrc_constraint + stage_dof);
@@ -66,7 +66,7 @@ void DynamicBench::State::find_field_force() {
 
 // Works of the step that has been taken. That of the fields on the stage waits for the force at the step's end: what moves as
 // prescribed does not answer the force at its start, and the trapezoid is what the springs take up.
-void DynamicBench::State::note_works() {
+void DynamicSimulation::State::note_works() {
   const auto force = [this](const mjtNum* values) { return Eigen::Map<const Eigen::VectorXd>(values, m()->nv); };
   mean = 0.5 * (before + force(d()->qvel));
   pending = {};
@@ -80,7 +80,7 @@ void DynamicBench::State::note_works() {
   pending.contact_supply = dt * std::max(0.0, force(d()->qfrc_constraint).dot(mean));
 }
 
-void DynamicBench::State::weigh(double time, const Eigen::VectorXd& velocity) {
+void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocity) {
   for (WeighedBody& body : weighed) {
     WatchedBody& now = body.now;
     const auto linear = [&body](const mjtNum* values) { return MjVector(values + body.dof); };
@@ -107,7 +107,7 @@ void DynamicBench::State::weigh(double time, const Eigen::VectorXd& velocity) {
 }
 
 // Looks at the tick at `time`, when the bodies had the given velocity, after the step that tells its truth.
-void DynamicBench::State::watch(double time, const Eigen::VectorXd& velocity) {
+void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocity) {
   WatchedEnergy now = pending;
   now.supply += std::max(0.0, weight_work());
   if (motion) {
@@ -146,7 +146,7 @@ void DynamicBench::State::watch(double time, const Eigen::VectorXd& velocity) {
   centres.assign(d()->xipos, d()->xipos + 3 * m()->nbody);
 }
 
-void DynamicBench::State::watch_step(double time, const Eigen::VectorXd& velocity) {
+void DynamicSimulation::State::watch_step(double time, const Eigen::VectorXd& velocity) {
   find_field_force();
   if (leads && tick > 0) note_works();
   watch(time, velocity);

@@ -22,7 +22,7 @@ PadCatalogue& catalogue() {
 }
 
 // Runs `action` and reports what it throws by mju_error, which does not return and may jump over the caller: nothing that must be
-// torn down is alive then. A bench of this program gets the exception itself; to other callers the text says whose it is.
+// torn down is alive then. A simulation of this program gets the exception itself; to other callers the text says whose it is.
 template <class Action>
 void report_errors(Action&& action) {
   thread_local std::array<char, 1024> message;

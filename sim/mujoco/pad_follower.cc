@@ -9,12 +9,12 @@
 
 #include "sim/effects/install.h"
 #include "sim/mujoco/geom_surface.h"
-#include "sim/testbench/tick_times.h"
+#include "sim/simulation/tick_times.h"
 
 namespace slipbench {
 namespace {
 
-// Two times are one when they differ by less than this share of the bench's step: where a step is no whole part of a second they are rounded.
+// Two times are one when they differ by less than this share of the simulation's step: where a step is no whole part of a second they are rounded.
 constexpr double same_time = 1e-6;
 
 Pose between(const Pose& from, const Pose& to, double share) {
@@ -37,7 +37,7 @@ PadFollower::PadFollower(const mjModel* model, const PadInstance& followed, cons
     fields_.emplace_back(springs, surface.shape, config.friction, std::move(effects));
   }
   ways_.resize(fields_.size());
-  // No step is longer than one of the bench.
+  // No step is longer than one of the simulation.
   if (bench_step > longest) stride_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(1.0 / (rate * longest))));
   step_ = 1.0 / rate / static_cast<double>(stride_);
 }

@@ -268,7 +268,7 @@ void PadInstance::measure(const Parts& state) {
   if (measured_) return;
   judge(state);
   next_sample_ = state.header[next_sample];
-  // A bench that keeps the state reads labels_ by sensors of its own.
+  // A simulation that keeps the state reads labels_ by sensors of its own.
   sampled_ = !keeps_state_ && (sample_time_ == 0.0 || time_ >= sample_time_ * (next_sample_ - rounding));
   if (sampled_) {
     const double* remembered = is_placed(state.fields) ? state.memory.data() : first_memory_.data();

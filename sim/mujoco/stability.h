@@ -117,7 +117,7 @@ enum class Stepping { velocity_first, runge_kutta };
 [[nodiscard]] Stepping stepping_of(const mjModel_* m);
 
 // The step [s] beyond which the model diverges under explicit pads (see above), less 1 %: the tangents leave out that loads turn with the
-// surface, which makes 0.3 % where soft pads are pressed in by a fifth of their pitch (tools/cost/stability_map.h). Infinite when nothing
+// surface, which makes 0.3 % where soft pads are pressed in by a fifth of their pitch (tools/program/cost/stability_map.h). Infinite when nothing
 // vibrates.
 [[nodiscard]] double divergence_step(const LinearModel& model, Stepping stepping);
 

@@ -108,7 +108,7 @@ struct Scene {
   std::optional<double> gravity = {};  // m/s2, downwards; empty: the model's own, or the Earth's without a model
   std::vector<ControlScene> controls = {};
   bool implicit_fields = false;          // field_solver: implicit
-  std::string integrator = {};           // of fields, as MuJoCo calls it; empty: the model's own, or the bench's
+  std::string integrator = {};           // of fields, as MuJoCo calls it; empty: the model's own, or the simulation's
   std::optional<Named> controller = {};  // of a grasp; empty: none, the fingers stay where they begin
   std::optional<GraspScene> grasp = {};  // without a model and bodies: it brings its own
 

@@ -72,7 +72,7 @@ TEST(Plugin, RefusesWhatIsNoController) {
             "controller.library: no library is named; allowed: the path of a shared library");
   EXPECT_EQ(refused(file("absent")),
             "controller.library: no file '" + file("absent") + "'; allowed: the path of a shared library");
-  const std::string source = SLIPBENCH_SOURCE_DIR "/controllers/plugin.cc";
+  const std::string source = SLIPBENCH_SOURCE_DIR "/controllers/plugin_controller.cc";
   EXPECT_THAT(refused(source), AllOf(StartsWith("controller.library: cannot load '" + source + "': "),
                                      HasSubstr("invalid ELF header"), HasSubstr("; allowed: a shared library")));
   const std::string allowed = "; allowed: a library that exports what controllers/plugin_abi.h declares";

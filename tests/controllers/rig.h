@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sim/core/error.h"
-#include "tools/catalogue/controllers.h"
+#include "tools/program/catalogue/controller_catalogue.h"
 
 namespace slipbench::controllers {
 

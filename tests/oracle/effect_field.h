@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "sim/effects/catalogue.h"
+#include "sim/effects/effect_catalogue.h"
 #include "sim/field/field.h"
 
 namespace slipbench::oracle {

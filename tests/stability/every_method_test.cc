@@ -1,6 +1,6 @@
 // Every hard case by every way to simulate it: fields with explicit pads under each of MuJoCo's integrators, fields with implicit pads, articulated
 // pads. The other files of this folder hold a case against its closed form by one or two of these; here each
-// - ends finite and without a warning (DynamicBench throws else),
+// - ends finite and without a warning (DynamicSimulation throws else),
 // - gains no energy but what a touch within a step is worth,
 // - carries its weight at rest, and the push that it is held against,
 // - comes to an answer that converges as the step shrinks, to that of a closed form or of the finest run of explicit pads under implicitfast,

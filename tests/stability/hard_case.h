@@ -18,7 +18,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "sim/mujoco/dynamic_bench.h"
+#include "sim/mujoco/dynamic_simulation.h"
 #include "sim/scene/parser.h"
 #include "tests/sim/mujoco/dynamic_rig.h"
 
@@ -140,33 +140,33 @@ class CaseRun {
  public:
   explicit CaseRun(const BoxOnPad& box) : CaseRun(scene_of(box), "box.xml", model_of(box), {&box.pad}) {
     // Articulated pads have joints before the box's.
-    const int first = bench_->model()->jnt_dofadr[mj_name2id(bench_->model(), mjOBJ_JOINT, "box")];
-    Eigen::Map<Eigen::Vector3d>(bench_->data()->qvel + first) = box.velocity;
-    Eigen::Map<Eigen::Vector3d>(bench_->data()->qvel + first + 3) = box.spin;
-    mj_comVel(bench_->model(), bench_->data());  // what a first tick without a step reads
+    const int first = simulation_->model()->jnt_dofadr[mj_name2id(simulation_->model(), mjOBJ_JOINT, "box")];
+    Eigen::Map<Eigen::Vector3d>(simulation_->data()->qvel + first) = box.velocity;
+    Eigen::Map<Eigen::Vector3d>(simulation_->data()->qvel + first + 3) = box.spin;
+    mj_comVel(simulation_->model(), simulation_->data());  // what a first tick without a step reads
   }
   CaseRun(const std::string& scene, const std::string& file, const std::string& model,
           const std::vector<const PadLayout*>& pads) {
     register_plugin_once();
     folder_.write(file, model);
     const Scene read = parse_scene(SceneFile::from_text(scene, folder_.file("scene.yaml")), program_catalogues());
-    bench_ = std::make_unique<DynamicBench>(read, pads, std::vector<double>(pads.size(), 1.0 / longest_sample), 0);
+    simulation_ = std::make_unique<DynamicSimulation>(read, pads, std::vector<double>(pads.size(), 1.0 / longest_sample), 0);
   }
 
-  DynamicBench* operator->() { return bench_.get(); }
+  DynamicSimulation* operator->() { return simulation_.get(); }
   // Until the tick at `time` [s] has been evaluated: truth and bodies are those of then.
   void to(double time) {
-    while (static_cast<double>(done_) * bench_->time_step(0) <= time + 1e-9) step();
+    while (static_cast<double>(done_) * simulation_->time_step(0) <= time + 1e-9) step();
   }
   void to_end() {
-    while (done_ < bench_->ticks(0)) step();
+    while (done_ < simulation_->ticks(0)) step();
   }
   void step() {
-    bench_->step();
+    simulation_->step();
     ++done_;
   }
   [[nodiscard]] const BodyState& body(const std::string& name) const {
-    for (const NamedBody& body : bench_->bodies()) {
+    for (const NamedBody& body : simulation_->bodies()) {
       if (body.name == name) return body.state;
     }
     throw std::out_of_range(name);
@@ -174,19 +174,19 @@ class CaseRun {
   // Of the box in the world [N s].
   [[nodiscard]] Eigen::Vector3d momentum() const {
     const BodyState& box = body("box");
-    const int id = mj_name2id(bench_->model(), mjOBJ_BODY, "box");
-    return bench_->model()->body_mass[id] * (box.velocity + box.angular_velocity.cross(box.pose.rotation * centre));
+    const int id = mj_name2id(simulation_->model(), mjOBJ_BODY, "box");
+    return simulation_->model()->body_mass[id] * (box.velocity + box.angular_velocity.cross(box.pose.rotation * centre));
   }
   // Of the pad's springs on what it touches, in the world [N].
   [[nodiscard]] Eigen::Vector3d force(std::size_t pad = 0) const {
-    return -(body_of_pad(pad).rotation * bench_->contact(pad).force.rowwise().sum().matrix());
+    return -(body_of_pad(pad).rotation * simulation_->contact(pad).force.rowwise().sum().matrix());
   }
 
  private:
-  [[nodiscard]] const Pose& body_of_pad(std::size_t pad) const { return bench_->bodies()[pad].state.pose; }
+  [[nodiscard]] const Pose& body_of_pad(std::size_t pad) const { return simulation_->bodies()[pad].state.pose; }
 
   ModelFolder folder_;
-  std::unique_ptr<DynamicBench> bench_;
+  std::unique_ptr<DynamicSimulation> simulation_;
   std::size_t done_ = 0;
 };
 

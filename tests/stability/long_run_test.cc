@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/mujoco/articulated_bench.h"
+#include "sim/mujoco/articulated_stage.h"
 #include "tests/oracle/effect_field.h"
 #include "tests/stability/hard_case.h"
 
@@ -120,13 +120,13 @@ TEST(LongRun, AThousandTouchDownsOfAFieldAreTheSameToTheBit) {
 // An articulated pad is solved iteratively, from where the step before has left it: its touch-downs are alike to what the solver's
 // tolerance of 1e-10 leaves. (Measured: to the bit.)
 TEST(LongRun, AThousandTouchDownsOfArticulatedPillarsAreAlike) {
-  ArticulatedBench bench(flat_square(3, 7e-3, k_n, k_t), Plane{}, {0.5, 0.5}, 1e-3);
+  ArticulatedStage simulation(flat_square(3, 7e-3, k_n, k_t), Plane{}, {0.5, 0.5}, 1e-3);
   std::vector<double> first;
   double worst = 0.0, largest = 0.0;
   for (int touch = -1; touch < touches; ++touch) {  // before the first one it has not moved
     std::vector<double> forces;
     for (int tick = 0; tick < 40; ++tick) {
-      const ContactFrame& frame = bench.step(pressing(tick), 1e-3 * (40 * (touch + 1) + tick));
+      const ContactFrame& frame = simulation.step(pressing(tick), 1e-3 * (40 * (touch + 1) + tick));
       for (const double value : frame.force.reshaped()) forces.push_back(value);
     }
     if (touch < 0) continue;

@@ -1,4 +1,4 @@
-"""Each check of tools/checks passes a clean tree and finds a violation planted in it. Argument: the project's root."""
+"""Each check of tools/lint passes a clean tree and finds a violation planted in it. Argument: the project's root."""
 
 import json
 import shutil
@@ -17,7 +17,7 @@ CLEAN = {
     "sim/mujoco/b.cc": '#include <mujoco/mujoco.h>\n\n#include "sim/core/a.h"\n',
     "sensors/pad/README.md": "# sensors/pad\n",
     "sensors/pad/c.cc": '#include "sensors/pad/c.h"\n\n#include "sensors/electronics/d.h"\n#include "sim/core/a.h"\n',
-    "tests/sim/core/a_test.cc": '#include "tools/run/run.h"\n',
+    "tests/sim/core/a_test.cc": '#include "tools/program/run/run.h"\n',
     "run.sh": '#!/usr/bin/env bash\necho "$1"\n',
 }
 
@@ -38,7 +38,7 @@ class ChecksTest(unittest.TestCase):
 
     def run_check(self, check, *arguments):
         return subprocess.run(
-            [sys.executable, ROOT / "tools/checks" / f"{check}.py", self.tree, *arguments], capture_output=True, text=True, check=False)
+            [sys.executable, ROOT / "tools/lint" / f"{check}.py", self.tree, *arguments], capture_output=True, text=True, check=False)
 
     def assert_found(self, check, path, text, *words):
         """The check is content with the clean tree, and no more once `text` stands in `path`; its finding holds `words`."""
@@ -73,16 +73,35 @@ class ChecksTest(unittest.TestCase):
         self.assert_found("include_rule", "controllers/d.h", '#include "detectors/e.h"\n', "controllers/")
 
     def test_simulation_includes_tools(self):
-        self.assert_found("include_rule", "sim/field/d.h", '#include "tools/run/run.h"\n', "sim/")
+        self.assert_found("include_rule", "sim/field/d.h", '#include "tools/program/run/run.h"\n', "sim/")
 
     def test_tool_includes_test(self):
-        self.assert_found("include_rule", "tools/run/d.h", '#include "tests/e.h"\n', "tools/")
+        self.assert_found("include_rule", "tools/program/run/d.h", '#include "tests/e.h"\n', "tools/")
 
     def test_mujoco_outside_its_folder(self):
         self.assert_found("include_rule", "sim/motion/d.h", "#include <mujoco/mujoco.h>\n", "only sim/mujoco")
 
     def test_field_includes_mujoco_folder(self):
-        self.assert_found("include_rule", "sim/field/d.h", '#include "sim/mujoco/version.h"\n', "free of MuJoCo")
+        self.assert_found("include_rule", "sim/field/d.h", '#include "sim/mujoco/version.h"\n', "sim/field/")
+
+    def test_motion_includes_field(self):
+        self.assert_found("include_rule", "sim/motion/d.h", '#include "sim/field/field.h"\n', "sim/core/")
+
+    def test_scene_includes_grasp(self):
+        self.assert_found("include_rule", "sim/scene/d.h", '#include "sim/grasp/drive.h"\n', "sim/core/")
+
+    def test_base_includes_program(self):
+        self.assert_found("include_rule", "tools/base/dataset/d.h", '#include "tools/program/run/run.h"\n', "tools/base/")
+
+    def test_base_includes_simulation(self):
+        self.assert_found("include_rule", "tools/base/dataset/d.h", '#include "sim/scene/scene.h"\n', "sim/core/")
+
+    def test_program_includes_study(self):
+        self.assert_found("include_rule", "tools/program/run/d.h", '#include "tools/studies/result.h"\n', "tools/program/")
+
+    def test_command_table_includes_study(self):
+        self.plant("tools/program/cli/command_table.cc", '#include "tools/studies/result.h"\n')
+        self.assertEqual(self.run_check("include_rule").returncode, 0)
 
     def test_core_includes_library(self):
         self.assert_found("include_rule", "sim/core/d.h", "#include <yaml-cpp/yaml.h>\n", "standard library")
@@ -125,7 +144,7 @@ class ChecksTest(unittest.TestCase):
         self.assert_found("no_leftovers", "sim/core/d.cc", "#if 0\n", ":1:", "code in a comment")
 
     def test_python_code_in_comment(self):
-        self.assert_found("no_leftovers", "tools/d.py", "# print(1)\n", ":1:", "code in a comment")
+        self.assert_found("no_leftovers", "tools/base/d.py", "# print(1)\n", ":1:", "code in a comment")
 
     def test_long_source(self):
         self.assert_found("no_leftovers", "sim/core/d.cc", "\n" * 601, "601 lines")
@@ -135,11 +154,11 @@ class ChecksTest(unittest.TestCase):
 
     def test_type_defined_twice(self):
         self.plant("sim/core/d.h", "class Gauge {\n};\n")
-        self.assert_found("one_definition", "tools/e.h", "struct Gauge final : public Base {\n};\n", "Gauge", "sim/core/d.h:1")
+        self.assert_found("one_definition", "tools/base/e.h", "struct Gauge final : public Base {\n};\n", "Gauge", "sim/core/d.h:1")
 
     def test_type_announced_twice(self):
         self.plant("sim/core/d.h", "class Gauge;\n")
-        self.plant("tools/e.h", "class Gauge;\nclass Gauge {\n};\n")
+        self.plant("tools/base/e.h", "class Gauge;\nclass Gauge {\n};\n")
         self.assertEqual(self.run_check("one_definition").returncode, 0)
 
     def test_layout(self):

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/effects/catalogue.h"
+#include "sim/effects/effect_catalogue.h"
 #include "sim/field/field.h"
 
 namespace slipbench::testing_effects {

@@ -199,20 +199,20 @@ TEST(SparseField, WakesInTimeHoweverItComes) {
 TEST(SparseField, LooksChangeNoLabel) {
   const Target met = target(Shape::cylinder);
   for (const int looks : {0, 1, 2}) {
-    Bench bench(part_of_pad(0, rows), met.surface, {0.5, 0.4});
+    Bench simulation(part_of_pad(0, rows), met.surface, {0.5, 0.4});
     const auto step = [&](double height, double time) {
-      bench.field.step(met.facing * at(0.0, 0.0, height), 1e-3);
-      for (int look = 0; look < looks; ++look) bench.field.view_from_pad();
-      bench.labels.update({&bench.field, 1}, time, 1e-3);
+      simulation.field.step(met.facing * at(0.0, 0.0, height), 1e-3);
+      for (int look = 0; look < looks; ++look) simulation.field.view_from_pad();
+      simulation.labels.update({&simulation.field, 1}, time, 1e-3);
     };
     for (int tick = 0; tick < 5; ++tick) step(-1e-3, 1e-3 * tick);
-    const ContactFrame& frame = bench.labels.frame();
-    ASSERT_GT(bench.field.touching(), 0U);
+    const ContactFrame& frame = simulation.labels.frame();
+    ASSERT_GT(simulation.field.touching(), 0U);
     // The deepest of the pad, in the middle of its column, is 1 mm to within its height in the surface: k_n d, k_n from 100 N/m on.
     ASSERT_GT(frame.force.row(2).maxCoeff(), 100.0 * 0.9e-3);
     for (int tick = 5; tick < 8; ++tick) {
       step(12e-3, 1e-3 * tick);
-      EXPECT_EQ(bench.field.touching(), 0U);
+      EXPECT_EQ(simulation.field.touching(), 0U);
       EXPECT_EQ(frame.force.abs().maxCoeff(), 0.0) << looks << " looks, tick " << tick;
       EXPECT_EQ(frame.contact_force.abs().maxCoeff(), 0.0) << looks << " looks, tick " << tick;
       EXPECT_EQ(frame.displacement.abs().maxCoeff(), 0.0) << looks << " looks, tick " << tick;
@@ -224,13 +224,13 @@ TEST(SparseField, LooksChangeNoLabel) {
 // A stage's vibration presses every unit alike, in each step anew.
 TEST(SparseField, IsShakenAnewInEveryStep) {
   const Target met = target(Shape::cylinder);
-  Bench bench(part_of_pad(0, rows), met.surface, {0.5, 0.4});
-  const ContactFrame& frame = bench.labels.frame();
+  Bench simulation(part_of_pad(0, rows), met.surface, {0.5, 0.4});
+  const ContactFrame& frame = simulation.labels.frame();
   for (int tick = 0; tick < 5; ++tick) {
-    bench.step(met.facing * at(0.0, 0.0, -1e-3), 1e-3 * tick);
+    simulation.step(met.facing * at(0.0, 0.0, -1e-3), 1e-3 * tick);
     const Eigen::ArrayXd pressed = frame.force.row(2);
     const double shaking = tick < 3 ? 0.125 * (tick + 1) : 0.0;
-    bench.labels.ride({0.0, 0.0, 0.0}, shaking);
+    simulation.labels.ride({0.0, 0.0, 0.0}, shaking);
     EXPECT_EQ(frame.force(2, 0), shaking) << "N, a corner touches nothing";
     EXPECT_TRUE((frame.force.row(2).transpose() == pressed + shaking).all());
   }

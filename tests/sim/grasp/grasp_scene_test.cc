@@ -9,8 +9,8 @@
 #include "sim/grasp/grasp.h"
 #include "sim/grasp/grasp_catalogue.h"
 #include "sim/scene/parser.h"
-#include "tools/catalogue/catalogues.h"
-#include "tools/catalogue/sensors.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {

@@ -1,7 +1,7 @@
 // The articulated pad beside the field: two models of the same pillars that share no code but the rules for units. As prescribed on
 // a plane, and in one scene of bodies that move by forces.
 //
-// Where they differ, and by how much (articulated_bench_test.cc derives it): a pillar slips 85 us early (damping) and 0.2 steps
+// Where they differ, and by how much (articulated_stage_test.cc derives it): a pillar slips 85 us early (damping) and 0.2 steps
 // late (trailing), rings for 5 ms, needs some steps to take up a press (the contact's damping), and finds out at the end of a step
 // that a contact began. The field has no inertia and locates all of it inside the step.
 #include <algorithm>
@@ -15,7 +15,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/field/contact_labels.h"
-#include "sim/mujoco/articulated_bench.h"
+#include "sim/mujoco/articulated_stage.h"
 #include "tests/oracle/pads.h"
 #include "tests/sim/mujoco/dynamic_rig.h"
 #include "tests/sim/mujoco/dynamic_scenes.h"
@@ -38,7 +38,7 @@ struct Agreement {
 Agreement compare(const PadLayout& pad, const Surface& surface, double duration, const std::function<Pose(double)>& pose) {
   Field field(pad, surface, {mu, mu});
   ContactLabels labels(pad);
-  ArticulatedBench bench(pad, surface, {mu, mu}, dt);
+  ArticulatedStage simulation(pad, surface, {mu, mu}, dt);
   std::map<std::pair<std::uint32_t, EventKind>, std::vector<double>> of_field, of_bench;
   Agreement result;
   const auto ticks = static_cast<std::size_t>(std::lround(duration / dt));
@@ -46,7 +46,7 @@ Agreement compare(const PadLayout& pad, const Surface& surface, double duration,
     const double time = static_cast<double>(tick) * dt;
     field.step(pose(time), dt);
     const ContactFrame& truth = labels.update({&field, 1}, time, dt);
-    const ContactFrame& other = bench.step(pose(time), time);
+    const ContactFrame& other = simulation.step(pose(time), time);
     for (const ContactEvent& event : truth.events) of_field[{event.unit, event.kind}].push_back(event.time);
     for (const ContactEvent& event : other.events) of_bench[{event.unit, event.kind}].push_back(event.time);
     const double apart = (truth.force - other.force).abs().maxCoeff();
@@ -181,7 +181,7 @@ TEST_F(HeldBox, IsDroppedByBothWhenTheGripIsTooWeak) {
   };
   const std::vector<double> of_field = onsets(field, 1.39), of_pillars = onsets(pillars, 1.39);
   // The edges let go when their share of the grip no longer holds their share of the weight, the middle, at last alone, when 2 mu F =
-  // m g: at 1.3626 s, and 1.7 ms later for the fingers' damping (tests/tools/run/bodies_test.cc). Within a step of 1 ms, in which
+  // m g: at 1.3626 s, and 1.7 ms later for the fingers' damping (tests/tools/program/run/bodies_test.cc). Within a step of 1 ms, in which
   // the grip falls by 0.36 % of that: the grip's bar is 0.5 %.
   for (const std::size_t u : {1, 3, 4, 5, 7}) EXPECT_NEAR(of_pillars[u], of_field[u], 1e-3) << u;
   EXPECT_NEAR(of_pillars[4], 1.3626 + 0.0017, 1e-3);

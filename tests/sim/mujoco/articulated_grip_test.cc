@@ -40,7 +40,7 @@ class Grip {
                     "  left: {{type: papillarray, site: left, touches: [box], damping: 0 s}}\n"
                     "  right: {{type: papillarray, site: right, touches: [box], damping: 0 s}}\n",
                     mu, more, push),
-        folder_.file("scene.yaml"), DynamicBenchOptions{}, &pad);
+        folder_.file("scene.yaml"), DynamicSimulationOptions{}, &pad);
   }
 
   // The height of the box at `time` [s], after all that has been asked for before.

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
-#include "sim/mujoco/articulated_testbench.h"
+#include "sim/mujoco/articulated_simulation.h"
 #include "tests/sim/mujoco/dynamic_rig.h"
 #include "tests/sim/mujoco/dynamic_scenes.h"
 
@@ -54,19 +54,19 @@ TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
   const std::unique_ptr<Sensor> sensor = make_sensor(prescribed.sensors.front(), 0, 0);
   const PadLayout* layout = &sensor->layout();
   const double rate = 1000.0;
-  ArticulatedTestbench bench(prescribed, {&layout, 1}, {&rate, 1}, 0);
-  ASSERT_EQ(rig->ticks(0), bench.ticks(0));
+  ArticulatedSimulation simulation(prescribed, {&layout, 1}, {&rate, 1}, 0);
+  ASSERT_EQ(rig->ticks(0), simulation.ticks(0));
   std::size_t slipping = 0;
-  for (std::size_t tick = 0; tick < bench.ticks(0); ++tick) {
+  for (std::size_t tick = 0; tick < simulation.ticks(0); ++tick) {
     rig->step();
-    bench.step();
-    const ContactFrame &one = rig->contact(0), &other = bench.contact(0);
+    simulation.step();
+    const ContactFrame &one = rig->contact(0), &other = simulation.contact(0);
     ASSERT_EQ(one.time, other.time);
     ASSERT_EQ(one.unit_state, other.unit_state) << tick;
     // The solver stops at another digit, for the tolerance is relative to the model's inertia.
     ASSERT_LT((one.force - other.force).abs().maxCoeff(), 1e-6) << tick;
     for (const UnitState state : one.unit_state) slipping += state == UnitState::slip ? 1 : 0;
-    const Pose &pad = rig.body("pad").pose, &told = bench.bodies().front().state.pose;
+    const Pose &pad = rig.body("pad").pose, &told = simulation.bodies().front().state.pose;
     ASSERT_LT((pad.position - told.position).norm() + (pad.rotation - told.rotation).norm(), 1e-15) << tick;
   }
   EXPECT_GT(slipping, 1000U) << "the comparison has seen a slide";
@@ -136,7 +136,7 @@ TEST(ArticulatedScene, ABoxPressedFromOneSideIsThrownByTheSpringsAlone) {
 
 // Drawn at v, a pillar under f_n with a dashpot tau beside its spring k_t is held by k_t v (t + tau), and slips at mu f_n: tau
 // before the field's pillar, whose labels see springs alone. Early beyond that by 0.6 sqrt(m/k_t) = 30 us, a free tip's damping, and
-// late by 0.2 steps of trailing (articulated_bench_test.cc) and by 0.17 of a step, for a slip that begins at the share s of one
+// late by 0.2 steps of trailing (articulated_stage_test.cc) and by 0.17 of a step, for a slip that begins at the share s of one
 // gets but to (1 - s) v/2 by its end while the dashpot lets go (tau = h), and is then looked for at 2 s/(1 + s). The stage takes 1
 // ms to get to its speed and so is half of that behind.
 TEST(ArticulatedScene, StageSlideIsEarlyByTheDashpotsTime) {

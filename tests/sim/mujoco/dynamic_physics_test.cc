@@ -7,7 +7,7 @@
 
 #include "sim/motion/motion.h"
 #include "sim/mujoco/mujoco_call.h"
-#include "sim/testbench/stage_setup.h"
+#include "sim/simulation/stage_setup.h"
 #include "tests/sim/mujoco/dynamic_rig.h"
 #include "tests/sim/mujoco/dynamic_scenes.h"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr double g = 9.81;  // m/s2
 
 // MuJoCo's own loop over what the scene should have become, written out by hand.
-TEST(DynamicBench, HeldBoxIsTheModelWrittenByHandToTheBit) {
+TEST(DynamicSimulation, HeldBoxIsTheModelWrittenByHandToTheBit) {
   const std::string fingers = two_fingers("integrator='implicitfast'");
   const ModelFolder folder;
   folder.write("fingers.xml", fingers);
@@ -63,7 +63,7 @@ TEST(DynamicBench, HeldBoxIsTheModelWrittenByHandToTheBit) {
 
 // At tick k: the pad's force is that of the poses recorded for tick k, and a pose is the one before moved by the velocity recorded
 // with it.
-TEST(DynamicBench, TruthAndBodiesAreOfTheSameInstant) {
+TEST(DynamicSimulation, TruthAndBodiesAreOfTheSameInstant) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
   DynamicRig rig(held_box("duration: 0.4 s\ntime_step: 250 us\ncontrols: {left: [[0 s, 4 N], [0.4 s, 8 N]], right: 4 N}\n"),
@@ -87,7 +87,7 @@ TEST(DynamicBench, TruthAndBodiesAreOfTheSameInstant) {
   }
 }
 
-TEST(DynamicBench, HeldBoxHangsOnItsPadsAndOnNothingElse) {
+TEST(DynamicSimulation, HeldBoxHangsOnItsPadsAndOnNothingElse) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
   DynamicRig rig(held_box("duration: 0.6 s\ncontrols: {left: 4 N, right: 4 N}\n"), folder.file("scene.yaml"));
@@ -100,7 +100,7 @@ TEST(DynamicBench, HeldBoxHangsOnItsPadsAndOnNothingElse) {
 }
 
 // The block slides under its own momentum from 0.501 s on: all pillars slip, so the friction is mu_k m g whatever their loads.
-TEST(DynamicBench, SlidingBlockSlowsDownAtMuKineticTimesG) {
+TEST(DynamicSimulation, SlidingBlockSlowsDownAtMuKineticTimesG) {
   const ModelFolder folder;
   folder.write("block.xml", guided_block("integrator='implicitfast'"));
   DynamicRig rig(block_on_table("duration: 0.62 s\nfriction: {static: 0.5, kinetic: 0.4}\n"
@@ -117,7 +117,7 @@ TEST(DynamicBench, SlidingBlockSlowsDownAtMuKineticTimesG) {
 // The block on an incline of angle a: mg cos a presses it on, mg sin a pulls. One coefficient, since with mu_k < mu_s pillars of
 // unequal load let go one after the other, below mu_s of the whole. tan a = mu breaks it loose: 0.2 % less does not, 0.2 % more
 // does.
-TEST(DynamicBench, BlockBreaksLooseOnAnInclineOfMu) {
+TEST(DynamicSimulation, BlockBreaksLooseOnAnInclineOfMu) {
   for (const double share : {0.998, 1.002}) {
     const double angle = std::atan(share * 0.5);
     const std::string gravity = "gravity='0 0 " + std::to_string(-g * std::cos(angle)) + "'";
@@ -139,7 +139,7 @@ TEST(DynamicBench, BlockBreaksLooseOnAnInclineOfMu) {
 
 // The pad drags the box at the stage's speed against the friction of the table under both loads. The stage comes to 8 mm/s within
 // 0.2 s.
-TEST(DynamicBench, StageDragsAFreeBoxOverATable) {
+TEST(DynamicSimulation, StageDragsAFreeBoxOverATable) {
   DynamicRig rig(pressed_box("duration: 2 s\nmotion: {compression: 0.8 mm, speed: 8 mm/s, start: 1 s}\n"));
   rig.run_to(1.9);
   const auto force = rig->contact(0).force.rowwise().sum().eval();
@@ -155,7 +155,7 @@ TEST(DynamicBench, StageDragsAFreeBoxOverATable) {
 }
 
 // Implicit fields bear no noslip pass: what rests on MuJoCo's own contacts must not lose its friction for that.
-TEST(DynamicBench, ImplicitPadDragsABoxAgainstAllOfTheTablesFriction) {
+TEST(DynamicSimulation, ImplicitPadDragsABoxAgainstAllOfTheTablesFriction) {
   for (const std::string mass : {"100 g", "5 g"}) {
     std::string scene = pressed_box(
         "field_solver: implicit\ntime_step: 1 ms\nduration: 1.6 s\n"
@@ -176,7 +176,7 @@ TEST(DynamicBench, ImplicitPadDragsABoxAgainstAllOfTheTablesFriction) {
 }
 
 // At half of what the table holds the box must not creep. Bar of the issue for held things: 0.5 um/s.
-TEST(DynamicBench, BoxOnATableDoesNotCreepUnderAPad) {
+TEST(DynamicSimulation, BoxOnATableDoesNotCreepUnderAPad) {
   for (const std::string solver : {"explicit", "implicit"}) {
     DynamicRig rig(pressed_box("field_solver: " + solver +
                                "\ntime_step: auto\nduration: 2 s\n"
@@ -190,7 +190,7 @@ TEST(DynamicBench, BoxOnATableDoesNotCreepUnderAPad) {
   }
 }
 
-TEST(DynamicBench, StageIsWhereItsMotionSaysAtEveryTick) {
+TEST(DynamicSimulation, StageIsWhereItsMotionSaysAtEveryTick) {
   DynamicRig rig(pressed_box(
       "duration: 1.5 s\nmotion: {compression: 0.8 mm, speed: 8 mm/s, rotation: 40 deg/s, pivot: [5 mm, 0 mm], start: 0.5 s, tilt: [1 deg, 0 deg]}\n"));
   const std::unique_ptr<Motion> motion = make_motion(rig.scene(), 0);
@@ -208,7 +208,7 @@ TEST(DynamicBench, StageIsWhereItsMotionSaysAtEveryTick) {
 }
 
 // A fingertip's sensor reads between its units: what each element does comes with the truth of its pad, and their springs make up its force.
-TEST(DynamicBench, TellsOfEachElementWhereAPadAsksForIt) {
+TEST(DynamicSimulation, TellsOfEachElementWhereAPadAsksForIt) {
   DynamicRig rig(
       "duration: 0.5 s\nfriction: {static: 0, kinetic: 0}\nbodies: {table: {shape: plane}}\n"
       "motion: {kind: stage, compression: 1 mm, approach_speed: 20 mm/s}\nsensors: {finger: {type: biotac_sp, touches: [table]}}\n");
@@ -228,7 +228,7 @@ TEST(DynamicBench, TellsOfEachElementWhereAPadAsksForIt) {
 }
 
 // A box of every shape that lies on a table stays there and is recorded.
-TEST(DynamicBench, EveryShapeComesToRestOnATable) {
+TEST(DynamicSimulation, EveryShapeComesToRestOnATable) {
   for (const std::string shape :
        {"box, size: [30 mm, 30 mm, 20 mm]", "sphere, radius: 10 mm", "cylinder, radius: 15 mm, length: 20 mm",
         "capsule, radius: 10 mm, length: 30 mm, rotation: [90 deg, 0, 0]", "ellipsoid, size: [40 mm, 30 mm, 20 mm]"}) {
@@ -274,7 +274,7 @@ TEST(DynamicPhysics, GravityIsThatOfMuJoCo) {
 }
 
 // A free body's own velocity, and gravity 0: it goes straight on.
-TEST(DynamicBench, BodyStartsWithItsVelocityAndWithoutGravityKeepsIt) {
+TEST(DynamicSimulation, BodyStartsWithItsVelocityAndWithoutGravityKeepsIt) {
   DynamicRig rig(
       "duration: 0.5 s\ngravity: 0\nbodies: {ball: {shape: sphere, velocity: [10 mm/s, 0, -20 mm/s], position: [0, 0, -1]}}\n"
       "sensors: {pad: {type: papillarray, touches: [ball]}}\n");

@@ -11,11 +11,11 @@
 #include <mujoco/mujoco.h>
 #include <unistd.h>
 
-#include "sim/mujoco/dynamic_bench.h"
+#include "sim/mujoco/dynamic_simulation.h"
 #include "sim/mujoco/register_plugin.h"
 #include "sim/scene/parser.h"
-#include "tools/catalogue/catalogues.h"
-#include "tools/catalogue/sensors.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
 
@@ -50,8 +50,8 @@ class ModelFolder {
 class DynamicRig {
  public:
   // `text`: a scene without its first line; `name`: where it would lie, for the paths in it. `layout`: in place of every sensor's own.
-  explicit DynamicRig(const std::string& text, const std::string& name = "scene.yaml", const DynamicBenchOptions& options = {},
-                      const PadLayout* layout = nullptr)
+  explicit DynamicRig(const std::string& text, const std::string& name = "scene.yaml",
+                      const DynamicSimulationOptions& options = {}, const PadLayout* layout = nullptr)
       : scene_(parse_scene(SceneFile::from_text("slipbench: 1\n" + text, name), program_catalogues())) {
     register_plugin_once();
     std::vector<const PadLayout*> pads;
@@ -61,26 +61,26 @@ class DynamicRig {
       pads.push_back(layout != nullptr ? layout : &sensors_.back()->layout());
       rates.push_back(sensors_.back()->rate());
     }
-    bench_ = std::make_unique<DynamicBench>(scene_, pads, rates, 0, options);
+    simulation_ = std::make_unique<DynamicSimulation>(scene_, pads, rates, 0, options);
   }
 
-  DynamicBench* operator->() { return bench_.get(); }
-  DynamicBench& operator*() { return *bench_; }
+  DynamicSimulation* operator->() { return simulation_.get(); }
+  DynamicSimulation& operator*() { return *simulation_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
   // Steps until the tick at `time` [s] has been evaluated.
   void run_to(double time) {
-    while (static_cast<double>(done_) * bench_->time_step(0) <= time + 1e-9) {
-      bench_->step();
+    while (static_cast<double>(done_) * simulation_->time_step(0) <= time + 1e-9) {
+      simulation_->step();
       ++done_;
     }
   }
   void run() {
-    for (; done_ < bench_->ticks(0); ++done_) bench_->step();
+    for (; done_ < simulation_->ticks(0); ++done_) simulation_->step();
   }
 
   [[nodiscard]] const BodyState& body(const std::string& name) const {
-    for (const NamedBody& body : bench_->bodies()) {
+    for (const NamedBody& body : simulation_->bodies()) {
       if (body.name == name) return body.state;
     }
     throw std::out_of_range(name);
@@ -89,7 +89,7 @@ class DynamicRig {
  private:
   Scene scene_;
   std::vector<std::unique_ptr<Sensor>> sensors_;
-  std::unique_ptr<DynamicBench> bench_;
+  std::unique_ptr<DynamicSimulation> simulation_;
   std::size_t done_ = 0;
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double weight = 0.2 * 9.81;  // N, of the default box
 
-std::string refusal(const std::string& text, const DynamicBenchOptions& options = {}) {
+std::string refusal(const std::string& text, const DynamicSimulationOptions& options = {}) {
   try {
     GraspRig rig(text, 0, options);
     rig.run();
@@ -144,7 +144,7 @@ TEST(GraspMotion, StepThatIsTooLongIsRefusedBeforeTheFirst) {
 }
 
 TEST(GraspMotion, UnstableRunIsCaught) {
-  DynamicBenchOptions options;
+  DynamicSimulationOptions options;
   options.refuse_long_steps = false;
   for (const char* step : {"0.5 ms", "1 ms"}) {
     const std::string message = refusal(fmt::format("grip: {{}}\ntime_step: {}\n", step), options);
@@ -155,7 +155,7 @@ TEST(GraspMotion, UnstableRunIsCaught) {
 TEST(GraspMotion, PadThatPressesHarderThanItsFingerCanIsCaught) {
   // The same with the rules of energy and weight out of the way, and a step far enough beyond the limit that it does not hang on roundings
   // whether what grows so reaches the pads.
-  DynamicBenchOptions options;
+  DynamicSimulationOptions options;
   options.refuse_long_steps = false;
   options.limits.energy_share = options.limits.ejection_factor = options.limits.weight_share = 1e300;
   const std::string message = refusal("grip: {}\ntime_step: 1 ms\n", options);
@@ -170,7 +170,7 @@ TEST(GraspMotion, RefusesASensorThatIsNamedAsTheOtherPad) {
   const auto sensor = make_sensor(scene.sensors.front(), 0, 0);
   const PadLayout* pad = &sensor->layout();
   const double rate = sensor->rate();
-  EXPECT_THROW(GraspBench(scene, {&pad, 1}, {&rate, 1}, 0), SceneValueError);
+  EXPECT_THROW(GraspSimulation(scene, {&pad, 1}, {&rate, 1}, 0), SceneValueError);
 }
 
 }  // namespace

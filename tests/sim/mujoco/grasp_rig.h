@@ -6,7 +6,7 @@
 #include <string>
 
 #include "sim/mujoco/field_plugin.h"
-#include "sim/mujoco/grasp_bench.h"
+#include "sim/mujoco/grasp_simulation.h"
 #include "sim/scene/parser.h"
 #include "tests/sim/mujoco/dynamic_rig.h"
 
@@ -15,7 +15,7 @@ namespace slipbench {
 class GraspRig {
  public:
   // `text`: a scene without its first line and its sensor, which has the `sensor` parameters beside its type.
-  explicit GraspRig(const std::string& text, std::uint64_t trial = 0, const DynamicBenchOptions& options = {},
+  explicit GraspRig(const std::string& text, std::uint64_t trial = 0, const DynamicSimulationOptions& options = {},
                     const std::string& sensor = "")
       : scene_(parse_scene(
             SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray" + sensor + "}}\n" + text, "scene.yaml"),
@@ -23,20 +23,20 @@ class GraspRig {
     register_plugin_once();
     sensor_ = make_sensor(scene_.sensors.front(), scene_.seed, trial);
     const std::array<const PadLayout*, 1> pads{&sensor_->layout()};
-    bench_ = std::make_unique<GraspBench>(scene_, pads, std::array{sensor_->rate()}, trial, options);
+    simulation_ = std::make_unique<GraspSimulation>(scene_, pads, std::array{sensor_->rate()}, trial, options);
     preset_ = scene_.grasp->grip.number("preset");
   }
 
-  GraspBench* operator->() { return bench_.get(); }
-  GraspBench& operator*() { return *bench_; }
+  GraspSimulation* operator->() { return simulation_.get(); }
+  GraspSimulation& operator*() { return *simulation_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const PadLayout& pad() const { return sensor_->layout(); }
 
   // Measured position + 1 while the true force on the sensor's pad is below the preset; it stays where it is from then on.
   void step() {
-    bench_->step();
-    Gripper& gripper = bench_->gripper();
-    const GraspTruth& truth = bench_->truth();
+    simulation_->step();
+    Gripper& gripper = simulation_->gripper();
+    const GraspTruth& truth = simulation_->truth();
     if (gripper.read_due(truth.time)) {
       const int position = gripper.read().position;
       if (held_ < 0 && truth.pad_force[0] >= preset_) held_ = position;
@@ -47,24 +47,24 @@ class GraspRig {
   }
   // Until the tick at `time` [s] has been evaluated.
   void run_to(double time) {
-    while (static_cast<double>(done_) * bench_->time_step(0) <= time + 1e-9) step();
+    while (static_cast<double>(done_) * simulation_->time_step(0) <= time + 1e-9) step();
   }
   void run() {
-    while (done_ < bench_->ticks(0)) step();
+    while (done_ < simulation_->ticks(0)) step();
   }
 
   // What the pads do to the box [N], in the world.
   [[nodiscard]] Eigen::Vector3d pads_on_box() const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    const mjModel* m = bench_->dynamics().model();
+    const mjModel* m = simulation_->dynamics().model();
     for (const char* name : {"pad", "second_pad"}) {
-      const PadInstance* pad = pad_of(m, bench_->dynamics().data(), mj_name2id(m, mjOBJ_PLUGIN, name));
+      const PadInstance* pad = pad_of(m, simulation_->dynamics().data(), mj_name2id(m, mjOBJ_PLUGIN, name));
       sum -= body(name).pose.rotation * pad->fields().front().wrench_on_pad().force;
     }
     return sum;
   }
   [[nodiscard]] const BodyState& body(const std::string& name) const {
-    for (const NamedBody& body : bench_->bodies()) {
+    for (const NamedBody& body : simulation_->bodies()) {
       if (body.name == name) return body.state;
     }
     throw std::out_of_range(name);
@@ -77,7 +77,7 @@ class GraspRig {
  private:
   Scene scene_;
   std::unique_ptr<Sensor> sensor_;
-  std::unique_ptr<GraspBench> bench_;
+  std::unique_ptr<GraspSimulation> simulation_;
   GripCommand command_{};
   double preset_;
   int held_ = -1;

@@ -50,8 +50,8 @@ TEST(GraspTurn, BoxIsTwoMasses) {
       pad_catalogues());
   const PadLayout layout = two_abreast();
   const std::array<const PadLayout*, 1> pads{&layout};
-  GraspBench bench(scene, pads, std::array{1000.0}, 0);
-  const mjModel* m = bench.dynamics().model();
+  GraspSimulation simulation(scene, pads, std::array{1000.0}, 0);
+  const mjModel* m = simulation.dynamics().model();
   const int body = mj_name2id(m, mjOBJ_BODY, "box");
   EXPECT_NEAR(m->body_mass[body], 0.318, 1e-15);
   EXPECT_NEAR(m->body_ipos[3 * body + 1], 0.020 * 200.0 / 318.0, 1e-15);

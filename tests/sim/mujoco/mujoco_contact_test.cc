@@ -18,8 +18,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
-#include "sim/mujoco/articulated_bench.h"
-#include "sim/mujoco/articulated_testbench.h"
+#include "sim/mujoco/articulated_simulation.h"
+#include "sim/mujoco/articulated_stage.h"
 #include "sim/mujoco/pillar_settings.h"
 #include "sim/scene/scene_values.h"
 #include "tests/oracle/pads.h"
@@ -55,13 +55,13 @@ double holds(double mass, double impratio) { return 2.0 * mass * impratio / (tim
 // Presses the pad in, draws it at `drive` [m/s] from `start` until `stop` [s] and hands every frame from `start` on to `look`.
 void run(const Parameters& contact, double stop, double end, const std::function<void(const ContactFrame&)>& look,
          double drive = speed) {
-  ArticulatedBench bench(oracle::nine_pillars(1, k_n, k_t), Plane{}, {mu, mu}, user_pillars(contact, dt));
+  ArticulatedStage simulation(oracle::nine_pillars(1, k_n, k_t), Plane{}, {mu, mu}, user_pillars(contact, dt));
   const auto ticks = static_cast<std::size_t>(std::lround(end / dt));
   for (std::size_t tick = 0; tick <= ticks; ++tick) {
     const double time = static_cast<double>(tick) * dt;
     Pose pose;
     pose.position = {drive * (std::clamp(time, start, stop) - start), 0.0, 1e-4 - (depth + 1e-4) * std::min(1.0, time / pressed)};
-    const ContactFrame& frame = bench.step(pose, time);
+    const ContactFrame& frame = simulation.step(pose, time);
     if (time > start) look(frame);
   }
 }
@@ -189,19 +189,19 @@ class ContactScene : public testing::Test {
       "slipbench: 1\nfidelity: mujoco_contact\nduration: 1 s\ntime_step: 1 ms\nfriction: {static: 0.5, kinetic: 0.5}\n"
       "motion: {kind: stage, compression: 0.8 mm, speed: 8 mm/s, start: 0.5 s}\nsensors: {pad: {type: papillarray}}\n";
 
-  static std::unique_ptr<ArticulatedTestbench> bench_of(const std::string& more) {
+  static std::unique_ptr<ArticulatedSimulation> bench_of(const std::string& more) {
     const Scene scene = parse_scene(SceneFile::from_text(stage + more, "scene.yaml"), program_catalogues());
     const std::unique_ptr<Sensor> sensor = make_sensor(scene.sensors.front(), 0, 0);
     const PadLayout* layout = &sensor->layout();
     const double rate = 1000.0;
-    return std::make_unique<ArticulatedTestbench>(scene, std::span{&layout, 1}, std::span{&rate, 1}, 0);
+    return std::make_unique<ArticulatedSimulation>(scene, std::span{&layout, 1}, std::span{&rate, 1}, 0);
   }
 };
 
 TEST_F(ContactScene, StageRunsToItsEndWithASetting) {
-  const auto bench = bench_of("contact: {cone: elliptic, noslip: 3, solref: [0.002, 1], tip_mass: 10 g}\n");
-  for (std::size_t tick = 0; tick < bench->ticks(0); ++tick) bench->step();
-  EXPECT_EQ(bench->contact(0).state, PadState::gross);
+  const auto simulation = bench_of("contact: {cone: elliptic, noslip: 3, solref: [0.002, 1], tip_mass: 10 g}\n");
+  for (std::size_t tick = 0; tick < simulation->ticks(0); ++tick) simulation->step();
+  EXPECT_EQ(simulation->contact(0).state, PadState::gross);
 }
 
 // 10 time constants, of two steps at least, and of any length where nothing is pressed in; a minute's steps are refused where something is.
@@ -222,9 +222,9 @@ TEST(MujocoContact, SettlesForTenTimeConstants) {
 
 // Tips of 0.1 g on 7.1 kN/m vibrate at 8,400 rad/s, and bear explicit springs of 2/8,400 s = 0.24 ms.
 TEST_F(ContactScene, ARunThatDivergesEndsWithMuJoCosWarning) {
-  const auto bench = bench_of("contact: {tip_mass: 0.1 g}\n");
+  const auto simulation = bench_of("contact: {tip_mass: 0.1 g}\n");
   try {
-    for (std::size_t tick = 0; tick < bench->ticks(0); ++tick) bench->step();
+    for (std::size_t tick = 0; tick < simulation->ticks(0); ++tick) simulation->step();
     FAIL() << "it diverges";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::StartsWith("the run has gone wrong: MuJoCo warns: Nan, Inf or huge value in Q"));

@@ -19,7 +19,7 @@
 #include "sim/mujoco/field_plugin.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/register_plugin.h"
-#include "tools/catalogue/sensors.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench::testing_plugin {
 

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "sim/mujoco/field_plugin.h"
-#include "sim/mujoco/grasp_bench.h"
+#include "sim/mujoco/grasp_simulation.h"
 #include "sim/scene/parser.h"
 #include "tests/sim/mujoco/dynamic_rig.h"
 
@@ -26,43 +26,43 @@ struct TurnBox {
 class TurnRig {
  public:
   // `pad`: of both fingers. `counts`: how far the fingers close beyond the position at which both pads touch. `more`: keys of the scene.
-  TurnRig(PadLayout pad, double friction, int counts, const std::string& more = "", const DynamicBenchOptions& options = {})
+  TurnRig(PadLayout pad, double friction, int counts, const std::string& more = "", const DynamicSimulationOptions& options = {})
       : scene_(parse_scene(SceneFile::from_text(text(friction, more), "scene.yaml"), pad_catalogues())),
         pad_(std::move(pad)),
         counts_(counts) {
     register_plugin_once();
     const std::array<const PadLayout*, 1> pads{&pad_};
-    bench_ = std::make_unique<GraspBench>(scene_, pads, std::array{1000.0}, 0, options);
+    simulation_ = std::make_unique<GraspSimulation>(scene_, pads, std::array{1000.0}, 0, options);
   }
 
-  GraspBench* operator->() { return bench_.get(); }
+  GraspSimulation* operator->() { return simulation_.get(); }
   [[nodiscard]] const Scene& scene() const { return scene_; }
-  [[nodiscard]] double time() const { return bench_->truth().time; }
+  [[nodiscard]] double time() const { return simulation_->truth().time; }
 
   // Closes by `counts`; from `lift_at` on the arm rises at `lift_speed`.
   void step() {
-    bench_->step();
-    Gripper& gripper = bench_->gripper();
+    simulation_->step();
+    Gripper& gripper = simulation_->gripper();
     const double now = time();
     if (gripper.read_due(now)) {
       const int position = gripper.read().position;
-      const GraspTruth& truth = bench_->truth();
+      const GraspTruth& truth = simulation_->truth();
       if (touched_ < 0 && truth.pad_force[0] > 0.1 && truth.pad_force[1] > 0.1) touched_ = position;
       command_.position = touched_ < 0 ? position + 1 : touched_ + counts_;
     }
     if (gripper.write_due(now)) gripper.write(command_);
     if (!rising_ && now >= lift_at) {
-      bench_->arm()->write(lift_at, {.sideways = 0.0, .up = lift_speed});
+      simulation_->arm()->write(lift_at, {.sideways = 0.0, .up = lift_speed});
       rising_ = true;
     }
     ++done_;
   }
   void run_to(double until) {
-    while (static_cast<double>(done_) * bench_->time_step(0) <= until + 1e-9) step();
+    while (static_cast<double>(done_) * simulation_->time_step(0) <= until + 1e-9) step();
   }
 
   [[nodiscard]] const BodyState& body(const std::string& name) const {
-    for (const NamedBody& body : bench_->bodies()) {
+    for (const NamedBody& body : simulation_->bodies()) {
       if (body.name == name) return body.state;
     }
     throw std::out_of_range(name);
@@ -87,7 +87,7 @@ class TurnRig {
   Scene scene_;
   PadLayout pad_;
   int counts_, touched_ = -1;
-  std::unique_ptr<GraspBench> bench_;
+  std::unique_ptr<GraspSimulation> simulation_;
   GripCommand command_{};
   bool rising_ = false;
   std::size_t done_ = 0;

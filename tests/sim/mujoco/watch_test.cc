@@ -82,7 +82,7 @@ TEST(Watch, NoBodyHasMoreThanAllHad) {
 }
 
 // What a run of a scene ends with; "" when it comes to its end.
-std::string outcome(const std::string& scene, const std::string& model, const DynamicBenchOptions& options = {}) {
+std::string outcome(const std::string& scene, const std::string& model, const DynamicSimulationOptions& options = {}) {
   const ModelFolder folder;
   folder.write("fingers.xml", model);
   folder.write("block.xml", model);
@@ -148,7 +148,7 @@ TEST(Watch, StageRunsAreRight) {
 
 // The refusal of long steps switched off. The pads' 64 kN/m on 5 g at 1 ms: h omega = 5 > 2, so every step multiplies the energy.
 TEST(Watch, StepBeyondTheLimitIsFoundOut) {
-  DynamicBenchOptions let;
+  DynamicSimulationOptions let;
   let.refuse_long_steps = false;
   std::string scene = held_box("duration: 1 s\ntime_step: 1 ms\ncontrols: {left: 4 N, right: 4 N}\n");
   scene.replace(scene.find("100 g"), 5, "5 g");

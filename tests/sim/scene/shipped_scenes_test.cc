@@ -83,7 +83,7 @@ TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
   EXPECT_EQ(directions.size(), 200u) << "every trial draws its own direction";
 }
 
-// Their runs are in tests/tools/run/bodies_test.cc.
+// Their runs are in tests/tools/program/run/bodies_test.cc.
 TEST(ShippedScenes, BodiesMoveByForces) {
   const Catalogues catalogues = test_catalogues();
   for (const std::string name : {"held_box", "pressed_box", "sliding_block"}) {

@@ -1,0 +1,79 @@
+#include <algorithm>
+
+#include "controllers/controller_kinds.h"
+#include "controllers/grip.h"
+
+namespace slipbench::controllers {
+namespace {
+
+class ForceRatio final : public Controller {
+ public:
+  ForceRatio(const Parameters& p, const GripSource& source)
+      : force_(source.channels, "force_ratio"),
+        preset_(source.preset),
+        allowed_(p.number("mu") * p.number("margin")),
+        touch_(p.number("touch")),
+        largest_(p.choice("ratio") == "largest"),
+        follower_(p),
+        command_(registers_of(p)) {}
+
+  GripCommand update(const ControlInput& input) override {
+    const double grip = force_.total(input.frame);
+    const double target = std::max(preset_, (largest_ ? grip * largest_ratio(input.frame) : shear(input.frame)) / allowed_);
+    command_.position = follower_.toward(grip, target, input.gripper.position);
+    return command_;
+  }
+
+ private:
+  [[nodiscard]] double shear(const SensorFrame& frame) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < force_.units(); ++i) sum += force_.tangential(frame, i);
+    return sum;
+  }
+
+  [[nodiscard]] double largest_ratio(const SensorFrame& frame) const {
+    double ratio = 0.0;
+    for (std::size_t i = 0; i < force_.units(); ++i) {
+      const double normal = force_.normal(frame, i);
+      if (normal >= touch_) ratio = std::max(ratio, force_.tangential(frame, i) / normal);
+    }
+    return ratio;
+  }
+
+  GripForce force_;
+  double preset_;
+  double allowed_;  // the ratio of tangential to normal force that is kept
+  double touch_;
+  bool largest_;
+  ForceFollower follower_;
+  GripCommand command_;
+};
+
+}  // namespace
+
+ControllerKind force_ratio() {
+  return {
+      {"force_ratio", "Keeps the ratio of tangential to normal force below an assumed friction coefficient with a margin.",
+       "target = max(preset, sum |f_t| / (mu margin)), or max(preset, F max(|f_t|/f_n) / (mu margin))\n"
+       "position = measured position + ceil((target - F)/force_per_count) counts while F < target, otherwise the last command\n"
+       "f_t, f_n: tangential and normal force of a pillar; F: sum of f_n. The position ends at 255 and stays there",
+       "Coulomb's law; grip force kept in proportion to the load: Westling and Johansson, Exp. Brain Res. 53 (1984) 277",
+       with_registers({
+           declared("mu", ParameterType::number, Quantity::none, "0.35", positive,
+                    "Friction coefficient that the controller believes in; too high a belief drops the box.",
+                    "assumed: PTFE on silicone"),
+           declared("margin", ParameterType::number, Quantity::none, "0.8", {.min = 0.0, .max = 1.0, .open_min = true},
+                    "Share of mu that the ratio may reach.", "assumed"),
+           declared_choice("ratio", "sum", {"sum", "largest"}, "Of the whole pad, or of the pillar that is nearest to slipping.",
+                           "assumed"),
+           touch_spec(),
+           force_per_count_spec(),
+           ceiling_spec(),
+           loosen_spec(),
+       })},
+      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
+        return std::make_unique<ForceRatio>(p, source);
+      }};
+}
+
+}  // namespace slipbench::controllers

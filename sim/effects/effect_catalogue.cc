@@ -1,0 +1,25 @@
+#include "sim/effects/effect_catalogue.h"
+
+#include "sim/effects/effects.h"
+
+namespace slipbench {
+
+const std::vector<EffectKind>& effect_catalogue() {
+  static const std::vector<EffectKind> effects{
+      ageing(),
+      anisotropic_friction(),
+      asperities(),
+      inertia(),
+      lean(),
+      load_dependent_friction(),
+      patchy_friction(),
+      roughness(),
+      stribeck(),
+      texture(),
+      viscoelastic(),
+      viscous_friction(),
+  };
+  return effects;
+}
+
+}  // namespace slipbench

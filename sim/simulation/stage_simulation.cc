@@ -1,0 +1,133 @@
+#include "sim/simulation/stage_simulation.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/effects/effect_catalogue.h"
+#include "sim/effects/install.h"
+#include "sim/field/contact_labels.h"
+#include "sim/field/field.h"
+#include "sim/grasp/grasp_catalogue.h"
+#include "sim/motion/motion.h"
+#include "sim/scene/catalogues.h"
+#include "sim/scene/materials.h"
+#include "sim/simulation/bodies.h"
+#include "sim/simulation/pad_clocks.h"
+#include "sim/simulation/stage_setup.h"
+#include "sim/simulation/step_plan.h"
+#include "sim/simulation/surfaces.h"
+
+namespace slipbench {
+namespace {
+
+// How deep a tip may be in a shape until the far side is nearer than the one by which it came in [m].
+struct HalfThickness {
+  double operator()(const Plane&) const { return std::numeric_limits<double>::infinity(); }
+  double operator()(const Box& box) const { return box.half.minCoeff(); }
+  double operator()(const Cylinder& cylinder) const { return std::min(cylinder.radius, cylinder.half_length); }
+  double operator()(const Sphere& sphere) const { return sphere.radius; }
+  double operator()(const Capsule& capsule) const { return capsule.radius; }
+  double operator()(const Ellipsoid& ellipsoid) const { return ellipsoid.half.minCoeff(); }
+  double operator()(const DistanceGrid&) const { return std::numeric_limits<double>::infinity(); }  // it knows of no thickness
+};
+
+// An element of a pad deeper than that would come out on the far side without having let go.
+void refuse_too_deep(const Field& field, double half_thickness, double time) {
+  constexpr double margin = 0.9;  // of the half thickness: a step must not lead over the rest of it
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    if (field.penetration(i) > margin * half_thickness) {
+      throw InputError(fmt::format(
+          "surface: at {} the pad is {} deep in a shape whose half thickness is {}; allowed: up to {} % of that, by a larger shape or less motion.compression",
+          format_quantity(time, Quantity::time), format_quantity(field.penetration(i), Quantity::length),
+          format_quantity(half_thickness, Quantity::length), 100.0 * margin));
+    }
+  }
+}
+
+}  // namespace
+
+struct StageSimulation::State {
+  struct Pad {
+    Field field;
+    ContactLabels labels;
+    std::optional<MotorVibration> motors;
+  };
+
+  std::unique_ptr<Motion> motion;
+  Pose world_in_surface;
+  double half_thickness = 0.0;  // m, of the surface's shape
+  std::vector<Pad> pads;
+  PadClocks clocks;
+  std::vector<NamedBody> bodies;
+};
+
+StageSimulation::StageSimulation(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
+                                 std::uint64_t trial)
+    : state_(std::make_unique<State>()) {
+  if (scene.fidelity != "field" || scene.dynamic()) throw std::logic_error("StageSimulation: a scene of another simulation");
+  State& s = *state_;
+  StageSetup stage = set_up_stage(scene, trial);
+  s.motion = std::move(stage.motion);
+  const std::optional<MotorSettings> motors = s.motion->motors();
+  const PlacedSurface& surface = stage.surface;
+  s.world_in_surface = surface.pose.inverse();
+  s.half_thickness = std::visit(HalfThickness{}, surface.shape);
+
+  for (std::size_t i = 0; i < pads.size(); ++i) {
+    FieldEffects effects = install_effects(scene.effects, *pads[i], surface.shape, scene.seed, trial);
+    refuse_inside(*pads[i], surface, effects, s.motion->pad_at(0.0).pose);
+    const double longest = longest_step(effects, s.motion->top_speed(reach_of(*pads[i])));
+    s.clocks.add(plan_steps(scene, output_rates.subspan(i, 1), longest, "the scene's effects", i));
+    Field field(*pads[i], surface.shape, {scene.friction.static_coefficient, scene.friction.kinetic_coefficient},
+                std::move(effects));
+    ContactLabels labels(field.layout());
+    s.pads.push_back({std::move(field), std::move(labels), {}});
+    if (motors) s.pads.back().motors.emplace(*motors, RandomStream(scene.seed, trial, "motors"));
+  }
+  s.bodies = {{"pad", s.motion->pad_at(0.0)}, {"surface", {surface.pose, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
+}
+
+StageSimulation::~StageSimulation() = default;
+StageSimulation::StageSimulation(StageSimulation&&) noexcept = default;
+StageSimulation& StageSimulation::operator=(StageSimulation&&) noexcept = default;
+
+std::size_t StageSimulation::ticks(std::size_t pad) const { return state_->clocks.ticks(pad); }
+double StageSimulation::time_step(std::size_t pad) const { return state_->clocks.time_step(pad); }
+std::size_t StageSimulation::stride(std::size_t pad) const { return state_->clocks.stride(pad); }
+std::span<const std::size_t> StageSimulation::stepped() const { return state_->clocks.stepped(); }
+const ContactFrame& StageSimulation::contact(std::size_t pad) const { return state_->pads[pad].labels.frame(); }
+const std::vector<NamedBody>& StageSimulation::bodies() const { return state_->bodies; }
+bool StageSimulation::rotating() const { return state_->motion->turns(); }
+
+void StageSimulation::step() {
+  State& s = *state_;
+  const double time = s.clocks.advance();
+  const BodyState& stage = s.bodies.front().state = s.motion->pad_at(time);
+  const Pose pad_in_surface = s.world_in_surface * stage.pose;
+  for (const std::size_t i : s.clocks.stepped()) {
+    State::Pad& pad = s.pads[i];
+    const double dt = s.clocks.time_step(i);
+    pad.field.step(pad_in_surface, dt);
+    if (!pad.field.on_plane()) refuse_too_deep(pad.field, s.half_thickness, time);
+    pad.labels.update({&pad.field, 1}, time, dt);
+    pad.labels.ride(stage.pose.position.array(), pad.motors ? pad.motors->force(stage, pad.field.touching() > 0, dt) : 0.0);
+  }
+}
+
+void add_sim_catalogues(Catalogues& catalogues) {
+  catalogues.materials = material_table();
+  for (const SurfaceKind& kind : surface_catalogue()) catalogues.surfaces.push_back(kind.about);
+  for (const MotionKind& kind : motion_catalogue()) catalogues.motions.push_back(kind.about);
+  catalogues.bodies = body_catalogue();
+  catalogues.grasp = grasp_catalogue();
+  catalogues.protocols = protocol_catalogue();
+  for (const EffectKind& kind : effect_catalogue()) catalogues.effects.push_back(kind.about);
+}
+
+}  // namespace slipbench

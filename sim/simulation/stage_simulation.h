@@ -1,0 +1,52 @@
+// The simulation itself: a scene's pads, surface and motion, stepped in time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/core/contact_frame.h"
+#include "sim/core/pad_layout.h"
+#include "sim/scene/scene.h"
+#include "sim/simulation/simulation.h"
+
+namespace slipbench {
+
+// Runs one trial of a scene. Every pad follows the scene's motion against the scene's surface; no dynamics are solved, since
+// nothing is free to move. Pads do not feel each other: with `time_step: auto` each takes the longest step that divides its own sampling
+// time and that its own effects bear, and the motors shake each by a force of its own with the same random numbers (the level and the
+// phases of their lines are alike in all; the noise is drawn once a step).
+class StageSimulation final : public Simulation {
+ public:
+  // `pads`: one layout a sensor of the scene, in the scene's order. `output_rates` [Hz]: the sensors' rates, in the same order.
+  // `trial` keys the effects' random streams. Throws InputError when a sensor's rate does not divide the step rate or when
+  // the step is too long for an effect, and std::logic_error for a scene that is another simulation's (articulated pads, bodies).
+  StageSimulation(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
+                  std::uint64_t trial);
+  ~StageSimulation() override;
+  StageSimulation(StageSimulation&&) noexcept;
+  StageSimulation& operator=(StageSimulation&&) noexcept;
+
+  [[nodiscard]] std::size_t ticks(std::size_t pad) const override;
+  [[nodiscard]] double time_step(std::size_t pad) const override;
+  [[nodiscard]] std::size_t stride(std::size_t pad) const override;
+  void step() override;
+  [[nodiscard]] std::span<const std::size_t> stepped() const override;
+  [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
+  // "pad" (one: all sensors ride on the same stage) and "surface".
+  [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
+  [[nodiscard]] bool rotating() const override;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// The catalogues of everything in sim/ that a scene may name (materials, surfaces, motions, effects). Sensors and electronics are
+// added by whoever composes the program.
+struct Catalogues;
+void add_sim_catalogues(Catalogues& catalogues);
+
+}  // namespace slipbench

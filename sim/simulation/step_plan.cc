@@ -1,0 +1,73 @@
+#include "sim/simulation/step_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+
+namespace slipbench {
+namespace {
+
+// Times that should be whole multiples may miss by this share: they come from decimal text.
+constexpr double rounding = 1e-9;
+
+// How many steps within a sampling time are tried before sensors' rates count as having no common step.
+constexpr double most_divisors = 100.0;
+
+// n when `longer` is n times `shorter`, else 0.
+std::size_t whole_ratio(double longer, double shorter) {
+  const double ratio = longer / shorter;
+  const double nearest = std::round(ratio);
+  return nearest >= 1.0 && std::abs(ratio - nearest) <= rounding * nearest ? static_cast<std::size_t>(nearest) : 0;
+}
+
+// The longest step that divides every sampling time; where none of a reasonable number does, the check in plan_steps() says which
+// sensor is in the way.
+double automatic_step(std::span<const double> rates, double longest) {
+  const double fastest = *std::max_element(rates.begin(), rates.end());
+  const double first = std::max(1.0, std::ceil(1.0 / (fastest * longest)));
+  const auto step_of = [&](double divisor) { return 1.0 / fastest / divisor; };
+  const auto divides_all = [&](double divisor) {
+    return std::all_of(rates.begin(), rates.end(), [&](double rate) { return whole_ratio(1.0 / rate, step_of(divisor)) != 0; });
+  };
+  double divisor = first;
+  while (divisor < first + most_divisors && !divides_all(divisor)) divisor += 1.0;
+  return step_of(divides_all(divisor) ? divisor : first);
+}
+
+}  // namespace
+
+StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, double longest, const std::string& limited_by,
+                    std::size_t first) {
+  StepPlan plan;
+  plan.dt = scene.time_step ? *scene.time_step : automatic_step(output_rates, longest);
+  if (plan.dt > longest) {
+    throw SceneValueError("time_step",
+                          fmt::format("{} is too long for {}; allowed are up to {}", format_quantity(plan.dt, Quantity::time),
+                                      limited_by, format_quantity(longest, Quantity::time)));
+  }
+  plan.ticks = whole_ratio(scene.duration, plan.dt);
+  if (plan.ticks == 0) {
+    throw SceneValueError(
+        "duration",
+        fmt::format("{} is not a whole number of steps of {}{}", format_quantity(scene.duration, Quantity::time),
+                    format_quantity(plan.dt, Quantity::time),
+                    output_rates.size() < scene.sensors.size() ? ", those of sensor '" + scene.sensors[first].name + "'" : ""));
+  }
+  for (std::size_t i = 0; i < output_rates.size(); ++i) {
+    const std::string sampling_time = format_quantity(1.0 / output_rates[i], Quantity::time);
+    plan.strides.push_back(whole_ratio(1.0 / output_rates[i], plan.dt));
+    if (plan.strides.back() == 0) {
+      throw SceneValueError(
+          "time_step",
+          fmt::format("{} does not divide the sampling time {} of sensor '{}'; allowed: {} over a whole number",
+                      format_quantity(plan.dt, Quantity::time), sampling_time, scene.sensors[first + i].name, sampling_time));
+    }
+  }
+  return plan;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,101 @@
+// The shapes of a scene: where they stand in the world.
+#include <variant>
+
+#include <gtest/gtest.h>
+
+#include "tests/sim/simulation/simulation_rig.h"
+
+namespace slipbench::testing_bench {
+namespace {
+
+// Gap [m] and world normal at a point of the world, for an element that looks down.
+std::pair<double, Eigen::Vector3d> met(const PlacedSurface& placed, const Eigen::Vector3d& world) {
+  const Eigen::Vector3d p = placed.pose.inverse() * world,
+                        axis = placed.pose.rotation.transpose() * Eigen::Vector3d(0.0, 0.0, -1.0);
+  const SurfacePoint point =
+      std::visit([&](const auto& shape) { return shape.at(p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z()); }, placed.shape);
+  return {point.gap, placed.pose.rotation * Eigen::Vector3d(point.nx, point.ny, point.nz)};
+}
+
+PlacedSurface placed(const std::string& name, const Changes& changes = {}) {
+  const auto& catalogue = surface_catalogue();
+  const auto& kind =
+      *std::find_if(catalogue.begin(), catalogue.end(), [&](const SurfaceKind& k) { return k.about.name == name; });
+  return kind.create(named(catalogue, name, changes).parameters);
+}
+
+TEST(Surfaces, HighestPointOfEveryShapeIsAtZeroOverItsPosition) {
+  const std::vector<double> position{4e-3, -7e-3};
+  for (const SurfaceKind& kind : surface_catalogue()) {
+    const bool movable = kind.about.name != "plane";
+    const PlacedSurface surface = placed(kind.about.name, movable ? Changes{{"position", position}} : Changes{});
+    for (const double z : {1e-3, 1e-6, -1e-6, -1e-3}) {
+      const auto [gap, normal] = met(surface, {4e-3, -7e-3, z});
+      EXPECT_NEAR(gap, z, 1e-15) << kind.about.name;
+      EXPECT_NEAR((normal - Eigen::Vector3d::UnitZ()).norm(), 0.0, 1e-12) << kind.about.name;
+    }
+  }
+}
+
+TEST(Surfaces, EntriesAreDocumented) {
+  for (const SurfaceKind& kind : surface_catalogue()) {
+    EXPECT_FALSE(kind.about.summary.empty() || kind.about.law.empty()) << kind.about.name;
+    for (const ParameterSpec& parameter : kind.about.parameters) {
+      EXPECT_FALSE(parameter.doc.empty() || parameter.source.empty()) << kind.about.name << "." << parameter.name;
+    }
+  }
+}
+
+TEST(Surfaces, BoxHasItsSize) {
+  const PlacedSurface box = placed("box", {{"size", std::vector<double>{20e-3, 10e-3, 6e-3}}});
+  EXPECT_NEAR(met(box, {11e-3, 0.0, -1e-3}).first, 1e-3, 1e-15);
+  EXPECT_NEAR(met(box, {0.0, -7e-3, -1e-3}).first, 2e-3, 1e-15);
+  EXPECT_NEAR(met(box, {0.0, 0.0, -9e-3}).first, 3e-3, 1e-15);
+}
+
+TEST(Surfaces, CylinderLiesAlongItsAngle) {
+  // Radius 30 mm: beside its highest line by s the gap is sqrt(s^2 + 30^2) - 30 mm, along it zero up to the end at half its
+  // length.
+  for (const double angle : {0.0, 0.5, -1.2}) {
+    const PlacedSurface cylinder = placed("cylinder", {{"angle", angle}, {"length", 80e-3}});
+    const Eigen::Vector3d along(std::cos(angle), std::sin(angle), 0.0), across(-std::sin(angle), std::cos(angle), 0.0);
+    EXPECT_NEAR(met(cylinder, 39e-3 * along).first, 0.0, 1e-15);
+    EXPECT_NEAR(met(cylinder, -42e-3 * along - Eigen::Vector3d(0.0, 0.0, 1e-3)).first, 2e-3, 1e-15);
+    EXPECT_NEAR(met(cylinder, 5e-3 * across).first, std::hypot(5e-3, 30e-3) - 30e-3, 1e-15);
+  }
+}
+
+TEST(Surfaces, UprightCylinderHasItsEndFaceUp) {
+  // Of 18 mm diameter: 0.5 mm deep inside the rim the face is met, 1 mm beside it and 1 mm below the side.
+  const PlacedSurface post = placed("upright_cylinder", {{"radius", 9e-3}, {"length", 20e-3}});
+  for (const double angle : {0.0, 0.8, 3.0}) {
+    const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0.0);
+    const auto [depth, up] = met(post, 8.9e-3 * out - Eigen::Vector3d(0.0, 0.0, 0.5e-3));
+    EXPECT_NEAR(depth, -0.5e-3, 1e-15);
+    EXPECT_NEAR((up - Eigen::Vector3d::UnitZ()).norm(), 0.0, 1e-15);
+    const auto [beside, outwards] = met(post, 10e-3 * out - Eigen::Vector3d(0.0, 0.0, 1e-3));
+    EXPECT_NEAR(beside, 1e-3, 1e-15);
+    EXPECT_NEAR((outwards - out).norm(), 0.0, 1e-12);
+  }
+}
+
+TEST(Surfaces, CapsuleLiesAlongItsAngleAndEndsInHalfBalls) {
+  // Radius 30 mm, straight for 40 mm either way. On the straight part the highest line is at 0; 18 mm beyond its end, at the
+  // height of the axis plus 24 mm, lies the half ball: 18, 24, 30.
+  for (const double angle : {0.0, 0.5, -1.2}) {
+    const PlacedSurface capsule = placed("capsule", {{"angle", angle}, {"length", 80e-3}});
+    const Eigen::Vector3d along(std::cos(angle), std::sin(angle), 0.0), across(-std::sin(angle), std::cos(angle), 0.0);
+    EXPECT_NEAR(met(capsule, 39e-3 * along).first, 0.0, 1e-15);
+    EXPECT_NEAR(met(capsule, 58e-3 * along - Eigen::Vector3d(0.0, 0.0, 6e-3)).first, 0.0, 1e-15);
+    EXPECT_NEAR(met(capsule, -72e-3 * along - Eigen::Vector3d(0.0, 0.0, 30e-3)).first, 2e-3, 1e-15);
+    EXPECT_NEAR(met(capsule, 5e-3 * across).first, std::hypot(5e-3, 30e-3) - 30e-3, 1e-15);
+  }
+}
+
+TEST(Surfaces, SphereHasItsRadius) {
+  const PlacedSurface sphere = placed("sphere", {{"radius", 25e-3}});
+  EXPECT_NEAR(met(sphere, {5e-3, 0.0, 0.0}).first, std::hypot(5e-3, 25e-3) - 25e-3, 1e-15);
+}
+
+}  // namespace
+}  // namespace slipbench::testing_bench

@@ -1,0 +1,281 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/writer.h"
+
+namespace slipbench::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const DatasetHeader header{"1.2.3", "slipbench: 1\ndescription: \xC2\xB5\n", R"({"motion.speed":"8 mm/s"})", 7,
+                           "slipbench sweep a.yaml"};
+
+// Two floats of the same bits: NaN equals NaN.
+void expect_same(const std::vector<float>& found, const std::vector<float>& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  EXPECT_EQ(std::memcmp(found.data(), expected.data(), found.size() * sizeof(float)), 0);
+}
+
+void expect_same(const std::vector<double>& found, const std::vector<double>& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i)
+    EXPECT_TRUE(found[i] == expected[i] || (std::isnan(found[i]) && std::isnan(expected[i])));
+}
+
+class DatasetTest : public FolderTest {
+ protected:
+  std::string write(const std::string& name, std::size_t trials, std::size_t rows, std::uint64_t limit) {
+    DatasetWriter writer(path(name), header, trials, limit);
+    for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));
+    writer.commit();
+    return path(name);
+  }
+};
+
+TEST_F(DatasetTest, ComesBackAsItWasWritten) {
+  const DatasetReader reader(write("a.h5", 3, 40, DatasetWriter::default_shard_limit));
+  EXPECT_EQ(reader.header().version, header.version);
+  EXPECT_EQ(reader.header().scene, header.scene);
+  EXPECT_EQ(reader.header().overrides, header.overrides);
+  EXPECT_EQ(reader.header().seed, header.seed);
+  EXPECT_EQ(reader.header().command, header.command);
+  EXPECT_TRUE(reader.complete());
+  EXPECT_THAT(reader.trials(), ElementsAre(0, 1, 2));
+
+  const TrialRecord expected = make_record(2, 40);
+  const TrialRecord found = reader.read_trial(2);
+  EXPECT_EQ(found.seed, expected.seed);
+  EXPECT_EQ(found.params, expected.params);
+  EXPECT_EQ(found.outcome.touch_time, expected.outcome.touch_time);
+  EXPECT_EQ(found.num_samples(), 40U);
+  EXPECT_EQ(reader.info(2).num_samples, 40U);
+
+  const SensorRecord& sensor = found.sensors.at(0);
+  const SensorRecord& original = expected.sensors[0];
+  EXPECT_EQ(sensor.name, original.name);
+  EXPECT_EQ(sensor.type, original.type);
+  EXPECT_EQ(reader.sensor_type(2, "pad"), original.type);
+  EXPECT_EQ(sensor.rate, original.rate);
+  EXPECT_EQ(sensor.frame, original.frame);
+  EXPECT_EQ(sensor.channel_names, original.channel_names);
+  expect_same(sensor.time, original.time);
+  ASSERT_EQ(sensor.channels.size(), 2U);
+  for (std::size_t c = 0; c < 2; ++c) {
+    EXPECT_EQ(sensor.channels[c].name, original.channels[c].name);
+    EXPECT_EQ(sensor.channels[c].unit, original.channels[c].unit);
+    EXPECT_EQ(sensor.channels[c].shape, original.channels[c].shape);
+    expect_same(sensor.channels[c].values, original.channels[c].values);
+  }
+  EXPECT_EQ(sensor.labels.unit_state, original.labels.unit_state);
+  expect_same(sensor.labels.slip_velocity, original.labels.slip_velocity);
+  expect_same(sensor.labels.slip_distance, original.labels.slip_distance);
+  expect_same(sensor.labels.margin, original.labels.margin);
+  expect_same(sensor.labels.force, original.labels.force);
+  EXPECT_EQ(sensor.labels.state, original.labels.state);
+  EXPECT_EQ(sensor.labels.state_micro, original.labels.state_micro);
+  EXPECT_EQ(sensor.labels.state_paper, original.labels.state_paper);
+  expect_same(sensor.labels.stuck_fraction, original.labels.stuck_fraction);
+  expect_same(sensor.labels.slip_direction, original.labels.slip_direction);
+  expect_same(sensor.labels.slip_centre, original.labels.slip_centre);
+  expect_same(sensor.labels.slip_angle, original.labels.slip_angle);
+  expect_same(sensor.labels.event_time, original.labels.event_time);
+  EXPECT_EQ(sensor.labels.event_unit, original.labels.event_unit);
+  EXPECT_EQ(sensor.labels.event_kind, original.labels.event_kind);
+  expect_same(sensor.labels.unit_positions, original.labels.unit_positions);
+  expect_same(sensor.labels.unit_heights, original.labels.unit_heights);
+  expect_same(sensor.labels.k_normal, original.labels.k_normal);
+  expect_same(sensor.labels.k_tangential, original.labels.k_tangential);
+  expect_same(sensor.labels.mu_static, original.labels.mu_static);
+  expect_same(sensor.labels.mu_kinetic, original.labels.mu_kinetic);
+  expect_same(sensor.labels.onset_time, original.labels.onset_time);
+  expect_same(sensor.labels.micro_onset_time, original.labels.micro_onset_time);
+  EXPECT_THAT(sensor.labels.state_count, ElementsAre(0, 0, 40, 0));        // all are 2, incipient
+  EXPECT_THAT(sensor.labels.state_micro_count, ElementsAre(0, 0, 0, 40));  // all are 3, gross
+  ASSERT_EQ(found.bodies.size(), 1U);
+  EXPECT_TRUE(found.bodies[0].size.empty());
+  EXPECT_EQ(found.bodies[0].name, "pad");
+  expect_same(found.bodies[0].pose, expected.bodies[0].pose);
+  expect_same(found.bodies[0].velocity, expected.bodies[0].velocity);
+}
+
+TEST_F(DatasetTest, DetectorComesBackAsItWasWritten) {
+  const TrialRecord expected = make_controlled_record(0, 41);
+  {
+    DatasetWriter writer(path("a.h5"), header, 2);
+    writer.append(TrialEncoder().encode(expected));
+    writer.append(make_trial(1, 41));
+    writer.commit();
+  }
+  const DatasetReader reader(path("a.h5"));
+  const TrialRecord found = reader.read_trial(0);
+  ASSERT_TRUE(found.control.has_value());
+  EXPECT_EQ(found.control->detector, "force_ratio");
+  EXPECT_EQ(found.control->sensor, "pad");
+  EXPECT_EQ(found.control->rate, 1000.0);
+  EXPECT_EQ(found.control->time, expected.control->time);
+  EXPECT_EQ(found.control->detector_class, expected.control->detector_class);
+  EXPECT_EQ(found.control->confusion, expected.control->confusion);
+  EXPECT_FALSE(reader.read_trial(1).control.has_value());
+  EXPECT_THAT(reader.content_sha256(), ElementsAre(content_digest({trial_digest(found), trial_digest(reader.read_trial(1))})));
+}
+
+TEST_F(DatasetTest, GripperComesBackAsItWasWritten) {
+  const TrialRecord expected = make_grasp_record(0, 17);
+  {
+    DatasetWriter writer(path("a.h5"), header, 1);
+    writer.append(TrialEncoder().encode(expected));
+    writer.commit();
+  }
+  const TrialRecord found = DatasetReader(path("a.h5")).read_trial(0);
+  ASSERT_TRUE(found.control.has_value());
+  EXPECT_EQ(found.control->controller, "step_on_slip");
+  EXPECT_EQ(found.control->grip.command, expected.control->grip.command);
+  EXPECT_EQ(found.control->grip.measured_position, expected.control->grip.measured_position);
+  EXPECT_EQ(found.control->grip.grip_force, expected.control->grip.grip_force);
+  ASSERT_TRUE(found.outcome.grasp.has_value());
+  EXPECT_TRUE(found.outcome.grasp->dropped);
+  EXPECT_THAT(found.bodies.at(0).size, ElementsAre(0.0625, 0.05, 0.1));
+}
+
+// A channel that is slower than its sensor's samples, also one that never had a row.
+TEST_F(DatasetTest, ChannelWithATimeOfItsOwnComesBackAsItWasWritten) {
+  TrialRecord record = make_record(0, 7);
+  SensorRecord& sensor = record.sensors[0];
+  sensor.channels.push_back({"image", "1", {2}, ramp(6, 50.0F), std::vector<double>{2e-3, 4e-3, 6e-3}});
+  sensor.channels.push_back({"late", "1", {}, {}, std::vector<double>{}});
+  sensor.channel_names.insert(sensor.channel_names.end(), {"I0", "I1", "L"});
+  {
+    DatasetWriter writer(path("a.h5"), header, 1);
+    writer.append(TrialEncoder().encode(record));
+    writer.commit();
+  }
+  const SensorRecord read = DatasetReader(path("a.h5")).read_trial(0).sensors[0];
+  ASSERT_EQ(read.channels.size(), 4U);
+  EXPECT_FALSE(read.channels[0].time.has_value());
+  for (const std::size_t c : {2U, 3U}) {
+    EXPECT_EQ(read.channels[c].time, sensor.channels[c].time);
+    EXPECT_EQ(read.channels[c].values, sensor.channels[c].values);
+    EXPECT_EQ(read.channels[c].shape, sensor.channels[c].shape);
+  }
+}
+
+TEST_F(DatasetTest, GuidedArmComesBackAsItWasWritten) {
+  TrialRecord expected = make_grasp_record(0, 3);
+  expected.control->grip.arm = {0.0F, 0.0F, 0.0F, 0.01F, -0.02F, 0.01F};
+  expected.outcome.grasp->turn = {.tilt = 0.25, .least_tilt = 0.125, .standing = false};
+  {
+    DatasetWriter writer(path("a.h5"), header, 1);
+    writer.append(TrialEncoder().encode(expected));
+    writer.commit();
+  }
+  const TrialRecord found = DatasetReader(path("a.h5")).read_trial(0);
+  EXPECT_EQ(found.control->grip.arm, expected.control->grip.arm);
+  EXPECT_EQ(found.outcome.grasp->turn->tilt, 0.25);
+}
+
+TEST_F(DatasetTest, DetectorThatDoesNotFitItsTrialIsRefused) {
+  const auto refusal = [&](const auto& damage) {
+    TrialRecord record = make_controlled_record(0, 8);
+    damage(*record.control);
+    {
+      DatasetWriter writer(path("a.h5"), header, 1);
+      writer.append(TrialEncoder().encode(record));
+      writer.commit();
+    }
+    const DatasetReader reader(path("a.h5"));
+    return message_of<InputError>([&] { static_cast<void>(reader.read_trial(0)); });
+  };
+  EXPECT_THAT(refusal([](ControlRecord& control) { control.detector_class[3] = 4; }),
+              HasSubstr("/data/demo_0/control/detector_class: holds 4, which is no state of a pad"));
+  EXPECT_THAT(refusal([](ControlRecord& control) { control.sensor = "pat"; }),
+              HasSubstr("/data/demo_0/control: reads the sensor 'pat', which the trial does not have"));
+  EXPECT_THAT(refusal([](ControlRecord& control) { control.time[3] += 1e-3; }),
+              HasSubstr("/data/demo_0/control: has not the times of its sensor"));
+}
+
+TEST_F(DatasetTest, ReadsArraysOfSeveralChunks) {
+  const DatasetReader reader(write("a.h5", 1, 100'001, DatasetWriter::default_shard_limit));
+  expect_same(reader.read<float>(0, "labels/pad/force"), make_record(0, 100'001).sensors[0].labels.force);
+  EXPECT_THAT(reader.shape(0, "labels/pad/force"), ElementsAre(100'001, 2, 3));
+}
+
+TEST_F(DatasetTest, DigestIsThatOfTheTrials) {
+  const DatasetReader reader(write("a.h5", 3, 40, DatasetWriter::default_shard_limit));
+  std::vector<Digest> digests;
+  for (const std::size_t trial : reader.trials()) digests.push_back(TrialEncoder().encode(reader.read_trial(trial)).digest);
+  EXPECT_THAT(reader.content_sha256(), ElementsAre(content_digest(digests)));
+}
+
+TEST_F(DatasetTest, SameTrialsGiveTheSameBytes) {
+  EXPECT_TRUE(bytes_of(write("a.h5", 5, 40, DatasetWriter::default_shard_limit)) ==
+              bytes_of(write("b.h5", 5, 40, DatasetWriter::default_shard_limit)));
+}
+
+TEST_F(DatasetTest, ShardsStayBelowTheLimit) {
+  constexpr std::uint64_t limit = 200'000;
+  const std::string first = write("a.h5", 20, 500, limit);
+  const std::vector<std::string> files = names();
+  ASSERT_GE(files.size(), 3U);
+  for (const std::string& name : files) EXPECT_LE(std::filesystem::file_size(path(name)), limit) << name;
+  EXPECT_THAT(files.back(), "a.h5");
+  EXPECT_THAT(files.front(), "a-0001.h5");
+
+  const DatasetReader reader(first);
+  EXPECT_EQ(reader.trials().size(), 20U);
+  EXPECT_EQ(reader.content_sha256().size(), files.size());
+  for (const std::size_t trial : reader.trials()) {
+    expect_same(reader.read<float>(trial, "labels/pad/force"), make_record(trial, 500).sensors[0].labels.force);
+  }
+  // 15 % of 20 trials are 3.
+  EXPECT_EQ(reader.mask("test").size(), 3U);
+  EXPECT_EQ(reader.mask("valid").size(), 3U);
+  EXPECT_EQ(reader.mask("train").size(), 14U);
+}
+
+TEST_F(DatasetTest, RefusesAShardOfAnotherRun) {
+  constexpr std::uint64_t limit = 200'000;
+  const std::string first = write("a.h5", 20, 500, limit);
+  DatasetHeader other = header;
+  other.seed = 8;
+  {
+    DatasetWriter writer(path("b.h5"), other, 20, limit);
+    for (std::size_t k = 0; k < 20; ++k) writer.append(make_trial(k, 500));
+    writer.commit();
+  }
+  std::filesystem::rename(path("b-0001.h5"), path("a-0001.h5"));
+  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(first); }), HasSubstr("belongs to another dataset"));
+  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(path("a-0002.h5")); }), HasSubstr("open the first"));
+}
+
+TEST_F(DatasetTest, TrialsComeInOrder) {
+  DatasetWriter writer(path("a.h5"), header, 2);
+  writer.append(make_trial(1, 10));
+  EXPECT_THROW(writer.append(make_trial(1, 10)), std::logic_error);
+}
+
+TEST_F(DatasetTest, ReaderNamesWhatIsWrong) {
+  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(path("none.h5")); }), HasSubstr("no such file"));
+  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(path("")); }), HasSubstr("is a folder"));
+  std::ofstream(path("text.h5")) << "not HDF5";
+  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(path("text.h5")); }), HasSubstr("no readable HDF5 file"));
+  const DatasetReader reader(write("a.h5", 2, 10, DatasetWriter::default_shard_limit));
+  EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(reader.info(2)); }),
+              HasSubstr("no trial 2; the first is 0, the last 1"));
+  EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(reader.read<float>(0, "labels/pad/speed")); }),
+              HasSubstr("/data/demo_0/labels/pad/speed: missing or damaged"));
+  EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(reader.read<float>(0, "labels/pad")); }), HasSubstr("is no array"));
+}
+
+}  // namespace
+}  // namespace slipbench::testing

@@ -1,0 +1,321 @@
+// What happens to a dataset when its writing cannot go on.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/writer.h"
+
+namespace slipbench::testing::failure_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const DatasetHeader header{"1.2.3", "scene", "{}", 7, "slipbench sweep a.yaml"};
+constexpr std::size_t rows = 400;
+
+// Runs `action` in a child process and hands back its wait status.
+int in_child(const std::function<void()>& action) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    try {
+      action();
+    } catch (...) {
+      ::_exit(3);
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return status;
+}
+
+class FailureTest : public FolderTest {
+ protected:
+  std::string refusal(const std::string& target) {
+    return message_of<InputError>([&] { DatasetWriter writer(target, header, 1); });
+  }
+  static void write(const std::string& target, std::size_t trials) {
+    DatasetWriter writer(target, header, trials);
+    for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));
+    writer.commit();
+  }
+  void expect_first_trials(const std::string& name, std::size_t count) {
+    const DatasetReader reader(path(name));
+    EXPECT_FALSE(reader.complete());
+    ASSERT_EQ(reader.trials().size(), count);
+    for (std::size_t k = 0; k < count; ++k) {
+      EXPECT_EQ(reader.trials()[k], k);
+      EXPECT_EQ(reader.read<float>(k, "labels/pad/force"), make_record(k, rows).sensors[0].labels.force);
+      EXPECT_EQ(reader.read_trial(k).sensors[0].labels.k_normal, make_record(k, rows).sensors[0].labels.k_normal);
+    }
+  }
+};
+
+TEST_F(FailureTest, MissingFolderIsRefused) {
+  EXPECT_EQ(refusal(path("no/out.h5")), "cannot write " + path("no/out.h5") + ": there is no folder " + path("no"));
+  EXPECT_THAT(names(), IsEmpty());
+}
+
+TEST_F(FailureTest, FolderAsTargetIsRefused) {
+  ::mkdir(path("out.h5").c_str(), 0777);
+  EXPECT_THAT(refusal(path("out.h5")), HasSubstr("it is a folder"));
+  EXPECT_THAT(refusal(path("out.h5") + "/"), HasSubstr("no file name"));
+  EXPECT_THAT(refusal(""), HasSubstr("no file name"));
+}
+
+TEST_F(FailureTest, SpecialFileIsRefused) { EXPECT_THAT(refusal("/dev/null"), HasSubstr("no regular file")); }
+
+TEST_F(FailureTest, ReadOnlyTargetIsRefusedAndKept) {
+  std::ofstream(path("out.h5")) << "precious";
+  ::chmod(path("out.h5").c_str(), 0444);
+  EXPECT_THAT(refusal(path("out.h5")), HasSubstr("it is read-only"));
+  EXPECT_EQ(bytes_of(path("out.h5")), "precious");
+  EXPECT_THAT(names(), ElementsAre("out.h5"));
+}
+
+TEST_F(FailureTest, FileThatIsNoDatasetIsRefusedAndKept) {
+  std::ofstream(path("out.h5")) << "slipbench: 1\n";
+  EXPECT_EQ(refusal(path("out.h5")),
+            "cannot write " + path("out.h5") + ": it exists and is no dataset; allowed: a new name, or a dataset to replace");
+  EXPECT_EQ(bytes_of(path("out.h5")), "slipbench: 1\n");
+  EXPECT_THAT(names(), ElementsAre("out.h5"));
+}
+
+TEST_F(FailureTest, EmptyFileIsReplaced) {
+  std::ofstream(path("out.h5")).flush();
+  write(path("out.h5"), 1);
+  EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 1U);
+}
+
+TEST_F(FailureTest, SymbolicLinkIsRefusedAndKept) {
+  std::filesystem::create_symlink(path("real.h5"), path("out.h5"));  // dangling
+  EXPECT_EQ(refusal(path("out.h5")), "cannot write " + path("out.h5") + ": it is a symbolic link to " + path("real.h5") +
+                                         ", which would be replaced, not followed; allowed: a file or a new name");
+  write(path("real.h5"), 1);
+  EXPECT_THAT(refusal(path("out.h5")), HasSubstr("it is a symbolic link"));
+  EXPECT_TRUE(std::filesystem::is_symlink(path("out.h5")));
+}
+
+TEST_F(FailureTest, FolderWithoutPermissionIsRefused) {
+  ::mkdir(path("locked").c_str(), 0555);
+  ::chmod(path("").c_str(), 0755);
+  const int status = in_child([&] {
+    constexpr uid_t nobody = 65534;
+    if (::geteuid() == 0 && ::seteuid(nobody) != 0) ::_exit(2);  // root may write everywhere
+    ::_exit(refusal(path("locked/out.h5")).ends_with("Permission denied") ? 0 : 1);
+  });
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST_F(FailureTest, TwoRunsDoNotShareATarget) {
+  const DatasetWriter first(path("out.h5"), header, 1);
+  EXPECT_THAT(refusal(path("out.h5")), HasSubstr("another run is writing it"));
+}
+
+TEST_F(FailureTest, OldTargetStaysUntilTheNewOneIsWhole) {
+  write(path("out.h5"), 1);
+  const std::string old = bytes_of(path("out.h5"));
+  DatasetWriter writer(path("out.h5"), header, 100);
+  writer.append(make_trial(0, rows));
+  writer.append(make_trial(1, rows));
+  EXPECT_EQ(bytes_of(path("out.h5")), old);
+  writer.commit();
+  EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 2U);
+  EXPECT_THAT(names(), ElementsAre("out.h5"));
+}
+
+TEST_F(FailureTest, UnfinishedRunKeepsItsTrials) {
+  {
+    DatasetWriter writer(path("out.h5"), header, 100);
+    for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
+    EXPECT_EQ(writer.size(), 3U);
+    EXPECT_THAT(writer.keep_partial(), ElementsAre(path("out.partial.h5")));
+  }
+  EXPECT_THAT(names(), ElementsAre("out.partial.h5"));
+  expect_first_trials("out.partial.h5", 3);
+  EXPECT_EQ(DatasetReader(path("out.partial.h5")).mask("train").size(), 1U);  // of three, one each for validation and test
+}
+
+TEST_F(FailureTest, WholeRunRemovesWhatEarlierOnesLeft) {
+  in_child([&] {
+    DatasetWriter writer(path("out.h5"), header, 8, 100'000);  // several files
+    for (std::size_t k = 0; k < 8; ++k) writer.append(make_trial(k, rows));
+    ::raise(SIGKILL);
+  });
+  {
+    DatasetWriter writer(path("other.h5"), header, 8, 100'000);
+    for (std::size_t k = 0; k < 8; ++k) writer.append(make_trial(k, rows));
+  }
+  for (const std::string& name : names()) {
+    if (name.starts_with("other")) std::filesystem::rename(path(name), path("out" + name.substr(5)));
+  }
+  ASSERT_GE(names().size(), 4U);  // two files or more of each run
+  write(path("out.h5"), 1);
+  EXPECT_THAT(names(), ElementsAre("out.h5"));
+}
+
+TEST_F(FailureTest, UnfinishedRunWithoutTrialsLeavesNothing) {
+  { DatasetWriter writer(path("out.h5"), header, 100); }
+  EXPECT_THAT(names(), IsEmpty());
+}
+
+TEST_F(FailureTest, KilledRunLeavesItsTrials) {
+  const int status = in_child([&] {
+    DatasetWriter writer(path("out.h5"), header, 100);
+    for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
+    ::raise(SIGKILL);
+  });
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_THAT(names(), ElementsAre("out.h5.partial"));
+  expect_first_trials("out.h5.partial", 3);
+}
+
+TEST_F(FailureTest, KilledRunOfSeveralFilesIsReadAsOne) {
+  in_child([&] {
+    DatasetWriter writer(path("out.h5"), header, 8, 100'000);
+    for (std::size_t k = 0; k < 8; ++k) writer.append(make_trial(k, rows));
+    ::raise(SIGKILL);
+  });
+  EXPECT_GE(names().size(), 2U);
+  expect_first_trials("out.h5.partial", 8);
+}
+
+// Killed at any time, also inside a write: every trial that append() had returned for is there, and at most one more.
+TEST_F(FailureTest, RunKilledAtAnyTimeLeavesItsTrials) {
+  for (int attempt = 0; attempt < 20; ++attempt) {
+    int channel[2];
+    ASSERT_EQ(::pipe(channel), 0);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      DatasetWriter writer(path("out.h5"), header, 100);
+      for (std::size_t k = 0;; ++k) {
+        writer.append(make_trial(k, rows));
+        if (::write(channel[1], "x", 1) != 1) ::_exit(1);
+      }
+    }
+    ::close(channel[1]);
+    char mark = 0;
+    ASSERT_EQ(::read(channel[0], &mark, 1), 1);
+    ::usleep(static_cast<useconds_t>(1000 + 3700 * attempt));
+    ::kill(child, SIGKILL);
+    std::size_t reported = 1;
+    while (::read(channel[0], &mark, 1) == 1) ++reported;
+    ::close(channel[0]);
+    ::waitpid(child, nullptr, 0);
+    const std::size_t held = DatasetReader(path("out.h5.partial")).trials().size();
+    EXPECT_GE(held, reported);
+    EXPECT_LE(held, reported + 1);
+    expect_first_trials("out.h5.partial", held);
+  }
+}
+
+// Whatever bytes a file has lost or changed, guarded reading ends in values or in an InputError.
+TEST_F(FailureTest, DamagedFilesAreRefusedOrRead) {
+  {
+    DatasetWriter writer(path("whole.h5"), header, 1);
+    writer.append(make_trial(0, 20));
+    writer.commit();
+  }
+  const std::string whole = bytes_of(path("whole.h5"));
+  for (std::size_t step = 0; step < 300; ++step) {
+    std::string damaged = whole;
+    if (step % 3 == 0) {
+      damaged.resize(whole.size() * step / 300);
+    } else {
+      damaged[(step * 7919) % whole.size()] ^= static_cast<char>(1 + step % 255);
+    }
+    std::ofstream(path("damaged.h5"), std::ios::binary | std::ios::trunc) << damaged;
+    const auto read_all = [&] {
+      const DatasetReader reader(path("damaged.h5"));
+      for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_trial(trial));
+      return std::string("read");
+    };
+    try {
+      EXPECT_EQ(guarded("damaged.h5", read_all), "read") << step;
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+}
+
+TEST(Guarded, HandsBackTheResult) {
+  std::string text(100'000, 'x');  // more than a pipe holds at once
+  text[7] = '\0';
+  EXPECT_EQ(guarded("a.h5", [&] { return text; }), text);
+  EXPECT_EQ(guarded("a.h5", [] { return std::string(); }), "");
+}
+
+TEST(Guarded, ThrowsWhatWasThrown) {
+  EXPECT_EQ(message_of<InputError>([] { guarded("a.h5", []() -> std::string { throw InputError("no trial 3"); }); }),
+            "no trial 3");
+  EXPECT_EQ(message_of<std::runtime_error>([] { guarded("a.h5", []() -> std::string { throw std::logic_error("bug"); }); }),
+            "bug");
+}
+
+TEST(Guarded, CrashIsDamage) {
+  const auto raise = [](int signal) {
+    return [signal]() -> std::string {
+      std::signal(signal, SIG_DFL);  // a sanitizer has its own handler
+      ::raise(signal);
+      return "";
+    };
+  };
+  EXPECT_EQ(message_of<InputError>([&] { guarded("a.h5", raise(SIGSEGV)); }),
+            "a.h5: is damaged: HDF5 crashed on it (Segmentation fault)");
+  EXPECT_EQ(message_of<std::runtime_error>([&] { guarded("a.h5", raise(SIGTERM)); }), "a.h5: reading it was ended: Terminated");
+  // A terminal sends Ctrl-C to all processes of a program. The parent decides.
+  const auto interrupted = []() -> std::string {
+    ::raise(SIGINT);
+    return "read";
+  };
+  EXPECT_EQ(guarded("a.h5", interrupted), "read");
+}
+
+// A limit on the file's size stands for the full disk: the write fails half-way in the same place.
+TEST_F(FailureTest, FullDiskKeepsTheTrialsThatFitted) {
+  std::size_t most = 0;
+  for (const rlim_t limit : {100U, 3'000U, 10'000U, 30'000U, 60'000U, 100'000U, 150'000U, 177'000U, 200'000U}) {
+    const int status = in_child([&] {
+      const rlimit limits{limit, limit};
+      ::setrlimit(RLIMIT_FSIZE, &limits);
+      std::signal(SIGXFSZ, SIG_IGN);
+      std::string message;
+      try {
+        DatasetWriter writer(path("out.h5"), header, 100);
+        for (std::size_t k = 0; k < 100; ++k) writer.append(make_trial(k, rows));
+      } catch (const InputError& error) {
+        message = error.what();
+      }
+      ::_exit(message == "cannot write " + path("out.h5.partial") + ": File too large" ? 0 : 1);
+    });
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 0) << limit;
+    if (names().empty()) continue;
+    ASSERT_THAT(names(), ElementsAre("out.partial.h5")) << limit;
+    const std::size_t held = DatasetReader(path("out.partial.h5")).trials().size();
+    EXPECT_GE(held, std::max<std::size_t>(1, most));
+    most = held;
+    expect_first_trials("out.partial.h5", held);
+    std::filesystem::remove(path("out.partial.h5"));
+  }
+  EXPECT_GE(most, 2U);
+}
+
+}  // namespace
+}  // namespace slipbench::testing::failure_test

@@ -1,0 +1,164 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/header.h"
+#include "tools/base/dataset/mask.h"
+#include "tools/base/dataset/trial_record.h"
+
+namespace slipbench::testing {
+namespace {
+
+TEST(Outcome, ComesBackFromItsJson) {
+  TrialOutcome outcome;
+  outcome.first_slip_time = 2.1651602564102563;  // needs all 17 digits
+  outcome.max_slip_distance = 0.1 + 0.2;
+  const TrialOutcome back = parse_outcome(outcome_json(outcome));
+  EXPECT_EQ(back.first_slip_time, outcome.first_slip_time);
+  EXPECT_EQ(back.max_slip_distance, outcome.max_slip_distance);
+  EXPECT_TRUE(std::isnan(back.gross_slip_time));
+  EXPECT_TRUE(std::isnan(back.detection_time));
+}
+
+TEST(Outcome, KeepsWhatBecameOfTheDetector) {
+  TrialOutcome outcome;
+  outcome.false_alarm_time = 1.0 / 3.0;
+  outcome.detection_time = 2.166;
+  outcome.detection_delay = 2.166 - 2.1651602564102563;
+  const TrialOutcome back = parse_outcome(outcome_json(outcome));
+  EXPECT_EQ(back.false_alarm_time, outcome.false_alarm_time);
+  EXPECT_EQ(back.detection_time, outcome.detection_time);
+  EXPECT_EQ(back.detection_delay, outcome.detection_delay);
+}
+
+TEST(Outcome, KeepsWhatBecameOfAGrasp) {
+  TrialOutcome outcome;
+  outcome.grasp =
+      GraspOutcome{.slip_translation = 1e-3 / 3.0, .slip_rotation = 0.1, .max_grip_force = 7.5, .reaction_time = 0.06};
+  const GraspOutcome back = parse_outcome(outcome_json(outcome)).grasp.value();
+  EXPECT_FALSE(back.dropped);
+  EXPECT_TRUE(std::isnan(back.drop_time));
+  EXPECT_EQ(back.slip_translation, 1e-3 / 3.0);
+  EXPECT_EQ(back.slip_rotation, 0.1);
+  EXPECT_EQ(back.max_grip_force, 7.5);
+  EXPECT_EQ(back.final_grip_force, 0.0);
+  EXPECT_TRUE(std::isnan(back.ideal_grip_force));
+  EXPECT_EQ(back.reaction_time, 0.06);
+}
+
+TEST(Outcome, TellsHowTheBoxStoodOnlyWhereTheArmIsGuided) {
+  TrialOutcome outcome;
+  outcome.grasp = GraspOutcome{};
+  EXPECT_EQ(outcome_json(outcome).find("standing"), std::string::npos);
+  EXPECT_FALSE(parse_outcome(outcome_json(outcome)).grasp->turn.has_value());
+  outcome.grasp->turn = {.tilt = 0.1 / 3.0, .least_tilt = 1e-3, .standing = true};
+  const TurnOutcome back = parse_outcome(outcome_json(outcome)).grasp->turn.value();
+  EXPECT_EQ(back.tilt, 0.1 / 3.0);
+  EXPECT_EQ(back.least_tilt, 1e-3);
+  EXPECT_TRUE(back.standing);
+}
+
+TEST(Outcome, TellsOfAConverterOnlyWhereItCutValuesOff) {
+  TrialOutcome outcome;
+  EXPECT_EQ(outcome_json(outcome).find("saturated"), std::string::npos);
+  EXPECT_TRUE(parse_outcome(outcome_json(outcome)).saturated.empty());
+  outcome.saturated = {{"left", 12}, {"right", 1}};
+  EXPECT_EQ(parse_outcome(outcome_json(outcome)).saturated, outcome.saturated);
+}
+
+// Datasets of versions before there were detectors.
+TEST(Outcome, NeedsNoDetector) {
+  const TrialOutcome outcome = parse_outcome(
+      R"({"touch_time_s":0.5,"first_micro_slip_time_s":null,"first_slip_time_s":null,"gross_slip_time_s":null,"max_slip_distance_m":0})");
+  EXPECT_EQ(outcome.touch_time, 0.5);
+  EXPECT_TRUE(std::isnan(outcome.detection_delay));
+}
+
+// Of 10 samples in contact 3 + 0 + 4 are right; those without contact do not count.
+TEST(Confusion, AccuracyIsThatInContact) {
+  EXPECT_EQ(accuracy({{{7, 1, 1, 1}, {0, 3, 1, 0}, {1, 0, 0, 0}, {0, 0, 1, 4}}}), 0.7);
+  EXPECT_TRUE(std::isnan(accuracy({{{7, 1, 0, 0}, {}, {}, {}}})));
+}
+
+TEST(Outcome, KeepsTheKeysOfAGraspAsNull) {
+  const std::string json = outcome_json({});
+  for (const char* key : {"dropped", "drop_time_s", "slip_translation_m", "slip_rotation_rad", "max_grip_force_N",
+                          "final_grip_force_N", "ideal_grip_force_N", "reaction_time_s"}) {
+    EXPECT_THAT(json, ::testing::HasSubstr('"' + std::string(key) + "\":null"));
+  }
+  EXPECT_FALSE(parse_outcome(json).grasp.has_value());
+}
+
+TEST(Outcome, RefusesOtherText) {
+  EXPECT_THROW(parse_outcome("{"), InputError);
+  EXPECT_THROW(parse_outcome("[]"), InputError);
+  EXPECT_THROW(parse_outcome("{}"), InputError);
+}
+
+TEST(FileNames, NumberShardsBeforeTheExtension) {
+  EXPECT_EQ(shard_path("a/out.h5", 0), "a/out.h5");
+  EXPECT_EQ(shard_path("a/out.h5", 1), "a/out-0001.h5");
+  EXPECT_EQ(shard_path("a/out.h5", 12345), "a/out-12345.h5");
+  EXPECT_EQ(shard_path("out", 2), "out-0002");
+  EXPECT_EQ(kept_path("a/out.h5"), "a/out.partial.h5");
+  EXPECT_EQ(temporary_path("a/out.h5"), "a/out.h5.partial");
+}
+
+std::vector<std::pair<std::size_t, std::string>> trials_of(std::size_t count, const std::vector<std::string>& materials) {
+  std::vector<std::pair<std::size_t, std::string>> trials;
+  for (std::size_t i = 0; i < count; ++i) trials.emplace_back(i, materials[i % materials.size()]);
+  return trials;
+}
+
+TEST(Masks, SplitOneMaterialByTrial) {
+  const Masks masks = split_trials(trials_of(200, {"acrylic"}), 7);
+  EXPECT_EQ(masks.split_by, "trial");
+  // 15 % of 200 is 30, for each of two parts.
+  EXPECT_EQ(masks.train.size(), 140U);
+  EXPECT_EQ(masks.valid.size(), 30U);
+  EXPECT_EQ(masks.test.size(), 30U);
+  std::vector<std::size_t> all = masks.train;
+  all.insert(all.end(), masks.valid.begin(), masks.valid.end());
+  all.insert(all.end(), masks.test.begin(), masks.test.end());
+  std::sort(all.begin(), all.end());
+  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i], i);
+}
+
+TEST(Masks, NeverCutAMaterialInTwo) {
+  const std::vector<std::string> materials{"acrylic", "felt", "glass", "paper", "ptfe", "rubber"};
+  const Masks masks = split_trials(trials_of(60, materials), 7);
+  EXPECT_EQ(masks.split_by, "material");
+  std::vector<int> parts_of_material(materials.size(), 0);
+  int part = 1;
+  for (const auto* members : {&masks.train, &masks.valid, &masks.test}) {
+    for (const std::size_t trial : *members) parts_of_material[trial % materials.size()] |= part;
+    part *= 2;
+  }
+  for (const int parts : parts_of_material) EXPECT_TRUE(parts == 1 || parts == 2 || parts == 4) << parts;
+  // 15 % of 6 materials rounds to 1 material of 10 trials.
+  EXPECT_EQ(masks.valid.size(), 10U);
+  EXPECT_EQ(masks.test.size(), 10U);
+}
+
+TEST(Masks, AreShuffledByTheSeedAlone) {
+  const auto trials = trials_of(200, {"acrylic"});
+  EXPECT_EQ(split_trials(trials, 7).test, split_trials(trials, 7).test);
+  EXPECT_NE(split_trials(trials, 7).test, split_trials(trials, 8).test);
+}
+
+TEST(Masks, ServeFewTrials) {
+  EXPECT_EQ(split_trials({}, 7).train.size(), 0U);
+  EXPECT_EQ(split_trials(trials_of(1, {"a"}), 7).train.size(), 1U);
+  const Masks two = split_trials(trials_of(2, {"a"}), 7);
+  EXPECT_EQ(two.train.size() + two.test.size(), 2U);
+  EXPECT_EQ(two.test.size(), 1U);
+  const Masks three = split_trials(trials_of(3, {"a"}), 7);
+  EXPECT_EQ(three.train.size(), 1U);
+  EXPECT_EQ(three.valid.size(), 1U);
+}
+
+}  // namespace
+}  // namespace slipbench::testing

@@ -1,0 +1,200 @@
+// What a run may replace and remove: the user's files, other datasets and links stay.
+#include <sys/stat.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/output_file.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/writer.h"
+
+namespace slipbench::testing::target_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr std::size_t rows = 400;
+constexpr std::uint64_t several = 100'000;  // bytes: eight trials fill more than one file
+
+class TargetTest : public FolderTest {
+ protected:
+  // A dataset of another seed is another one.
+  std::vector<std::string> write(const std::string& name, std::size_t trials, std::uint64_t limit = several,
+                                 std::uint64_t seed = 7) {
+    DatasetWriter writer(path(name), {"1.2.3", "scene", "{}", seed, "slipbench sweep a.yaml"}, trials, limit);
+    for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));
+    return writer.commit();
+  }
+  // Leaves NAME.partial.EXT.
+  void interrupt(const std::string& name, std::size_t trials) {
+    DatasetWriter writer(path(name), {"1.2.3", "scene", "{}", 7, "slipbench sweep a.yaml"}, trials, several);
+    for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));
+    writer.keep_partial();
+  }
+  std::string refusal(const std::string& name, std::size_t planned = 1) {
+    return message_of<InputError>([&] { DatasetWriter writer(path(name), {}, planned); });
+  }
+  void write_text(const std::string& name, const std::string& text) { std::ofstream(path(name)) << text; }
+  // HDF5 of another program.
+  void write_foreign(const std::string& name) {
+    const hid_t file = H5Fcreate(path(name).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    H5Gclose(H5Gcreate2(file, "robot", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    H5Fclose(file);
+  }
+};
+
+TEST_F(TargetTest, LinkUnderTheTemporaryNameIsNotFollowed) {
+  write_text("precious.txt", "precious");
+  std::filesystem::create_symlink(path("precious.txt"), path("out.h5.partial"));
+  EXPECT_THAT(refusal("out.h5"), HasSubstr(path("out.h5.partial") + ": it is a symbolic link to " + path("precious.txt")));
+  EXPECT_EQ(bytes_of(path("precious.txt")), "precious");
+}
+
+TEST_F(TargetTest, FileUnderTheTemporaryNameIsKept) {
+  write_text("out.h5.partial", "precious");
+  EXPECT_EQ(refusal("out.h5"), "cannot write " + path("out.h5") + ": " + path("out.h5.partial") +
+                                   ", its name while it is written, exists and is no dataset; allowed: a new name, or " +
+                                   path("out.h5.partial") + " moved away");
+  EXPECT_EQ(bytes_of(path("out.h5.partial")), "precious");
+}
+
+TEST_F(TargetTest, EmptyOrUnreadableLeftoverIsReplaced) {
+  write_text("out.h5.partial", "");
+  write("out.h5", 1);
+  write_text("out.h5.partial", bytes_of(path("out.h5")).substr(0, 600));  // as a crash leaves it
+  write("out.h5", 2, DatasetWriter::default_shard_limit);
+  EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 2U);
+  EXPECT_THAT(names(), ElementsAre("out.h5"));
+}
+
+// A dataset that is whole goes only where the user names it, whatever it is called.
+TEST_F(TargetTest, WholeDatasetIsNoLeftover) {
+  for (const std::string leftover : {"out.partial.h5", "out.h5.partial"}) {
+    write(leftover, 1, DatasetWriter::default_shard_limit);
+    const std::string before = bytes_of(path(leftover));
+    EXPECT_THAT(refusal("out.h5"), HasSubstr("exists and holds a complete dataset; allowed: a new name, or " + path(leftover)));
+    EXPECT_EQ(bytes_of(path(leftover)), before);
+    EXPECT_THAT(names(), ElementsAre(leftover));
+    std::filesystem::remove(path(leftover));
+  }
+}
+
+TEST_F(TargetTest, WholeDatasetThatCameMeanwhileIsNotRemoved) {
+  DatasetWriter writer(path("out.h5"), {}, 1);
+  writer.append(make_trial(0, rows));
+  write("other.h5", 1);
+  std::filesystem::rename(path("other.h5"), path("out.partial.h5"));
+  writer.commit();
+  EXPECT_THAT(names(), ElementsAre("out.h5", "out.partial.h5"));
+}
+
+TEST_F(TargetTest, InterruptedRunIsReplacedAndRemoved) {
+  interrupt("out.h5", 8);
+  ASSERT_GE(names().size(), 2U);
+  interrupt("out.h5", 1);
+  EXPECT_THAT(names(), ElementsAre("out.partial.h5"));
+  write("out.h5", 1);
+  EXPECT_THAT(names(), ElementsAre("out.h5"));
+}
+
+TEST_F(TargetTest, FileOfAnotherProgramIsKept) {
+  write_foreign("out.h5");
+  const std::string before = bytes_of(path("out.h5"));
+  EXPECT_EQ(refusal("out.h5"),
+            "cannot write " + path("out.h5") + ": it exists and is no dataset; allowed: a new name, or a dataset to replace");
+  EXPECT_EQ(bytes_of(path("out.h5")), before);
+}
+
+// 2001 trials need a second file, which is looked at before the run begins.
+TEST_F(TargetTest, FileInTheWayOfALaterOneIsKept) {
+  write_text("out-0001.h5", "my notes");
+  EXPECT_EQ(refusal("out.h5", 2001),
+            "cannot write " + path("out.h5") + ": " + path("out-0001.h5") +
+                ", the dataset's file 1, exists and is no dataset; allowed: a new name, or a dataset to replace");
+  for (const std::string in_the_way : {"out-0001.h5.partial", "out.partial-0001.h5"}) {
+    std::filesystem::rename(path(names().front()), path(in_the_way));
+    EXPECT_THAT(refusal("out.h5", 2001), HasSubstr(path(in_the_way) + ", its name"));
+    EXPECT_EQ(bytes_of(path(in_the_way)), "my notes");
+  }
+  EXPECT_THAT(names(), ElementsAre("out.partial-0001.h5"));
+}
+
+TEST_F(TargetTest, DatasetOfItsOwnInTheWayIsKept) {
+  write("out-0001.h5", 1);
+  EXPECT_THAT(refusal("out.h5", 2001), HasSubstr("the dataset's file 1, exists and is file 0 of another dataset"));
+  EXPECT_EQ(DatasetReader(path("out-0001.h5")).trials().size(), 1U);
+}
+
+TEST_F(TargetTest, LaterFileOfADatasetIsNotReplacedAlone) {
+  ASSERT_GE(write("out.h5", 8).size(), 2U);
+  EXPECT_THAT(refusal("out-0001.h5"), HasSubstr("it exists and is file 1 of another dataset"));
+  EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 8U);
+}
+
+// How many files large trials need shows only while they are written.
+TEST_F(TargetTest, FileMetDuringTheRunIsKept) {
+  write_text("out-0001.h5", "my notes");
+  const std::string message = message_of<InputError>([&] { write("out.h5", 8); });
+  EXPECT_EQ(message, "cannot write " + path("out.h5") + ": it needs a file 1, and " + path("out-0001.h5") +
+                         " is in the way; allowed: a new name");
+  EXPECT_EQ(bytes_of(path("out-0001.h5")), "my notes");
+  EXPECT_THAT(names(), ElementsAre("out-0001.h5", "out.partial.h5"));
+  EXPECT_GE(DatasetReader(path("out.partial.h5")).trials().size(), 1U);
+  // A run that needs no second file does not mind.
+  write("out.h5", 1);
+  EXPECT_THAT(names(), ElementsAre("out-0001.h5", "out.h5"));
+}
+
+TEST_F(TargetTest, DatasetOfSeveralFilesIsReplacedWhole) {
+  ASSERT_GE(write("out.h5", 8).size(), 3U);
+  EXPECT_GE(write("out.h5", 8).size(), 3U);
+  EXPECT_EQ(write("out.h5", 1).size(), 1U);
+  EXPECT_THAT(names(), ElementsAre("out.h5"));
+}
+
+TEST_F(TargetTest, LaterFileOfAnotherDatasetStays) {
+  ASSERT_GE(write("out.h5", 8).size(), 2U);
+  ASSERT_GE(write("other.h5", 8, several, 8).size(), 2U);
+  std::filesystem::rename(path("other-0001.h5"), path("out-0001.h5"));
+  write("out.h5", 1);
+  EXPECT_TRUE(std::filesystem::exists(path("out-0001.h5")));
+}
+
+constexpr TextKind kind{"note", [](std::string_view text) { return text.starts_with("note"); }};
+
+TEST_F(TargetTest, TextReplacesOnlyItsOwnKind) {
+  const auto refused = [&] { return message_of<InputError>([&] { check_text_target(path("a.txt"), {path("a.h5")}, kind); }); };
+  check_text_target(path("a.txt"), {path("a.h5")}, kind);
+  for (const std::string name : {"a.txt", "a.txt.partial"}) {
+    write_text(name, "slipbench: 1\n");
+    EXPECT_EQ(refused(), "cannot write " + path("a.txt") + ": " + path(name) +
+                             " exists and is no note; allowed: a new name, or a note to replace");
+    write_text(name, "");
+    check_text_target(path("a.txt"), {path("a.h5")}, kind);
+    write_text(name, "note 1");
+    check_text_target(path("a.txt"), {path("a.h5")}, kind);
+    std::filesystem::remove(path(name));
+    std::filesystem::create_symlink(path("note.txt"), path(name));
+    EXPECT_THAT(refused(), HasSubstr(path(name) + ": it is a symbolic link to " + path("note.txt")));
+    std::filesystem::remove(path(name));
+    ::mkdir(path(name).c_str(), 0777);
+    EXPECT_THAT(refused(), HasSubstr("it is a folder"));
+    std::filesystem::remove(path(name));
+  }
+}
+
+TEST_F(TargetTest, TextDoesNotFollowALinkThatCameMeanwhile) {
+  write_text("precious.txt", "precious");
+  std::filesystem::create_symlink(path("precious.txt"), path("a.txt.partial"));
+  EXPECT_THAT(message_of<InputError>([&] { write_text_file(path("a.txt"), "note"); }),
+              HasSubstr("cannot write " + path("a.txt")));
+  EXPECT_EQ(bytes_of(path("precious.txt")), "precious");
+  EXPECT_FALSE(std::filesystem::exists(path("a.txt")));
+}
+
+}  // namespace
+}  // namespace slipbench::testing::target_test

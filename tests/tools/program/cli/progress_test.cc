@@ -1,0 +1,153 @@
+#include "tools/program/cli/progress.h"
+
+#include <cstdio>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace slipbench {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+// What was written to a stream, and a clock that the test turns.
+class ProgressTest : public ::testing::Test {
+ protected:
+  ~ProgressTest() override { std::fclose(stream_); }
+
+  Progress make(Progress::Mode mode) {
+    return {mode, stream_, [this] { return now_; }};
+  }
+
+  std::string written() {
+    std::fflush(stream_);
+    std::rewind(stream_);
+    std::string text;
+    for (int c = std::fgetc(stream_); c != EOF; c = std::fgetc(stream_)) text += static_cast<char>(c);
+    return text;
+  }
+
+  std::FILE* stream_ = std::tmpfile();
+  double now_ = 1000.0;
+};
+
+TEST(ShortCount, HasAtMostFourCharacters) {
+  EXPECT_EQ(short_count(0.0), "0.0");
+  EXPECT_EQ(short_count(9.94), "9.9");
+  EXPECT_EQ(short_count(9.96), "10");
+  EXPECT_EQ(short_count(999.4), "999");
+  EXPECT_EQ(short_count(999.6), "1.0k");
+  EXPECT_EQ(short_count(3123.0), "3.1k");
+  EXPECT_EQ(short_count(31400.0), "31k");
+  EXPECT_EQ(short_count(4.0e6), "4.0M");
+  EXPECT_EQ(short_count(2.0e12), "2000G");
+}
+
+TEST(ClockText, NamesSecondsMinutesHours) {
+  EXPECT_EQ(clock_text(0.2), "0 s");
+  EXPECT_EQ(clock_text(59.4), "59 s");
+  EXPECT_EQ(clock_text(59.6), "1:00");
+  EXPECT_EQ(clock_text(125.0), "2:05");
+  EXPECT_EQ(clock_text(3725.0), "1:02:05");
+}
+
+// 100 of 200 trials of 4 s in 5 s: 400/5 = 80 x real time, 100/5 = 20 trials/s, as long again to go.
+constexpr ProgressState half{100, 200, 400.0, 5.0};
+
+TEST(ProgressBarText, ShowsShareRatesAndTimeLeft) {
+  const std::string text = progress_bar_text(half, 120);
+  // The bar is at most 30 long; half of it is filled.
+  EXPECT_THAT(text, StartsWith("[" + std::string(15, '#') + std::string(15, '-') + "] "));
+  EXPECT_THAT(text, EndsWith(" 50 % 100/200  80 x real time  20 trials/s  ETA 5 s"));
+}
+
+TEST(ProgressBarText, FitsEveryWidth) {
+  for (std::size_t width = 1; width < 150; ++width) EXPECT_LE(progress_bar_text(half, width).size(), width);
+  EXPECT_THAT(progress_bar_text(half, 40), StartsWith(" 50 %"));  // no room for a bar: the figures stay
+}
+
+TEST(ProgressBarText, FullBarShowsTimeTaken) {
+  const std::string text = progress_bar_text({200, 200, 800.0, 125.0}, 120);
+  EXPECT_THAT(text, StartsWith("[" + std::string(30, '#') + "] 100 %"));
+  EXPECT_THAT(text, EndsWith("2:05"));
+  EXPECT_THAT(text, Not(HasSubstr("ETA")));
+}
+
+TEST(ProgressLineText, IsOneSentence) {
+  EXPECT_EQ(progress_line_text(half), "100/200 trials (50 %), 80 x real time, 20 trials/s, ETA 5 s");
+}
+
+TEST(ProgressLineText, NothingDoneYetHasNoEta) {
+  EXPECT_EQ(progress_line_text({0, 200, 0.0, 0.0}), "0/200 trials (0 %), 0.0 x real time, 0.0 trials/s, ETA ?");
+}
+
+TEST_F(ProgressTest, LinesComeEveryFewSecondsAndAtTheEnd) {
+  Progress progress = make(Progress::Mode::lines);
+  for (std::size_t done = 1; done <= 12; ++done) {
+    now_ += 1.0;  // lines are 5 s apart: at 5 s, at 10 s, and the end at 12 s
+    progress.update(done, 12, 4.0 * static_cast<double>(done));
+  }
+  EXPECT_EQ(written(),
+            "5/12 trials (42 %), 4.0 x real time, 1.0 trials/s, ETA 7 s\n"
+            "10/12 trials (83 %), 4.0 x real time, 1.0 trials/s, ETA 2 s\n"
+            "12/12 trials (100 %), 4.0 x real time, 1.0 trials/s, 12 s\n");
+}
+
+TEST_F(ProgressTest, BarIsRedrawnInPlaceAtMostTenTimesASecond) {
+  Progress progress = make(Progress::Mode::bar);
+  for (std::size_t done = 1; done <= 100; ++done) {
+    now_ += 0.01;  // 100 updates in 1 s
+    progress.update(done, 1000, 0.0);
+  }
+  const std::string text = written();
+  std::size_t redraws = 0;
+  for (const char c : text) redraws += c == '\r' ? 1 : 0;
+  EXPECT_GE(redraws, 8U);
+  EXPECT_LE(redraws, 10U);
+  EXPECT_THAT(text, Not(HasSubstr("\n")));
+}
+
+TEST_F(ProgressTest, FinishedBarEndsItsLine) {
+  Progress progress = make(Progress::Mode::bar);
+  now_ += 1.0;
+  progress.update(2, 2, 8.0);
+  progress.clear();  // nothing is left to remove
+  EXPECT_THAT(written(), EndsWith("1 s\n"));
+}
+
+TEST_F(ProgressTest, ClearRemovesAnUnfinishedBar) {
+  Progress progress = make(Progress::Mode::bar);
+  now_ += 1.0;
+  progress.update(1, 2, 4.0);
+  progress.clear();
+  EXPECT_THAT(written(), EndsWith("\r\033[K"));
+}
+
+// A sweep goes on where nobody can be told how far it is.
+TEST_F(ProgressTest, AStreamThatCannotBeWrittenEndsNothing) {
+  std::FILE* full = std::fopen("/dev/full", "w");
+  ASSERT_NE(full, nullptr);
+  for (const Progress::Mode mode : {Progress::Mode::bar, Progress::Mode::lines}) {
+    Progress progress(mode, full, [this] { return now_; });
+    now_ += 10.0;
+    EXPECT_NO_THROW(progress.update(1, 2, 4.0));
+    EXPECT_NO_THROW(progress.clear());
+  }
+  std::fclose(full);
+}
+
+TEST_F(ProgressTest, OffAndSingleTrialsDrawNothing) {
+  Progress off = make(Progress::Mode::off);
+  Progress single = make(Progress::Mode::bar);
+  now_ += 10.0;
+  off.update(2, 2, 8.0);
+  single.update(1, 1, 4.0);
+  EXPECT_EQ(written(), "");
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,308 @@
+#include "tools/program/cost/errors.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <gmock/gmock.h>
+
+namespace slipbench::testing {
+namespace {
+
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+
+constexpr double never = std::numeric_limits<double>::quiet_NaN();
+constexpr float detached = std::numeric_limits<float>::quiet_NaN();
+constexpr double float_rounding = 1e-6;  // of what is kept as float32
+
+// One second of a pad of two units at 100 Hz that touches all the time: a margin that falls from 1 at 0.5 s to 0 at 0.7 s, where
+// both units begin to slip, by 10 mm/s.
+constexpr std::size_t rows = 100;
+
+TrialResult slipping_pad() {
+  TrialResult result;
+  SensorRecord sensor;
+  sensor.name = "pad";
+  LabelRecord& labels = sensor.labels;
+  labels.k_normal.assign(2, 1000.0);
+  sensor.channels.push_back({"force", "N", {2}, {}});
+  for (std::size_t i = 0; i < rows; ++i) {
+    const double t = static_cast<double>(i) / 100.0;
+    sensor.time.push_back(t);
+    const bool slips = i >= 70;
+    for (int unit = 0; unit < 2; ++unit) {
+      labels.unit_state.push_back(slips ? 2 : 1);
+      labels.margin.push_back(static_cast<float>(std::min(1.0, std::max(0.0, 1.0 - (t - 0.5) / 0.2))));
+      labels.slip_distance.push_back(static_cast<float>(std::max(0.0, 0.01 * (t - 0.7))));
+      labels.force.insert(labels.force.end(), {0.0F, 3.0F, 4.0F});
+      sensor.channels.back().values.push_back(i % 2 == 0 ? 1.0F : 3.0F);  // 1 about its mean
+    }
+    labels.state_micro.push_back(slips ? 3 : 1);
+  }
+  labels.onset_time.assign(2, 0.7);
+  labels.micro_onset_time.assign(2, 0.7);
+  result.record.sensors.push_back(std::move(sensor));
+  result.record.outcome.touch_time = 0.0;
+  result.record.outcome.first_micro_slip_time = result.record.outcome.first_slip_time = result.record.outcome.gross_slip_time =
+      0.7;
+  return result;
+}
+
+LabelRecord& labels_of(TrialResult& result) { return result.record.sensors.front().labels; }
+
+Scene one_second() {
+  Scene scene;
+  scene.duration = 1.0;
+  return scene;
+}
+
+std::optional<MeasureError> error_of(const TrialResult& run, const TrialResult& reference, Measure measure) {
+  return at(compare(one_second(), run, reference), measure);
+}
+
+TEST(MeasureTable, IsInTheOrderOfTheEnum) {
+  std::size_t k = 0;
+  for (const MeasureInfo& info : measure_table()) {
+    EXPECT_EQ(static_cast<std::size_t>(info.measure), k++);
+    EXPECT_EQ(&info_of(info.measure), &info);
+    EXPECT_FALSE(info.name.empty() || info.title.empty() || info.unit.empty() || info.definition.empty());
+    EXPECT_GT(info.factor, 0.0);
+  }
+}
+
+TEST(CommonRows, AreThoseAtOneTimeToWithinRounding) {
+  const std::vector<double> slow{0.0, 0.1, 0.2, 0.3}, fast{0.0, 0.05, 0.1 + 1e-12, 0.15, 0.2, 0.25, 0.30000000000000004};
+  EXPECT_THAT(common_rows(slow, fast), ElementsAre(Pair(0, 0), Pair(1, 2), Pair(2, 4), Pair(3, 6)));
+  // 300 Hz and 200 Hz meet at 100 Hz.
+  const std::vector<double> thirds{0.0, 1.0 / 300, 2.0 / 300, 3.0 / 300}, halves{0.0, 1.0 / 200, 2.0 / 200};
+  EXPECT_THAT(common_rows(thirds, halves), ElementsAre(Pair(0, 0), Pair(3, 2)));
+  EXPECT_THAT(common_rows(std::vector<double>{0.1}, std::vector<double>{0.2}), IsEmpty());
+}
+
+TEST(LoadTime, IsHowLongALoadInProportionToTimeHasGrown) {
+  std::vector<double> times;
+  std::vector<float> margin;
+  for (int i = 0; i < 100; ++i) {
+    times.push_back(0.01 * i);
+    margin.push_back(static_cast<float>(std::min(1.0, 1.0 - (0.01 * i - 0.5) / 0.2)));
+  }
+  // It began at 0.5 s, whether the margin is used up at 0.7 s or a first part of the unit lets go at 0.583 s, between two
+  // samples.
+  EXPECT_NEAR(load_time(times, margin, 0.7), 0.2, float_rounding);
+  EXPECT_NEAR(load_time(times, margin, 0.583), 0.083, float_rounding);
+  // Touched at 0.65 s, with less than half of it left: since the last sample before the touch.
+  for (int i = 0; i < 65; ++i) margin[static_cast<std::size_t>(i)] = detached;
+  EXPECT_NEAR(load_time(times, margin, 0.7), 0.06, 1e-12);
+  // All at once.
+  margin.assign(100, 1.0F);
+  EXPECT_EQ(load_time(times, margin, 0.7), least_load_time);
+  EXPECT_EQ(load_time(times, margin, 0.0), least_load_time);
+}
+
+TEST(Errors, OfARunAgainstItselfAreNone) {
+  const TrialResult run = slipping_pad();
+  const Errors errors = compare(one_second(), run, run);
+  for (const Measure measure : {Measure::onset, Measure::micro_onset, Measure::slip_distance, Measure::force, Measure::label,
+                                Measure::label_micro, Measure::outcome, Measure::signal}) {
+    ASSERT_TRUE(at(errors, measure).has_value()) << info_of(measure).name;
+    EXPECT_EQ(at(errors, measure)->worst, 0.0) << info_of(measure).name;
+    EXPECT_EQ(at(errors, measure)->median, 0.0) << info_of(measure).name;
+    EXPECT_FALSE(at(errors, measure)->different) << info_of(measure).name;
+  }
+  EXPECT_FALSE(at(errors, Measure::creep).has_value());     // nothing moves by forces
+  EXPECT_FALSE(at(errors, Measure::detector).has_value());  // there is none
+}
+
+TEST(Errors, OfOnsetsAreSharesOfTheLoadTime) {
+  const TrialResult reference = slipping_pad();
+  TrialResult run = reference;
+  labels_of(run).onset_time = {0.702, 0.696};  // of 0.2 s of load: 1 % late, 2 % early
+  labels_of(run).micro_onset_time = {0.7, 0.71};
+  const MeasureError onset = error_of(run, reference, Measure::onset).value();
+  EXPECT_NEAR(onset.worst, 0.02, float_rounding);
+  EXPECT_NEAR(onset.median, 0.015, float_rounding);
+  EXPECT_FALSE(onset.different);
+  EXPECT_NEAR(error_of(run, reference, Measure::micro_onset)->worst, 0.05, float_rounding);
+}
+
+TEST(Errors, TellOfAUnitThatSlipsInOneRunAlone) {
+  const TrialResult reference = slipping_pad();
+  TrialResult run = reference;
+  labels_of(run).onset_time[1] = never;
+  const MeasureError missed = error_of(run, reference, Measure::onset).value();
+  EXPECT_TRUE(missed.different);
+  EXPECT_NEAR(missed.worst, 0.3 / 0.2, float_rounding);  // at least what was left of the trial
+  EXPECT_TRUE(error_of(reference, run, Measure::onset)->different);
+
+  // 1 ms before the trial's end at 0.701 s is half a percent of the load: the other may come right after.
+  Scene short_scene = one_second();
+  short_scene.duration = 0.701;
+  const MeasureError late = at(compare(short_scene, run, reference), Measure::onset).value();
+  EXPECT_FALSE(late.different);
+  EXPECT_NEAR(late.worst, 0.005, float_rounding);
+}
+
+TEST(Errors, OfSlippedDistanceAreSharesOfTheLargest) {
+  const TrialResult reference = slipping_pad();
+  TrialResult run = reference;
+  // 2.9 mm in the last sample, one unit 29 um on.
+  labels_of(run).slip_distance.back() += 29e-6F;
+  const MeasureError error = error_of(run, reference, Measure::slip_distance).value();
+  EXPECT_NEAR(error.worst, 0.01, 1e-5);
+  EXPECT_NEAR(error.median, 0.005, 1e-5);
+  TrialResult stuck = reference;
+  labels_of(stuck).slip_distance.assign(2 * rows, 0.0F);
+  EXPECT_FALSE(error_of(stuck, stuck, Measure::slip_distance).has_value());
+  EXPECT_NEAR(error_of(stuck, reference, Measure::slip_distance)->worst, 1.0, float_rounding);
+}
+
+TEST(Errors, OfForcesAreRootMeanSquares) {
+  const TrialResult reference = slipping_pad();
+  TrialResult run = reference;
+  // 5 N all the time; 0.5 N off in half of the samples of both units.
+  for (std::size_t i = 0; i < rows; i += 2) {
+    for (std::size_t unit = 0; unit < 2; ++unit) labels_of(run).force[6 * i + 3 * unit + 2] += 0.5F;
+  }
+  EXPECT_NEAR(error_of(run, reference, Measure::force)->worst, 0.1 * std::sqrt(0.5), float_rounding);
+}
+
+TEST(Errors, OfLabelsAreShares) {
+  const TrialResult reference = slipping_pad();
+  TrialResult run = reference;
+  // One unit lets go three samples late; the pad is incipient meanwhile.
+  for (std::size_t i = 70; i < 73; ++i) {
+    labels_of(run).unit_state[2 * i] = 1;
+    labels_of(run).state_micro[i] = 2;
+  }
+  EXPECT_NEAR(error_of(run, reference, Measure::label)->worst, 3.0 / 200.0, 1e-15);
+  EXPECT_NEAR(error_of(run, reference, Measure::label_micro)->worst, 3.0 / 100.0, 1e-15);
+  // What touches in neither run does not count.
+  TrialResult half = reference;
+  for (std::size_t i = 0; i < 50; ++i) labels_of(half).unit_state[2 * i] = labels_of(half).unit_state[2 * i + 1] = 0;
+  TrialResult late = half;
+  for (std::size_t i = 70; i < 73; ++i) labels_of(late).unit_state[2 * i] = 1;
+  EXPECT_NEAR(error_of(late, half, Measure::label)->worst, 3.0 / 100.0, 1e-15);
+}
+
+TEST(Errors, OfTheOutcomeAreDecisionsThatDiffer) {
+  const TrialResult reference = slipping_pad();
+  TrialResult run = reference;
+  EXPECT_FALSE(error_of(run, reference, Measure::outcome)->different);
+  run.record.outcome.gross_slip_time = never;
+  EXPECT_NEAR(error_of(run, reference, Measure::outcome)->worst, 1.0 / 4.0, 1e-15);
+  EXPECT_TRUE(error_of(run, reference, Measure::outcome)->different);
+  TrialResult dropped = reference, held = reference;
+  dropped.record.outcome.grasp.emplace().dropped = true;
+  held.record.outcome.grasp.emplace();
+  EXPECT_NEAR(error_of(held, dropped, Measure::outcome)->worst, 1.0 / 5.0, 1e-15);
+}
+
+TEST(Errors, OfTheDetectorAreClassesThatDiffer) {
+  TrialResult reference = slipping_pad();
+  ControlRecord& control = reference.record.control.emplace();
+  control.detector = "force_ratio";
+  control.time = reference.record.sensors.front().time;
+  control.detector_class.assign(rows, 1);
+  TrialResult run = reference;
+  for (std::size_t i = 0; i < 7; ++i) run.record.control->detector_class[i] = 3;
+  EXPECT_NEAR(error_of(run, reference, Measure::detector)->worst, 0.07, 1e-15);
+}
+
+TEST(Errors, OfSignalsAreOfTheirSpreadAboutTheMean) {
+  const TrialResult reference = slipping_pad();
+  TrialResult run = reference;
+  for (float& value : run.record.sensors.front().channels.front().values) value += 0.25F;  // of a spread of 1
+  EXPECT_NEAR(error_of(run, reference, Measure::signal)->worst, 0.25, float_rounding);
+  // A channel of its own times: compared at these.
+  TrialResult own = reference;
+  SensorColumn& column = own.record.sensors.front().channels.front();
+  column.time = own.record.sensors.front().time;
+  for (double& time : *column.time) time += 0.5;
+  EXPECT_NEAR(error_of(own, own, Measure::signal)->worst, 0.0, 1e-15);
+  EXPECT_TRUE(error_of(own, reference, Measure::signal).has_value());
+  EXPECT_NEAR(error_of(own, reference, Measure::signal)->worst, 0.0, 1e-15);  // half a second later everything is as before
+}
+
+TEST(Errors, AreAtCommonTimesAlone) {
+  const TrialResult reference = slipping_pad();
+  TrialResult run = reference;
+  for (double& time : run.record.sensors.front().time) time += 0.005;  // between the reference's samples
+  for (const Measure measure : {Measure::slip_distance, Measure::force, Measure::label, Measure::label_micro, Measure::signal}) {
+    EXPECT_FALSE(error_of(run, reference, measure).has_value()) << info_of(measure).name;
+  }
+  EXPECT_TRUE(error_of(run, reference, Measure::onset).has_value());
+}
+
+// A body that moves over the pad that holds it by `drift` [m/s] while the pad itself rises and turns.
+TrialResult held_body(double drift) {
+  TrialResult result = slipping_pad();
+  TrialRecord& record = result.record;
+  record.body_time = record.sensors.front().time;
+  record.bodies = {{"pad", {}, {}}, {"box", {}, {}}};
+  for (const double t : record.body_time) {
+    const double half = 0.5 * (0.3 * t), c = std::cos(half), s = std::sin(half);  // 0.3 rad/s about z
+    const double x = 0.02 + drift * t, turned_x = std::cos(2.0 * half) * x, turned_y = std::sin(2.0 * half) * x;
+    const auto add = [](BodyRecord& body, std::initializer_list<double> pose) {
+      for (const double value : pose) body.pose.push_back(static_cast<float>(value));
+    };
+    add(record.bodies[0], {0.0, 0.0, 0.1 * t, c, 0.0, 0.0, s});
+    add(record.bodies[1], {turned_x, turned_y, 0.1 * t, c, 0.0, 0.0, s});
+  }
+  return result;
+}
+
+Scene holding_scene() {
+  Scene scene = one_second();
+  scene.bodies.push_back({"box", {"box", {}}});
+  scene.sensors.push_back({"pad", "papillarray", {}, {}});
+  scene.sensors.front().touches = {"box"};
+  return scene;
+}
+
+TEST(Errors, OfCreepAreDriftsOverThePad) {
+  const Errors errors = compare(holding_scene(), held_body(50e-6), held_body(20e-6));
+  // 0.7 s of hold; places are kept as float32, 4e-9 m apart at 0.1 m.
+  EXPECT_THAT(at(errors, Measure::creep)->worst, DoubleNear(30e-6, 0.05e-6));
+  TrialResult slips = held_body(20e-6);
+  labels_of(slips).unit_state.assign(2 * rows, 2);  // never held
+  EXPECT_FALSE(at(compare(holding_scene(), held_body(50e-6), slips), Measure::creep).has_value());
+  TrialResult apart = held_body(20e-6);
+  labels_of(apart).unit_state.assign(2 * rows, 0);
+  EXPECT_FALSE(at(compare(holding_scene(), held_body(50e-6), apart), Measure::creep).has_value());
+}
+
+TEST(Errors, NeedTheSameSensors) {
+  const TrialResult reference = slipping_pad();
+  TrialResult run = reference;
+  run.record.sensors.front().name = "other";
+  EXPECT_THROW(compare(one_second(), run, reference), std::invalid_argument);
+  run.record.sensors.clear();
+  EXPECT_THROW(compare(one_second(), run, reference), std::invalid_argument);
+  // Of a pad of other units only what is of the whole pad is compared.
+  TrialResult one = reference;
+  labels_of(one).k_normal.resize(1);
+  const Errors errors = compare(one_second(), one, reference);
+  EXPECT_FALSE(at(errors, Measure::onset).has_value());
+  EXPECT_FALSE(at(errors, Measure::force).has_value());
+  EXPECT_TRUE(at(errors, Measure::label_micro).has_value());
+}
+
+TEST(Errors, OfTwoTrialsAreTheWorse) {
+  Errors errors, other;
+  at(errors, Measure::onset) = MeasureError{0.1, 0.05, false};
+  at(other, Measure::onset) = MeasureError{0.05, 0.06, true};
+  at(other, Measure::force) = MeasureError{0.2, 0.2, false};
+  keep_worst(errors, other);
+  EXPECT_EQ(at(errors, Measure::onset)->worst, 0.1);
+  EXPECT_EQ(at(errors, Measure::onset)->median, 0.06);
+  EXPECT_TRUE(at(errors, Measure::onset)->different);
+  EXPECT_EQ(at(errors, Measure::force)->worst, 0.2);
+  EXPECT_FALSE(at(errors, Measure::label).has_value());
+}
+
+}  // namespace
+}  // namespace slipbench::testing

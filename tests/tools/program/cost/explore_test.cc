@@ -1,0 +1,122 @@
+// The explorer on small scenes: that it runs what it says, compares it, and stays within its budget's plan. No figure of time is tested.
+#include "tools/program/cost/explore.h"
+
+#include <atomic>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tools/program/catalogue/program_catalogues.h"
+
+namespace slipbench::cost {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string stage = std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/papillarray/stage.yaml";
+
+// The stage's slide, shortened to what slips: pressed at 0.3 s, nine onsets within half a second of sliding.
+ExploreOptions quick(double budget) {
+  ExploreOptions options;
+  options.scene_path = stage;
+  options.overrides = {{"duration", "1 s"}, {"motion.start", "0.5 s"}};
+  options.budget = budget;
+  return options;
+}
+
+const Row* find(const Exploration& exploration, const std::string& series, const std::string& label) {
+  for (const Row& row : exploration.rows) {
+    if (row.setting.series == series && row.setting.label == label) return &row;
+  }
+  return nullptr;
+}
+
+TEST(CostExplore, OnsetsOfAStageAreComparedWithTheirClosedForm) {
+  const Exploration exploration = explore(quick(4.0), program_catalogues());
+  EXPECT_TRUE(exploration.reference.closed_onsets);
+  EXPECT_TRUE(exploration.reference.converged);
+  ASSERT_TRUE(exploration.own().ok());
+  const auto& own = at(exploration.own().errors, Measure::onset);
+  ASSERT_TRUE(own.has_value());
+  EXPECT_FALSE(own->different);
+  EXPECT_LT(own->worst, 1e-3);
+  EXPECT_GT(own->worst, 0.0) << "a closed form is not a run of the program";
+  EXPECT_GE(exploration.own().cpu->repeats, 3U);
+  for (const Row& row : exploration.rows) {
+    if (row.setting.series != "field") continue;
+    EXPECT_TRUE(row.ok() || row.status == Status::over_budget) << row.setting.label << ": " << row.why;
+  }
+}
+
+TEST(CostExplore, WhatCannotRunIsARowThatSaysWhy) {
+  ExploreOptions options = quick(3.0);
+  options.overrides.push_back({"friction", "{static: 0.6, kinetic: 0.4}"});  // MuJoCo knows one coefficient
+  const Exploration exploration = explore(options, program_catalogues());
+  const Row* const row = find(exploration, "articulated", "1 ms");
+  ASSERT_NE(row, nullptr);
+  EXPECT_EQ(row->status, Status::refused);
+  EXPECT_THAT(row->why, HasSubstr("one coefficient of friction"));
+  EXPECT_FALSE(row->cpu.has_value());
+}
+
+TEST(CostExplore, EveryEffectAndPartOfTheElectronicsHasItsPrice) {
+  ExploreOptions options = quick(4.0);
+  options.overrides.push_back({"effects", "[ageing, viscous_friction]"});
+  options.overrides.push_back({"sensors.pad.electronics", "[noise]"});
+  const Exploration exploration = explore(options, program_catalogues());
+  ASSERT_EQ(exploration.prices.size(), 3U);
+  EXPECT_EQ(exploration.prices[0].name, "ageing");
+  EXPECT_EQ(exploration.prices[2].name, "pad: noise");
+  EXPECT_TRUE(exploration.prices[2].electronics);
+  // Noise is heard in the signal and nowhere in the truth.
+  EXPECT_GT(at(exploration.prices[2].changes, Measure::signal)->worst, 0.0);
+  EXPECT_EQ(at(exploration.prices[2].changes, Measure::force)->worst, 0.0);
+}
+
+TEST(CostExplore, AnInterruptEndsTheTimingOnly) {
+  std::atomic<bool> interrupt{false};
+  ExploreOptions options = quick(30.0);
+  options.interrupt = &interrupt;
+  options.say = [&](const std::string& what) { interrupt = interrupt || what.starts_with("timing"); };
+  const Exploration exploration = explore(options, program_catalogues());
+  EXPECT_TRUE(exploration.interrupted);
+  EXPECT_TRUE(exploration.reference.closed_onsets);
+}
+
+TEST(CostExplore, ABudgetOfLessThanADozenRunsIsRefused) {
+  try {
+    explore(quick(1e-6), program_catalogues());
+    FAIL() << "a microsecond is no budget";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("allowed: at least"));
+  }
+}
+
+TEST(CostExplore, AnInterruptBeforeTheReferenceLeavesNothing) {
+  std::atomic<bool> interrupt{true};
+  ExploreOptions options = quick(30.0);
+  options.interrupt = &interrupt;
+  EXPECT_THROW(explore(options, program_catalogues()), Interrupted);
+}
+
+TEST(CostExplore, ASceneThatDoesNotRunIsAnErrorAndNoDiagram) {
+  ExploreOptions options = quick(3.0);
+  options.overrides.push_back({"motion.speeed", "1 mm/s"});
+  EXPECT_THROW(explore(options, program_catalogues()), InputError);
+  options = quick(3.0);
+  options.trial = 1;
+  try {
+    explore(options, program_catalogues());
+    FAIL() << "the scene has one trial";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--trial is 1"));
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::cost

@@ -1,0 +1,253 @@
+#include "tools/program/cost/cost_page.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/program/cost/example.h"
+#include "tests/tools/program/report/web_files.h"
+#include "tools/program/cost/assets.h"
+#include "tools/program/cost/cost_json.h"
+#include "tools/program/report/page.h"
+
+namespace slipbench::cost {
+namespace {
+
+using ::slipbench::testing::bytes_of;
+using ::slipbench::testing::matches;
+using ::slipbench::testing::message_of;
+using ::slipbench::testing::unpaired_brackets;
+using ::slipbench::testing::variables;
+using ::slipbench::testing::web_files;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+Price price(const std::string& name, Errors changes) {
+  Price price{.name = name, .share = 0.2, .low = 0.1, .high = 0.3, .changes = std::move(changes)};
+  price.without = CpuTime{0.016, 0.015, 0.017, 9};
+  return price;
+}
+
+Json combination() {
+  return {{"case", "a box"},     {"integrator", "Euler"}, {"mass_kg", 0.1},   {"stiffness_scale", 1},
+          {"k_normal", 7e3},     {"damping_s", 0.0},      {"omega", 264.575}, {"predicted_s", 7e-3},
+          {"allowed_s", 5.6e-3}, {"measured_s", 7.5e-3},  {"ratio", 0.93}};
+}
+
+Json stability() {
+  return {{"slipbench_stability", 1},
+          {"text", Json::array({"what was measured"})},
+          {"combinations", Json::array({combination()})},
+          {"worst_ratio", 0.93},
+          {"above", 0},
+          {"remarks", Json::array({"none"})}};
+}
+
+// As the program makes it, so that what the page reads is what there is: an effect that changes something, one without which another
+// thing happens, one without which nothing runs, a setting that there was no time for.
+Json exploration(const std::string& scene = "a.yaml") {
+  Exploration made = example();
+  made.scene_path = scene;
+  made.description = "A <scene> é </script><script>alert(1)</script>";
+  made.rows.front().own = true;
+  made.rows.back().why = "a <reason>";
+  Row unrun = made.rows.back();
+  unrun.status = Status::over_budget;
+  made.rows.push_back(unrun);
+  Price refused = price("noise", {});
+  refused.why = "a <rule>";
+  made.prices = {price("texture", onset_error(0.05)), price("stribeck", onset_error(0.5, true)), refused};
+  return cost_json(made, {{"cpu", "a processor"}});
+}
+
+// What a browser reads as the page's data.
+Json data_of(const std::string& page) {
+  const std::string begin = "id=\"slipbench-data\">";
+  const std::size_t from = page.find(begin) + begin.size();
+  return Json::parse(page.substr(from, page.find("</script>", from) - from));
+}
+
+TEST(CostPage, HoldsTheResultAsData) {
+  Json both = exploration();
+  both["stability"] = stability();
+  for (const Json& result : {exploration(), stability(), both}) EXPECT_EQ(data_of(cost_page(result)), result);
+}
+
+TEST(CostPage, TextIsNeverMarkup) {
+  const std::string page = cost_page(exploration("<b>.yaml"));
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("<script>alert")), Not(HasSubstr("a <reason>")), Not(HasSubstr("a <rule>")),
+                          Not(HasSubstr("<b>.yaml")), HasSubstr("<title>&lt;b&gt;.yaml · slipbench cost</title>")));
+  EXPECT_THAT(cost_page(stability()), HasSubstr("<title>stability · slipbench cost</title>"));
+  for (const auto& [name, text] : web_files("tools/program/cost/web", ".js")) {
+    EXPECT_THAT(text, AllOf(Not(HasSubstr("innerHTML")), Not(HasSubstr(".html(")), Not(HasSubstr("insertAdjacent")))) << name;
+  }
+}
+
+TEST(CostPage, LoadsNothing) {
+  const std::string page = cost_page(exploration());
+  EXPECT_FALSE(std::regex_search(page, std::regex(R"((src|href)\s*=\s*["']?(https?:)?//)")));
+  EXPECT_FALSE(std::regex_search(page, std::regex(R"(url\(\s*["']?(https?:)?//)")));
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("@import")), Not(HasSubstr("<script src")), Not(HasSubstr("sourceMappingURL"))));
+}
+
+TEST(CostPage, HoldsItsFilesAndTheSharedOnes) {
+  const std::string page = cost_page(exploration());
+  for (const report::Asset& file : assets()) {
+    if (file.name == "cost.html") continue;
+    EXPECT_NE(page.find(file.text), std::string::npos) << file.name;
+  }
+  for (const char* name : {"report.css", "common.js", "d3.min.js", "d3_licence.txt"}) {
+    EXPECT_NE(page.find(report::embedded(report::assets(), name)), std::string::npos) << name;
+  }
+  // What draws recordings is not needed here.
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("Dygraph")), Not(HasSubstr("{{"))));
+}
+
+// Every script of the folder is part of the page: none was left out of CMakeLists.txt.
+TEST(CostPage, LeavesNoScriptOut) {
+  std::set<std::string> embedded;
+  for (const report::Asset& file : assets()) embedded.insert(std::string(file.name));
+  for (const char* extension : {".js", ".css", ".html"}) {
+    for (const auto& [name, text] : web_files("tools/program/cost/web", extension)) EXPECT_TRUE(embedded.contains(name)) << name;
+  }
+}
+
+TEST(CostPage, IsToldFromOtherPages) {
+  const std::string page = cost_page(exploration());
+  // Known by its first 4 kB, whatever its title; a report is not one, and it is no report.
+  EXPECT_TRUE(begins_as_cost_page(cost_page(exploration(std::string(8000, 'x'))).substr(0, 4096)));
+  EXPECT_FALSE(report::begins_as_page(page));
+  EXPECT_FALSE(begins_as_cost_page(report::compose_page("title", Json::object())));
+  EXPECT_TRUE(begins_as_cost_json(exploration().dump(2)));
+  EXPECT_TRUE(begins_as_cost_json(stability().dump(2)));
+  EXPECT_FALSE(begins_as_cost_json(Json{{"reproduction", "a"}, {"slipbench_cost", 1}}.dump(2)));
+}
+
+TEST(CostPage, RefusesWhatIsNoResult) {
+  for (const Json& other : {Json(), Json::array(), Json::object(), Json{{"scene", "a"}, {"slipbench_cost", 1}}}) {
+    EXPECT_THROW(cost_page(other), std::logic_error) << other;
+  }
+}
+
+class CostFileTest : public ::slipbench::testing::FolderTest {};
+
+TEST_F(CostFileTest, StandsBesideItsFigures) {
+  EXPECT_THAT(write_cost(path("c.html"), exploration()), ElementsAre(path("c.html"), path("c.json")));
+  EXPECT_EQ(Json::parse(bytes_of(path("c.json"))), exploration());
+  EXPECT_EQ(bytes_of(path("c.html")), cost_page(exploration()));
+  // Its own files are replaced, whichever of the two kinds they are, and no temporary one stays.
+  write_cost(path("c.html"), stability());
+  EXPECT_EQ(Json::parse(bytes_of(path("c.json"))), stability());
+  EXPECT_THAT(names(), ElementsAre("c.html", "c.json"));
+}
+
+TEST_F(CostFileTest, OtherFilesAreKept) {
+  std::ofstream(path("c.json")) << "{\"mine\": 1}";
+  EXPECT_THAT(message_of<InputError>([&] { write_cost(path("c.html"), exploration()); }), HasSubstr("c.json"));
+  EXPECT_EQ(bytes_of(path("c.json")), "{\"mine\": 1}");
+  EXPECT_THAT(names(), ElementsAre("c.json"));
+
+  std::ofstream(path("report.html")) << report::compose_page("title", Json::object());
+  EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("report.html")); }), HasSubstr("report.html"));
+  EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("c.txt")); }), HasSubstr("a name that ends in .html"));
+  EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("no/c.html")); }), HasSubstr("no"));
+}
+
+// Scripts may use what they define and what all pages share.
+TEST(CostScripts, UseOnlyWhatSomeScriptDefines) {
+  const std::set<std::string> shared = matches(web_files("tools/program/report/web", ".js").at("common.js"), R"(\bsb\.(\w+) = )");
+  std::set<std::string> defined = shared;
+  const auto scripts = web_files("tools/program/cost/web", ".js");
+  ASSERT_GE(scripts.size(), 6U);
+  for (const auto& [name, text] : scripts) {
+    for (const std::string& member : matches(text, R"(\n *sb\.(\w+) = )")) {
+      EXPECT_TRUE(defined.insert(member).second) << name << " defines sb." << member << " again";
+    }
+  }
+  for (const auto& [name, text] : scripts) {
+    EXPECT_EQ(unpaired_brackets(text), "") << name;
+    for (const std::string& member : matches(text, R"(\bsb\.(\w+))")) {
+      EXPECT_TRUE(defined.contains(member)) << name << " uses sb." << member;
+    }
+  }
+}
+
+// A member that a script reads under another name or in another shape than it has would silently be empty, and one that no script reads
+// would not be shown.
+TEST(CostScripts, ReadTheMembersThatThereAre) {
+  std::string all;
+  for (const auto& [name, text] : web_files("tools/program/cost/web", ".js")) all += text;
+  Json data = exploration();
+  data["stability"] = stability();  // of --stability alone
+  data["remarks"] = Json::array();
+  const std::map<std::string, Json> objects = {{"data", data},
+                                               {"reference", data.at("reference")},
+                                               {"row", data.at("rows").at(0)},
+                                               {"cpu", data.at("rows").at(0).at("cpu_s")},
+                                               {"measure", data.at("measures").at(0)},
+                                               {"effect", data.at("effects").at(0)},
+                                               {"change", data.at("effects").at(0).at("changes").at("onset")},
+                                               {"combination", combination()},
+                                               {"stability", stability()}};
+  // Not shown: the scale is in the stiffness, the frequency in the prediction; a map is told by not being an exploration; the trial is in
+  // the command, the reference's own error in every measure as its floor.
+  const std::set<std::string> unread = {"stiffness_scale", "omega", "slipbench_stability", "trial", "own_error"};
+  for (const auto& [name, object] : objects) {
+    const std::set<std::string> read = matches(all, "\\b" + name + R"(\.(\w+))");
+    EXPECT_THAT(read, Not(IsEmpty())) << name;
+    for (const std::string& member : read) {
+      EXPECT_TRUE(object.contains(member)) << name << "." << member;
+    }
+    for (const auto& member : object.items()) {
+      EXPECT_EQ(std::regex_search(all, std::regex("\\b" + member.key() + "\\b")), !unread.contains(member.key())) << member.key();
+    }
+  }
+}
+
+// What the page tells failures from by name.
+TEST(CostScripts, KnowWhatWasNotRun) {
+  EXPECT_THAT(web_files("tools/program/cost/web", ".js").at("marks.js"),
+              HasSubstr("row.status === '" + std::string(status_name(Status::over_budget)) + "'"));
+}
+
+TEST(CostStyles, DefineEveryColourInBothThemes) {
+  const std::string dark_rule = ":root[data-theme=\"dark\"]";
+  const std::string css = web_files("tools/program/cost/web", ".css").at("cost.css");
+  const std::string shared = web_files("tools/program/report/web", ".css").at("report.css");
+  std::set<std::string> own = variables(css, ":root");
+  EXPECT_THAT(own, Not(IsEmpty()));
+  EXPECT_EQ(own, variables(css, dark_rule));
+  own.merge(variables(shared, ":root"));
+  std::string all = css;
+  for (const auto& [name, text] : web_files("tools/program/cost/web", ".js")) all += text;
+  for (const std::string& variable : matches(all, R"(var\(--(\w+)\))")) EXPECT_TRUE(own.contains(variable)) << variable;
+}
+
+// Two series differ in both colour and shape: as many colours as there are shapes.
+TEST(CostStyles, HaveAColourForEachShape) {
+  const std::string marks = web_files("tools/program/cost/web", ".js").at("marks.js");
+  const std::string sizes =
+      marks.substr(marks.find("const sizes = ["), marks.find(';', marks.find("const sizes = [")) - marks.find("const sizes = ["));
+  const std::size_t shapes = static_cast<std::size_t>(std::count(sizes.begin(), sizes.end(), ',')) + 1;
+  const std::string css = web_files("tools/program/cost/web", ".css").at("cost.css");
+  std::size_t colours = 0;
+  for (const std::string& variable : variables(css, ":root")) colours += std::regex_match(variable, std::regex("s\\d")) ? 1 : 0;
+  EXPECT_EQ(colours, shapes);
+}
+
+}  // namespace
+}  // namespace slipbench::cost

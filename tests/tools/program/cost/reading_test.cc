@@ -1,0 +1,159 @@
+// Fronts, the cheapest settings and sentences, of an exploration made by hand.
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/tools/program/cost/example.h"
+#include "tools/program/cost/cost_json.h"
+#include "tools/program/cost/explore.h"
+
+namespace slipbench::cost {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// By cost: 10 ms (0.05), 5 ms (0.005), 2 ms is dearer than 5 ms and not better, the scene (0.0005) is; the rest is dearer and worse, and what is
+// compared with something else is on no front.
+TEST(CostReading, TheFrontIsWhatNothingCheaperMatches) {
+  std::vector<std::string> front;
+  for (const Row& row : example().rows) {
+    if (!row.front.empty()) front.push_back(row.setting.label);
+  }
+  EXPECT_THAT(front, ElementsAre("1 ms", "10 ms", "5 ms"));
+}
+
+TEST(CostReading, ARunInWhichOtherThingsHappenMeetsNoWish) {
+  Exploration exploration = example();
+  exploration.rows.push_back(timed("field", "20 ms", 1e-4, onset_error(0.0, true)));
+  EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-2)->setting.label, "5 ms");
+  EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-9), nullptr);
+  EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-2, "contact")->setting.label, "noslip 3");
+}
+
+// 5 ms: 0.004 s for 2 s, 1/500 of real time. noslip 3: 1.6 s for 2 s, 1/1.25, 400 times as much. 0.1 %: the scene itself, 0.02 s, 1/100.
+// Of the three settings of MuJoCo's contact one has ended in a warning.
+TEST(CostReading, SentencesSayWhatAnErrorCostsAndWhatMujocoPays) {
+  EXPECT_THAT(
+      sentences(example()),
+      ElementsAre(
+          "1 % slip onset error costs 1/500 of real time: element field, 5 ms; MuJoCo's own contact needs 1/1.25 of real time for it (noslip 3): 400 times as much.",
+          "0.1 % slip onset error costs 1/100 of real time: the scene as it is, 1 ms; MuJoCo's own contact reaches it with none of 2 settings: 0.8 % at best (noslip 3, 1/1.25 of real time).",
+          "Of 3 settings of MuJoCo's own contact 1 could not count: 1 went wrong."));
+}
+
+TEST(CostReading, AReferenceThatHasNotConvergedIsNoSecret) {
+  Exploration exploration = example();
+  exploration.reference.converged = false;
+  exploration.reference.own_error = onset_error(0.02);
+  EXPECT_THAT(sentences(exploration), Contains(HasSubstr("has not converged by: slip onset (2 %)")));
+  EXPECT_THAT(sentences(exploration), Contains(HasSubstr("1 % slip onset error: cannot be shown")));
+}
+
+// A row that puts out less is cheaper for giving less.
+TEST(CostReading, OnlyWhatPutsOutAsOftenIsCompared) {
+  Exploration exploration = example();
+  for (Row& row : exploration.rows) row.rate = 1000.0;
+  exploration.rows[2].rate = 200.0;  // 5 ms
+  mark_fronts(exploration);
+  EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-2)->setting.label, "2 ms");
+}
+
+// What was not tried has not failed.
+TEST(CostReading, ContactThatWasNotTriedHasNotFailed) {
+  Exploration exploration = example();
+  for (Row& row : exploration.rows) {
+    if (row.setting.series != "contact") continue;
+    row.status = Status::refused;
+    row.why = "no such thing";
+  }
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("MuJoCo's own contact could not be tried (no such thing)"));
+  for (Row& row : exploration.rows) {
+    if (row.setting.series == "contact") row.status = Status::over_budget;
+  }
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("the budget left no time to try MuJoCo's own contact"));
+}
+
+// Of three one has gone wrong; then noslip 3 puts out less often; then the last, impratio 100, is out of time.
+TEST(CostReading, OfHowManySettingsAFailureIsSaid) {
+  Exploration exploration = example();
+  for (Row& row : exploration.rows) row.rate = 1000.0;
+  exploration.rows[5].rate = 250.0;
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("reaches it with none of 1 setting: 3 % at best (impratio 100"));
+  EXPECT_THAT(
+      sentences(exploration),
+      Contains("Of 3 settings of MuJoCo's own contact 2 could not count: 1 went wrong, 1 put out less often than the scene."));
+  exploration.rows[4].status = Status::over_budget;
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("of MuJoCo's own contact no run can be compared"));
+  EXPECT_THAT(
+      sentences(exploration),
+      Contains(
+          "Of 3 settings of MuJoCo's own contact 3 could not count: 1 went wrong, 1 put out less often than the scene, 1 not run for want of time."));
+}
+
+// In both that are left the other thing happens.
+TEST(CostReading, OtherThingsHappenOnlyWhereSomethingWasCompared) {
+  Exploration exploration = example();
+  for (const std::size_t contact : {4, 5}) exploration.rows[contact].errors = onset_error(0.0, true);
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("with none of 2 settings: in every run other things happen"));
+  for (const std::size_t contact : {4, 5}) exploration.rows[contact].status = Status::diverged;
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("no run can be compared"));
+}
+
+// Three digits and no exponent: 1 420 % are read faster than 1.42e+03 %.
+TEST(CostReading, LargeErrorsAreWrittenOut) {
+  Exploration exploration = example();
+  for (const std::size_t contact : {4, 5}) exploration.rows[contact].errors = onset_error(14.2);
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("1420 % at best"));
+}
+
+TEST(CostReading, AnInterruptedExplorationSaysSo) {
+  Exploration exploration = example();
+  exploration.interrupted = true;
+  EXPECT_THAT(sentences(exploration).back(), HasSubstr("Interrupted"));
+  EXPECT_EQ(cost_json(exploration, nlohmann::ordered_json::object())["interrupted"], true);
+}
+
+TEST(CostReading, AnEffectThatCostsAndChangesNothingIsPointedOut) {
+  Exploration exploration = example();
+  exploration.prices = {{.name = "ageing", .without = CpuTime{0.015, 0.014, 0.016, 9}, .share = 0.25, .low = 0.2, .high = 0.3},
+                        {.name = "stribeck",
+                         .without = CpuTime{0.015, 0.014, 0.016, 9},
+                         .share = 0.25,
+                         .low = 0.2,
+                         .high = 0.3,
+                         .changes = onset_error(1e-3)},
+                        {.name = "texture", .without = CpuTime{0.02, 0.014, 0.03, 9}, .share = 0.0, .low = -0.2, .high = 0.3}};
+  EXPECT_TRUE(exploration.prices[0].idle());
+  EXPECT_FALSE(exploration.prices[1].idle());
+  EXPECT_FALSE(exploration.prices[2].idle()) << "what it costs is within the scatter";
+  EXPECT_THAT(sentences(exploration), Contains("ageing costs 25 % of the time and changes nothing that is measured here."));
+}
+
+// A share of 0.25 is 25 %, a change of 1e-3 is 0.1 %.
+TEST(CostReading, AVerdictNamesTheLargestChange) {
+  Price price{.name = "stribeck", .share = 0.25, .low = 0.2, .high = 0.3, .changes = onset_error(1e-3)};
+  EXPECT_EQ(verdict(price), "costs 25 %; changes slip onset most, by 0.1 %");
+  price.low = -0.1;
+  EXPECT_EQ(verdict(price), "costs less than the scatter; changes slip onset most, by 0.1 %");
+  price.why = "no such law";
+  EXPECT_EQ(verdict(price), "does not run: no such law");
+}
+
+TEST(CostReading, TheObjectHasFailuresAsFailures) {
+  const auto json = cost_json(example(), nlohmann::ordered_json::object());
+  EXPECT_EQ(json["slipbench_cost"], 1);
+  const auto& failed = json["rows"].back();
+  EXPECT_EQ(failed["status"], "warning");
+  EXPECT_TRUE(failed["cpu_s"].is_null());
+  EXPECT_THAT(failed["errors"], IsEmpty());
+  EXPECT_EQ(json["rows"][2]["cost"], 0.002);
+  EXPECT_EQ(json["rows"][2]["pareto"][0], "onset");
+}
+
+}  // namespace
+}  // namespace slipbench::cost

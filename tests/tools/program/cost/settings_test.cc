@@ -1,0 +1,117 @@
+#include "tools/program/cost/settings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/quantity.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/run/run_trial.h"
+
+namespace slipbench::cost {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
+
+const std::string scenes = std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/";
+
+SceneFile shipped(const std::string& name) { return SceneFile::load(scenes + name); }
+Scene parsed(const SceneFile& file) { return parse_scene(file, program_catalogues()); }
+
+std::set<std::string> series_of(const std::vector<Setting>& settings) {
+  std::set<std::string> names;
+  for (const Setting& setting : settings) names.insert(setting.series);
+  return names;
+}
+
+std::vector<std::string> labels_of(const std::vector<Setting>& settings, const std::string& series) {
+  std::vector<std::string> labels;
+  for (const Setting& setting : settings) {
+    if (setting.series == series) labels.push_back(setting.label);
+  }
+  return labels;
+}
+
+TEST(CostSettings, WhatMovesAsPrescribedHasNoIntegratorAndNoSolver) {
+  const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), {1e-3});
+  EXPECT_THAT(series_of(settings), UnorderedElementsAre("field", "articulated", "contact", "rate", "elements"));
+}
+
+TEST(CostSettings, WhatForcesMoveHasThem) {
+  const auto settings = settings_to_try(parsed(shipped("bodies/held_box.yaml")), {2.5e-4});
+  EXPECT_THAT(series_of(settings), IsSupersetOf({"implicit", "integrator", "articulated", "contact"}));
+  EXPECT_THAT(labels_of(settings, "integrator"), UnorderedElementsAre("Euler", "implicitfast", "implicit", "discrete", "RK4"));
+}
+
+TEST(CostSettings, EffectsLeaveOutWhatHasNone) {
+  SceneFile file = shipped("papillarray/stage.yaml");
+  file.apply({"effects", "[stribeck]"});
+  EXPECT_THAT(series_of(settings_to_try(parsed(file), {1e-3})), UnorderedElementsAre("field", "rate", "elements"));
+}
+
+// 1 kHz: ten sampling times down to a twentieth of one; the scene's own millisecond is the scene itself.
+TEST(CostSettings, StepsGoFromTenSamplingTimesToATwentieth) {
+  const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), {1e-3});
+  EXPECT_THAT(labels_of(settings, "field"),
+              ::testing::ElementsAre("10 ms, output at 100 Hz", "4 ms, output at 250 Hz", "2 ms, output at 500 Hz", "0.5 ms",
+                                     "0.2 ms", "0.1 ms", "50 us"));
+}
+
+// Whoever reads a row can run it.
+TEST(CostSettings, EverySettingOfAShippedSceneIsASceneOrRefusedByName) {
+  for (const char* const name : {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml", "biotac_sp/grasp.yaml"}) {
+    const Scene scene = parsed(shipped(name));
+    for (const Setting& setting : settings_to_try(scene, {1e-3})) {
+      SceneFile file = shipped(name);
+      for (const Override& change : setting.changes) file.apply(change);
+      EXPECT_NO_THROW(parsed(file)) << name << ": " << setting.series << ", " << setting.label;
+    }
+  }
+}
+
+// The springs of its fingers bear no step of the other scenes' ladder above half a millisecond.
+TEST(CostSettings, EveryContactOfAGraspIsOneThatStarts) {
+  std::set<double> steps;
+  for (const Setting& setting : settings_to_try(parsed(shipped("grasp/lift.yaml")), {5e-4})) {
+    if (setting.series != "contact") continue;
+    SceneFile file = shipped("grasp/lift.yaml");
+    for (const Override& change : setting.changes) file.apply(change);
+    const Scene scene = parsed(file);
+    steps.insert(scene.time_step.value());
+    EXPECT_NO_THROW(check_trial(scene, 0)) << setting.label;
+  }
+  EXPECT_THAT(steps, ::testing::ElementsAre(5e-5, 1e-4, 2e-4, 5e-4));
+}
+
+// 2,400 readings a second: 4 ms are 10 sampling times of 0.41667 ms to the next whole number, 2 ms 5, 1 ms 2 (2.4), 0.5 ms 1 (1.2), and 0.2 ms
+// a third of one (0.48, of which at least three parts are short enough).
+TEST(CostSettings, StepsOfMujocosContactFitAnyRate) {
+  std::set<double> parts;
+  for (const Setting& setting : settings_to_try(parsed(shipped("nib_pad/calibrate_lying.yaml")), {1.0 / 2400.0})) {
+    if (setting.series != "contact") continue;
+    const auto step = std::ranges::find(setting.changes, "time_step", &Override::path);
+    ASSERT_NE(step, setting.changes.end()) << setting.label;
+    parts.insert(1e-6 * std::round(1e6 * 2400.0 * parse_quantity(step->value, Quantity::time)));
+  }
+  EXPECT_THAT(parts, ::testing::ElementsAre(1e-6 * 333333, 1.0, 2.0, 5.0, 10.0));
+}
+
+TEST(CostSettings, EverySeriesIsDeclared) {
+  std::set<std::string> declared;
+  for (const Series& series : all_series()) declared.insert(series.name);
+  for (const char* const name : {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml"}) {
+    for (const std::string& series : series_of(settings_to_try(parsed(shipped(name)), {1e-3})))
+      EXPECT_THAT(declared, Contains(series));
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::cost

@@ -1,0 +1,65 @@
+// A scene's wish for accuracy as a user gives it to the program.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "tests/tools/program/cli/child_process.h"
+
+namespace slipbench {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* wishing =
+    "slipbench: 1\nduration: 1.2 s\nmotion: {kind: stage, start: 0.7 s}\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\n"
+    "sweep: {motion.speed: [4 mm/s, 8 mm/s]}\naccuracy: {onset: 1 %}\nexpect: {gross_slip_by: 1.2 s}\n";
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(Wish, IsSettledOnceForRunSweepAndCheck) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "wish.yaml") << wishing;
+  const ChildResult run = run_program_file({"run", folder / "wish.yaml"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("accuracy: looking once for the cheapest setting that meets the wish of "));
+  EXPECT_THAT(run.err, HasSubstr("against closed form, in one trial; " + (folder / "wish.yaml.accuracy.json")));
+  const ChildResult all = run_program_file({"run", folder / "wish.yaml", "--trials", "2"});
+  EXPECT_EQ(all.status, 0) << all.err;
+  EXPECT_THAT(all.err, HasSubstr("against closed form, in 2 trials; "));
+  const ChildResult sweep = run_program_file({"sweep", folder / "wish.yaml", "-o", folder / "first.h5"});
+  EXPECT_EQ(sweep.status, 0) << sweep.err;
+  EXPECT_EQ(sweep.err.find("looking once"), std::string::npos) << sweep.err;
+  const ChildResult check = run_program_file({"check", folder / "wish.yaml", "--json"});
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_THAT(check.err, IsEmpty());
+  EXPECT_THAT(check.out, HasSubstr("--set accuracy=none"));  // in what replays a trial
+  // What was found, given by hand, makes the same bytes and needs no record.
+  const std::string record = bytes_of(folder / "wish.yaml.accuracy.json");
+  const ChildResult again = run_program_file(
+      {"sweep", folder / "wish.yaml", "-o", folder / "second.h5", "--set", "accuracy=none", "--set", "time_step=10 ms"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(bytes_of(folder / "first.h5"), bytes_of(folder / "second.h5"));
+  EXPECT_EQ(bytes_of(folder / "wish.yaml.accuracy.json"), record);
+}
+
+TEST(Wish, ThatCannotBeMetEndsTheProgramWithWhatCan) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "wish.yaml") << wishing;
+  const ChildResult run = run_program_file({"run", folder / "wish.yaml", "--set", "accuracy={slip_distance: 0.000001 %}", "--set",
+                                            "effects=[texture]", "-o", folder / "out.h5"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.err, HasSubstr("accuracy.slip_distance: 1e-06 % cannot be shown"));
+  EXPECT_THAT(run.err, HasSubstr("allowed: from "));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "wish.yaml.accuracy.json"));
+}
+
+}  // namespace
+}  // namespace slipbench

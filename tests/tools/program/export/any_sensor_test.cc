@@ -1,0 +1,335 @@
+// The formats that hold any sensor: columns, archives, what they refuse and leave behind.
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/writer.h"
+#include "tools/program/export/episode.h"
+#include "tools/program/export/export.h"
+#include "tools/program/export/npz.h"
+#include "tools/program/export/samples.h"
+#include "tools/program/export/table_csv.h"
+
+namespace slipbench::any_sensor_test {
+namespace {
+
+using slipbench::testing::bytes_of;
+using slipbench::testing::make_grasp_record;
+using slipbench::testing::make_record;
+using slipbench::testing::message_of;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+// A multiplexed pad at 300 Hz: FL and FR every sample, one value of SI every third, read 2/300 s before.
+SensorRecord nib_pad(std::size_t rows) {
+  SensorRecord sensor = make_record(0, rows).sensors[0];
+  sensor.name = "nib";
+  sensor.type = "nib_pad";
+  sensor.rate = 300.0;
+  sensor.channel_names = {"SI_0", "FL_N", "FL_S", "FR_plus", "FR_minus"};
+  sensor.channels = {{"si", "1", {1}, {}, std::vector<double>{}}, {"fl", "1", {2}, {}}, {"fr", "1", {2}, {}}};
+  for (std::size_t row = 0; row < rows; ++row) {
+    const auto value = static_cast<float>(row);
+    sensor.time[row] = static_cast<double>(row + 1) / 300.0;
+    sensor.channels[1].values.insert(sensor.channels[1].values.end(), {7000.0F + 3.0F * value, 7000.0F + value});
+    sensor.channels[2].values.insert(sensor.channels[2].values.end(), {6000.0F, 6000.0F + value});
+    sensor.labels.state[row] = static_cast<std::uint8_t>(row % 4);
+    if (row % 3 != 2) continue;
+    sensor.channels[0].values.push_back(value);
+    sensor.channels[0].time->push_back(sensor.time[row] - 2.0 / 300.0);
+  }
+  return sensor;
+}
+
+class AnySensor : public slipbench::testing::FolderTest {
+ protected:
+  std::string dataset(const std::vector<TrialRecord>& records, const std::string& name = "a.h5") {
+    DatasetWriter writer(path(name), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, records.size());
+    for (const TrialRecord& record : records) writer.append(TrialEncoder().encode(record));
+    writer.commit();
+    return path(name);
+  }
+  std::vector<std::string> run(ExportFormat format, const std::string& sensor = "", std::optional<double> rate = {},
+                               const std::string& out = "out") {
+    return export_dataset(path("a.h5"), path(out), {format, SlipRule::strict, {}, sensor, {}, rate});
+  }
+};
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// FL = N - S = 7000 + 3 r - (7000 + r) = 2 r, FR = 6000 - (6000 + r) = -r.
+TEST(TableCsv, FormsThePapersDifferences) {
+  const std::vector<CsvTable> tables = table_csv(nib_pad(4));
+  ASSERT_THAT(tables, SizeIs(2));
+  const std::vector<std::string> lines = lines_of(tables[0].text);
+  ASSERT_THAT(lines, SizeIs(5));
+  EXPECT_EQ(lines[0], "t [s],FL [1],FL_N [1],FL_S [1],FR [1],FR_plus [1],FR_minus [1],state,state_micro,state_paper");
+  EXPECT_EQ(lines[3], "0.01,4,7006,7002,-2,6000,6002,2,3,1");
+}
+
+// A channel with a time of its own has a table of its own. Its row was read at 1/300 s, when the state was that of sample 0.
+TEST(TableCsv, SlowChannelsKeepTheirTime) {
+  const std::vector<CsvTable> tables = table_csv(nib_pad(4));
+  EXPECT_EQ(tables[1].channel, "si");
+  const std::vector<std::string> lines = lines_of(tables[1].text);
+  ASSERT_THAT(lines, SizeIs(2));
+  EXPECT_EQ(lines[0], "t [s],SI_0 [1],state,state_micro,state_paper");
+  EXPECT_THAT(lines[1], HasSubstr(",2,0,3,1"));
+  EXPECT_NEAR(std::stod(lines[1]), 1.0 / 300.0, 1e-15);
+}
+
+TEST(TableCsv, NamesMustFitTheValues) {
+  SensorRecord sensor = nib_pad(4);
+  sensor.channel_names.pop_back();
+  EXPECT_EQ(message_of<InputError>([&] { table_csv(sensor); }), "sensor nib: 4 names for 5 values a sample");
+  sensor = nib_pad(4);
+  sensor.channel_names = {"SI_0", "FL", "FR_plus", "FR_minus"};
+  sensor.channels[1].shape = {1};
+  EXPECT_EQ(message_of<InputError>([&] { table_csv(sensor); }), "sensor nib: channel 'fl' has 1 values, expected 2");
+}
+
+TEST_F(AnySensor, TablesAreNamedByTrialAndSensor) {
+  TrialRecord record = make_record(2, 6);
+  record.sensors.push_back(nib_pad(6));
+  dataset({record});
+  EXPECT_THAT(run(ExportFormat::csv),
+              ElementsAre(path("out/demo_2-nib.csv"), path("out/demo_2-nib-si.csv"), path("out/demo_2-pad.csv")));
+  // 2 + 0.001 i of the channel's ramp, 102 + 0.001 i of the other.
+  EXPECT_EQ(lines_of(bytes_of(path("out/demo_2-pad.csv")))[2], "0.001,2.002,2.003,102.001,2,3,1");
+  EXPECT_THAT(run(ExportFormat::csv, "nib"), SizeIs(2));  // replaces its own
+  EXPECT_EQ(message_of<InputError>([&] { run(ExportFormat::csv, "nip", {}, "other"); }),
+            "trial 2: unknown sensor 'nip'; did you mean 'nib'? allowed: nib, pad");
+  EXPECT_FALSE(std::filesystem::exists(path("other")));
+}
+
+// The header of version 1.0: magic, version, length, a Python literal, padded with spaces to a multiple of 64 bytes.
+TEST(Npz, HeaderIsNumpys) {
+  const std::string header = npy_header("<f4", {5, 9, 3});
+  EXPECT_EQ(header.size() % 64, 0U);
+  EXPECT_EQ(header.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
+  EXPECT_EQ(static_cast<std::size_t>(static_cast<unsigned char>(header[8])), header.size() - 10);
+  EXPECT_EQ(header[9], '\0');
+  EXPECT_THAT(header, HasSubstr("{'descr': '<f4', 'fortran_order': False, 'shape': (5,9,3,), }"));
+  EXPECT_EQ(header.back(), '\n');
+  EXPECT_THAT(npy_header("<f8", {}), HasSubstr("'shape': (), }"));
+}
+
+TEST_F(AnySensor, ArchivesRepeatToTheByte) {
+  dataset({make_grasp_record(0, 5)});
+  EXPECT_THAT(run(ExportFormat::npz), ElementsAre(path("out/demo_0.npz")));
+  const std::string first = bytes_of(path("out/demo_0.npz"));
+  run(ExportFormat::npz, "", {}, "again");
+  EXPECT_EQ(bytes_of(path("again/demo_0.npz")), first);
+  EXPECT_TRUE(begins_as_npz(first));
+  EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::npz, "pad"); }), HasSubstr("npz holds all sensors"));
+  EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::myrmex_rotated, "pad"); }),
+              HasSubstr("myrmex-rotated holds all sensors"));
+}
+
+TEST(LatestRow, IsTheOneAtOrBefore) {
+  const std::vector<double> times{1.0 / 300.0, 2.0 / 300.0, 3.0 / 300.0};
+  EXPECT_EQ(latest_row(times, 0.0033), std::nullopt);
+  EXPECT_EQ(latest_row(times, 0.01), 2U);  // 3/300, whatever the rounding
+  EXPECT_EQ(latest_row(times, 0.0099), 1U);
+  EXPECT_EQ(latest_row(times, 1.0), 2U);
+}
+
+// A pad at 1 kHz that reads 0 ... 10 in 11 samples, and moves at (row, 0, -2 row) mm/s while it turns at -row rad/s.
+TrialRecord moving_pad(std::size_t trial) {
+  constexpr std::size_t rows = 11;
+  TrialRecord record = make_record(trial, rows);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const auto value = static_cast<float>(row);
+    record.sensors[0].channels[1].values[row] = value;
+    record.sensors[0].labels.state[row] = row < 5 ? 1 : 3;
+    const std::array<float, 6> velocity{1e-3F * value, 0.0F, -2e-3F * value, 0.0F, 0.0F, -value};
+    std::copy(velocity.begin(), velocity.end(), record.bodies[0].velocity.begin() + static_cast<std::ptrdiff_t>(6 * row));
+  }
+  return record;
+}
+
+// At 250 Hz every fourth sample: 0, 4, 8 ms, two steps. The greatest components in the recordings are 20 mm/s and 10 rad/s.
+TEST_F(AnySensor, EpisodesTakeTheLatestSample) {
+  dataset({moving_pad(0)});
+  const DatasetReader reader(path("a.h5"));
+  const ActionSpace space = action_space(reader, {0});
+  EXPECT_THAT(space.bodies, ElementsAre("pad"));
+  EXPECT_THAT(space.names, ElementsAre("pad_vx", "pad_vy", "pad_vz", "pad_wx", "pad_wy", "pad_wz"));
+  EXPECT_FLOAT_EQ(static_cast<float>(space.scale[0]), 0.02F);
+  EXPECT_FLOAT_EQ(static_cast<float>(space.scale[5]), 10.0F);
+  const Episode episode = make_episode(reader, 0, "", 250.0, space);
+  EXPECT_EQ(episode.steps, 2U);
+  ASSERT_THAT(episode.observations, SizeIs(2));
+  EXPECT_EQ(episode.observations[0].name, "pad_force");
+  EXPECT_EQ(episode.observations[0].width, 2U);
+  EXPECT_THAT(episode.observations[1].values, ElementsAre(0.0F, 4.0F, 8.0F));  // with that after the last step
+  EXPECT_THAT(episode.states[0].values, ElementsAre(1.0F, 1.0F));              // at 0 and 4 ms
+  EXPECT_FLOAT_EQ(episode.actions.values[6 + 0], 0.2F);                        // 4 of 20 mm/s
+  EXPECT_FLOAT_EQ(episode.actions.values[6 + 2], -0.4F);
+  EXPECT_FLOAT_EQ(episode.actions.values[6 + 5], -0.4F);  // 4 of 10 rad/s
+  EXPECT_EQ(episode.bodies.width, 13U);
+  EXPECT_FLOAT_EQ(episode.bodies.values[13 + 7], 4e-3F);  // after the pose of row 4
+  EXPECT_THAT(episode.rewards, ElementsAre(0.0F, 0.0F));
+  EXPECT_EQ(slowest_rate(reader, 0, ""), 1000.0);
+}
+
+// The registers 0 to 255 become -1 to 1, and a box that is held to the end is worth 1.
+TEST_F(AnySensor, GraspsActByTheirCommands) {
+  TrialRecord held = make_grasp_record(0, 5);
+  held.outcome.grasp->dropped = false;
+  dataset({held, make_grasp_record(1, 5)});
+  const DatasetReader reader(path("a.h5"));
+  const ActionSpace space = action_space(reader, {0, 1});
+  const Episode episode = make_episode(reader, 0, "", 1000.0, space);
+  EXPECT_EQ(episode.actions.width, 3U);
+  EXPECT_FLOAT_EQ(episode.actions.values[3 * 2 + 1], static_cast<float>((3.0 - 127.5) / 127.5));  // row 2: registers 2, 3, 4
+  EXPECT_EQ(episode.observations.back().name, "gripper_position");
+  EXPECT_THAT(episode.observations.back().values, ElementsAre(3.0F, 4.0F, 5.0F, 6.0F, 7.0F));
+  EXPECT_THAT(episode.rewards, ElementsAre(0.0F, 0.0F, 0.0F, 1.0F));
+  EXPECT_EQ(make_episode(reader, 1, "", 1000.0, space).rewards.back(), 0.0F);  // dropped
+}
+
+// A slow channel stands still, and the demonstration begins when everything has been read once: SI at 1/300 s, the body at 0.
+TEST_F(AnySensor, EpisodesHoldSlowChannels) {
+  TrialRecord record = make_record(0, 40);
+  record.sensors = {nib_pad(9)};
+  dataset({record});
+  const DatasetReader reader(path("a.h5"));
+  const Episode episode = make_episode(reader, 0, "nib", 300.0, action_space(reader, {0}));
+  EXPECT_THAT(episode.observations[0].values, ElementsAre(2.0F, 2.0F, 2.0F, 5.0F, 5.0F, 5.0F, 8.0F, 8.0F, 8.0F));
+  EXPECT_EQ(episode.steps, 8U);
+}
+
+// Two sensors on one contact, 1 kHz and 300 Hz: an archive keeps each at its own times, a demonstration holds the latest of both at the slower
+// one's rate from 1/300 s on. Row r of the pad is its sample at or before (r + 1)/300 s: 3, 6, 10, 13 ms.
+TEST_F(AnySensor, SensorsOfDifferentRatesShareADemonstration) {
+  TrialRecord record = make_record(0, 16);
+  record.sensors[0].rate = 1000.0;
+  for (std::size_t row = 0; row < 16; ++row) record.sensors[0].channels[1].values[row] = static_cast<float>(row);
+  record.sensors.push_back(nib_pad(4));
+  dataset({record});
+  const DatasetReader reader(path("a.h5"));
+  EXPECT_EQ(slowest_rate(reader, 0, ""), 300.0);
+  const Episode episode = make_episode(reader, 0, "", 300.0, action_space(reader, {0}));
+  EXPECT_EQ(episode.steps, 3U);
+  ASSERT_THAT(episode.observations, SizeIs(5));
+  EXPECT_EQ(episode.observations[4].name, "pad_displacement");  // sensors in the order of their names
+  EXPECT_THAT(episode.observations[4].values, ElementsAre(3.0F, 6.0F, 10.0F, 13.0F));
+  EXPECT_EQ(episode.observations[1].name, "nib_fl");
+  EXPECT_THAT(episode.observations[1].values, ElementsAre(7000, 7000, 7003, 7001, 7006, 7002, 7009, 7003));
+  const std::string archive = bytes_of(run(ExportFormat::npz).front());
+  for (const char* key : {"sensors/pad/t.npy", "sensors/nib/t.npy", "labels/pad/state.npy", "labels/nib/state.npy"}) {
+    EXPECT_THAT(archive, HasSubstr(key));
+  }
+}
+
+TEST_F(AnySensor, DemonstrationsRepeatToTheByteAndReplaceTheirOwn) {
+  dataset({moving_pad(0), moving_pad(1), moving_pad(2)});
+  EXPECT_THAT(run(ExportFormat::robomimic), ElementsAre(path("out/robomimic.hdf5")));
+  const std::string first = bytes_of(path("out/robomimic.hdf5"));
+  run(ExportFormat::robomimic);
+  EXPECT_EQ(bytes_of(path("out/robomimic.hdf5")), first);
+  EXPECT_THAT(names(), ElementsAre("a.h5", "out"));
+  EXPECT_FALSE(std::filesystem::exists(path("out/robomimic.hdf5.partial")));
+
+  for (const std::string& target : {path("out/robomimic.hdf5"), path("out/robomimic.hdf5.partial")}) {
+    std::filesystem::copy_file(path("a.h5"), target,
+                               std::filesystem::copy_options::overwrite_existing);  // a dataset is no export
+    EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::robomimic); }),
+                HasSubstr(target + " exists and is no robomimic dataset"));
+    EXPECT_EQ(bytes_of(target), bytes_of(path("a.h5")));
+    std::filesystem::remove(target);
+  }
+}
+
+// Killed while it wrote, an export leaves HDF5 that ends too early under the name that it has until then.
+TEST_F(AnySensor, DemonstrationsReplaceWhatAKilledRunLeft) {
+  dataset({moving_pad(0), moving_pad(1)});
+  run(ExportFormat::robomimic);
+  const std::string whole = bytes_of(path("out/robomimic.hdf5"));
+  const std::string left = path("out/robomimic.hdf5.partial");
+  for (const std::string& beginning : {whole, whole.substr(0, whole.size() / 2), whole.substr(0, 100), std::string()}) {
+    std::ofstream(left, std::ios::binary) << beginning;
+    run(ExportFormat::robomimic);
+    EXPECT_EQ(bytes_of(path("out/robomimic.hdf5")), whole) << beginning.size();
+    EXPECT_FALSE(std::filesystem::exists(left)) << beginning.size();
+  }
+  // Under its own name nothing is ever left half written, so what cannot be read there is not its own; nor is a text under the other.
+  std::ofstream(path("out/robomimic.hdf5"), std::ios::binary) << whole.substr(0, whole.size() / 2);
+  EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::robomimic); }), HasSubstr("exists and is no robomimic dataset"));
+  std::filesystem::remove(path("out/robomimic.hdf5"));
+  std::ofstream(left, std::ios::binary) << "notes";
+  EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::robomimic); }), HasSubstr(left + " exists and is no robomimic"));
+}
+
+// Whatever of it has reached the disk by now: it is the other run's to finish.
+TEST_F(AnySensor, DemonstrationsThatAnotherRunIsWritingAreLeftToIt) {
+  dataset({moving_pad(0)});
+  run(ExportFormat::robomimic);
+  const std::string whole = bytes_of(path("out/robomimic.hdf5"));
+  const std::string other = path("out/robomimic.hdf5.partial");
+  for (const std::string& beginning : {whole, whole.substr(0, whole.size() / 2), std::string()}) {
+    std::ofstream(other, std::ios::binary) << beginning;
+    const int locked = ::open(other.c_str(), O_RDWR | O_CLOEXEC);
+    ASSERT_EQ(::flock(locked, LOCK_EX | LOCK_NB), 0);
+    EXPECT_EQ(message_of<InputError>([&] { run(ExportFormat::robomimic); }),
+              "cannot write " + other + ": another run is writing it");
+    ::close(locked);
+    EXPECT_TRUE(std::filesystem::exists(other)) << beginning.size();
+    EXPECT_EQ(bytes_of(other), beginning) << beginning.size();
+    EXPECT_EQ(bytes_of(path("out/robomimic.hdf5")), whole) << beginning.size();
+  }
+  run(ExportFormat::robomimic);  // the other run is gone
+  EXPECT_FALSE(std::filesystem::exists(other));
+}
+
+TEST_F(AnySensor, RatesMustFit) {
+  dataset({moving_pad(0)});
+  EXPECT_EQ(message_of<InputError>([&] { run(ExportFormat::robomimic, "", 2000.0); }),
+            "a rate of 2000 Hz repeats samples; allowed: up to 1000 Hz, that of the fastest sensor");
+  EXPECT_EQ(message_of<InputError>([&] { run(ExportFormat::robomimic, "", 10.0); }),
+            "trial 0: is too short for two samples at 10 Hz");
+  EXPECT_THAT(message_of<InputError>([&] { run(ExportFormat::npz, "", 10.0); }), HasSubstr("--rate with --format robomimic"));
+  EXPECT_FALSE(std::filesystem::exists(path("out")));  // nothing is left behind
+}
+
+// Only the outcome of trial 1 was recorded: nothing is written, not even trial 0, whatever the format.
+TEST_F(AnySensor, TrialsWithoutARecordingAreRefused) {
+  TrialRecord outcome;
+  outcome.trial = 1;
+  outcome.seed = 7;
+  dataset({make_record(0, 6), outcome});
+  for (const ExportFormat format : {ExportFormat::csv, ExportFormat::npz, ExportFormat::robomimic, ExportFormat::vendor_csv}) {
+    EXPECT_THAT(message_of<InputError>([&] { run(format); }), HasSubstr("has no recording, only its outcome"));
+    EXPECT_FALSE(std::filesystem::exists(path("out")));
+  }
+}
+
+TEST_F(AnySensor, OtherFilesAreKept) {
+  dataset({make_record(0, 6)});
+  std::filesystem::create_directory(path("out"));
+  for (const auto& [format, name] :
+       {std::pair{ExportFormat::csv, "out/demo_0-pad.csv"}, std::pair{ExportFormat::npz, "out/demo_0.npz"}}) {
+    std::ofstream(path(name)) << "t,force\n0,1\n";
+    EXPECT_THAT(message_of<InputError>([&] { run(format); }), HasSubstr("exists and is no "));
+    EXPECT_EQ(bytes_of(path(name)), "t,force\n0,1\n");
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::any_sensor_test

@@ -1,0 +1,100 @@
+// The table of grasps with three BioTac SP: which row of the log it takes, what counts as slipped, what it refuses.
+#include <algorithm>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/writer.h"
+#include "tools/program/export/export.h"
+
+namespace slipbench::grasp_csv_test {
+namespace {
+
+using slipbench::testing::bytes_of;
+using slipbench::testing::make_record;
+using slipbench::testing::message_of;
+using ::testing::HasSubstr;
+
+constexpr std::size_t rows = 6;
+
+// Electrode e of a finger reads 1000 finger + 100 row + e.
+SensorRecord finger(const std::string& name, int number) {
+  SensorRecord sensor = make_record(0, rows).sensors[0];
+  sensor.name = name;
+  sensor.type = "biotac_sp";
+  sensor.rate = 100.0;
+  sensor.channel_names.clear();
+  sensor.channels = {{"electrodes", "counts", {24}, {}, std::vector<double>{}}};
+  for (int e = 0; e < 24; ++e) sensor.channel_names.push_back("E" + std::to_string(e + 1));
+  for (std::size_t row = 0; row < rows; ++row) {
+    sensor.time[row] = 0.01 * static_cast<double>(row + 1);
+    sensor.channels[0].time->push_back(sensor.time[row] - 6.75e-3);
+    for (int e = 1; e <= 24; ++e)
+      sensor.channels[0].values.push_back(static_cast<float>(1000 * number + 100 * static_cast<int>(row) + e));
+  }
+  return sensor;
+}
+
+BodyRecord body(const std::string& name, const std::vector<float>& heights) {
+  BodyRecord record{name, {}, std::vector<float>(6 * heights.size())};
+  for (const float z : heights) record.pose.insert(record.pose.end(), {0.0F, 0.0F, z, 1.0F, 0.0F, 0.0F, 0.0F});
+  return record;
+}
+
+// The thumb rises from row 3 on; the object follows it but for `left` [m] in the last row.
+TrialRecord grasp(std::size_t trial, float left) {
+  TrialRecord record = make_record(trial, rows);
+  record.sensors = {finger("ff", 1), finger("mf", 2), finger("th", 3)};
+  record.params = R"({"bodies.object.shape": "box"})";
+  record.body_time = record.sensors[0].time;
+  record.bodies = {body("object", {0, 0, 0, 0.001F, 0.02F, 0.04F - left}), body("th", {0.3F, 0.3F, 0.3F, 0.301F, 0.32F, 0.34F})};
+  record.bodies[0].size = {0.06, 0.05, 0.09};
+  return record;
+}
+
+class GraspCsv : public slipbench::testing::FolderTest {
+ protected:
+  std::string exported(const std::vector<TrialRecord>& records) {
+    DatasetWriter writer(path("a.h5"), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, records.size());
+    for (const TrialRecord& record : records) writer.append(TrialEncoder().encode(record));
+    writer.commit();
+    const auto files = export_dataset(path("a.h5"), path("out"), {ExportFormat::grasp_csv, SlipRule::strict, {}, "", {}, {}});
+    EXPECT_THAT(files, ::testing::ElementsAre(path("out/grasps.csv")));
+    return bytes_of(files.front());
+  }
+};
+
+TEST_F(GraspCsv, HasARowAGraspOfTheLastReadingBeforeTheLift) {
+  // Lost by 9 mm: it is still held; by 11 mm: it is not.
+  std::istringstream text(exported({grasp(0, 0.009F), grasp(1, 0.011F)}));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_THAT(lines[0], ::testing::StartsWith("object,slipped,ff_biotac_1,ff_biotac_2,"));
+  EXPECT_THAT(lines[0], HasSubstr(",ff_biotac_24,mf_biotac_1,"));
+  EXPECT_THAT(lines[0], ::testing::EndsWith(",th_biotac_24"));
+  // Row 2, the last in which the thumb has not risen.
+  EXPECT_THAT(lines[1], ::testing::StartsWith("box_60x50x90,0,1201,1202,"));
+  EXPECT_THAT(lines[1], HasSubstr(",1224,2201,"));
+  EXPECT_THAT(lines[1], ::testing::EndsWith(",3224"));
+  EXPECT_THAT(lines[2], ::testing::StartsWith("box_60x50x90,1,1201,"));
+  for (const std::string& line : lines) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 73);
+}
+
+TEST_F(GraspCsv, RefusesWhatIsNoSuchGrasp) {
+  TrialRecord two = grasp(0, 0.0F);
+  two.sensors.pop_back();
+  EXPECT_THAT(message_of<InputError>([&] { exported({two}); }), HasSubstr("no biotac_sp 'th'; allowed: a grasp with three"));
+  TrialRecord bare = grasp(0, 0.0F);
+  bare.bodies[0].name = "ball";
+  EXPECT_THAT(message_of<InputError>([&] { exported({bare}); }), HasSubstr("has no truth/object"));
+  TrialRecord still = grasp(0, 0.0F);
+  still.bodies[1] = body("th", {0, 0, 0, 0, 0, 0});
+  EXPECT_THAT(message_of<InputError>([&] { exported({still}); }), HasSubstr("its thumb is never lifted"));
+}
+
+}  // namespace
+}  // namespace slipbench::grasp_csv_test

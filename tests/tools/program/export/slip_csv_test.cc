@@ -1,0 +1,99 @@
+// The layout of the public slip recordings: folder and name from what the scene commands, rows from where the motion has come up, refusals.
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/writer.h"
+#include "tools/program/export/export.h"
+
+namespace slipbench::slip_csv_test {
+namespace {
+
+using slipbench::testing::bytes_of;
+using slipbench::testing::make_record;
+using slipbench::testing::message_of;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr std::size_t slip_rows = 40;
+
+// Electrode Ee reads 100 e + row, at (row + 1)/100 s.
+TrialRecord finger(const std::string& params) {
+  TrialRecord record = make_record(3, slip_rows);
+  record.params = params;
+  SensorRecord& sensor = record.sensors[0];
+  sensor.type = "biotac_sp";
+  sensor.rate = 100.0;
+  sensor.channel_names.clear();
+  sensor.channels = {{"electrodes", "counts", {24}, {}}};
+  for (int e = 1; e <= 24; ++e) sensor.channel_names.push_back("E" + std::to_string(e));
+  for (std::size_t row = 0; row < slip_rows; ++row) {
+    sensor.time[row] = 0.01 * static_cast<double>(row + 1);
+    for (int e = 1; e <= 24; ++e) sensor.channels[0].values.push_back(static_cast<float>(100 * e + static_cast<int>(row)));
+  }
+  return record;
+}
+
+class SlipCsv : public slipbench::testing::FolderTest {
+ protected:
+  std::vector<std::string> exported(const TrialRecord& record, const std::string& scene) {
+    DatasetWriter writer(path("a.h5"), {"1", scene, "{}", 7, "slipbench sweep a.yaml"}, 1);
+    writer.append(TrialEncoder().encode(record));
+    writer.commit();
+    ExportOptions options;
+    options.format = ExportFormat::slip_csv;
+    return export_dataset(path("a.h5"), path("out"), options);
+  }
+  std::string name(const std::string& params) {
+    const std::string scene = "slipbench: 1\nsurface: {material: glass}\nmotion: {kind: rub}\n";
+    return exported(finger(params), scene).front().substr(path("out/").size());
+  }
+};
+
+TEST_F(SlipCsv, FolderIsTheClassThatTheSceneCommands) {
+  EXPECT_EQ(name("{}"), "t/glass3.csv");
+  EXPECT_EQ(name(R"({"motion.speed": 0.008})"), "n/glass3.csv");
+  EXPECT_EQ(name(R"({"motion.speed": 0.008, "motion.direction": 1.5707963267948966})"), "e/glass3.csv");
+  EXPECT_EQ(name(R"({"motion.speed": 0.008, "motion.direction": 3.141592653589793})"), "s/glass3.csv");
+  EXPECT_EQ(name(R"({"motion.speed": 0.008, "motion.direction": -1.5707963267948966})"), "w/glass3.csv");
+  EXPECT_EQ(name(R"({"motion.rotation": 0.6})"), "cw/glass3.csv");
+  EXPECT_EQ(name(R"({"motion.rotation": -0.6, "surface.material": "felt", "surface.shape": "cylinder"})"),
+            "aw/felt_cylinder3.csv");
+}
+
+// The motion is up at start + 2 approach = 0.05 + 0.2 s, which is row 24: rows 24 to 39 are written.
+TEST_F(SlipCsv, BeginsWhereTheMotionHasComeUp) {
+  const std::string file = exported(finger("{}"), "slipbench: 1\nmotion: {kind: rub, start: 50 ms, approach: 0.1 s}\n").front();
+  std::istringstream text(bytes_of(file));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 1u + 16u);
+  EXPECT_THAT(lines[0], StartsWith("ff_e1,ff_e2,"));
+  EXPECT_THAT(lines[0], ::testing::EndsWith(",ff_e24"));
+  EXPECT_THAT(lines[1], StartsWith("124,224,"));
+  EXPECT_THAT(lines[16], ::testing::EndsWith(",2439"));
+  const std::string whole = exported(finger("{}"), "slipbench: 1\nmotion: {kind: stage, speed: 0 mm/s}\n").front();
+  EXPECT_THAT(bytes_of(whole), HasSubstr("ff_e24\n100,200,"));  // of a stage all rows
+}
+
+TEST_F(SlipCsv, RefusesWhatIsNoClass) {
+  const auto message = [&](const TrialRecord& record) {
+    return message_of<InputError>([&] { exported(record, "slipbench: 1\nmotion: {kind: rub}\n"); });
+  };
+  EXPECT_THAT(message(finger(R"({"motion.speed": 0.008, "motion.rotation": 1.0})")), HasSubstr("slides and turns"));
+  EXPECT_THAT(message(finger(R"({"motion.speed": 0.008, "motion.direction": 0.5})")),
+              HasSubstr("allowed: 0, 90, 180 and 270 deg"));
+  TrialRecord other = finger("{}");
+  other.sensors[0].rate = 200.0;
+  EXPECT_THAT(message(other), HasSubstr("has 200 Hz; allowed: 100 Hz"));
+  other.sensors[0].type = "papillarray";
+  EXPECT_THAT(message(other), HasSubstr("is a papillarray; allowed: a biotac_sp"));
+}
+
+}  // namespace
+}  // namespace slipbench::slip_csv_test

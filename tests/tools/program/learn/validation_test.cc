@@ -1,0 +1,47 @@
+#include "tools/program/learn/validation.h"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace slipbench::learn::validation_test {
+namespace {
+
+// 8 of 10 slip and 60 of 90 hold frames right: (0.8 + 2/3)/2; precision 8/38, recall 8/10, F1 = 16/(16 + 2 + 30).
+TEST(Counts, GiveBalancedAccuracyAndF1) {
+  const Counts counts{8, 2, 30, 60};
+  EXPECT_DOUBLE_EQ(counts.balanced_accuracy(), 0.5 * (0.8 + 60.0 / 90.0));
+  EXPECT_DOUBLE_EQ(counts.f1(), 2.0 * (8.0 / 38.0) * 0.8 / (8.0 / 38.0 + 0.8));
+  EXPECT_TRUE(std::isnan(Counts({0, 0, 1, 1}).balanced_accuracy()));
+  Counts sum;
+  sum.add(true, true);
+  sum.add(true, false);
+  sum.add(false, true);
+  sum.add(false, false);
+  sum.add(counts);
+  EXPECT_EQ(sum.slip_called_slip, 9U);
+  EXPECT_EQ(sum.slip_called_hold, 3U);
+  EXPECT_EQ(sum.hold_called_slip, 31U);
+  EXPECT_EQ(sum.hold_called_hold, 61U);
+}
+
+// 11 of one group and 7 of the other in five folds: 2 or 3 and 1 or 2 in each.
+TEST(Folds, HoldAsManyOfEachGroup) {
+  std::vector<std::size_t> groups(18, 0);
+  for (std::size_t i = 0; i < 7; ++i) groups[2 * i] = 1;
+  const std::vector<std::size_t> fold_of = folds(groups, 5, 3);
+  std::array<std::array<std::size_t, 5>, 2> sizes{};
+  for (std::size_t i = 0; i < groups.size(); ++i) ++sizes[groups[i]].at(fold_of[i]);
+  for (std::size_t fold = 0; fold < 5; ++fold) {
+    EXPECT_EQ(sizes[0][fold], fold < 1 ? 3U : 2U);
+    EXPECT_EQ(sizes[1][fold], fold < 2 ? 2U : 1U);
+  }
+  EXPECT_EQ(folds(groups, 5, 3), fold_of);
+  EXPECT_NE(folds(groups, 5, 4), fold_of);
+  EXPECT_THROW(folds(groups, 1, 3), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace slipbench::learn::validation_test

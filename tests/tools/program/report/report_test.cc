@@ -1,0 +1,358 @@
+#include "tools/program/report/report.h"
+
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/program/report/sample.h"
+#include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/writer.h"
+
+namespace slipbench::report {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const char* const scene = "slipbench: 1\ndescription: 'A <press> and \"slide\"'\n";
+
+// A scene with a grasp, for its parameters.
+const char* const grasp_scene =
+    "slipbench: 1\nsurface: {material: felt}\nbox: {mass: 0.5 kg}\ngrip: {protocol: as_printed}\nmotion: {kind: lift}\n";
+
+std::string page_path(const std::string& name) { return (std::filesystem::path(::testing::TempDir()) / name).string(); }
+
+// The data inside a page.
+Json data_of(const std::string& path) {
+  const std::string page = read_text(path);
+  const std::string mark = "id=\"slipbench-data\">";
+  const std::size_t begin = page.find(mark) + mark.size();
+  return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+std::vector<TrialRecord> trials(std::size_t count) {
+  std::vector<TrialRecord> records;
+  for (std::size_t k = 0; k < count; ++k) {
+    records.push_back(sample_trial(k, R"({"motion.speed": ")" + std::to_string(k + 1) + R"( mm/s"})"));
+  }
+  return records;
+}
+
+std::vector<std::string> embedded(const Json& data) {
+  std::vector<std::string> names;
+  for (const auto& [name, curves] : data.at("curves").items()) names.push_back(name);
+  return names;
+}
+
+std::string refusal(const std::string& dataset, const std::string& page, const ReportOptions& options = {}) {
+  try {
+    write_report(dataset, page, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no refusal";
+}
+
+TEST(Report, SaysWhereTheDataComesFrom) {
+  const std::string dataset = write_dataset("report_origin.h5", scene, trials(1));
+  write_report(dataset, page_path("report_origin.html"));
+  const Json data = data_of(page_path("report_origin.html"));
+  EXPECT_EQ(data.at("file"), "report_origin.h5");
+  EXPECT_EQ(data.at("description"), "A <press> and \"slide\"");
+  EXPECT_EQ(data.at("scene"), scene);
+  EXPECT_EQ(data.at("command"), "slipbench run scene.yaml");
+  EXPECT_EQ(data.at("version"), "0.1.0");
+  EXPECT_EQ(data.at("seed"), "7");
+  EXPECT_EQ(data.at("content_sha256").at(0).get<std::string>().size(), 64U);
+  EXPECT_TRUE(data.at("complete").get<bool>());
+  EXPECT_TRUE(data.at("open").is_null());
+}
+
+TEST(Report, HoldsEverySampleOfATrial) {
+  const TrialRecord trial = sample_trial(0, "{}");
+  const LabelRecord& labels = trial.sensors[0].labels;
+  write_report(write_dataset("report_trial.h5", scene, {trial}), page_path("report_trial.html"));
+  const Json data = data_of(page_path("report_trial.html"));
+  const Json& pad = data.at("curves").at("0").at(0);
+  EXPECT_EQ(pad.at("name"), "pad");
+  EXPECT_EQ(pad.at("type"), "papillarray");
+  EXPECT_EQ(pad.at("positions"), Json::parse("[[0.007, 0.0], [-0.007, 0.0]]"));
+  EXPECT_EQ(pad.at("touch_s"), Json::parse("[0.0005, 0.0015]"));
+  EXPECT_EQ(pad.at("micro_onset_s"), Json::parse("[0.00225, 0.0045]"));
+  EXPECT_EQ(pad.at("onset_s"), Json::parse("[0.0035, 0.00575]"));
+  EXPECT_EQ(pad.at("stride"), 1);
+  EXPECT_THAT(unpack(pad.at("time"))[0], ::testing::Pointwise(::testing::DoubleNear(1e-9), trial.sensors[0].time));
+
+  const auto states = unpack(pad.at("states").at("unit"));
+  EXPECT_THAT(states[0], ElementsAre(0, 1, 1, 3, 2, 2, 2, 2));
+  EXPECT_THAT(states[1], ElementsAre(0, 0, 1, 1, 1, 3, 2, 2));
+  EXPECT_THAT(unpack(pad.at("states").at("strict"))[0], ElementsAre(0, 1, 1, 1, 2, 2, 3, 3));
+  EXPECT_THAT(unpack(pad.at("states").at("micro"))[0], ElementsAre(0, 1, 1, 2, 2, 3, 3, 3));
+  EXPECT_THAT(unpack(pad.at("states").at("paper"))[0], ElementsAre(0, 1, 1, 1, 1, 2, 3, 3));
+
+  std::vector<std::string> keys;
+  for (const Json& curve : pad.at("curves")) {
+    keys.push_back(curve.at("origin").get<std::string>() + "/" + curve.at("key").get<std::string>());
+    EXPECT_EQ(curve.at("data").at("rows"), 8);
+  }
+  EXPECT_THAT(keys, ElementsAre("labels/force", "labels/slip_velocity", "labels/slip_distance", "labels/margin",
+                                "labels/stuck_fraction", "labels/slip_direction", "labels/slip_angle", "labels/slip_centre",
+                                "sensor/force", "sensor/displacement"));
+  const Json& force = pad.at("curves").at(8);
+  EXPECT_EQ(force.at("components"), Json::parse(R"(["FX", "FY", "FZ"])"));
+  EXPECT_EQ(force.at("unit"), "N");
+  const auto columns = unpack(force.at("data"));
+  for (std::size_t row = 0; row < 8; ++row) {
+    for (std::size_t column = 0; column < 6; ++column) {
+      // The largest magnitude is 1.25 N (sample 0, component 5), so a step is 1.25/32767 N.
+      EXPECT_NEAR(columns[column][row], labels.force[6 * row + column], 0.5 * 1.25 / 32767.0 + 1e-12);
+    }
+  }
+}
+
+TEST(Report, HoldsWhatTheLoopSaw) {
+  TrialRecord trial = sample_trial(0, "{}");
+  trial.control.emplace();
+  trial.control->detector = "ratio";
+  trial.control->sensor = "pad";
+  trial.control->time = trial.sensors[0].time;
+  trial.control->detector_class = {0, 0, 1, 2, 1, 2, 3, 2};
+  trial.outcome.false_alarm_time = 3e-3;
+  trial.outcome.detection_time = 5e-3;
+  trial.outcome.detection_delay = 1.5e-3;
+  SensorRecord other = trial.sensors[0];
+  other.name = "zother";
+  trial.sensors.push_back(other);
+  write_report(write_dataset("report_seen.h5", scene, {trial, sample_trial(1, "{}")}), page_path("report_seen.html"));
+  const Json data = data_of(page_path("report_seen.html"));
+  const Json& curves = data.at("curves").at("0");
+  EXPECT_THAT(unpack(curves.at(0).at("states").at("seen"))[0], ElementsAre(0, 0, 1, 2, 1, 2, 3, 2));
+  EXPECT_FALSE(curves.at(1).at("states").contains("seen")) << "the detector reads the other sensor";
+  const Json& detector = data.at("trials").at(0).at("detector");
+  EXPECT_EQ(detector.at("type"), "ratio");
+  EXPECT_EQ(detector.at("sensor"), "pad");
+  // Truth 0 1 1 1 2 2 3 3 against the classes above.
+  EXPECT_EQ(detector.at("confusion"), Json::parse("[[1,0,0,0],[1,1,1,0],[0,1,1,0],[0,0,1,1]]"));
+  EXPECT_EQ(detector.at("detection_s"), 5e-3);
+  EXPECT_EQ(detector.at("delay_s"), 1.5e-3);
+  EXPECT_EQ(detector.at("false_alarm_s"), 3e-3);
+  EXPECT_FALSE(data.at("trials").at(1).contains("detector"));
+}
+
+TEST(Report, HoldsAGrasp) {
+  write_report(write_dataset("report_grasp.h5", grasp_scene, {sample_grasp(0)}), page_path("report_grasp.html"));
+  const Json data = data_of(page_path("report_grasp.html"));
+  EXPECT_EQ(data.at("trials").at(0).at("grasp").at("ideal_force_N"), 2.0);
+  EXPECT_EQ(data.at("grasps").at("0").at("lift_s"), 3e-3);
+  EXPECT_THAT(read_text(page_path("report_grasp.html")), HasSubstr("class GraspView"));
+}
+
+// Every trial of a grasp is in the page, where of another 6 are.
+TEST(Report, HoldsEveryGraspOfASet) {
+  std::vector<TrialRecord> records;
+  for (std::size_t k = 0; k < 9; ++k) records.push_back(sample_grasp(k));
+  write_report(write_dataset("report_grasps.h5", grasp_scene, records), page_path("report_grasps.html"));
+  const Json data = data_of(page_path("report_grasps.html"));
+  EXPECT_EQ(embedded(data).size(), 9U);
+  EXPECT_EQ(data.at("grasps").size(), 9U);
+  EXPECT_FALSE(data.at("grasp_parameters").empty());
+}
+
+// What draws a grasp is not in the page of a dataset without one.
+TEST(Report, PaysNothingForAGraspThatIsNotThere) {
+  write_report(write_dataset("report_no_grasp.h5", scene, trials(1)), page_path("report_no_grasp.html"));
+  const Json data = data_of(page_path("report_no_grasp.html"));
+  EXPECT_FALSE(data.contains("grasps"));
+  EXPECT_FALSE(data.at("trials").at(0).contains("grasp"));
+  EXPECT_THAT(read_text(page_path("report_no_grasp.html")), ::testing::Not(HasSubstr("class GraspView")));
+}
+
+TEST(Report, ListsEveryTrialOfADataset) {
+  write_report(write_dataset("report_sweep.h5", scene, trials(11)), page_path("report_sweep.html"));
+  const Json data = data_of(page_path("report_sweep.html"));
+  ASSERT_EQ(data.at("trials").size(), 11U);
+  EXPECT_EQ(data.at("trials").at(10).at("index"), 10);
+  EXPECT_EQ(data.at("trials").at(10).at("samples"), 8);
+  EXPECT_NEAR(data.at("trials").at(10).at("params").at("motion.speed").at("value").get<double>(), 0.011, 1e-15);
+  EXPECT_EQ(data.at("trials").at(10).at("motion_start_s"), 2e-3);
+  EXPECT_EQ(data.at("trials").at(10).at("sensors").at("pad").at("gross_s"), 5.75e-3);
+  EXPECT_EQ(data.at("axes").at(0).at("path"), "motion.speed");
+  EXPECT_TRUE(data.at("axes").at(0).at("varied").get<bool>());
+  // Six of eleven at equal distances: i * 10 / 5.
+  EXPECT_THAT(embedded(data), ElementsAre("0", "2", "4", "6", "8", "10"));
+}
+
+TEST(Report, SaysWhoseConverterWasAtItsEnd) {
+  TrialRecord cut = sample_trial(1, "{}");
+  cut.outcome.saturated = {{"pad", 3}};
+  write_report(write_dataset("report_saturated.h5", scene, {sample_trial(0, "{}"), cut}), page_path("report_saturated.html"));
+  const Json rows = data_of(page_path("report_saturated.html")).at("trials");
+  EXPECT_FALSE(rows.at(0).contains("saturated"));
+  EXPECT_EQ(rows.at(1).at("saturated"), Json::parse(R"({"pad": 3})"));
+}
+
+TEST(Report, SaysHowGraspsEnded) {
+  TrialRecord held = sample_grasp(0);
+  held.params = R"({"detector.type": "truth", "detector.ratio": null})";
+  held.outcome.grasp = GraspOutcome{
+      .slip_translation = 1e-3, .slip_rotation = 0.25, .max_grip_force = 6.0, .final_grip_force = 5.0, .ideal_grip_force = 4.0};
+  held.control->detector = "";
+  held.control->controller = "hold_preset";
+  TrialRecord dropped = sample_grasp(1);
+  dropped.params = R"({"detector.type": "force_ratio", "detector.ratio": 0.3})";
+  dropped.outcome.grasp = GraspOutcome{.dropped = true, .drop_time = 3e-3};
+  write_report(write_dataset("report_grasps.h5", scene, {held, dropped}), page_path("report_grasps.html"));
+  const Json rows = data_of(page_path("report_grasps.html")).at("trials");
+  EXPECT_EQ(rows.at(0).at("grasp"), Json::parse(R"({"dropped": false, "drop_s": null, "slip_m": 0.001, "rotation_rad": 0.25,
+    "max_force_N": 6.0, "final_force_N": 5.0, "ideal_force_N": 4.0, "reaction_s": null})"));
+  EXPECT_EQ(rows.at(0).at("controller"), "hold_preset");
+  EXPECT_FALSE(rows.at(0).contains("detector")) << "the scene has none";
+  EXPECT_FALSE(rows.at(0).at("params").contains("detector.ratio")) << "the oracle has no ratio";
+  EXPECT_TRUE(rows.at(1).at("grasp").at("dropped").get<bool>());
+  EXPECT_TRUE(rows.at(1).at("grasp").at("slip_m").is_null());
+  EXPECT_EQ(rows.at(1).at("params").at("detector.ratio").at("value"), 0.3);
+}
+
+TEST(Report, IsMadeOfOutcomesAlone) {
+  TrialRecord trial = sample_trial(0, "{}");
+  trial.sensors.clear();
+  trial.bodies.clear();
+  trial.body_time.clear();
+  trial.outcome.grasp.emplace();
+  trial.control.emplace();
+  trial.control->detector = "ratio";
+  trial.control->sensor = "pad";
+  trial.control->confusion = {{{5, 1, 0, 0}, {0, 4, 2, 0}, {0, 0, 3, 0}, {0, 1, 0, 7}}};
+  const std::string dataset = write_dataset("report_outcomes.h5", scene, {trial});
+  write_report(dataset, page_path("report_outcomes.html"));
+  const Json data = data_of(page_path("report_outcomes.html"));
+  EXPECT_TRUE(data.at("curves").empty());
+  const Json& row = data.at("trials").at(0);
+  EXPECT_EQ(row.at("samples"), 0);
+  EXPECT_TRUE(row.at("sensors").empty());
+  EXPECT_EQ(row.at("detector").at("confusion"), Json::parse("[[5,1,0,0],[0,4,2,0],[0,0,3,0],[0,1,0,7]]"));
+  EXPECT_THAT(refusal(dataset, page_path("report_outcomes.html"), {.trial = 0}),
+              HasSubstr("/data/demo_0: has no recording, only its outcome; allowed: a dataset written without --record outcome"));
+}
+
+TEST(Report, EmbedsTheTrialAskedFor) {
+  const std::string dataset = write_dataset("report_ask.h5", scene, trials(11));
+  write_report(dataset, page_path("report_ask.html"), {.trial = 7, .max_trials = 3});
+  const Json data = data_of(page_path("report_ask.html"));
+  EXPECT_EQ(data.at("open"), 7);
+  EXPECT_THAT(embedded(data), ElementsAre("0", "7", "10"));  // 7 in place of 5, the nearest of 0, 5 and 10
+}
+
+TEST(Report, SameDatasetGivesSameBytes) {
+  const std::string dataset = write_dataset("report_same.h5", scene, trials(3));
+  write_report(dataset, page_path("report_same_1.html"));
+  write_report(dataset, page_path("report_same_2.html"));
+  EXPECT_EQ(read_text(page_path("report_same_1.html")), read_text(page_path("report_same_2.html")));
+}
+
+TEST(Report, RefusesATrialThatIsNotThere) {
+  const std::string dataset = write_dataset("report_none.h5", scene, trials(3));
+  EXPECT_THAT(refusal(dataset, page_path("report_none.html"), {.trial = 3}), HasSubstr("there is no trial 3; allowed: 0 to 2"));
+  EXPECT_FALSE(std::filesystem::exists(page_path("report_none.html")));
+}
+
+TEST(Report, RefusesWhatIsNoDataset) {
+  EXPECT_THAT(refusal(page_path("absent.h5"), page_path("x.html")), HasSubstr("absent.h5"));
+  write_text(page_path("text.h5"), "not HDF5");
+  EXPECT_THAT(refusal(page_path("text.h5"), page_path("x.html")), HasSubstr("text.h5"));
+  const std::string whole = read_text(write_dataset("report_whole.h5", scene, trials(2)));
+  write_text(page_path("cut.h5"), whole.substr(0, whole.size() / 2));
+  EXPECT_THAT(refusal(page_path("cut.h5"), page_path("x.html")), HasSubstr("cut.h5"));
+  EXPECT_FALSE(std::filesystem::exists(page_path("x.html")));
+}
+
+TEST(Report, RefusesBrokenContent) {
+  TrialRecord broken = sample_trial(0, "{}");
+  broken.sensors[0].labels.unit_state[2] = 7;
+  EXPECT_THAT(refusal(write_dataset("report_state.h5", scene, {broken}), page_path("x.html")),
+              HasSubstr("/data/demo_0: labels/pad holds state 7; allowed: 0 to 3"));
+  EXPECT_THAT(refusal(write_dataset("report_params.h5", scene, {sample_trial(0, "speed 4")}), page_path("x.html")),
+              HasSubstr("attribute params is not JSON: speed 4"));
+  EXPECT_THAT(refusal(write_dataset("report_scene.h5", "a: [b", trials(1)), page_path("x.html")),
+              HasSubstr("attribute scene is not a scene"));
+}
+
+TEST(Report, RefusesATimeThatIsNotFinite) {
+  TrialRecord broken = sample_trial(0, "{}");
+  broken.sensors[0].time[3] = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refusal(write_dataset("report_time.h5", scene, {broken}), page_path("x.html")),
+              HasSubstr("report_time.h5: /data/demo_0: sensors/pad has a time that is not finite"));
+}
+
+TEST(Report, RefusesATargetThatCannotBeWritten) {
+  const std::string dataset = write_dataset("report_target.h5", scene, trials(1));
+  EXPECT_EQ(refusal(dataset, page_path("no_such_folder/x.html")),
+            "cannot write " + page_path("no_such_folder/x.html") + ": there is no folder " + page_path("no_such_folder"));
+}
+
+TEST(Report, NeverReplacesADataset) {
+  const std::string dataset = write_dataset("report_input.h5", scene, trials(1));
+  const std::string before = read_text(dataset);
+  EXPECT_THAT(refusal(dataset, dataset), HasSubstr("is the input"));
+  EXPECT_THAT(refusal(dataset, page_path("./report_input.h5")), HasSubstr("is the input"));
+  const std::string other = write_dataset("report_other.h5", scene, trials(1));
+  EXPECT_THAT(refusal(dataset, other), HasSubstr("report_other.h5 exists and is no report"));
+  EXPECT_EQ(read_text(dataset), before);
+  EXPECT_EQ(read_text(other), before);  // the same trials: the same bytes
+  // The page's temporary name is that of a killed run's dataset.
+  const std::string killed = page_path("report_killed.h5.partial");
+  std::filesystem::copy_file(dataset, killed, std::filesystem::copy_options::overwrite_existing);
+  EXPECT_THAT(refusal(killed, page_path("report_killed.h5")), HasSubstr("report_killed.h5.partial is the input"));
+  EXPECT_EQ(read_text(killed), before);
+}
+
+TEST(Report, ReplacesReportsAndNothingElse) {
+  const std::string dataset = write_dataset("report_kept.h5", scene, trials(1));
+  for (const char* text : {"slipbench: 1\n", "<!DOCTYPE html>\n<html><head><title>mine</title></head></html>\n"}) {
+    for (const char* name : {"report_kept.yaml", "report_kept.yaml.partial"}) {
+      write_text(page_path(name), text);
+      EXPECT_EQ(refusal(dataset, page_path("report_kept.yaml")),
+                "cannot write " + page_path("report_kept.yaml") + ": " + page_path(name) +
+                    " exists and is no report; allowed: a new name, or a report to replace");
+      EXPECT_EQ(read_text(page_path(name)), text);
+      std::filesystem::remove(page_path(name));
+    }
+  }
+  write_report(dataset, page_path("report_kept.html"));
+  std::filesystem::copy_file(page_path("report_kept.html"), page_path("report_kept.html.partial"));
+  EXPECT_EQ(refusal(dataset, page_path("report_kept.html")), "no refusal");
+}
+
+// What is shown is what was written, or nothing.
+TEST(Report, RefusesArraysOfAnotherDigest) {
+  EncodedTrial changed = TrialEncoder().encode(sample_trial(0, "{}"));
+  changed.digest[0] ^= 1U;
+  DatasetWriter writer(page_path("report_changed.h5"), {"0.1.0", scene, "{}", 7, "slipbench run scene.yaml"}, 1);
+  writer.append(changed);
+  writer.commit();
+  EXPECT_THAT(refusal(page_path("report_changed.h5"), page_path("x.html")),
+              HasSubstr("report_changed.h5: is damaged: its arrays have the SHA-256"));
+}
+
+// However a file is damaged, the report is made or refused, never ended by a signal.
+TEST(Report, SurvivesDamagedDatasets) {
+  const std::string whole = read_text(write_dataset("report_damage.h5", scene, trials(2)));
+  const std::string damaged = page_path("report_damaged.h5");
+  std::size_t refused = 0;
+  for (std::size_t step = 0; step < 300; ++step) {
+    std::string bytes = whole;
+    // Two primes spread the changes over the file and over the bits.
+    bytes[(step * 7919) % whole.size()] ^= static_cast<char>(1 + (step * 31) % 255);
+    write_text(damaged, bytes);
+    refused += refusal(damaged, page_path("report_damaged.html")) == "no refusal" ? 0 : 1;
+  }
+  EXPECT_GE(refused, 30U);
+}
+
+}  // namespace
+}  // namespace slipbench::report

@@ -1,0 +1,183 @@
+#include "tests/tools/program/report/sample.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/writer.h"
+
+namespace slipbench::report {
+
+namespace {
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+std::vector<std::uint8_t> decode_base64(const std::string& text) {
+  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<std::uint8_t> bytes;
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    bits = (bits << 6U) | static_cast<std::uint32_t>(alphabet.find(c));
+    count += 6;
+    if (count >= 8) bytes.push_back(static_cast<std::uint8_t>((bits >> static_cast<unsigned>(count -= 8)) & 0xFFU));
+  }
+  return bytes;
+}
+
+}  // namespace
+
+TrialRecord sample_trial(std::size_t trial, const std::string& params) {
+  TrialRecord record;
+  record.trial = trial;
+  record.seed = 7;
+  record.material = "acrylic";
+  record.params = params;
+  SensorRecord sensor;
+  sensor.name = "pad";
+  sensor.type = "papillarray";
+  sensor.rate = 1000.0;
+  sensor.frame = "+X up, +Y right, +Z into the sensor";
+  sensor.channel_names = {"P0_FX", "P0_FY", "P0_FZ", "P1_FX", "P1_FY", "P1_FZ",
+                          "P0_DX", "P0_DY", "P0_DZ", "P1_DX", "P1_DY", "P1_DZ"};
+  SensorColumn force{"force", "N", {2, 3}, {}};
+  SensorColumn displacement{"displacement", "m", {2, 3}, {}};
+  LabelRecord& labels = sensor.labels;
+  for (int i = 0; i < 8; ++i) {
+    sensor.time.push_back(1e-3 * i);
+    record.body_time.push_back(1e-3 * i);
+    for (int k = 0; k < 6; ++k) {
+      force.values.push_back(0.125F * static_cast<float>(i) - 0.25F * static_cast<float>(k));
+      displacement.values.push_back(1e-5F * static_cast<float>(i + k));
+      labels.force.push_back(0.125F * static_cast<float>(i) - 0.25F * static_cast<float>(k));
+    }
+    for (int k = 0; k < 4; ++k) labels.slip_velocity.push_back(i < 4 ? 0.0F : 0.004F);
+    for (int k = 0; k < 2; ++k) labels.slip_distance.push_back(i < 4 ? 0.0F : 4e-6F * static_cast<float>(i - 3));
+    labels.margin.insert(labels.margin.end(), {i == 0 ? nan : 1.0F - 0.125F * static_cast<float>(i), i < 2 ? nan : 0.5F});
+    labels.stuck_fraction.push_back(i == 0 ? nan : 1.0F);
+    labels.slip_direction.push_back(i < 4 ? nan : 0.5F);
+    labels.slip_angle.push_back(0.0F);
+    labels.slip_centre.insert(labels.slip_centre.end(), {nan, nan});
+  }
+  sensor.channels = {force, displacement};
+  labels.unit_state = {0, 0, 1, 0, 1, 1, 3, 1, 2, 1, 2, 3, 2, 2, 2, 2};
+  labels.state = {0, 1, 1, 1, 2, 2, 3, 3};
+  labels.state_micro = {0, 1, 1, 2, 2, 3, 3, 3};
+  labels.state_paper = {0, 1, 1, 1, 1, 2, 3, 3};
+  labels.event_time = {0.5e-3, 1.5e-3, 2.25e-3, 3.5e-3, 4.5e-3, 5.75e-3};
+  labels.event_unit = {0, 1, 0, 0, 1, 1};
+  labels.event_kind = {0, 0, 4, 1, 4, 1};
+  labels.unit_positions = {7e-3, 0.0, -7e-3, 0.0};
+  labels.unit_heights = {0.0, 0.0};
+  labels.k_normal = {1200.0, 1200.0};
+  labels.k_tangential = {650.0, 650.0};
+  labels.mu_static = {0.5, 0.5};
+  labels.mu_kinetic = {0.5, 0.5};
+  labels.onset_time = {3.5e-3, 5.75e-3};
+  labels.micro_onset_time = {2.25e-3, 4.5e-3};
+  record.sensors.push_back(sensor);
+  BodyRecord body{"pad", {}, {}};
+  for (int i = 0; i < 8; ++i) {
+    body.pose.insert(body.pose.end(), {0.0F, 0.0F, 0.0F, 1.0F, 0.0F, 0.0F, 0.0F});
+    body.velocity.insert(body.velocity.end(), {i < 2 ? 0.0F : 0.004F, 0.0F, i < 2 ? -0.001F : 0.0F, 0.0F, 0.0F, 0.0F});
+  }
+  record.bodies.push_back(body);
+  return record;
+}
+
+TrialRecord sample_grasp(std::size_t trial) {
+  TrialRecord record = sample_trial(trial, "{}");
+  BodyRecord arm{"arm", {}, {}}, box{"box", {}, {}, {0.0625, 0.05, 0.1}};
+  ControlRecord control;
+  control.detector = "truth";
+  control.controller = "step_on_slip";
+  control.sensor = "pad";
+  control.rate = 1000.0;
+  control.time = record.sensors[0].time;
+  for (int i = 0; i < 8; ++i) {
+    const auto since = static_cast<float>(i < 3 ? 0 : i - 3);
+    arm.pose.insert(arm.pose.end(), {0.0F, 0.0F, 2e-3F * since, 1.0F, 0.0F, 0.0F, 0.0F});
+    arm.velocity.insert(arm.velocity.end(), {0.0F, 0.0F, i < 4 ? 0.0F : 2.0F, 0.0F, 0.0F, 0.0F});
+    box.pose.insert(box.pose.end(),
+                    {0.0F, 0.0F, -0.02F + 1e-3F * since, std::cos(5e-3F * since), 0.0F, 0.0F, std::sin(5e-3F * since)});
+    box.velocity.insert(box.velocity.end(), 6, 0.0F);
+    control.detector_class.push_back(1);
+    const auto row = static_cast<std::uint8_t>(i);
+    control.grip.command.insert(control.grip.command.end(), {static_cast<std::uint8_t>(71 + row), 0, 0});
+    control.grip.measured_position.push_back(static_cast<std::uint8_t>(70 + row));
+    control.grip.grip_force.push_back(0.5F * static_cast<float>(i));
+  }
+  record.bodies = {record.bodies.front(), std::move(arm), std::move(box)};
+  record.control = std::move(control);
+  record.outcome.grasp =
+      GraspOutcome{.slip_translation = 4e-3, .max_grip_force = 3.5, .final_grip_force = 3.5, .ideal_grip_force = 2.0};
+  return record;
+}
+
+std::string write_dataset(const std::string& name, const std::string& scene, const std::vector<TrialRecord>& trials) {
+  const std::string path = (std::filesystem::path(::testing::TempDir()) / name).string();
+  DatasetHeader header;
+  header.version = "0.1.0";
+  header.scene = scene;
+  header.seed = 7;
+  header.command = "slipbench run scene.yaml";
+  DatasetWriter writer(path, header, trials.size());
+  TrialEncoder encoder;
+  for (const TrialRecord& trial : trials) writer.append(encoder.encode(trial));
+  writer.commit();
+  return path;
+}
+
+std::vector<std::vector<double>> unpack(const Json& packed) {
+  const auto rows = packed.at("rows").get<std::size_t>();
+  const auto columns = packed.at("columns").get<std::size_t>();
+  const auto codec = packed.at("codec").get<std::string>();
+  const std::size_t width = codec == "bytes" ? 1 : codec == "delta16" ? 2 : 4;
+  const std::size_t count = rows * columns;
+  const std::vector<std::uint8_t> deflated = decode_base64(packed.at("data").get<std::string>());
+  std::vector<std::uint8_t> bytes(width * count);
+  uLongf size = bytes.size();
+  if (uncompress(bytes.data(), &size, deflated.data(), deflated.size()) != Z_OK || size != bytes.size()) {
+    throw std::runtime_error("the packed array does not inflate to its extents");
+  }
+  std::vector<std::vector<double>> result(columns, std::vector<double>(rows));
+  for (std::size_t column = 0; column < columns; ++column) {
+    std::uint32_t code = 0;
+    for (std::size_t row = 0; row < rows; ++row) {
+      std::uint32_t value = 0;
+      for (std::size_t k = 0; k < width; ++k)
+        value |= static_cast<std::uint32_t>(bytes[k * count + column * rows + row]) << (8U * k);
+      code = width == 1 ? value : code + value;
+      double& out = result[column][row];
+      if (codec == "bytes") {
+        out = code;
+      } else if (codec == "delta16") {
+        const auto number = static_cast<std::int16_t>(code & 0xFFFFU);
+        out = number == -32768 ? std::numeric_limits<double>::quiet_NaN() : number * packed.at("step").get<double>();
+      } else {
+        out = static_cast<std::int32_t>(code) * packed.at("step").get<double>();
+      }
+    }
+  }
+  return result;
+}
+
+std::string read_text(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void write_text(const std::string& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+
+}  // namespace slipbench::report

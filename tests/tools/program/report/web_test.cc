@@ -1,0 +1,68 @@
+// What can be checked of the scripts and styles without a browser.
+#include <map>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program/report/web_files.h"
+
+namespace slipbench::report {
+namespace {
+
+using ::slipbench::testing::matches;
+using ::slipbench::testing::unpaired_brackets;
+using ::slipbench::testing::variables;
+
+std::map<std::string, std::string> web_files(const std::string& extension) {
+  return ::slipbench::testing::web_files("tools/program/report/web", extension);
+}
+
+TEST(Scripts, UseOnlyWhatSomeScriptDefines) {
+  std::set<std::string> defined;
+  std::map<std::string, std::set<std::string>> used;
+  for (const auto& [name, text] : web_files(".js")) {
+    defined.merge(matches(text, R"(\bsb\.(\w+) = )"));
+    used[name] = matches(text, R"(\bsb\.(\w+))");
+  }
+  ASSERT_GE(used.size(), 8U);
+  for (const auto& [name, names] : used) {
+    for (const std::string& member : names) EXPECT_TRUE(defined.contains(member)) << name << " uses sb." << member;
+  }
+}
+
+TEST(Scripts, HaveBalancedBrackets) {
+  for (const auto& [name, text] : web_files(".js")) EXPECT_EQ(unpaired_brackets(text), "") << name;
+}
+
+// A pad whose X points up, Y to the right and Z away from the reader is seen from the side that it touches.
+TEST(Scripts, SayFromWhereThePadIsSeen) {
+  for (const auto& [name, text] : web_files(".js")) EXPECT_EQ(text.find("from above"), std::string::npos) << name;
+}
+
+// A swept value that is infinite has no place on a scale: each picture and table of the overview gives it one of its own.
+TEST(Scripts, ShowEndlessValues) {
+  const std::string text = web_files(".js").at("dataset.js");
+  for (const char* name : {"swept", "encoding", "scatter", "table"}) {
+    const std::size_t begin = text.find(std::string("\nfunction ") + name + "(");
+    ASSERT_NE(begin, std::string::npos) << name;
+    const std::string body = text.substr(begin, text.find("\n}\n", begin) - begin);
+    EXPECT_NE(body.find("endless(axis, trial)"), std::string::npos) << name;
+    EXPECT_NE(body.find("sb.endless(axis.unit)"), std::string::npos) << name;
+  }
+}
+
+TEST(Styles, DefineEveryColourInBothThemes) {
+  const std::string css = web_files(".css").at("report.css");
+  const std::set<std::string> light = variables(css, ":root");
+  std::set<std::string> dark = variables(css, ":root[data-theme=\"dark\"]");
+  dark.insert("mono");  // a font
+  EXPECT_EQ(light, dark);
+  std::string all = css;
+  for (const auto& [name, text] : web_files(".js")) all += text;
+  for (const std::string& variable : matches(all, R"(var\(--(\w+)\))")) EXPECT_TRUE(light.contains(variable)) << variable;
+  for (const std::string& variable : matches(all, R"(colour\('(\w+)'\))")) EXPECT_TRUE(light.contains(variable)) << variable;
+}
+
+}  // namespace
+}  // namespace slipbench::report

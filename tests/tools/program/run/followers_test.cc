@@ -1,0 +1,120 @@
+// Sensors that follow the pad of a grasp or of a body: a dataset is the same without them, byte by byte.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/scene/parser.h"
+#include "tests/tools/program/run/same_record.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/program/run/run_trial.h"
+
+namespace slipbench::testing_run {
+namespace {
+
+TrialRecord run(const std::string& file, const std::string& detector, const std::vector<Override>& changes) {
+  SceneFile scene = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/" + file);
+  if (!detector.empty()) scene.apply({"detector", detector});
+  for (const Override& change : changes) scene.apply(change);
+  return run_trial(parse_scene(scene, program_catalogues()), 0, Recording::full).record;
+}
+
+// A follower of every kind that there is, each named as its type.
+std::vector<Override> followers_of(const std::string& pad) {
+  std::vector<Override> all;
+  for (const Entry& entry : pad_catalogues().sensors) {
+    all.push_back({"sensors.f_" + entry.name, "{type: " + entry.name + ", electronics: typical, follows: " + pad + "}"});
+  }
+  return all;
+}
+
+void expect_same_bodies(const TrialRecord& one, const TrialRecord& other) {
+  EXPECT_TRUE(same_bytes(one.body_time, other.body_time));
+  ASSERT_EQ(one.bodies.size(), other.bodies.size());
+  for (std::size_t b = 0; b < one.bodies.size(); ++b) {
+    EXPECT_EQ(one.bodies[b].name, other.bodies[b].name);
+    EXPECT_TRUE(same_bytes(one.bodies[b].pose, other.bodies[b].pose)) << one.bodies[b].name;
+    EXPECT_TRUE(same_bytes(one.bodies[b].velocity, other.bodies[b].velocity)) << one.bodies[b].name;
+  }
+}
+
+// `pads`: how many sensors there are without followers.
+void expect_same_without(const TrialRecord& with, const TrialRecord& without, std::size_t pads) {
+  ASSERT_EQ(without.sensors.size(), pads);
+  for (std::size_t i = 0; i < pads; ++i) expect_same_sensor(with.sensors[i], without.sensors[i]);
+  expect_same_bodies(with, without);
+  TrialOutcome outcome = with.outcome;
+  for (std::size_t i = pads; i < with.sensors.size(); ++i) outcome.saturated.erase(with.sensors[i].name);
+  EXPECT_EQ(outcome_json(outcome), outcome_json(without.outcome));
+  ASSERT_EQ(with.control.has_value(), without.control.has_value());
+  if (with.control) expect_same_control(*with.control, *without.control);
+}
+
+// Those of `with` that a scene with one of them alone has, too.
+void expect_each_as_alone(const TrialRecord& with, const std::string& file, const std::string& detector,
+                          const std::vector<Override>& changes, const std::vector<Override>& followers, std::size_t pads) {
+  for (std::size_t i = 0; i < followers.size(); ++i) {
+    std::vector<Override> one = changes;
+    one.push_back(followers[i]);
+    const TrialRecord alone = run(file, detector, one);
+    expect_same_sensor(with.sensors[pads + i], alone.sensors[pads]);
+    EXPECT_GT(with.sensors[pads + i].labels.event_time.size(), 0U) << "what touches nothing shows nothing";
+  }
+}
+
+const std::vector<Override> short_lift{{"duration", "2.4 s"}, {"friction", "{static: 0.3, kinetic: 0.3}"}};
+
+TEST(Followers, LeaveEveryByteOfALift) {
+  const std::string stepping = "{type: force_ratio, ratio: 0.25, sensor: pad}";
+  const TrialRecord without = run("grasp/lift.yaml", stepping, short_lift);
+  std::vector<Override> changes = short_lift;
+  const std::vector<Override> followers = followers_of("pad");
+  changes.insert(changes.end(), followers.begin(), followers.end());
+  changes.push_back({"sensors.other", "{type: piezo_skin, electronics: typical, follows: second_pad}"});
+  const TrialRecord with = run("grasp/lift.yaml", stepping, changes);
+  ASSERT_EQ(with.sensors.size(), followers.size() + 2);
+  expect_same_without(with, without, 1);
+  EXPECT_FALSE(std::isnan(with.outcome.first_slip_time)) << "nothing slips: this would test little";
+  expect_each_as_alone(with, "grasp/lift.yaml", stepping, short_lift, followers, 1);
+}
+
+TEST(Followers, LeaveEveryByteOfTwoFingersThatHoldABox) {
+  const std::vector<Override> effects{{"effects", "[patchy_friction, stribeck]"}};
+  const TrialRecord without = run("bodies/held_box.yaml", "", effects);
+  std::vector<Override> changes = effects;
+  const std::vector<Override> followers = followers_of("right");
+  changes.insert(changes.end(), followers.begin(), followers.end());
+  const TrialRecord with = run("bodies/held_box.yaml", "", changes);
+  expect_same_without(with, without, 2);
+  expect_each_as_alone(with, "bodies/held_box.yaml", "", effects, followers, 2);
+}
+
+// A detector may read a follower, and the controller goes by it; its rows are the follower's samples, and what it sees at the gripper's ticks
+// is what is there by then.
+TEST(Followers, MayBeWhatTheDetectorReads) {
+  std::vector<Override> changes = short_lift;
+  changes.push_back({"sensors.skin", "{type: piezo_skin, follows: pad}"});
+  const TrialRecord record = run("grasp/lift.yaml", "{type: truth, sensor: skin}", changes);
+  const SensorRecord& skin = record.sensors.back();
+  const ControlRecord& control = record.control.value();
+  EXPECT_EQ(control.sensor, "skin");
+  EXPECT_EQ(control.rate, skin.rate);
+  EXPECT_TRUE(same_bytes(control.time, skin.time));
+  EXPECT_EQ(control.grip.command.size(), 3 * skin.time.size());
+  EXPECT_EQ(control.grip.grip_force.size(), skin.time.size());
+  EXPECT_FALSE(std::isnan(record.outcome.detection_time));
+  // The oracle tells the state of the sample; a loop that acts once a step of the bench (under 1 ms) sees it at the next tick at the latest.
+  std::size_t late = 0;
+  for (std::size_t row = 10; row < skin.time.size(); ++row) {
+    const auto seen = control.detector_class[row];
+    const auto first = skin.labels.state.begin() + static_cast<std::ptrdiff_t>(row) - 10;
+    late += std::find(first, first + 11, seen) == first + 11 ? 1 : 0;
+  }
+  EXPECT_EQ(late, 0U);
+}
+
+}  // namespace
+}  // namespace slipbench::testing_run

@@ -1,0 +1,220 @@
+#include "tools/program/run/run_trial.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
+
+namespace slipbench {
+namespace {
+
+// The published press-and-slide, with values set.
+Scene stage_scene(const std::vector<Override>& overrides) {
+  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml");
+  for (const Override& change : overrides) file.apply(change);
+  return parse_scene(file, program_catalogues());
+}
+
+TrialRecord record_of(const Scene& scene) { return run_trial(scene, 0, Recording::full).record; }
+
+TEST(RunTrial, IdealSensorReportsTheTruth) {
+  const TrialRecord record = record_of(stage_scene({}));
+  ASSERT_EQ(record.sensors.size(), 1U);
+  const SensorRecord& sensor = record.sensors[0];
+  EXPECT_EQ(sensor.name, "pad");
+  EXPECT_EQ(sensor.type, "papillarray");
+  EXPECT_EQ(sensor.rate, 1000.0);
+  ASSERT_EQ(sensor.time.size(), 4000U);  // 4 s at 1 kHz
+  EXPECT_EQ(sensor.time[0], 0.0);
+  EXPECT_DOUBLE_EQ(sensor.time[3999], 3.999);
+  ASSERT_EQ(sensor.channels[0].name, "force");
+  EXPECT_EQ(sensor.channels[0].values, sensor.labels.force);
+  EXPECT_EQ(sensor.channel_names.size(), 54U);
+}
+
+TEST(RunTrial, OutcomeDoesNotDependOnTheRecording) {
+  const Scene scene = stage_scene({});
+  const TrialResult whole = run_trial(scene, 0, Recording::full);
+  const TrialRecord& full = whole.record;
+  const TrialResult short_one = run_trial(scene, 0, Recording::outcome);
+  const TrialRecord& brief = short_one.record;
+  EXPECT_EQ(outcome_json(full.outcome), outcome_json(brief.outcome));
+  EXPECT_EQ(full.sensors[0].labels.onset_time, brief.sensors[0].labels.onset_time);
+  EXPECT_EQ(full.sensors[0].labels.state_count, brief.sensors[0].labels.state_count);
+  EXPECT_TRUE(brief.sensors[0].labels.force.empty());
+  EXPECT_TRUE(brief.sensors[0].channels.empty());
+  ASSERT_EQ(short_one.units.size(), 1U);
+  ASSERT_EQ(short_one.units[0].size(), 9U);
+  const LabelRecord& labels = full.sensors[0].labels;
+  const std::size_t last = labels.slip_distance.size() - 9;  // the last tick is the last sample: both have 1 kHz
+  for (std::size_t pillar = 0; pillar < 9; ++pillar) {
+    const UnitOutcome& unit = short_one.units[0][pillar];
+    EXPECT_EQ(unit.touch_time, whole.units[0][pillar].touch_time);
+    EXPECT_EQ(unit.onset_time, labels.onset_time[pillar]);
+    EXPECT_EQ(unit.micro_onset_time, labels.micro_onset_time[pillar]);
+    EXPECT_EQ(unit.slip_distance, labels.slip_distance[last + pillar]);
+    EXPECT_EQ(unit.load, labels.force[3 * (last + pillar) + 2]);
+    EXPECT_EQ(unit.margin, labels.margin[last + pillar]);
+  }
+}
+
+// The centre pillar is pressed by 1 mm at the default 4 mm/s: it touches where the gap is used up, before the compression is reached.
+TEST(RunTrial, EachUnitHasItsTouch) {
+  const TrialResult result = run_trial(stage_scene({}), 0, Recording::outcome);
+  double earliest = std::numeric_limits<double>::infinity();
+  for (const UnitOutcome& unit : result.units[0]) earliest = std::min(earliest, unit.touch_time);
+  EXPECT_EQ(earliest, result.record.outcome.touch_time);
+  EXPECT_EQ(earliest, result.units[0][4].touch_time);  // the centre pillar is the tallest
+  EXPECT_GT(result.units[0][0].touch_time, earliest);
+}
+
+// 1e300 m/s, which the parser would refuse, for two seconds is a finite place for a double, but none for the float of a dataset.
+TEST(RunTrial, WhatIsNotFiniteIsRefused) {
+  Scene scene = stage_scene({{"motion.acceleration", "inf"}});
+  scene.motion.parameters.set("speed", 1e300);
+  for (const Recording recording : {Recording::full, Recording::outcome}) {
+    try {
+      run_trial(scene, 0, recording);
+      ADD_FAILURE() << "was not refused";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(" is not finite at "));
+      EXPECT_THAT(error.what(), testing::HasSubstr(": the scene's values are beyond what the bench can compute"));
+    }
+  }
+}
+
+// Onset of a pillar under a slide at speed v that starts at rest with acceleration a (closed form of PHYSICS, oracle 1, with the
+// ramp): the shear mu*f_n/k_t is reached at t = start + d/v + v/(2a), once v is reached.
+TEST(RunTrial, OnsetsFollowTheClosedForm) {
+  const TrialRecord record =
+      record_of(stage_scene({{"motion.speed", "4 mm/s"}, {"motion.acceleration", "1 m/s2"}, {"motion.compression", "1 mm"}}));
+  const LabelRecord& labels = record.sensors[0].labels;
+  double latest = 0.0;
+  for (std::size_t pillar = 0; pillar < 9; ++pillar) {
+    const double f_n = labels.k_normal[pillar] * (1e-3 - labels.unit_heights[pillar]);
+    const double shear = labels.mu_static[pillar] * f_n / labels.k_tangential[pillar];
+    const double onset = 2.0 + shear / 4e-3 + 4e-3 / (2.0 * 1.0);
+    EXPECT_NEAR(labels.onset_time[pillar], onset, 1e-3 * (onset - 2.0)) << pillar;
+    latest = std::max(latest, labels.onset_time[pillar]);
+  }
+  EXPECT_EQ(record.outcome.gross_slip_time, latest);
+  EXPECT_EQ(record.outcome.first_slip_time, *std::min_element(labels.onset_time.begin(), labels.onset_time.end()));
+  // What one bristle a pillar begins, the pillar begins.
+  EXPECT_EQ(labels.micro_onset_time, labels.onset_time);
+}
+
+TEST(RunTrial, SlowSensorsSampleEveryNthTick) {
+  const TrialRecord fast = record_of(stage_scene({}));
+  const TrialRecord slow = record_of(stage_scene({{"sensors.pad.rate", "250 Hz"}, {"time_step", "1 ms"}}));
+  const SensorRecord& sensor = slow.sensors[0];
+  ASSERT_EQ(sensor.time.size(), 1000U);
+  EXPECT_EQ(slow.num_samples(), 1000U);
+  for (std::size_t row = 0; row < sensor.time.size(); ++row) {
+    EXPECT_EQ(sensor.time[row], fast.sensors[0].time[4 * row]);
+    EXPECT_EQ(sensor.labels.force[27 * row + 14], fast.sensors[0].labels.force[4 * 27 * row + 14]);
+    EXPECT_EQ(slow.body_time[row], fast.body_time[4 * row]);
+  }
+  // Events come from every tick.
+  EXPECT_EQ(sensor.labels.event_time, fast.sensors[0].labels.event_time);
+}
+
+TEST(RunTrial, BodiesMoveAsTheSceneSays) {
+  const TrialRecord record = record_of(stage_scene({{"motion.direction", "0 deg"}}));
+  ASSERT_EQ(record.bodies.size(), 2U);
+  const BodyRecord& pad = record.bodies[0];
+  EXPECT_EQ(pad.name, "pad");
+  EXPECT_EQ(record.bodies[1].name, "surface");
+  // 0.5 s before the end the pad slides along x at 4 mm/s.
+  const float* velocity = pad.velocity.data() + 6 * 3500;
+  EXPECT_FLOAT_EQ(velocity[0], 4e-3F);
+  for (std::size_t i = 1; i < 6; ++i) EXPECT_EQ(velocity[i], 0.0F);
+  for (std::size_t row = 0; row < record.num_samples(); ++row) {
+    const float* q = pad.pose.data() + 7 * row + 3;
+    EXPECT_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1.0F, 1e-6F);
+  }
+}
+
+// Through more than half a turn the quaternion leaves the half-space in which it began: its sign must not jump there.
+TEST(RunTrial, QuaternionsAreContinuous) {
+  const TrialRecord record =
+      record_of(stage_scene({{"motion.rotation", "360 deg/s"}, {"motion.angular_acceleration", "3600 deg/s2"}}));
+  const BodyRecord& pad = record.bodies[0];
+  float least = 1.0F;
+  for (std::size_t row = 1; row < record.num_samples(); ++row) {
+    const float* q = pad.pose.data() + 7 * row + 3;
+    least = std::min(least, q[0] * q[-7] + q[1] * q[-6] + q[2] * q[-5] + q[3] * q[-4]);
+  }
+  // 0.36 degrees a sample: the dot product of neighbours is cos(0.18 deg) = 1 - 5e-6.
+  EXPECT_GT(least, 0.9999F);
+}
+
+TEST(RunTrial, RecordThatWouldFillTheMemoryIsRefused) {
+  // A day at 1 kHz is 8.64e7 rows; with a frame of 9 x 2 x 3 floats alone that is 18.7 GB.
+  Scene scene = stage_scene({});
+  scene.duration = 86400.0;
+  try {
+    run_trial(scene, 0, Recording::full);
+    FAIL() << "was not refused";
+  } catch (const SceneValueError& error) {
+    EXPECT_EQ(error.path(), "duration");
+    EXPECT_THAT(error.what(), testing::HasSubstr("allowed: at most 4 GB"));
+  }
+}
+
+// A sample is a time, 54 values, 9 units of 1 + 8 + 4 + 4 + 12 bytes, 3 states and five numbers of 4 bytes (the centre has two,
+// with the stuck fraction, the direction and the angle); a row of the bodies is a time and two times 13 floats.
+TEST(RunTrial, RecordCountsSensorsAndBodies) {
+  const double sample = 8 + 4 * 54 + 9 * 29 + 3 + 4 * 5;
+  const double bodies = 8 + 2 * 4 * 13;
+  EXPECT_EQ(check_trial(stage_scene({}), 0), 4000 * (sample + bodies));
+  EXPECT_EQ(check_trial(stage_scene({{"sensors.second", "{type: papillarray, rate: 500 Hz}"}}), 0),
+            4000 * (sample + bodies) + 2000 * sample);
+}
+
+// An event has 8 + 4 + 1 bytes.
+TEST(RunTrial, EventsCountToo) {
+  const Scene scene = stage_scene({});
+  const std::size_t events = record_of(scene).sensors[0].labels.event_time.size();
+  EXPECT_GE(events, 18U) << "a touch and a slip of each pillar";
+  const double size = check_trial(scene, 0) + 13.0 * static_cast<double>(events);
+  EXPECT_NO_THROW(run_trial(scene, 0, Recording::full, size));
+  EXPECT_THROW(run_trial(scene, 0, Recording::full, size - 1.0), SceneValueError);
+  EXPECT_NO_THROW(run_trial(scene, 0, Recording::outcome, 0.0));
+}
+
+TEST(RunTrial, SeveralSensorsAreRecordedSideBySide) {
+  const TrialRecord record = record_of(stage_scene({{"sensors.second", "{type: papillarray, rate: 500 Hz}"}}));
+  ASSERT_EQ(record.sensors.size(), 2U);
+  EXPECT_EQ(record.sensors[1].name, "second");
+  EXPECT_EQ(record.sensors[0].time.size(), 4000U);
+  EXPECT_EQ(record.sensors[1].time.size(), 2000U);
+  EXPECT_EQ(record.num_samples(), 4000U);  // of the fastest
+}
+
+TEST(MakeSensor, RefusesAnUnknownType) {
+  SensorScene scene;
+  scene.name = "pad";
+  scene.type = "nose";
+  EXPECT_THROW(make_sensor(scene, 0, 0), InputError);
+}
+
+TEST(ProgramCatalogues, NameEverythingOnce) {
+  const Catalogues catalogues = program_catalogues();
+  EXPECT_FALSE(catalogues.materials.empty());
+  for (const auto* entries : {&catalogues.surfaces, &catalogues.motions, &catalogues.sensors,
+                              &catalogues.electronics.at("papillarray"), &catalogues.effects}) {
+    std::vector<std::string> names;
+    for (const Entry& entry : *entries) names.push_back(entry.name);
+    ASSERT_FALSE(names.empty());
+    std::sort(names.begin(), names.end());
+    EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
+  }
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,139 @@
+#include "tools/program/train/sequences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/program/train/small_dataset.h"
+#include "tools/base/dataset/reader.h"
+
+namespace slipbench::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class SequencesTest : public SmallDatasetTest {
+ protected:
+  std::string refusal(const std::string& file, const SequenceOptions& options = {}) {
+    return message_of<InputError>([&] { read_sequences(file, options); });
+  }
+};
+
+TEST_F(SequencesTest, TakesEveryTenthSample) {
+  const std::string file = dataset();
+  const TrainingData data = read_sequences(file, {});
+  const DatasetReader reader(file);
+  EXPECT_EQ(data.command, reader.header().command);
+  ASSERT_EQ(data.sequences.size(), 24U);
+  const Sequence& sequence = data.sequences[3];
+  const SensorRecord pad = reader.read_sensor(3, "pad");
+  EXPECT_EQ(sequence.trial, 3U);
+  ASSERT_EQ(sequence.time.size(), 40U);
+  const auto displacement = std::find_if(pad.channels.begin(), pad.channels.end(),
+                                         [](const SensorColumn& channel) { return channel.name == "displacement"; });
+  for (std::size_t k = 0; k < 40; ++k) {
+    EXPECT_DOUBLE_EQ(sequence.time[k], 0.01 * static_cast<double>(k));
+    EXPECT_EQ(static_cast<std::uint8_t>(sequence.label[k]), pad.labels.state_paper[10 * k]);
+    for (std::size_t i = 0; i < 27; ++i) EXPECT_EQ(sequence.displacements[k][i], displacement->values[270 * k + i]);
+  }
+}
+
+TEST_F(SequencesTest, LabelsAndOnsetFollowTheRule) {
+  const std::string file = dataset();
+  const DatasetReader reader(file);
+  const LabelRecord labels = reader.read_sensor(0, "pad").labels;
+  const Sequence strict = read_sequences(file, {SlipRule::strict, {}}).sequences[0];
+  const Sequence micro = read_sequences(file, {SlipRule::micro, {}}).sequences[0];
+  const Sequence paper = read_sequences(file, {SlipRule::paper, {}}).sequences[0];
+  for (std::size_t k = 0; k < strict.label.size(); ++k) {
+    EXPECT_EQ(static_cast<std::uint8_t>(strict.label[k]), labels.state[10 * k]);
+    EXPECT_EQ(static_cast<std::uint8_t>(micro.label[k]), labels.state_micro[10 * k]);
+  }
+  EXPECT_EQ(strict.onset, *std::min_element(labels.onset_time.begin(), labels.onset_time.end()));
+  EXPECT_EQ(micro.onset, *std::min_element(labels.micro_onset_time.begin(), labels.micro_onset_time.end()));
+  EXPECT_EQ(paper.onset, micro.onset);
+  EXPECT_LT(micro.onset, strict.onset);
+}
+
+// In 0.1 s the pad goes 0.1 or 1.6 mm, less than any and more than every pillar needs: with mu 0.5 and k_n/k_t 1.2/0.65 a tip compressed
+// by 0.6 mm lets go after 0.55 mm. Both stop; only what has slipped stays so.
+TEST_F(SequencesTest, WhatHasSlippedStaysSoAfterAStop) {
+  const std::string file = dataset({{"sweep.motion.speed", "[1 mm/s, 16 mm/s]"},
+                                    {"motion.stop", "0.1 s"},
+                                    {"motion.acceleration", "10 m/s2"},
+                                    {"sensors.pad.bristles", "1"}});
+  const TrainingData paper = read_sequences(file, {SlipRule::paper, {}});
+  const TrainingData has_slipped = read_sequences(file, {SlipRule::has_slipped, {}});
+  for (std::size_t k = 0; k < paper.sequences.size(); ++k) {
+    const Sequence& now = paper.sequences[k];
+    const Sequence& ever = has_slipped.sequences[k];
+    EXPECT_EQ(now.label.back(), PadState::non_slip);
+    EXPECT_EQ(ever.label.back(), k < 12 ? PadState::non_slip : PadState::gross) << k;
+    EXPECT_EQ(std::isnan(ever.onset), k < 12);
+    if (k >= 12) {
+      EXPECT_EQ(ever.onset, now.onset);
+    }
+    // Nothing loses contact, so that the label never falls, and is never below that of the moment.
+    EXPECT_TRUE(std::is_sorted(ever.label.begin(), ever.label.end()));
+    EXPECT_TRUE(std::ranges::equal(ever.label, now.label, std::greater_equal<>()));
+  }
+}
+
+// Turned about its centre the pad has eight judged pillars; the ninth never moves.
+TEST_F(SequencesTest, TheCentrePillarIsLeftOutInTurns) {
+  const std::string file = dataset({{"sweep.motion.speed", "[0 mm/s]"}, {"motion.rotation", "90 deg/s"}, {"duration", "0.6 s"}});
+  for (const Sequence& sequence : read_sequences(file, {SlipRule::has_slipped, {}}).sequences) {
+    EXPECT_EQ(sequence.label.back(), PadState::gross);
+  }
+}
+
+TEST_F(SequencesTest, KnowTheMotion) {
+  const TrainingData data = read_sequences(dataset(), {});
+  for (const Sequence& sequence : data.sequences) {
+    EXPECT_EQ(sequence.motion.speed, sequence.trial < 12 ? 0.004 : 0.016);
+    EXPECT_EQ(sequence.motion.compression, 0.6e-3);
+    // At rest until 0.2 s, the start of the motion; its first frame after that moves.
+    for (std::size_t k = 0; k < sequence.time.size(); ++k) EXPECT_EQ(sequence.moving[k], k > 20 ? 1 : 0) << k;
+  }
+}
+
+// With a faster sensor beside the pad the bodies have that one's times. It samples at k/100 s and 0.1 ms before; the motion begins
+// between the two, so that frame k is the first to move only where its own time is known again among the bodies'.
+TEST_F(SequencesTest, MotionIsThatOfTheFramesOwnTime) {
+  std::string starts;
+  for (int k = 21; k <= 36; ++k) starts += (k == 21 ? "" : ", ") + std::to_string(10 * k - 1) + ".95 ms";
+  const std::string file =
+      dataset({{"time_step", "auto"},
+               {"sensors", "{pad: {type: papillarray, rate: 1 kHz}, fast: {type: piezo_skin, rate: 10 kHz}}"},
+               {"sweep", "{motion.start: [" + starts + "]}"}});
+  const TrainingData data = read_sequences(file, {SlipRule::strict, "pad"});
+  ASSERT_EQ(data.sequences.size(), 16U);
+  for (std::size_t trial = 0; trial < 16; ++trial) {
+    const std::vector<std::uint8_t>& moving = data.sequences[trial].moving;
+    // Before it is slid the pad is at rest along the surface.
+    EXPECT_EQ(std::ranges::find(moving, 1) - moving.begin(), 21 + static_cast<std::ptrdiff_t>(trial));
+  }
+}
+
+TEST_F(SequencesTest, OtherRatesOfTheDevice) {
+  EXPECT_EQ(read_sequences(dataset({{"sensors.pad.rate", "500 Hz"}}), {}).sequences[0].time.size(), 40U);
+  EXPECT_THAT(refusal(dataset({{"sensors.pad.rate", "250 Hz"}}, "b.h5")),
+              AllOf(HasSubstr("b.h5: trial 0: sensor pad samples at 250 Hz"), HasSubstr("a multiple of the detector's 100 Hz")));
+}
+
+TEST_F(SequencesTest, RefusalsNameFileAndChoice) {
+  const std::string file = dataset();
+  EXPECT_THAT(refusal(file, {SlipRule::paper, "finger"}),
+              AllOf(StartsWith(file), HasSubstr("no PapillArray 'finger'; allowed: pad")));
+  EXPECT_THAT(refusal(path("nowhere.h5")), HasSubstr("nowhere.h5"));
+  EXPECT_THAT(refusal(path("scene.yaml")), HasSubstr("scene.yaml"));
+}
+
+}  // namespace
+}  // namespace slipbench::testing

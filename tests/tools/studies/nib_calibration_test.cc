@@ -1,0 +1,155 @@
+// The nib pad's calibration: polynomial, split, reference, and what makes partial loads worse.
+#include "tools/studies/nib_reconfigurable/nib_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "sim/scene/parser.h"
+#include "tools/program/catalogue/program_catalogues.h"
+
+namespace slipbench::reproduce::nib_calibration_test {
+namespace {
+
+Eigen::MatrixXd random_rows(Eigen::Index rows, Eigen::Index columns, const char* name) {
+  RandomStream stream(5, 0, name);
+  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return stream.normal(); });
+}
+
+std::vector<Eigen::Index> rows_from(Eigen::Index first, Eigen::Index end) {
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(end - first));
+  std::iota(rows.begin(), rows.end(), first);
+  return rows;
+}
+
+TEST(QuadraticFit, FindsAQuadraticAgain) {
+  const Eigen::MatrixXd x = random_rows(400, 5, "inputs");
+  Eigen::MatrixXd y(400, 2);
+  y.col(0) = 2.0 + x.col(0).array() - 3.0 * x.col(1).array() * x.col(2).array();
+  y.col(1) = 1e3 * x.col(3).array().square() - 40.0;
+  const QuadraticFit fit(x, y, rows_from(0, 200), rows_from(200, 300));
+  // The least ridge, 1e-8 on columns of size 1, moves a coefficient by that share.
+  const Eigen::MatrixXd error = fit.predict(rows_of(x, rows_from(300, 400))) - rows_of(y, rows_from(300, 400));
+  EXPECT_LT(error.col(0).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_LT(error.col(1).cwiseAbs().maxCoeff(), 1e-3);
+  EXPECT_EQ(fit.ridge()[0], 1e-8);
+}
+
+// Where there is nothing to learn every coefficient is noise: of 90 on 120 rows, least squares has the error sd sqrt(1 + 90/(120 - 92)) = 2.1 sd
+// or so, and the mean alone 1.0. The rows that choose see that, and take the largest ridge.
+TEST(QuadraticFit, HoldsBackWhatTheChoosingRowsDoNotBear) {
+  const Eigen::MatrixXd x = random_rows(2000, 12, "inputs"), y = random_rows(2000, 6, "noise");
+  const QuadraticFit fit(x, y, rows_from(0, 120), rows_from(120, 1000));
+  EXPECT_EQ(fit.ridge()[0], 1.0);
+  const double rms = rms_error(fit.predict(x), y)[0];
+  EXPECT_LT(rms, 1.2);
+}
+
+TEST(CalibrationSplit, KeepsPartsApartAndInTheirOrder) {
+  for (const SplitKind kind : {SplitKind::random, SplitKind::chronological}) {
+    RandomStream stream(1, 0, "split");
+    const CalibrationSplit split = split_rows(1000, 300, 100, 150, kind, stream);
+    EXPECT_EQ(split.fit.size(), 300U);
+    EXPECT_EQ(split.choose.size(), 100U);
+    EXPECT_EQ(split.test.size(), 150U);
+    std::set<Eigen::Index> all(split.fit.begin(), split.fit.end());
+    all.insert(split.choose.begin(), split.choose.end());
+    all.insert(split.test.begin(), split.test.end());
+    EXPECT_EQ(all.size(), 550U) << "no row twice";
+    EXPECT_LT(*all.rbegin(), 1000);
+    if (kind == SplitKind::random) continue;
+    // The last fifth judges; of the 800 before it the last quarter chooses.
+    EXPECT_LT(std::ranges::max(split.fit), 600);
+    EXPECT_GE(std::ranges::min(split.choose), 600);
+    EXPECT_LT(std::ranges::max(split.choose), 800);
+    EXPECT_GE(std::ranges::min(split.test), 800);
+  }
+  RandomStream stream(1, 0, "split");
+  EXPECT_THROW(split_rows(100, 50, 30, 30, SplitKind::random, stream), std::invalid_argument);
+  EXPECT_THROW(split_rows(100, 61, 1, 1, SplitKind::chronological, stream), std::invalid_argument);
+}
+
+TEST(WrenchOnPad, IsForceAndMomentAboutThePadsOrigin) {
+  PadLayout layout;
+  for (const double x : {-2e-3, 5e-3}) {
+    layout.units.push_back({layout.elements.size(), 1});
+    layout.elements.push_back({.tip = {x, 1e-3, 0.0}});
+  }
+  ContactFrame truth;
+  truth.force.setZero(3, 2);
+  truth.displacement.setZero(3, 2);
+  truth.force.col(0) << 0.0, 0.0, 2.0;
+  truth.force.col(1) << 0.5, -1.0, 3.0;
+  truth.displacement.col(1) << 1e-3, 0.0, 2e-3;  // so that it acts at (6, 1, 2) mm
+  // (-2, 1, 0) x (0, 0, 2) = (2, 4, 0);  (6, 1, 2) x (0.5, -1, 3) = (3 + 2, 1 - 18, -6 - 0.5), in mN m.
+  const PadWrench expected = (PadWrench() << 0.5, -1.0, 5.0, 7e-3, -13e-3, -6.5e-3).finished();
+  EXPECT_LT((wrench_on_pad(layout, truth) - expected).cwiseAbs().maxCoeff(), 1e-15);
+}
+
+Scene shipped(const std::string& name, const std::vector<Override>& changes, std::size_t trial = 0) {
+  SceneFile file = SceneFile::load(std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/nib_pad/" + name + ".yaml");
+  for (const Override& change : changes) file.apply(change);
+  static const Catalogues catalogues = program_catalogues();
+  return TrialPlan(file, catalogues, trial + 1, 1).trial(trial).scene;
+}
+
+TEST(RecordCalibration, AveragesTheReferenceAsTheSensorAveragesSi) {
+  const CalibrationRecording all = record_calibration(shipped("calibrate_uniform", {{"duration", "3 s"}}), 0);
+  // An image takes 30 ms: 100 in 3 s, of which 16 are complete by 0.5 s and tell the reading at rest.
+  ASSERT_EQ(all.size(), 84U);
+  for (Eigen::Index row = 4; row < all.wrench.rows(); ++row) {
+    EXPECT_LT((all.averaged.row(row) - all.wrench.middleRows(row - 4, 5).colwise().mean()).cwiseAbs().maxCoeff(), 1e-12);
+  }
+  EXPECT_GT(all.wrench.col(2).maxCoeff(), 1.0);
+  // Before the pad touches, readings are those at rest up to noise and drift.
+  EXPECT_LT(all.si.row(0).cwiseAbs().maxCoeff(), 5.0 * 1.5);
+}
+
+// 2,000 images and more of a shipped scene, as a map of deflections to counts: all read at one instant, no noise, no mean, and a hand so
+// fast that no image has a neighbour like it. In each of 30 recordings of 3 s a cylinder stands in another place.
+CalibrationRecording images_of(const std::string& name, const std::string& capacitor) {
+  const std::vector<Override> changes{{"sensors.pad.capacitor", capacitor}, {"sensors.pad.electronics", "ideal"},
+                                      {"sensors.pad.scan", "simultaneous"}, {"sensors.pad.average", "1"},
+                                      {"motion.bandwidth", "10 Hz"},        {"duration", "3 s"}};
+  std::vector<CalibrationRecording> trials;
+  for (std::size_t trial = 0; trial < 30; ++trial) trials.push_back(record_calibration(shipped(name, changes, trial), trial));
+  return joined(trials);
+}
+
+// RMS error of Fz on 500 images that did not teach, of a polynomial of 1,600 images in equal parts of `scenes`.
+double error_of_fz(const std::vector<std::string>& scenes, const std::string& capacitor) {
+  RandomStream stream(2, 0, "split");
+  std::vector<CalibrationRecording> parts;
+  CalibrationSplit all;
+  Eigen::Index first = 0;
+  for (const std::string& scene : scenes) {
+    parts.push_back(images_of(scene, capacitor));
+    const CalibrationSplit split = split_rows(parts.back().size(), 1200 / scenes.size(), 400 / scenes.size(), 500 / scenes.size(),
+                                              SplitKind::random, stream);
+    for (const auto member : {&CalibrationSplit::fit, &CalibrationSplit::choose, &CalibrationSplit::test}) {
+      for (const Eigen::Index row : split.*member) (all.*member).push_back(first + row);
+    }
+    first += static_cast<Eigen::Index>(parts.back().size());
+  }
+  const CalibrationRecording data = joined(parts);
+  const QuadraticFit polynomial(data.si, data.wrench, all.fit, all.choose);
+  return rms_error(polynomial.predict(rows_of(data.si, all.test)), rows_of(data.wrench, all.test))[2];
+}
+
+// What the paper found of its own pad, and why: there is nothing but the map from deflections to counts here, and what partial loads lose
+// goes with 1/gap.
+TEST(NibCalibration, PartialLoadsAreReadWorseBecauseTheGapIsInverted) {
+  const std::vector<std::string> plate{"calibrate_uniform"}, partial{"calibrate_uniform", "calibrate_lying"};
+  const double uniform = error_of_fz(plate, "gap"), mixed = error_of_fz(partial, "gap");
+  EXPECT_GT(mixed, 1.25 * uniform) << uniform << " and " << mixed << " N";
+  const double linear = error_of_fz(partial, "linear");
+  EXPECT_LT(linear, uniform / 2.0) << linear << " N, less than of the plate through the gap";
+}
+
+}  // namespace
+}  // namespace slipbench::reproduce::nib_calibration_test

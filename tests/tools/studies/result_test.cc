@@ -1,0 +1,82 @@
+#include "tools/studies/result.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+
+namespace slipbench::reproduce {
+namespace {
+
+using ::slipbench::testing::bytes_of;
+using ::slipbench::testing::message_of;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Result sample_result() {
+  Result result;
+  result.title = "A <title>";
+  result.source = "A paper";
+  result.setup = {"one thread"};
+  result.tables = {{"Table & more", {"what", "value"}, {{"a < b", "1.0"}}, "a note"}};
+  result.remarks = {"it differs"};
+  result.figures = {{"a", 1.25}};
+  return result;
+}
+
+TEST(ResultPage, ShowsEverythingAsText) {
+  const std::string page = result_page("paper/table", sample_result());
+  EXPECT_TRUE(begins_as_result_page(page));
+  EXPECT_THAT(page, AllOf(HasSubstr("A &lt;title&gt;"), HasSubstr("Table &amp; more"), HasSubstr("<td>a &lt; b</td><td>1.0</td>"),
+                          HasSubstr("a note"), HasSubstr("it differs"), HasSubstr("one thread"), HasSubstr("paper/table")));
+  // Nothing is loaded from anywhere.
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("http")), Not(HasSubstr("src=")), Not(HasSubstr("<script"))));
+}
+
+// 0.9 to 1 in two steps of the grid, drawn between 14 and 286 px: 0.95 is in the middle.
+TEST(ResultPage, DrawsCurvesWithTheirIntervals) {
+  Result result = sample_result();
+  result.charts = {{.title = "Curve",
+                    .across = "level",
+                    .up = "area",
+                    .places = {"0", "8 <"},
+                    .curves = {{"all", {{0.95, 0.91, 0.99}, {0.92, 0.92, 0.92}}}},
+                    .bar = 0.95,
+                    .bar_name = "wanted"}};
+  const std::string page = result_page("paper/curve", result);
+  EXPECT_THAT(page, AllOf(HasSubstr("<h2>Curve</h2>"), HasSubstr(">0.90</text>"), HasSubstr(">1.00</text>"), HasSubstr("8 &lt;"),
+                          HasSubstr("points=\"56.0,150.0 610.0,"), HasSubstr(">wanted</text>"), HasSubstr(">all</text>")));
+  EXPECT_THAT(page, HasSubstr("<line class=\"bar\" x1=\"56\" x2=\"610\" y1=\"150.0\" y2=\"150.0\"/>"));
+  EXPECT_THAT(page, Not(HasSubstr("http")));
+  EXPECT_THAT(result_page("paper/table", sample_result()), Not(HasSubstr("<svg")));
+}
+
+class ResultFileTest : public ::slipbench::testing::FolderTest {};
+
+TEST_F(ResultFileTest, StandsBesideItsFigures) {
+  EXPECT_THAT(write_result(path("r.html"), "paper/table", sample_result()), ElementsAre(path("r.html"), path("r.json")));
+  const Json json = Json::parse(bytes_of(path("r.json")));
+  EXPECT_EQ(json["reproduction"], "paper/table");
+  EXPECT_EQ(json["figures"]["a"], 1.25);
+  EXPECT_EQ(json["remarks"][0], "it differs");
+  EXPECT_EQ(bytes_of(path("r.html")), result_page("paper/table", sample_result()));
+  // Its own files are replaced.
+  write_result(path("r.html"), "paper/other", sample_result());
+  EXPECT_THAT(bytes_of(path("r.json")), HasSubstr("paper/other"));
+}
+
+TEST_F(ResultFileTest, OtherFilesAreKept) {
+  std::ofstream(path("r.json")) << "{\"mine\": 1}";
+  EXPECT_THAT(message_of<InputError>([&] { write_result(path("r.html"), "paper/table", sample_result()); }), HasSubstr("r.json"));
+  EXPECT_EQ(bytes_of(path("r.json")), "{\"mine\": 1}");
+  EXPECT_THAT(names(), ElementsAre("r.json"));
+  EXPECT_THAT(message_of<InputError>([&] { check_result_target(path("r.txt")); }), HasSubstr("a name that ends in .html"));
+}
+
+}  // namespace
+}  // namespace slipbench::reproduce

@@ -1,0 +1,72 @@
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/program/train/small_dataset.h"
+#include "tools/studies/study_catalogue.h"
+
+namespace slipbench::reproduce {
+namespace {
+
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+class Table1Test : public ::slipbench::testing::SmallDatasetTest {};
+
+// On a given dataset: what needs fresh ones is left out.
+TEST_F(Table1Test, IsTheSameOnAnyNumberOfThreads) {
+  ReproduceOptions options;
+  options.data = dataset();
+  options.jobs = 1;
+  const Result one = hd_table1(options);
+  options.jobs = 3;
+  const Result three = hd_table1(options);
+  EXPECT_EQ(result_page("t", one), result_page("t", three));
+  EXPECT_EQ(one.figures, three.figures);
+
+  ASSERT_THAT(one.tables, SizeIs(4));
+  EXPECT_THAT(one.tables[0].rows, SizeIs(5));  // four models, and the commonest class
+  for (const ResultTable& table : one.tables) EXPECT_THAT(table.rows, Each(SizeIs(table.head.size()))) << table.title;
+  EXPECT_EQ(one.tables[0].rows[3][0], "CL-gstHDC");
+  EXPECT_EQ(one.tables[0].rows[3][1], "91.78 +- 0.53");
+  EXPECT_THAT(one.setup[0], HasSubstr("data.h5"));
+  EXPECT_FALSE(one.figures.contains("scatter"));
+  // The model of the first row of the causes is that of the ablation.
+  EXPECT_EQ(one.figures["causes"]["as published"], one.figures["by_sequence"]);
+}
+
+// The signal comes while the folder is there, and before the sweep that would fill it.
+TEST_F(Table1Test, AnInterruptLeavesNoFolderBehind) {
+  std::filesystem::create_directory(path("tmp"));
+  const char* const before = std::getenv("TMPDIR");
+  const std::string kept = before == nullptr ? "" : before;
+  ::setenv("TMPDIR", path("tmp").c_str(), 1);
+  ReproduceOptions options;
+  options.say = [&](const std::string&) {
+    EXPECT_FALSE(std::filesystem::is_empty(path("tmp")));
+    std::raise(SIGINT);
+  };
+  EXPECT_THROW(hd_table1(options), Interrupted);
+  before == nullptr ? ::unsetenv("TMPDIR") : ::setenv("TMPDIR", kept.c_str(), 1);
+  EXPECT_TRUE(std::filesystem::is_empty(path("tmp")));
+}
+
+// On a given dataset nothing is simulated, and the models are what is cut short.
+TEST_F(Table1Test, AnInterruptEndsTheModels) {
+  ReproduceOptions options;
+  options.data = dataset();
+  std::size_t variants = 0;
+  options.say = [&](const std::string&) {
+    if (++variants == 2) std::raise(SIGTERM);
+  };
+  EXPECT_THROW(hd_table1(options), Interrupted);
+  EXPECT_EQ(variants, 2U);
+}
+
+}  // namespace
+}  // namespace slipbench::reproduce

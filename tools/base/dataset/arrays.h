@@ -1,0 +1,32 @@
+// The arrays of a trial under the names that they have in a dataset.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/layout.h"
+
+namespace slipbench {
+
+// A column of a record and where it goes. It looks into the record.
+struct ArrayView {
+  std::string path;  // inside the demo: "labels/pad/state"
+  std::string unit;  // SI symbol, "1" for a pure number
+  ElementType type = ElementType::f32;
+  Extents shape;                        // a row a sample first
+  const std::uint8_t* bytes = nullptr;  // little-endian values in C order
+
+  [[nodiscard]] std::size_t row_bytes() const {
+    std::size_t size = size_of(type);
+    for (std::size_t axis = 1; axis < shape.size(); ++axis) size *= shape[axis];
+    return size;
+  }
+  [[nodiscard]] std::size_t size_bytes() const { return shape[0] * row_bytes(); }
+};
+
+// All arrays of a trial in ascending order of path. Throws std::logic_error when a column's length does not fit the number of samples.
+std::vector<ArrayView> arrays_of(const TrialRecord& record);
+
+}  // namespace slipbench

@@ -1,0 +1,204 @@
+#include "tools/base/dataset/encoder.h"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <libdeflate.h>
+#include <openssl/evp.h>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/arrays.h"
+#include "tools/base/dataset/layout.h"
+
+namespace slipbench {
+namespace {
+
+EncodedAttribute::Doubles confusion_matrix(const Confusion& confusion) {
+  EncodedAttribute::Doubles matrix{{confusion.size(), confusion.size()}, {}};
+  for (const StateCounts& truth : confusion) matrix.values.insert(matrix.values.end(), truth.begin(), truth.end());
+  return matrix;
+}
+
+std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
+  std::vector<EncodedAttribute> attributes;
+  attributes.push_back({"", "num_samples", static_cast<std::uint64_t>(record.num_samples())});
+  attributes.push_back({"", "seed", record.seed});
+  attributes.push_back({"", "params", record.params});
+  attributes.push_back({"", "outcome", outcome_json(record.outcome)});
+  if (!record.model_sha256.empty()) attributes.push_back({"", "model_sha256", record.model_sha256});
+  for (const SensorRecord& sensor : record.sensors) {
+    const std::string samples = sensor_group(sensor.name);
+    std::vector<std::string> channels;
+    for (const SensorColumn& channel : sensor.channels) channels.push_back(channel.name);
+    attributes.push_back({samples, "type", sensor.type});
+    attributes.push_back({samples, "rate_hz", sensor.rate});
+    attributes.push_back({samples, "frame", sensor.frame});
+    if (!sensor.follows.empty()) attributes.push_back({samples, "follows", sensor.follows});
+    attributes.push_back({samples, "channels", std::move(channels)});
+    attributes.push_back({samples, "channel_names", sensor.channel_names});
+    attributes.push_back({label_group(sensor.name), "frame", std::string(label_frame_text)});
+    for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {
+      EncodedAttribute::Doubles matrix{{sensor.labels.units()}, values};
+      matrix.shape.insert(matrix.shape.end(), tail.begin(), tail.end());
+      attributes.push_back({label_group(sensor.name), name, std::move(matrix)});
+    });
+  }
+  for (const BodyRecord& body : record.bodies) {
+    if (!body.size.empty()) {
+      attributes.push_back({body_group(body.name), "size", EncodedAttribute::Doubles{{body.size.size()}, body.size}});
+    }
+  }
+  if (record.control) {
+    attributes.push_back({control_group, "detector", record.control->detector});
+    attributes.push_back({control_group, "controller", record.control->controller});
+    attributes.push_back({control_group, "sensor", record.control->sensor});
+    attributes.push_back({control_group, "rate_hz", record.control->rate});
+    if (record.sensors.empty()) attributes.push_back({control_group, "confusion", confusion_matrix(record.control->confusion)});
+  }
+  return attributes;
+}
+
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
+    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) {
+      throw std::runtime_error("OpenSSL offers no SHA-256");
+    }
+  }
+  void update(const void* bytes, std::size_t size) { EVP_DigestUpdate(context_.get(), bytes, size); }
+  Digest finish() {
+    Digest digest{};
+    EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr);
+    return digest;
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
+std::string hexadecimal(const Digest& digest) {
+  std::string text;
+  for (const std::uint8_t byte : digest) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+Digest digest_of_arrays(const std::vector<ArrayView>& arrays) {
+  Sha256 hash;
+  for (const ArrayView& view : arrays) {
+    hash.update(view.path.c_str(), view.path.size() + 1);  // with its final zero byte
+    hash.update(view.bytes, view.size_bytes());
+  }
+  return hash.finish();
+}
+
+// HDF5's shuffle filter: all first bytes of the elements, then all second bytes, and so on.
+template <std::size_t Size>
+void shuffle(const std::uint8_t* in, std::size_t bytes, std::uint8_t* out) {
+  const std::size_t count = bytes / Size;
+  for (std::size_t byte = 0; byte < Size; ++byte) {
+    for (std::size_t i = 0; i < count; ++i) out[byte * count + i] = in[i * Size + byte];
+  }
+}
+
+}  // namespace
+
+struct TrialEncoder::State {
+  std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor{
+      libdeflate_alloc_compressor(deflate_level), &libdeflate_free_compressor};
+  std::vector<std::uint8_t> padded;
+  std::vector<std::uint8_t> shuffled;
+  std::vector<std::uint8_t> deflated;
+
+  std::vector<std::uint8_t> deflate_chunk(const std::uint8_t* bytes, std::size_t size, std::size_t element) {
+    const std::uint8_t* source = bytes;
+    if (element > 1) {
+      shuffled.resize(size);
+      if (element == 8) {
+        shuffle<8>(bytes, size, shuffled.data());
+      } else {
+        shuffle<4>(bytes, size, shuffled.data());
+      }
+      source = shuffled.data();
+    }
+    deflated.resize(libdeflate_zlib_compress_bound(compressor.get(), size));
+    const std::size_t length = libdeflate_zlib_compress(compressor.get(), source, size, deflated.data(), deflated.size());
+    return {deflated.begin(), deflated.begin() + static_cast<std::ptrdiff_t>(length)};
+  }
+
+  EncodedArray encode_array(const ArrayView& view) {
+    EncodedArray array{view.path, view.unit, view.type, view.shape, 0, {}};
+    const std::size_t rows = view.shape[0];
+    const std::size_t row_bytes = view.row_bytes();
+    if (rows == 0 || row_bytes == 0) return array;
+    const std::size_t parts = std::max<std::size_t>(1, (view.size_bytes() + chunk_bytes - 1) / chunk_bytes);
+    array.chunk_rows = (rows + parts - 1) / parts;
+    for (std::size_t first = 0; first < rows; first += array.chunk_rows) {
+      const std::uint8_t* bytes = view.bytes + first * row_bytes;
+      const std::size_t present = std::min(array.chunk_rows, rows - first) * row_bytes;
+      const std::size_t whole = array.chunk_rows * row_bytes;
+      if (present < whole) {  // HDF5 stores chunks at full size
+        padded.assign(whole, 0);
+        std::memcpy(padded.data(), bytes, present);
+        bytes = padded.data();
+      }
+      array.chunks.push_back(deflate_chunk(bytes, whole, size_of(view.type)));
+    }
+    return array;
+  }
+};
+
+std::size_t EncodedTrial::stored_bytes() const {
+  std::size_t bytes = 0;
+  for (const EncodedArray& array : arrays) {
+    for (const auto& chunk : array.chunks) bytes += chunk.size();
+  }
+  return bytes;
+}
+
+TrialEncoder::TrialEncoder() : state_(std::make_unique<State>()) {
+  if (!state_->compressor) throw std::bad_alloc();
+}
+TrialEncoder::~TrialEncoder() = default;
+TrialEncoder::TrialEncoder(TrialEncoder&&) noexcept = default;
+TrialEncoder& TrialEncoder::operator=(TrialEncoder&&) noexcept = default;
+
+EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
+  EncodedTrial trial;
+  trial.trial = record.trial;
+  trial.material = record.material;
+  trial.attributes = attributes_of(record);
+  const std::vector<ArrayView> arrays = arrays_of(record);
+  for (const ArrayView& view : arrays) trial.arrays.push_back(state_->encode_array(view));
+  trial.digest = digest_of_arrays(arrays);
+  return trial;
+}
+
+Digest trial_digest(const TrialRecord& record) { return digest_of_arrays(arrays_of(record)); }
+
+std::string content_digest(const std::vector<Digest>& digests) {
+  Sha256 hash;
+  for (const Digest& digest : digests) hash.update(digest.data(), digest.size());
+  return hexadecimal(hash.finish());
+}
+
+std::string text_sha256(const std::string& text) {
+  Sha256 hash;
+  hash.update(text.data(), text.size());
+  return hexadecimal(hash.finish());
+}
+
+std::string file_sha256(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  Sha256 hash;
+  std::array<char, 65536> block;
+  while (stream.read(block.data(), block.size()), stream.gcount() > 0) {
+    hash.update(block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  if (!stream.is_open() || stream.bad()) throw InputError(path + ": cannot be read");
+  return hexadecimal(hash.finish());
+}
+
+}  // namespace slipbench

@@ -1,0 +1,536 @@
+#include "tools/base/dataset/reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/hdf5_handle.h"
+#include "tools/base/dataset/heap_check.h"
+#include "tools/base/dataset/layout.h"
+
+namespace slipbench {
+namespace {
+
+using hdf5::check;
+using hdf5::Handle;
+
+// No array of a sound dataset is larger: a file that claims one is broken [bytes].
+constexpr std::uint64_t largest_array = std::uint64_t{16} << 30;
+
+template <class T>
+hid_t memory_type();
+template <>
+hid_t memory_type<double>() {
+  return H5T_NATIVE_DOUBLE;
+}
+template <>
+hid_t memory_type<float>() {
+  return H5T_NATIVE_FLOAT;
+}
+template <>
+hid_t memory_type<std::uint64_t>() {
+  return H5T_NATIVE_UINT64;
+}
+template <>
+hid_t memory_type<std::uint32_t>() {
+  return H5T_NATIVE_UINT32;
+}
+template <>
+hid_t memory_type<std::uint8_t>() {
+  return H5T_NATIVE_UINT8;
+}
+
+// An object of an open file, for messages.
+struct Place {
+  hid_t file;
+  const std::string& file_name;
+  std::string object;  // "/data/demo_0"
+
+  [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: {}: {}", file_name, object, what)); }
+  [[nodiscard]] Place below(const std::string& name) const { return {file, file_name, object + "/" + name}; }
+};
+
+Handle open_object(const Place& place) {
+  const hid_t id = H5Oopen(place.file, place.object.c_str(), H5P_DEFAULT);
+  if (id < 0) place.fail("missing or damaged");
+  return {id, &H5Oclose};
+}
+
+std::vector<std::size_t> extents_of(const Place& place, const Handle& space) {
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  if (rank < 0) place.fail("its extents cannot be read");
+  std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
+  check(H5Sget_simple_extent_dims(space.get(), extents.data(), nullptr));
+  return {extents.begin(), extents.end()};
+}
+
+// Number of elements, refused where it cannot be.
+std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents) {
+  std::uint64_t count = 1;
+  for (const std::size_t extent : extents) {
+    if (extent != 0 && count > largest_array / extent) place.fail("its extents are beyond all measure");
+    count *= extent;
+  }
+  return count;
+}
+
+template <class T>
+struct Array {
+  std::vector<std::size_t> shape;
+  std::vector<T> values;
+};
+
+template <class T>
+Array<T> read_array(const Place& place) {
+  const Handle object = open_object(place);
+  if (H5Iget_type(object.get()) != H5I_DATASET) place.fail("is no array");
+  const Handle space(H5Dget_space(object.get()), &H5Sclose);
+  Array<T> array{extents_of(place, space), {}};
+  array.values.resize(count_of(place, array.shape));
+  if (!array.values.empty() && H5Dread(object.get(), memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0) {
+    place.fail("cannot be read: " + hdf5::last_error());
+  }
+  return array;
+}
+
+// An array of the extents that the trial prescribes.
+template <class T>
+std::vector<T> read_column(const Place& place, std::size_t rows, const Extents& tail) {
+  Array<T> array = read_array<T>(place);
+  Extents expected{rows};
+  expected.insert(expected.end(), tail.begin(), tail.end());
+  if (array.shape != expected) {
+    place.fail(fmt::format("has extents [{}], expected [{}]", fmt::join(array.shape, ", "), fmt::join(expected, ", ")));
+  }
+  return std::move(array.values);
+}
+
+struct Attribute {
+  Handle handle;
+  Handle type;
+  std::vector<std::size_t> shape;
+};
+
+Attribute open_attribute(const Place& place, const Handle& object, const std::string& name) {
+  if (H5Aexists(object.get(), name.c_str()) <= 0) place.fail("has no attribute '" + name + "'");
+  Attribute attribute;
+  attribute.handle = Handle(H5Aopen(object.get(), name.c_str(), H5P_DEFAULT), &H5Aclose);
+  attribute.type = Handle(H5Aget_type(attribute.handle.get()), &H5Tclose);
+  attribute.shape = extents_of(place, Handle(H5Aget_space(attribute.handle.get()), &H5Sclose));
+  return attribute;
+}
+
+template <class T>
+Array<T> read_numbers(const Place& place, const Handle& object, const std::string& name) {
+  const Attribute attribute = open_attribute(place, object, name);
+  Array<T> array{attribute.shape, std::vector<T>(count_of(place, attribute.shape))};
+  const H5T_class_t kind = H5Tget_class(attribute.type.get());
+  if ((kind != H5T_INTEGER && kind != H5T_FLOAT) ||
+      (!array.values.empty() && H5Aread(attribute.handle.get(), memory_type<T>(), array.values.data()) < 0)) {
+    place.fail("attribute '" + name + "' is no number");
+  }
+  return array;
+}
+
+template <class T>
+T read_number(const Place& place, const Handle& object, const std::string& name) {
+  const Array<T> array = read_numbers<T>(place, object, name);
+  if (array.values.size() != 1) place.fail("attribute '" + name + "' is no single number");
+  return array.values.front();
+}
+
+std::vector<std::string> read_texts(const Place& place, const Handle& object, const std::string& name) {
+  const Attribute attribute = open_attribute(place, object, name);
+  if (H5Tis_variable_str(attribute.type.get()) <= 0) place.fail("attribute '" + name + "' is no text");
+  std::vector<char*> texts(count_of(place, attribute.shape), nullptr);
+  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+  check(H5Tset_size(type.get(), H5T_VARIABLE));
+  check(H5Tset_cset(type.get(), H5Tget_cset(attribute.type.get())));
+  if (!texts.empty() && H5Aread(attribute.handle.get(), type.get(), texts.data()) < 0) {
+    place.fail("attribute '" + name + "' cannot be read: " + hdf5::last_error());
+  }
+  std::vector<std::string> result;
+  for (char* text : texts) {
+    result.emplace_back(text != nullptr ? text : "");
+    if (text != nullptr) check(H5free_memory(text));
+  }
+  return result;
+}
+
+std::string read_text(const Place& place, const Handle& object, const std::string& name) {
+  std::vector<std::string> texts = read_texts(place, object, name);
+  if (texts.size() != 1) place.fail("attribute '" + name + "' is no single text");
+  return std::move(texts.front());
+}
+
+herr_t add_name(hid_t, const char* name, const H5L_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
+// Names of a group's members in ascending order.
+std::vector<std::string> members_of(const Place& place) {
+  const Handle group = open_object(place);
+  std::vector<std::string> names;
+  hsize_t position = 0;
+  if (H5Literate(group.get(), H5_INDEX_NAME, H5_ITER_INC, &position, &add_name, &names) < 0) {
+    place.fail("its members cannot be listed: " + hdf5::last_error());
+  }
+  return names;
+}
+
+// k of "demo_<k>".
+std::size_t demo_number(const Place& place, const std::string& name) {
+  constexpr std::string_view prefix = "demo_";
+  std::size_t number = 0;
+  const char* end = name.data() + name.size();
+  if (!name.starts_with(prefix)) place.fail("holds '" + name + "', which is no demo_<k>");
+  const auto [stop, error] = std::from_chars(name.data() + prefix.size(), end, number);
+  if (error != std::errc() || stop != end) place.fail("holds '" + name + "', which is no demo_<k>");
+  return number;
+}
+
+// Opens one file and hands back its root.
+Handle open_file(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) throw InputError(fmt::format("{}: is a folder, not a dataset", path));
+  if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
+  check(H5Pset_file_locking(access.get(), false, true));
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get());
+  if (file < 0) throw InputError(fmt::format("{}: is no readable HDF5 file: {}", path, hdf5::last_error()));
+  return {file, &H5Fclose};
+}
+
+FileAbout read_about(const Place& place) {
+  const Handle object = open_object(place);
+  const auto schema = read_number<std::uint64_t>(place, object, "schema");
+  if (schema != static_cast<std::uint64_t>(dataset_schema)) {
+    place.fail(fmt::format("has schema {}; this program reads {}", schema, dataset_schema));
+  }
+  FileAbout about;
+  if (H5Aexists(object.get(), "shards") > 0) {
+    check_heaps(place.file_name);
+    about.shards = read_number<std::uint64_t>(place, object, "shards");
+    about.complete = read_number<std::uint64_t>(place, object, "complete") != 0;
+  }
+  about.header = {read_text(place, object, "version"), read_text(place, object, "scene"), read_text(place, object, "overrides"),
+                  read_number<std::uint64_t>(place, object, "seed"), read_text(place, object, "command")};
+  about.shard = read_number<std::uint64_t>(place, object, "shard");
+  return about;
+}
+
+// Name of the k-th file of the dataset whose first is `path`, be it finished, kept or that of a killed run.
+std::string sibling(const std::string& path, std::size_t k) {
+  constexpr std::string_view mark = ".partial";
+  if (!path.ends_with(mark)) return shard_path(path, k);
+  return temporary_path(shard_path(path.substr(0, path.size() - mark.size()), k));
+}
+
+StateCounts count_states(const Place& place, const std::vector<std::uint8_t>& states) {
+  StateCounts counts{};
+  for (const std::uint8_t state : states) {
+    if (state >= counts.size()) place.fail(fmt::format("holds {}, which is no state of a pad", state));
+    ++counts[state];
+  }
+  return counts;
+}
+
+// Counts, where they are not to be had from the recording.
+Confusion read_confusion(const Place& place, const Handle& group) {
+  const Array<std::uint64_t> counts = read_numbers<std::uint64_t>(place, group, "confusion");
+  Confusion confusion{};
+  if (counts.shape != Extents{confusion.size(), confusion.size()}) place.fail("attribute 'confusion' does not fit 4 states");
+  for (std::size_t i = 0; i < counts.values.size(); ++i) confusion[i / confusion.size()][i % confusion.size()] = counts.values[i];
+  return confusion;
+}
+
+// Channel extents as a sensor's array has them: the axes after the first.
+Extents tail_of(const std::vector<std::size_t>& shape) {
+  return shape.empty() ? Extents{} : Extents(shape.begin() + 1, shape.end());
+}
+
+}  // namespace
+
+struct DatasetReader::State {
+  struct File {
+    std::string name;
+    Handle handle;
+  };
+  DatasetHeader header;
+  std::vector<File> files;
+  std::vector<std::string> digests;
+  bool complete = false;
+  std::vector<std::size_t> trials;
+  std::map<std::size_t, std::size_t> file_of;  // trial -> index into files
+
+  [[nodiscard]] Place root(std::size_t file) const { return {files[file].handle.get(), files[file].name, "/"}; }
+  [[nodiscard]] std::size_t index_of(std::size_t trial) const {
+    const auto found = file_of.find(trial);
+    if (found == file_of.end()) {
+      throw InputError(fmt::format(
+          "{}: no trial {}; {}", files.front().name, trial,
+          trials.empty() ? "the file holds none" : fmt::format("the first is {}, the last {}", trials.front(), trials.back())));
+    }
+    return found->second;
+  }
+  [[nodiscard]] Place demo(std::size_t trial) const {
+    const File& file = files[index_of(trial)];
+    return {file.handle.get(), file.name, fmt::format("/data/demo_{}", trial)};
+  }
+
+  // Reads one file's header; returns the number of files of the dataset, which a killed run has not noted.
+  std::size_t add_file(const std::string& path) {
+    const std::size_t index = files.size();
+    files.push_back({path, open_file(path)});
+    const Place place = root(index);
+    FileAbout about = read_about(place);
+    if (about.shard != index) {
+      place.fail(fmt::format("is file {} of its dataset, expected file {}; open the first", about.shard, index));
+    }
+    if (index > 0 && !same_dataset(about.header, header)) {
+      place.fail(fmt::format("belongs to another dataset than {}", files.front().name));
+    }
+    header = std::move(about.header);
+    for (const std::string& name : members_of({place.file, place.file_name, "/data"})) {
+      const std::size_t trial = demo_number({place.file, place.file_name, "/data"}, name);
+      trials.push_back(trial);
+      file_of.emplace(trial, index);
+    }
+    digests.push_back(about.shards ? read_text(place, open_object(place), "content_sha256") : "");
+    if (!about.shards) return index + (std::filesystem::exists(sibling(files.front().name, index + 1)) ? 2 : 1);
+    complete = about.complete;
+    return *about.shards;
+  }
+
+  [[nodiscard]] LabelRecord read_labels(const Place& place, const std::vector<double>& time) const {
+    LabelRecord labels;
+    const Handle group = open_object(place);
+    const std::size_t units = read_numbers<double>(place, group, "k_normal").values.size();
+    for_each_unit_attribute(labels, [&](const char* name, const Extents& tail, std::vector<double>& values) {
+      values = read_numbers<double>(place, group, name).values;
+      std::size_t expected = units;
+      for (const std::size_t extent : tail) expected *= extent;
+      if (values.size() != expected) place.fail(fmt::format("attribute '{}' does not fit {} units", name, units));
+    });
+    const auto read_into = [&place](std::size_t rows) {
+      return [&place, rows]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
+        column = read_column<T>(place.below(name), rows, tail);
+      };
+    };
+    for_each_label(labels, units, read_into(time.size()));
+    for_each_event_column(labels, read_into(read_array<double>(place.below("events/t")).values.size()));
+    labels.state_count = count_states(place.below("state"), labels.state);
+    labels.state_micro_count = count_states(place.below("state_micro"), labels.state_micro);
+    return labels;
+  }
+
+  // The control loop of a demo, empty where it has none. `sensors`: those of the demo. `grasp`: it is one, so the gripper has columns, and a guided arm one.
+  [[nodiscard]] static std::optional<ControlRecord> read_control(const Place& demo, const std::vector<SensorRecord>& sensors,
+                                                                 const std::optional<GraspOutcome>& grasp) {
+    const Place place = demo.below(control_group);
+    if (H5Lexists(place.file, place.object.c_str(), H5P_DEFAULT) <= 0) return std::nullopt;
+    const Handle group = open_object(place);
+    ControlRecord control;
+    control.detector = read_text(place, group, "detector");
+    // A dataset of a version without controllers has none of theirs.
+    if (H5Aexists(group.get(), "controller") > 0) control.controller = read_text(place, group, "controller");
+    control.sensor = read_text(place, group, "sensor");
+    control.rate = read_number<double>(place, group, "rate_hz");
+    if (sensors.empty()) {
+      control.confusion = read_confusion(place, group);
+      return control;
+    }
+    control.time = read_array<double>(place.below("t")).values;
+    const auto read = [&]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
+      column = read_column<T>(place.below(name), control.time.size(), tail);
+    };
+    for_each_control_column(control, read);
+    if (grasp) for_each_grip_column(control.grip, read);
+    if (grasp && grasp->turn) for_each_arm_column(control.grip, read);
+    static_cast<void>(count_states(place.below("detector_class"), control.detector_class));
+    const auto sensor = std::find_if(sensors.begin(), sensors.end(),
+                                     [&](const SensorRecord& candidate) { return candidate.name == control.sensor; });
+    if (sensor == sensors.end()) place.fail(fmt::format("reads the sensor '{}', which the trial does not have", control.sensor));
+    if (sensor->time != control.time) place.fail("has not the times of its sensor");
+    for (std::size_t row = 0; row < control.time.size(); ++row) {
+      ++control.confusion[sensor->labels.state[row]][control.detector_class[row]];
+    }
+    return control;
+  }
+};
+
+std::optional<FileAbout> file_about(const std::string& path) {
+  hdf5::initialise();
+  try {
+    const Handle file = open_file(path);
+    const Place place{file.get(), path, "/"};
+    const Handle root = open_object(place);
+    if (H5Aexists(root.get(), "schema") == 0) {
+      if (H5Aget_num_attrs(root.get()) == 0 && members_of(place).empty()) place.fail("holds nothing");
+      return std::nullopt;
+    }
+    return read_about(place);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw InputError(fmt::format("{}: is damaged: {}", path, error.what()));
+  }
+}
+
+DatasetReader::DatasetReader(const std::string& path) : state_(std::make_unique<State>()) {
+  hdf5::initialise();
+  try {
+    std::size_t shards = state_->add_file(path);
+    for (std::size_t k = 1; k < shards; ++k) shards = state_->add_file(sibling(path, k));
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw InputError(fmt::format("{}: is damaged: {}", path, error.what()));
+  }
+  std::sort(state_->trials.begin(), state_->trials.end());
+}
+
+DatasetReader::~DatasetReader() = default;
+DatasetReader::DatasetReader(DatasetReader&&) noexcept = default;
+DatasetReader& DatasetReader::operator=(DatasetReader&&) noexcept = default;
+
+const DatasetHeader& DatasetReader::header() const { return state_->header; }
+std::vector<std::string> DatasetReader::files() const {
+  std::vector<std::string> names;
+  for (const State::File& file : state_->files) names.push_back(file.name);
+  return names;
+}
+const std::vector<std::string>& DatasetReader::content_sha256() const { return state_->digests; }
+bool DatasetReader::complete() const { return state_->complete; }
+const std::vector<std::size_t>& DatasetReader::trials() const { return state_->trials; }
+
+std::size_t DatasetReader::file_of(std::size_t trial) const { return state_->index_of(trial); }
+
+std::vector<std::size_t> DatasetReader::mask(const std::string& split) const {
+  std::vector<std::size_t> trials;
+  for (std::size_t k = 0; k < state_->files.size(); ++k) {
+    const Place root = state_->root(k);
+    if (H5Lexists(root.file, "/mask", H5P_DEFAULT) <= 0) continue;
+    const Place place{root.file, root.file_name, "/mask/" + split};
+    const Handle object = open_object(place);
+    const Handle type(H5Dget_type(object.get()), &H5Tclose);
+    if (H5Tget_class(type.get()) != H5T_STRING) place.fail("is no list of names");
+    const std::size_t width = H5Tget_size(type.get());
+    const std::size_t count = count_of(place, extents_of(place, Handle(H5Dget_space(object.get()), &H5Sclose)));
+    std::string names(count_of(place, {count, width}), '\0');
+    if (count > 0 && H5Dread(object.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, names.data()) < 0) {
+      place.fail("cannot be read: " + hdf5::last_error());
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string padded = names.substr(i * width, width);
+      trials.push_back(demo_number(place, padded.substr(0, padded.find('\0'))));
+    }
+  }
+  return trials;
+}
+
+DemoInfo DatasetReader::info(std::size_t trial) const {
+  const Place place = state_->demo(trial);
+  const Handle object = open_object(place);
+  return {read_number<std::uint64_t>(place, object, "num_samples"), read_number<std::uint64_t>(place, object, "seed"),
+          read_text(place, object, "params"), read_text(place, object, "outcome")};
+}
+
+std::vector<std::string> DatasetReader::sensors(std::size_t trial) const {
+  if (info(trial).num_samples == 0) return {};
+  return members_of(state_->demo(trial).below("sensors"));
+}
+
+std::vector<std::string> DatasetReader::bodies(std::size_t trial) const {
+  if (info(trial).num_samples == 0) return {};
+  return members_of(state_->demo(trial).below("truth"));
+}
+
+void DatasetReader::check_recorded(std::size_t trial) const {
+  if (info(trial).num_samples > 0) return;
+  state_->demo(trial).fail("has no recording, only its outcome; allowed: a dataset written without --record outcome");
+}
+
+std::string DatasetReader::sensor_type(std::size_t trial, const std::string& sensor) const {
+  const Place place = state_->demo(trial).below(sensor_group(sensor));
+  return read_text(place, open_object(place), "type");
+}
+
+SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& sensor) const {
+  const Place demo = state_->demo(trial);
+  const Place place = demo.below(sensor_group(sensor));
+  const Handle group = open_object(place);
+  SensorRecord record;
+  record.name = sensor;
+  record.type = read_text(place, group, "type");
+  record.rate = read_number<double>(place, group, "rate_hz");
+  record.frame = read_text(place, group, "frame");
+  if (H5Aexists(group.get(), "follows") > 0) record.follows = read_text(place, group, "follows");
+  record.channel_names = read_texts(place, group, "channel_names");
+  record.time = read_array<double>(place.below("t")).values;
+  for (const std::string& name : read_texts(place, group, "channels")) {
+    const Place channel = place.below(name);
+    Array<float> array = read_array<float>(channel);
+    const std::string own_time = own_time_path(name);
+    std::optional<std::vector<double>> time;
+    if (H5Lexists(group.get(), own_time.c_str(), H5P_DEFAULT) > 0) time = read_array<double>(place.below(own_time)).values;
+    const std::size_t rows = time ? time->size() : record.time.size();
+    if (array.shape.empty() || array.shape[0] != rows) channel.fail("has not one row a sample");
+    record.channels.push_back(
+        {name, read_text(channel, open_object(channel), "unit"), tail_of(array.shape), std::move(array.values), std::move(time)});
+  }
+  record.labels = state_->read_labels(demo.below(label_group(sensor)), record.time);
+  return record;
+}
+
+TrialRecord DatasetReader::read_trial(std::size_t trial) const {
+  TrialRecord record;
+  DemoInfo demo = info(trial);
+  record.trial = trial;
+  record.seed = demo.seed;
+  record.params = std::move(demo.params);
+  record.outcome = parse_outcome(demo.outcome);
+  for (const std::string& sensor : sensors(trial)) record.sensors.push_back(read_sensor(trial, sensor));
+  for (const std::string& body : bodies(trial)) {
+    const Place place = state_->demo(trial).below(body_group(body));
+    const std::vector<double> time = read_array<double>(place.below("t")).values;
+    if (!record.bodies.empty() && time != record.body_time) place.fail("has not the times of the other bodies");
+    record.body_time = time;
+    BodyRecord columns{body, {}, {}};
+    for_each_body_column(columns, [&](const char* name, const char*, const Extents& tail, std::vector<float>& column) {
+      column = read_column<float>(place.below(name), record.body_time.size(), tail);
+    });
+    const Handle group = open_object(place);
+    if (H5Aexists(group.get(), "size") > 0) {
+      columns.size = read_numbers<double>(place, group, "size").values;
+      if (columns.size.size() != 3) place.fail("attribute 'size' is not three numbers");
+    }
+    record.bodies.push_back(std::move(columns));
+  }
+  record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp);
+  return record;
+}
+
+template <class T>
+std::vector<T> DatasetReader::read(std::size_t trial, const std::string& path) const {
+  return read_array<T>(state_->demo(trial).below(path)).values;
+}
+
+template std::vector<float> DatasetReader::read<float>(std::size_t, const std::string&) const;
+template std::vector<double> DatasetReader::read<double>(std::size_t, const std::string&) const;
+template std::vector<std::uint8_t> DatasetReader::read<std::uint8_t>(std::size_t, const std::string&) const;
+template std::vector<std::uint32_t> DatasetReader::read<std::uint32_t>(std::size_t, const std::string&) const;
+
+std::vector<std::size_t> DatasetReader::shape(std::size_t trial, const std::string& path) const {
+  const Place place = state_->demo(trial).below(path);
+  const Handle object = open_object(place);
+  if (H5Iget_type(object.get()) != H5I_DATASET) place.fail("is no array");
+  return extents_of(place, Handle(H5Dget_space(object.get()), &H5Sclose));
+}
+
+}  // namespace slipbench

@@ -1,0 +1,87 @@
+// Reading datasets.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/base/dataset/header.h"
+#include "tools/base/dataset/trial_record.h"
+
+namespace slipbench {
+
+// What a demo says of itself, cheap to read.
+struct DemoInfo {
+  std::size_t num_samples = 0;
+  std::uint64_t seed = 0;
+  std::string params;   // JSON object: path -> value of what was swept
+  std::string outcome;  // JSON object, see TrialOutcome
+};
+
+// What the root of one file says, whatever the other files of its dataset.
+struct FileAbout {
+  DatasetHeader header;
+  std::uint64_t shard = 0;              // which file of its dataset it is
+  std::optional<std::uint64_t> shards;  // of how many; empty where the run was killed
+  bool complete = false;                // whether the run came to its end
+};
+
+// Empty when the file is HDF5 and no dataset. Throws InputError when it cannot be read, also when it is an HDF5 file that holds
+// nothing at all, as a killed run may leave it.
+std::optional<FileAbout> file_about(const std::string& path);
+
+// A dataset of one or several shards, opened by the name of the first. A file that a killed or interrupted run left behind opens
+// as well: complete() says which. All functions throw InputError when the file is not what it should be, naming file and place.
+// HDF5 itself may crash on damaged bytes: a program reads files that are not its own inside guarded() (guarded.h).
+// The HDF5 library is not thread-safe: use all readers and writers of a process from one thread.
+class DatasetReader {
+ public:
+  explicit DatasetReader(const std::string& path);
+  ~DatasetReader();
+  DatasetReader(DatasetReader&&) noexcept;
+  DatasetReader& operator=(DatasetReader&&) noexcept;
+
+  [[nodiscard]] const DatasetHeader& header() const;
+  // Names of the shards in order.
+  [[nodiscard]] std::vector<std::string> files() const;
+  // The digest of each shard in order (README.md says over what); empty strings where the run was killed.
+  [[nodiscard]] const std::vector<std::string>& content_sha256() const;
+  // Whether the run that wrote it came to its end.
+  [[nodiscard]] bool complete() const;
+
+  // The k of every demo_<k>, ascending.
+  [[nodiscard]] const std::vector<std::size_t>& trials() const;
+  // Index into files() of the one that holds a trial.
+  [[nodiscard]] std::size_t file_of(std::size_t trial) const;
+  // Trials of a split: "train", "valid" or "test". Empty where the file has no masks (a killed run).
+  [[nodiscard]] std::vector<std::size_t> mask(const std::string& split) const;
+
+  [[nodiscard]] DemoInfo info(std::size_t trial) const;
+  // Both are empty where only the outcome was recorded.
+  [[nodiscard]] std::vector<std::string> sensors(std::size_t trial) const;
+  [[nodiscard]] std::vector<std::string> bodies(std::size_t trial) const;
+  // Throws InputError where only the outcome was recorded.
+  void check_recorded(std::size_t trial) const;
+
+  // Everything of one trial. `material` is not stored a trial and stays empty.
+  [[nodiscard]] TrialRecord read_trial(std::size_t trial) const;
+  // What a sensor is: "papillarray".
+  [[nodiscard]] std::string sensor_type(std::size_t trial, const std::string& sensor) const;
+  // One sensor's samples and labels.
+  [[nodiscard]] SensorRecord read_sensor(std::size_t trial, const std::string& sensor) const;
+
+  // One array by its path inside the demo, e.g. read<std::uint8_t>(3, "labels/pad/state"), converted to T (float, double,
+  // std::uint8_t or std::uint32_t), in C order.
+  template <class T>
+  [[nodiscard]] std::vector<T> read(std::size_t trial, const std::string& path) const;
+  // Its extents.
+  [[nodiscard]] std::vector<std::size_t> shape(std::size_t trial, const std::string& path) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,324 @@
+#include "tools/base/dataset/shard.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <set>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+using hdf5::check;
+using hdf5::Handle;
+
+std::string demo_name(std::size_t trial) { return fmt::format("demo_{}", trial); }
+
+[[noreturn]] void fail(const std::string& path, const std::string& reason) {
+  throw InputError(fmt::format("cannot write {}: {}", path, reason));
+}
+
+// Little-endian type in the file for values that lie in memory as they are stored.
+hid_t file_type(ElementType type) {
+  switch (type) {
+    case ElementType::f64: return H5T_IEEE_F64LE;
+    case ElementType::f32: return H5T_IEEE_F32LE;
+    case ElementType::u32: return H5T_STD_U32LE;
+    case ElementType::u8: return H5T_STD_U8LE;
+  }
+  return H5I_INVALID_HID;
+}
+
+Handle property_list(hid_t kind) { return {H5Pcreate(kind), &H5Pclose}; }
+
+Handle text_type() {
+  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+  check(H5Tset_size(type.get(), H5T_VARIABLE));
+  check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
+  return type;
+}
+
+Handle space_of(const std::vector<std::size_t>& shape) {
+  const std::vector<hsize_t> extents(shape.begin(), shape.end());
+  return {H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr), &H5Sclose};
+}
+
+void write_attribute(hid_t object, const std::string& name, hid_t type, const Handle& space, const void* value) {
+  Handle attribute(H5Acreate2(object, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
+  check(H5Awrite(attribute.get(), type, value));
+  attribute.close();
+}
+
+Handle scalar() { return {H5Screate(H5S_SCALAR), &H5Sclose}; }
+
+void write_attribute(hid_t object, const std::string& name, std::uint64_t value) {
+  write_attribute(object, name, H5T_STD_U64LE, scalar(), &value);
+}
+
+void write_attribute(hid_t object, const std::string& name, double value) {
+  write_attribute(object, name, H5T_IEEE_F64LE, scalar(), &value);
+}
+
+void write_attribute(hid_t object, const std::string& name, const std::string& value) {
+  const char* text = value.c_str();
+  write_attribute(object, name, text_type().get(), scalar(), &text);
+}
+
+void write_attribute(hid_t object, const std::string& name, const std::vector<std::string>& values) {
+  std::vector<const char*> texts;
+  for (const std::string& value : values) texts.push_back(value.c_str());
+  write_attribute(object, name, text_type().get(), space_of({values.size()}), texts.data());
+}
+
+void write_attribute(hid_t object, const std::string& name, const EncodedAttribute::Doubles& matrix) {
+  write_attribute(object, name, H5T_IEEE_F64LE, space_of(matrix.shape), matrix.values.data());
+}
+
+// Groups keep their few members and attributes in the object header, which is small and quick; no time stamps.
+Handle group_properties(hid_t kind) {
+  Handle properties = property_list(kind);
+  check(H5Pset_obj_track_times(properties.get(), 0));
+  check(H5Pset_link_phase_change(properties.get(), 32, 28));
+  check(H5Pset_attr_phase_change(properties.get(), 32, 28));
+  return properties;
+}
+
+Handle create_group(hid_t parent, const std::string& path) {
+  const Handle properties = group_properties(H5P_GROUP_CREATE);
+  return {H5Gcreate2(parent, path.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
+}
+
+// The group of the demos keeps its list in its header, which is allocated whole, so that adding a demo rewrites one block.
+Handle create_demo_list(hid_t file, std::size_t planned) {
+  constexpr unsigned name_length = 9;  // demo_9999
+  const auto entries = static_cast<unsigned>(std::clamp<std::size_t>(planned, 32, most_trials_per_file));
+  const Handle properties = group_properties(H5P_GROUP_CREATE);
+  check(H5Pset_link_phase_change(properties.get(), entries, entries));
+  check(H5Pset_est_link_info(properties.get(), entries, name_length));
+  return {H5Gcreate2(file, "data", H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
+}
+
+// All groups that the arrays and attributes of a demo lie in, parents before children, without the demo itself.
+std::set<std::string> groups_of(const EncodedTrial& trial) {
+  std::set<std::string> groups;
+  const auto add_parents = [&](const std::string& path) {
+    for (std::size_t slash = path.find('/'); slash != std::string::npos; slash = path.find('/', slash + 1)) {
+      groups.insert(path.substr(0, slash));
+    }
+  };
+  for (const EncodedArray& array : trial.arrays) add_parents(array.path);
+  for (const EncodedAttribute& attribute : trial.attributes) add_parents(attribute.path + "/");
+  groups.erase("");
+  return groups;
+}
+
+void write_array(hid_t demo, const EncodedArray& array) {
+  const Handle space = space_of(array.shape);
+  Handle properties = property_list(H5P_DATASET_CREATE);
+  check(H5Pset_obj_track_times(properties.get(), 0));
+  check(H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER));
+  if (array.chunk_rows > 0) {
+    std::vector<hsize_t> chunk(array.shape.begin(), array.shape.end());
+    chunk[0] = array.chunk_rows;
+    check(H5Pset_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()));
+    if (size_of(array.type) > 1) check(H5Pset_shuffle(properties.get()));
+    check(H5Pset_deflate(properties.get(), TrialEncoder::deflate_level));
+  }
+  Handle dataset(
+      H5Dcreate2(demo, array.path.c_str(), file_type(array.type), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      &H5Dclose);
+  std::vector<hsize_t> offset(array.shape.size(), 0);
+  for (const auto& chunk : array.chunks) {
+    check(H5Dwrite_chunk(dataset.get(), H5P_DEFAULT, 0, offset.data(), chunk.size(), chunk.data()));
+    offset[0] += array.chunk_rows;
+  }
+  write_attribute(dataset.get(), "unit", array.unit);
+  dataset.close();
+}
+
+// Names of the trials that are both in `part` and in `held`, as robomimic writes them: fixed-length strings.
+void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& part, const std::vector<std::size_t>& held) {
+  std::vector<std::size_t> members;
+  std::set_intersection(part.begin(), part.end(), held.begin(), held.end(), std::back_inserter(members));
+  std::size_t width = 1;
+  for (const std::size_t trial : members) width = std::max(width, demo_name(trial).size());
+  std::string names;
+  for (const std::size_t trial : members) {
+    names += demo_name(trial);
+    names.resize((names.size() + width - 1) / width * width, '\0');
+  }
+  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+  check(H5Tset_size(type.get(), width));
+  check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD));
+  const Handle space = space_of({members.size()});
+  Handle properties = property_list(H5P_DATASET_CREATE);
+  check(H5Pset_obj_track_times(properties.get(), 0));
+  Handle dataset(H5Dcreate2(group, name, type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
+  if (!members.empty()) check(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, names.data()));
+  dataset.close();
+}
+
+void write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>& held) {
+  Handle group = create_group(file, "mask");
+  write_attribute(group.get(), "split_by", masks.split_by);
+  write_attribute(group.get(), "rule",
+                  masks.split_by == "material"
+                      ? std::string("70/15/15 % of the materials, shuffled by the seed; no material is in two parts")
+                      : std::string("70/15/15 % of the trials, shuffled by the seed, since all share one material"));
+  write_mask(group.get(), "train", masks.train, held);
+  write_mask(group.get(), "valid", masks.valid, held);
+  write_mask(group.get(), "test", masks.test, held);
+  group.close();
+}
+
+// File format 1.8: readable by every HDF5 of the last fifteen years, and without the "open for writing" mark of later ones, which
+// would lock a killed run's file. The metadata cache is large enough that nothing of a demo reaches the disk before its flush.
+Handle create_file(const std::string& path) {
+  Handle access = property_list(H5P_FILE_ACCESS);
+  check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
+  check(H5Pset_file_locking(access.get(), false, true));
+  check(H5Pset_meta_block_size(access.get(), 1 << 16));
+  H5AC_cache_config_t cache{};
+  cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  check(H5Pget_mdc_config(access.get(), &cache));
+  cache.set_initial_size = true;
+  cache.initial_size = cache.max_size;
+  cache.min_clean_fraction = 0.01;
+  check(H5Pset_mdc_config(access.get(), &cache));
+  // No other creation property: any would add an object that carries the time of day.
+  Handle creation = group_properties(H5P_FILE_CREATE);
+  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), &H5Fclose};
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (value_ >= 0) ::close(value_);
+}
+
+Descriptor lock_file(const std::string& path) {
+  // A link that has come since the name was checked is not followed.
+  Descriptor descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (descriptor.get() < 0) fail(path, std::strerror(errno));
+  if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0) {
+    fail(path, errno == EWOULDBLOCK ? "another run is writing it" : std::strerror(errno));
+  }
+  // Between the two calls the run that had the lock may have given the file its final name, under which it is not this run's.
+  struct stat locked {
+  }, named{};
+  if (::fstat(descriptor.get(), &locked) != 0) fail(path, std::strerror(errno));
+  if (::stat(path.c_str(), &named) != 0 || locked.st_ino != named.st_ino || locked.st_dev != named.st_dev) {
+    fail(path, "another run is writing it");
+  }
+  return descriptor;
+}
+
+Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned)
+    : path_(std::move(temporary)), descriptor_(lock_file(path_)) {
+  hdf5::initialise();
+  try {
+    file_ = create_file(path_);
+    const hid_t root = file_.get();
+    write_attribute(root, "schema", static_cast<std::uint64_t>(dataset_schema));
+    write_attribute(root, "version", header.version);
+    write_attribute(root, "scene", header.scene);
+    write_attribute(root, "overrides", header.overrides);
+    write_attribute(root, "seed", header.seed);
+    write_attribute(root, "command", header.command);
+    write_attribute(root, "shard", static_cast<std::uint64_t>(index));
+    create_demo_list(root, planned).close();
+    flush();
+  } catch (const std::runtime_error& error) {
+    file_.abandon();
+    ::unlink(path_.c_str());
+    fail(path_, error.what());
+  }
+}
+
+Shard::~Shard() {
+  if (failed_) file_.abandon();
+}
+
+void Shard::append(const EncodedTrial& trial) {
+  try {
+    write_demo(trial);
+  } catch (const std::runtime_error& error) {
+    failed_ = true;
+    fail(path_, error.what());
+  }
+  trials_.push_back(trial.trial);
+  digests_.push_back(trial.digest);
+}
+
+// The demo is written and flushed before it gets its name, so that a run killed in between leaves a file that does not refer to
+// it.
+void Shard::write_demo(const EncodedTrial& trial) {
+  const Handle properties = group_properties(H5P_GROUP_CREATE);
+  Handle demo(H5Gcreate_anon(file_.get(), properties.get(), H5P_DEFAULT), &H5Gclose);
+  for (const std::string& group : groups_of(trial)) create_group(demo.get(), group).close();
+  for (const EncodedArray& array : trial.arrays) write_array(demo.get(), array);
+  for (const EncodedAttribute& attribute : trial.attributes) {
+    const std::string path = attribute.path.empty() ? "." : attribute.path;
+    Handle group(H5Gopen2(demo.get(), path.c_str(), H5P_DEFAULT), &H5Gclose);
+    std::visit([&](const auto& value) { write_attribute(group.get(), attribute.name, value); }, attribute.value);
+    group.close();
+  }
+  flush();
+  check(H5Olink(demo.get(), file_.get(), ("data/" + demo_name(trial.trial)).c_str(), H5P_DEFAULT, H5P_DEFAULT));
+  demo.close();
+  flush();
+}
+
+// A flush writes the file's length before it extends the file; killed in between, it would leave a file that seems cut short.
+void Shard::flush() {
+  struct stat status {};
+  if (::fstat(descriptor_.get(), &status) != 0) throw std::runtime_error(std::strerror(errno));
+  const auto length = static_cast<off_t>(size_bytes());
+  if (length > status.st_size && ::ftruncate(descriptor_.get(), length) != 0) throw std::runtime_error(std::strerror(errno));
+  check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
+}
+
+std::uint64_t Shard::size_bytes() const {
+  hsize_t bytes = 0;
+  check(H5Fget_filesize(file_.get(), &bytes));
+  return bytes;
+}
+
+void Shard::finish(const Masks& masks, std::size_t shards, bool complete) {
+  try {
+    write_attribute(file_.get(), "content_sha256", content_digest(digests_));
+    write_attribute(file_.get(), "shards", static_cast<std::uint64_t>(shards));
+    write_attribute(file_.get(), "complete", static_cast<std::uint64_t>(complete));
+    write_masks(file_.get(), masks, trials_);
+    check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
+    file_.close();
+  } catch (const std::runtime_error& error) {
+    failed_ = true;
+    fail(path_, error.what());
+  }
+  if (::fsync(descriptor_.get()) != 0) fail(path_, std::strerror(errno));
+}
+
+std::uint64_t overhead_bytes(const EncodedTrial& trial) {
+  std::uint64_t bytes = 16384;  // groups, and the free rest of a metadata block
+  for (const EncodedArray& array : trial.arrays) bytes += 4096 + 64 * array.chunks.size();
+  for (const EncodedAttribute& attribute : trial.attributes) {
+    bytes += 256;
+    if (const auto* text = std::get_if<std::string>(&attribute.value)) bytes += text->size();
+    if (const auto* texts = std::get_if<std::vector<std::string>>(&attribute.value)) {
+      for (const std::string& text : *texts) bytes += text.size() + 64;
+    }
+    if (const auto* matrix = std::get_if<EncodedAttribute::Doubles>(&attribute.value)) bytes += 8 * matrix->values.size();
+  }
+  return bytes;
+}
+
+}  // namespace slipbench

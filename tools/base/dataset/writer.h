@@ -1,0 +1,51 @@
+// Writing datasets.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/header.h"
+
+namespace slipbench {
+
+// Writes the trials of a dataset to OUT.h5.partial (and OUT-0001.h5.partial, ... when a file would grow over the limit or get
+// more than most_trials_per_file). Each append is flushed, so that a killed run leaves the trials it finished. Only commit()
+// makes the final names appear. The bytes depend on the header and the trials alone. All functions throw InputError with the
+// system's reason when the target cannot be written. The HDF5 library is not thread-safe: use all readers and writers of a
+// process from one thread.
+class DatasetWriter {
+ public:
+  static constexpr std::uint64_t default_shard_limit = 1'000'000'000;  // bytes
+
+  // Refuses at once what cannot become a dataset: a folder, a special file, a symbolic link, a read-only file, a missing folder,
+  // a target that another run is writing, and files that are not this dataset's to replace, such as the scene itself
+  // (dataset_target.h). Call it before any thread is made.
+  // `planned`: trials that will come, for which a file makes room in its list beforehand.
+  DatasetWriter(std::string path, DatasetHeader header, std::size_t planned = most_trials_per_file,
+                std::uint64_t shard_limit = default_shard_limit);
+  // Without commit() or keep_partial(): the same as keep_partial(), errors ignored.
+  ~DatasetWriter();
+  DatasetWriter(const DatasetWriter&) = delete;
+  DatasetWriter& operator=(const DatasetWriter&) = delete;
+
+  // Adds a trial. Trials come in ascending order. Refuses to begin a further file where another stands in its way.
+  void append(const EncodedTrial& trial);
+  // Trials safely in the file.
+  [[nodiscard]] std::size_t size() const;
+
+  // Writes masks and digests, closes, syncs and renames to the final names, which it returns. What earlier runs that did not
+  // come to their end have left of this target is removed, and so are the further files of the dataset that is replaced.
+  std::vector<std::string> commit();
+  // Ends a run that did not come to its end: what is finished is kept under OUT.partial.h5, whose names are returned; without a
+  // finished trial nothing is left. Works after a failed append too.
+  std::vector<std::string> keep_partial();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace slipbench

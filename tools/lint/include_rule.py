@@ -1,0 +1,95 @@
+"""Who may include whom. A detector that could include the simulation could read the truth; this check keeps that out.
+
+- sim/core: itself, the standard library and Eigen; Random123 in a .cc.
+- sensors/X: sim/core, sensors/X, and sensors/electronics, which every sensor is composed of.
+- detectors, controllers: sim/core without the truth (contact_frame.h, and sensor.h, which is handed it), and themselves.
+- rtl: what detectors may include, and detectors, whose golden models it runs in lockstep with.
+- the rest of sim: itself and the layers below it (SIM_LAYERS). MuJoCo's headers: sim/mujoco and its tests (tests/stability too) only.
+- tools/base: the bench, sim/core aside nothing but base itself. tools/program: all of the bench, base and program.
+- tools/studies: the same and studies. The command table (COMMAND_TABLE) alone names the studies from below.
+- tests: everything.
+"""
+
+import re
+
+from tree import lines_of, main, project_files
+
+INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
+STANDARD = re.compile(r"[a-z_0-9]+")
+TRUTH = ("sim/core/contact_frame.h", "sim/core/sensor.h")
+TOP_FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools", "tests")
+# The layers of sim, as sim/README.md lists them: what each may include beside itself.
+SIM_LAYERS = {
+    "core": (),
+    "field": ("core",),
+    "effects": ("core", "field"),
+    "motion": ("core",),
+    "scene": ("core",),
+    "grasp": ("core", "motion", "scene"),
+    "simulation": ("core", "field", "effects", "motion", "scene", "grasp"),
+    "mujoco": ("core", "field", "effects", "motion", "scene", "grasp", "simulation"),
+}
+# The floors of tools, from the ground up. The command table is the one file that names what stands above it.
+FLOORS = ("base", "program", "studies")
+COMMAND_TABLE = "tools/program/cli/command_table.cc"
+BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
+
+
+def allowed_in_tools(path):
+    """Project folders that a file of tools may include from."""
+    floor = path.parts[1]
+    if path.as_posix() == COMMAND_TABLE:
+        return (*BENCH, "tools/")
+    below = tuple(f"tools/{name}/" for name in FLOORS[:FLOORS.index(floor) + 1])
+    return (("sim/core/",) if floor == "base" else BENCH) + below
+
+
+def allowed_folders(path):
+    """Project folders that a file may include from."""
+    top = path.parts[0]
+    if top == "sim":
+        return tuple(f"sim/{layer}/" for layer in (path.parts[1], *SIM_LAYERS[path.parts[1]]))
+    if top == "sensors":
+        return ("sim/core/", f"sensors/{path.parts[1]}/", "sensors/electronics/")
+    if top in ("detectors", "controllers"):
+        return ("sim/core/", f"{top}/")
+    if top == "rtl":
+        return ("sim/core/", "detectors/", "rtl/")
+    if top == "tools":
+        return allowed_in_tools(path)
+    return tuple(f"{folder}/" for folder in TOP_FOLDERS)
+
+
+def fault_of(path, quoted, header):
+    """What is wrong with a file's include of a header, or None."""
+    folder = path.parent.as_posix()
+    if quoted:
+        if not header.startswith(tuple(f"{top}/" for top in TOP_FOLDERS)):
+            return f'"{header}" is not given from the project root'
+        if not header.startswith(allowed_folders(path)):
+            return f'{folder} may include {", ".join(allowed_folders(path))} only, not "{header}"'
+        if path.parts[0] in ("detectors", "controllers", "rtl") and header in TRUTH:
+            return f'{folder} must not see the truth, found "{header}"'
+        return None
+    if header.startswith("mujoco/") and folder not in ("sim/mujoco", "tests/sim/mujoco", "tests/stability"):
+        return f"only sim/mujoco may include <{header}>"
+    if folder == "sim/core":
+        generator = path.suffix == ".cc" and header.startswith("Random123/")
+        if not (STANDARD.fullmatch(header) or header.startswith("Eigen/") or generator):
+            return f"sim/core may include the standard library and Eigen only, not <{header}>"
+    return None
+
+
+def check(root):
+    for path in project_files(root):
+        if path.suffix not in (".h", ".cc") or path.parts[0] not in TOP_FOLDERS:
+            continue
+        for number, line in lines_of(root, path):
+            include = INCLUDE.match(line)
+            fault = include and fault_of(path, include[1] == '"', include[2])
+            if fault:
+                yield f"{path}:{number}: {fault}"
+
+
+if __name__ == "__main__":
+    main(check)

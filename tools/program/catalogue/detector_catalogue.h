@@ -1,0 +1,25 @@
+// Where the program's detectors are composed: the one place that names them all.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sim/core/detector.h"
+#include "sim/core/parameters.h"
+#include "sim/scene/scene.h"
+#include "sim/simulation/simulation.h"
+
+namespace slipbench {
+
+// What a scene may name as detector.type, beside none: the oracle among them. Every one has the parameter flip.
+std::vector<Entry> detector_entries();
+
+// The detector that `scene` describes, for the frames that `source` says; flipped as the scene asks. `simulation` is for the oracle alone, and must
+// outlive it. Throws InputError for a type that the catalogue does not have, and what the detector itself refuses.
+std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source, const Simulation& simulation);
+
+// Throws SceneValueError where `scene` names a trial that is not among the first `trials`, at least one.
+void check_run(const DetectorScene& scene, std::uint64_t trials);
+
+}  // namespace slipbench

@@ -1,0 +1,46 @@
+#include "tools/program/catalogue/oracle.h"
+
+namespace slipbench {
+namespace {
+
+class Oracle final : public Detector {
+ public:
+  Oracle(double latency, const Simulation& simulation, std::size_t pad) : latency_(latency), simulation_(simulation), pad_(pad) {}
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    const ContactFrame& truth = simulation_.contact(pad_);
+    return estimate_ = {frame.time, latency_, truth.state, truth.stuck_fraction};
+  }
+
+ private:
+  double latency_;
+  const Simulation& simulation_;
+  std::size_t pad_;
+  SlipEstimate estimate_;
+};
+
+}  // namespace
+
+Entry oracle_entry() {
+  return {
+      .name = std::string(oracle_type),
+      .summary = "ORACLE, no detector: the true class of the pad, to tell a detector's faults from a controller's",
+      .law =
+          "at each of the sensor's samples the true class, by the rule strict (a pillar slips when all of it slips), and the true stuck fraction, which is that of the pad's elements",
+      .source = "the bench's own contact, which no detector sees",
+      .parameters = {{.name = "latency",
+                      .type = ParameterType::number,
+                      .quantity = Quantity::time,
+                      .default_text = "0 s",
+                      .range = non_negative,
+                      .choices = {},
+                      .size = 1,
+                      .doc = "Time from the sample until the class is there.",
+                      .source = "free"}}};
+}
+
+std::unique_ptr<Detector> make_oracle(const Parameters& parameters, const Simulation& simulation, std::size_t pad) {
+  return std::make_unique<Oracle>(parameters.number("latency"), simulation, pad);
+}
+
+}  // namespace slipbench

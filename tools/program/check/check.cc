@@ -1,0 +1,290 @@
+#include "tools/program/check/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+#include "tools/program/catalogue/expectation_catalogue.h"
+#include "tools/program/report/report.h"
+
+namespace slipbench {
+namespace {
+
+using Comparison = ExpectationKind::Comparison;
+
+constexpr double never = std::numeric_limits<double>::quiet_NaN();
+
+const ExpectationKind& kind_of(const std::string& name) {
+  const auto& kinds = expectation_catalogue();
+  const auto found = std::ranges::find_if(kinds, [&](const ExpectationKind& kind) { return kind.about.name == name; });
+  if (found == kinds.end()) throw std::logic_error("no such expectation: " + name);
+  return *found;
+}
+
+// A value in the unit in which the limit is said.
+std::string value_text(const ExpectationKind& kind, double value, double limit) {
+  if (std::isnan(value)) return "never";
+  if (kind.comparison == Comparison::equal) return value == 0.0 ? "false" : "true";
+  const Quantity quantity = kind.about.parameters.front().quantity;
+  const std::string said = format_quantity(limit, quantity);
+  const std::size_t space = said.find(' ');
+  if (space == std::string::npos) return fmt::format("{:.4g}", value);
+  const std::string symbol = said.substr(space + 1);
+  const auto units = units_of(quantity);
+  const auto unit = std::ranges::find(units, symbol, &Unit::symbol);
+  return fmt::format("{:.4g} {}", value / unit->factor, symbol);
+}
+
+std::string limit_text(const ExpectationKind& kind, double limit) {
+  const std::string text = kind.comparison == Comparison::equal ? value_text(kind, limit, limit)
+                                                                : format_quantity(limit, kind.about.parameters.front().quantity);
+  switch (kind.comparison) {
+    case Comparison::at_most: return "at most " + text;
+    case Comparison::at_least: return "at least " + text;
+    case Comparison::equal: return text;
+  }
+  throw std::logic_error("no such comparison");
+}
+
+double observed_in(const ExpectationKind& kind, const TrialSummary& trial) {
+  return trial.failure.empty() ? kind.observed(trial.outcome) : never;
+}
+
+bool keeps(const Named& expectation, const TrialSummary& trial) {
+  const ExpectationKind& kind = kind_of(expectation.name);
+  return trial.failure.empty() && kind.kept(kind.observed(trial.outcome), kind.limit(expectation.parameters));
+}
+
+std::size_t kept_by(const Named& expectation, const std::vector<TrialSummary>& trials) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(trials, [&](const TrialSummary& trial) { return keeps(expectation, trial); }));
+}
+
+// How many of the trials must keep an expectation for its `pass` alone, at least one.
+std::size_t share_of(const Named& expectation, std::size_t trials) {
+  constexpr double rounding = 1e-9;  // 0.95 of 20 are 19, whatever 0.95 is as a double
+  const double share = std::ceil(expectation.parameters.number("pass") * static_cast<double>(trials) - rounding);
+  return static_cast<std::size_t>(std::max(1.0, share));
+}
+
+// The same with its `reliability`.
+std::size_t needed_of(const Named& expectation, std::size_t trials, double confidence) {
+  const double reliability = expectation.parameters.number("reliability");
+  const std::size_t shown = least_successes(trials, reliability, confidence);
+  if (shown > trials) {
+    throw SceneValueError(
+        "expect." + expectation.name + ".reliability",
+        fmt::format(
+            "{} cannot be shown by {} trials: with all of them kept the {} % interval begins at {:.4f}; allowed: at most that, or more trials",
+            reliability, trials, 100.0 * confidence, clopper_pearson(trials, trials, confidence).low));
+  }
+  return std::max(share_of(expectation, trials), shown);
+}
+
+// The run that repeats one trial. `run` knows the trials of a scene's own sweep: their number goes there.
+SweepOptions replay_of(const CheckOptions& options, std::uint64_t seed, std::size_t trial) {
+  SweepOptions run;
+  run.verb = "run";
+  run.scene_path = options.scene_path;
+  run.overrides = options.overrides;
+  if (options.trials > 0) run.overrides.push_back({"sweep.trials", std::to_string(options.trials)});
+  run.seed = seed;
+  run.only = trial;
+  run.interrupt = options.interrupt;
+  return run;
+}
+
+ExpectationResult result_of(const Named& expectation, const CheckOptions& options, const SweepSummary& summary) {
+  const ExpectationKind& kind = kind_of(expectation.name);
+  const double limit = kind.limit(expectation.parameters);
+  const double confidence = summary.scene.expect.confidence;
+  ExpectationResult result;
+  result.name = expectation.name;
+  result.limit = limit_text(kind, limit);
+  result.trials = summary.trials.size();
+  result.kept = kept_by(expectation, summary.trials);
+  result.needed = needed_of(expectation, result.trials, confidence);
+  result.rate = clopper_pearson(result.kept, result.trials, confidence);
+
+  // A trial that fails to run is the worst; else that which does not keep it, then that of the worst value, then the earliest.
+  std::vector<const TrialSummary*> order;
+  for (const TrialSummary& trial : summary.trials) order.push_back(&trial);
+  const auto rank = [&](const TrialSummary* trial) {
+    return std::tuple(trial->failure.empty(), keeps(expectation, *trial), -kind.badness(observed_in(kind, *trial)));
+  };
+  std::ranges::stable_sort(order, {}, rank);
+  result.worst = {order.front()->trial, observed_in(kind, *order.front())};
+  result.worst_text = order.front()->failure.empty() ? value_text(kind, result.worst.value, limit) : "failed to run";
+  // Of an even number the mean of the middle two, or the worse one where they have none.
+  const TrialSummary& middle = *order[(order.size() - 1) / 2];
+  const double other = observed_in(kind, *order[order.size() / 2]);
+  result.median = observed_in(kind, middle);
+  if (kind.comparison != Comparison::equal && !std::isnan(other)) result.median = 0.5 * (result.median + other);
+  result.median_text = middle.failure.empty() ? value_text(kind, result.median, limit) : "failed to run";
+  result.replay = canonical_command(replay_of(options, summary.seed, result.worst.trial));
+  return result;
+}
+
+// The trial that misses most of the expectations that failed; of those alike `worst`, else the earliest. Trials that fail to run leave
+// nothing to look at: one of them only where there is no other.
+std::size_t most_telling(const std::vector<TrialSummary>& trials, const std::vector<Named>& failed, std::size_t worst) {
+  const auto missed = [&](const TrialSummary& trial) {
+    return std::ranges::count_if(failed, [&](const Named& expectation) { return !keeps(expectation, trial); });
+  };
+  return std::ranges::max_element(trials, {},
+                                  [&](const TrialSummary& trial) {
+                                    return std::tuple(missed(trial) > 0 && trial.failure.empty(), missed(trial),
+                                                      trial.trial == worst);
+                                  })
+      ->trial;
+}
+
+// Dataset and report of one trial. A trial that fails to run has none: its message says why.
+std::vector<std::string> leave_trial(const SweepOptions& replay, const std::string& folder, const Catalogues& catalogues) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(folder + ": cannot be made: " + error.message());
+  SweepOptions run = replay;
+  const std::string name = (std::filesystem::path(folder) / fmt::format("trial_{}", *replay.only)).string();
+  run.output = name + ".h5";
+  std::vector<std::string> files = run_sweep(run, catalogues).files;
+  if (!files.empty()) {
+    write_report(files.front(), name + ".html");
+    files.push_back(name + ".html");
+  }
+  return files;
+}
+
+// Every trial of the control with the same draws. A path that --set fixes leaves the sweep, so an axis of controllers has one value.
+SweepSummary run_control(const SweepOptions& options, const std::string& control, const Catalogues& catalogues,
+                         const ProgressCallback& progress) {
+  SweepOptions sweep = options;
+  sweep.on_start = nullptr;
+  sweep.overrides.push_back({"controller", "{type: " + control + "}"});
+  return run_sweep(sweep, catalogues, progress);
+}
+
+SceneFile load_scene(const CheckOptions& options) {
+  SceneFile file = SceneFile::load(options.scene_path);
+  for (const Override& change : options.overrides) file.apply(change);
+  return file;
+}
+
+// Asks for no more than so many trials can show, else refuses.
+void check_reliabilities(const TrialPlan& plan, const ExpectScene& expect) {
+  try {
+    for (const Named& expectation : expect.expectations)
+      static_cast<void>(needed_of(expectation, plan.size(), expect.confidence));
+  } catch (const SceneValueError& error) {
+    throw InputError(plan.where(0, error.path()) + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+std::string verdict_text(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::passed: return "passed";
+    case Verdict::failed: return "failed";
+    case Verdict::tests_nothing: return "tests nothing";
+    case Verdict::not_checked: return "not checked";
+  }
+  throw std::logic_error("no such verdict");
+}
+
+bool expects_anything(const CheckOptions& options, const Catalogues& catalogues) {
+  return !parse_scene(load_scene(options), catalogues).expect.expectations.empty();
+}
+
+SweepOptions sweep_of(const CheckOptions& options) {
+  SweepOptions sweep;
+  sweep.scene_path = options.scene_path;
+  sweep.overrides = options.overrides;
+  sweep.seed = options.seed;
+  sweep.trials = options.trials;
+  sweep.jobs = options.jobs;
+  sweep.interrupt = options.interrupt;
+  sweep.on_start = options.on_start;
+  sweep.keep_failed = true;
+  return sweep;
+}
+
+SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
+  const SceneFile file = load_scene(options);
+  const std::uint64_t seed = options.seed ? *options.seed : parse_scene(file, catalogues).seed;
+  const TrialPlan plan(file, catalogues, options.trials, seed);
+  const ExpectScene expect = plan.trial(0).scene.expect;
+  const std::vector<Named>& expectations = expect.expectations;
+  SceneCheck check{.scene_path = options.scene_path,
+                   .seed = seed,
+                   .confidence = expect.confidence,
+                   .control = expect.control,
+                   .expectations = {},
+                   .failures = {},
+                   .replayed = {},
+                   .files = {}};
+  if (expectations.empty()) return check;
+  check_reliabilities(plan, expect);
+
+  const SweepOptions sweep = sweep_of(options);
+  const SweepSummary summary = run_sweep(sweep, catalogues, progress);
+  check.interrupted = summary.interrupted;
+  if (check.interrupted) return check;
+  for (const Named& expectation : expectations) check.expectations.push_back(result_of(expectation, options, summary));
+  for (const TrialSummary& trial : summary.trials) {
+    if (!trial.failure.empty()) check.failures.push_back(trial.failure);
+  }
+
+  bool control_fails = check.control.empty();
+  if (!check.control.empty()) {
+    const SweepSummary control = run_control(sweep, check.control, catalogues, progress);
+    check.interrupted = control.interrupted;
+    if (check.interrupted) return check;
+    check.control_trials = control.trials.size();
+    // A control that does not tighten fails what is asked of its reaction; that it keeps the box shows that the scene needs none.
+    const bool about_box = std::ranges::any_of(expectations, [](const Named& asked) { return kind_of(asked.name).of_box; });
+    for (std::size_t i = 0; i < expectations.size(); ++i) {
+      const std::size_t kept = kept_by(expectations[i], control.trials);
+      check.expectations[i].control_kept = kept;
+      const bool counts = !about_box || kind_of(expectations[i].name).of_box;
+      control_fails = control_fails || (counts && kept < share_of(expectations[i], check.control_trials));
+    }
+  }
+
+  std::vector<Named> failed;
+  std::size_t worst = 0;  // of the first that failed
+  for (std::size_t i = expectations.size(); i-- > 0;) {
+    if (check.expectations[i].passed()) continue;
+    failed.push_back(expectations[i]);
+    worst = check.expectations[i].worst.trial;
+  }
+  check.verdict = !failed.empty() ? Verdict::failed : control_fails ? Verdict::passed : Verdict::tests_nothing;
+  if (failed.empty()) return check;
+  check.replayed = most_telling(summary.trials, failed, worst);
+  const bool runs = std::ranges::find(summary.trials, *check.replayed, &TrialSummary::trial)->failure.empty();
+  if (runs && !options.folder.empty()) {
+    check.files = leave_trial(replay_of(options, summary.seed, *check.replayed), options.folder, catalogues);
+  }
+  return check;
+}
+
+std::string failure_text(const ExpectationResult& result) {
+  return fmt::format("{}: {} in {} of {} trials, needed in {}; worst: {} in trial {}", result.name, result.limit, result.kept,
+                     result.trials, result.needed, result.worst_text, result.worst.trial);
+}
+
+std::string tests_nothing_text(const SceneCheck& check) {
+  return fmt::format(
+      "tests nothing: the negative control, controller {}, keeps all of it too; a heavier box, a smoother surface or a lower preset make a test of it",
+      check.control);
+}
+
+}  // namespace slipbench

@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/output_file.h"
+#include "tools/base/workers/interrupt.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/check/check.h"
+#include "tools/program/check/junit.h"
+#include "tools/program/cli/accuracy_setting.h"
+#include "tools/program/cli/commands.h"
+#include "tools/program/cli/progress.h"
+#include "tools/program/cli/table.h"
+#include "tools/program/cli/terminal.h"
+
+namespace slipbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string rate_text(const Interval& rate) { return fmt::format("{:.3f} to {:.3f}", rate.low, rate.high); }
+
+std::string count_text(std::size_t count, std::size_t of) { return fmt::format("{} of {}", count, of); }
+
+std::string check_text(const SceneCheck& check, const Style& style) {
+  std::string text = style.heading(check.scene_path);
+  if (check.verdict == Verdict::not_checked) return text + "  " + style.dim("not checked: the scene expects nothing") + '\n';
+  text += fmt::format("  {} trials, seed {}\n", check.expectations.front().trials, check.seed);
+  Table table({"expectation", "limit", "median", "worst", "trial", "kept", "needed",
+               fmt::format("{:g} % interval", 100.0 * check.confidence), "control", ""});
+  for (const ExpectationResult& result : check.expectations) {
+    table.add({result.name, result.limit, result.median_text, result.worst_text, std::to_string(result.worst.trial),
+               count_text(result.kept, result.trials), std::to_string(result.needed), rate_text(result.rate),
+               result.control_kept ? count_text(*result.control_kept, check.control_trials) : "-",
+               result.passed() ? "ok" : "FAIL"});
+  }
+  text += table.text(style);
+  for (const ExpectationResult& result : check.expectations) {
+    if (!result.passed())
+      text += fmt::format("  {} {}\n    replay: {}\n", style.error("FAIL"), failure_text(result), result.replay);
+  }
+  for (const std::string& failure : check.failures) text += "  " + failure + '\n';
+  if (check.verdict == Verdict::tests_nothing) text += fmt::format("  {} {}\n", style.error("FAIL"), tests_nothing_text(check));
+  if (!check.files.empty()) text += fmt::format("  left behind, trial {}: {}\n", *check.replayed, fmt::join(check.files, ", "));
+  return text;
+}
+
+// NaN becomes null.
+Json check_json(const SceneCheck& check) {
+  Json expectations = Json::array();
+  for (const ExpectationResult& result : check.expectations) {
+    expectations.push_back({{"name", result.name},
+                            {"limit", result.limit},
+                            {"passed", result.passed()},
+                            {"kept", result.kept},
+                            {"trials", result.trials},
+                            {"needed", result.needed},
+                            {"interval", {result.rate.low, result.rate.high}},
+                            {"median", result.median},
+                            {"worst", result.worst.value},
+                            {"worst_trial", result.worst.trial},
+                            {"control_kept", result.control_kept ? Json(*result.control_kept) : Json(nullptr)},
+                            {"replay", result.replay}});
+  }
+  return {{"scene", check.scene_path},
+          {"verdict", verdict_text(check.verdict)},
+          {"seed", check.seed},
+          {"confidence", check.confidence},
+          {"control", check.control.empty() ? Json(nullptr) : Json(check.control)},
+          {"control_trials", check.control_trials},
+          {"expectations", std::move(expectations)},
+          {"failures", check.failures},
+          {"replayed", check.replayed ? Json(*check.replayed) : Json(nullptr)},
+          {"files", check.files}};
+}
+
+// A folder of its own for each scene, called after its file.
+std::string folder_of(const std::string& scene, const std::string& parent, std::set<std::string>& taken) {
+  const std::string stem = std::filesystem::path(scene).stem().string();
+  std::string name = stem;
+  for (int next = 2; !taken.insert(name).second; ++next) name = fmt::format("{}_{}", stem, next);
+  return (std::filesystem::path(parent) / name).string();
+}
+
+const TextKind junit_kind{"JUnit report", [](std::string_view beginning) {
+                            return beginning.starts_with("<?xml") && beginning.find("<testsuites") != std::string_view::npos;
+                          }};
+
+bool good(const SceneCheck& check) { return check.verdict == Verdict::passed || check.verdict == Verdict::not_checked; }
+
+void print_total(const std::vector<SceneCheck>& checks, const Style& style) {
+  const auto count = [&](Verdict verdict) { return std::ranges::count(checks, verdict, &SceneCheck::verdict); };
+  std::string text = fmt::format("{} of {} scenes passed", count(Verdict::passed), checks.size());
+  for (const Verdict verdict : {Verdict::failed, Verdict::tests_nothing, Verdict::not_checked}) {
+    if (count(verdict) > 0) text += fmt::format(", {} {}", count(verdict), verdict_text(verdict));
+  }
+  fmt::print("{}\n", std::ranges::all_of(checks, good) ? style.good(text) : style.error(text));
+}
+
+// What to check, with a folder of its own for each scene. Throws InputError before anything runs: for a scene that cannot be read, where none
+// expects anything, and for a JUnit file that cannot be written.
+std::vector<CheckOptions> plan_checks(const Options& options, const Catalogues& catalogues) {
+  if (!options.junit.empty()) check_text_target(options.junit, options.scenes, junit_kind);
+  const std::string parent = options.output.empty() ? "slipbench-check" : options.output;
+  std::set<std::string> taken;
+  std::vector<CheckOptions> planned;
+  bool any = false;
+  for (const std::string& scene : options.scenes) {
+    planned.push_back({.scene_path = scene,
+                       .overrides = options.overrides,
+                       .seed = options.seed,
+                       .trials = options.trials.value_or(0),
+                       .jobs = options.jobs.value_or(0),
+                       .folder = folder_of(scene, parent, taken),
+                       .interrupt = &InterruptGuard::flag(),
+                       .on_start = {}});
+    any = expects_anything(planned.back(), catalogues) || any;
+  }
+  if (!any) {
+    throw InputError(
+        "check: no scene expects anything; allowed: at least one with a key 'expect', such as 'expect: {gross_slip_by: 1 s}'");
+  }
+  return planned;
+}
+
+SceneCheck check_with_progress(const CheckOptions& check, const Catalogues& catalogues, bool quiet) {
+  Progress progress = Progress::for_stream(stderr, quiet);
+  try {
+    SceneCheck result = check_scene(check, catalogues, [&progress](const SweepProgress& state) {
+      progress.update(state.done, state.total, state.simulated);
+    });
+    progress.clear();
+    return result;
+  } catch (...) {
+    progress.clear();  // the message that follows starts on a line of its own
+    throw;
+  }
+}
+
+}  // namespace
+
+int check_command(const Options& options) {
+  const Catalogues catalogues = program_catalogues();
+  const Style style = style_for(stdout);
+  const bool prints = !options.json && !options.quiet;
+  std::vector<CheckOptions> planned = plan_checks(options, catalogues);
+  // Until the first scene is checked there is nothing to keep: a signal ends the program as usual.
+  std::optional<InterruptGuard> guard;
+  std::vector<SceneCheck> checks;
+  for (CheckOptions& check : planned) {
+    check.on_start = [&guard] {
+      if (!guard) guard.emplace();
+    };
+    if (expects_anything(check, catalogues)) {
+      SweepOptions sweep = sweep_of(check);
+      settle_accuracy(sweep, catalogues, options.quiet || options.json);
+      check.overrides = std::move(sweep.overrides);
+    }
+    checks.push_back(check_with_progress(check, catalogues, options.quiet || options.json));
+    if (checks.back().interrupted) {
+      say(stderr, fmt::format("slipbench: interrupted: {} of {} scenes checked\n", checks.size() - 1, planned.size()));
+      return exit_interrupted;
+    }
+    if (prints) {
+      fmt::print("{}\n", check_text(checks.back(), style));
+      std::fflush(stdout);
+    }
+  }
+  if (!options.junit.empty()) write_text_file(options.junit, junit_xml(checks));
+  const bool passed = std::ranges::all_of(checks, good);
+  if (options.json) {
+    Json scenes = Json::array();
+    for (const SceneCheck& check : checks) scenes.push_back(check_json(check));
+    fmt::print("{}\n", Json{{"passed", passed}, {"scenes", std::move(scenes)}}.dump());
+  } else if (prints) {
+    print_total(checks, style);
+  }
+  return passed ? exit_good : exit_check_failed;
+}
+
+}  // namespace slipbench

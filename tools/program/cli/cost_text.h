@@ -1,0 +1,15 @@
+// An exploration of `slipbench cost` as a person reads it on a terminal.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "tools/program/cli/terminal.h"
+#include "tools/program/cost/explore.h"
+
+namespace slipbench {
+
+// The sentences, a table of all settings by series with their worst errors, why some did not run, the price of each effect.
+std::string cost_text(const cost::Exploration& exploration, const Style& style, std::size_t width);
+
+}  // namespace slipbench

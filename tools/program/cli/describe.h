@@ -1,0 +1,58 @@
+// What the catalogues hold, for `slipbench list` and `slipbench describe`. Everything printed comes from the declarations that
+// the scene parser reads, so it cannot disagree with what a scene may say.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/scene/catalogues.h"
+#include "tools/program/cli/terminal.h"
+
+namespace slipbench {
+
+// One of the catalogues.
+struct CatalogueKind {
+  std::string_view plural;    // "effects", the word `slipbench list` takes
+  std::string_view singular;  // "effect"
+  std::string_view use;       // where a scene names it: "effects"
+};
+
+// All kinds, in the order they are listed.
+std::span<const CatalogueKind> catalogue_kinds();
+
+// One thing a scene may name. A material has friction and no parameters; everything else has an entry only.
+struct CatalogueItem {
+  CatalogueKind kind;
+  Entry entry;
+  std::optional<Material> material = {};
+  std::string sensor = {};  // of a part of the electronics: the type of the sensor whose it is
+};
+
+// All items of all catalogues: kinds in the order of catalogue_kinds(), items in the catalogue's own.
+std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues);
+
+// The items called `name`: several where catalogues share a name, or where several sensors have a part of that name. Throws InputError for an unknown name, with the nearest one.
+std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, const std::string& name);
+
+// The kind with this plural name. Throws InputError for another word, with the nearest one.
+CatalogueKind find_kind(const std::string& plural);
+
+// The part of a scene that names the item with all its parameters at their defaults, ready to be copied into a scene file.
+// `catalogues` gives what the item needs around it.
+std::string scene_example(const CatalogueItem& item, const Catalogues& catalogues);
+
+// The page of one item: summary, law, source; each parameter with its unit, default, what is allowed, meaning and source.
+std::string describe_text(const CatalogueItem& item, const Catalogues& catalogues, const Style& style, std::size_t width);
+nlohmann::ordered_json describe_json(const CatalogueItem& item, const Catalogues& catalogues);
+
+// Names and summaries of the kinds given; a part of the electronics that several sensors have is told once.
+std::string list_text(const std::vector<CatalogueItem>& items, std::span<const CatalogueKind> kinds, const Style& style,
+                      std::size_t width);
+nlohmann::ordered_json list_json(const std::vector<CatalogueItem>& items, std::span<const CatalogueKind> kinds);
+
+}  // namespace slipbench

@@ -1,0 +1,78 @@
+#include "tools/program/cli/terminal.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+namespace slipbench {
+namespace {
+
+constexpr std::size_t default_width = 100;
+
+std::string escape(bool colour, std::string_view code, std::string_view text) {
+  return colour ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
+}
+
+}  // namespace
+
+std::string Style::bold(std::string_view text) const { return escape(colour_, "1", text); }
+std::string Style::dim(std::string_view text) const { return escape(colour_, "2", text); }
+std::string Style::good(std::string_view text) const { return escape(colour_, "32", text); }
+std::string Style::error(std::string_view text) const { return escape(colour_, "1;31", text); }
+std::string Style::heading(std::string_view text) const { return escape(colour_, "1;36", text); }
+
+bool is_interactive(std::FILE* stream) {
+  const char* term = std::getenv("TERM");
+  return isatty(fileno(stream)) == 1 && (term == nullptr || std::string_view(term) != "dumb");
+}
+
+Style style_for(std::FILE* stream) {
+  const char* no_color = std::getenv("NO_COLOR");
+  return Style(is_interactive(stream) && (no_color == nullptr || *no_color == '\0'));
+}
+
+void say(std::FILE* stream, const std::string& text) noexcept {
+  std::fputs(text.c_str(), stream);
+  std::fflush(stream);
+}
+
+std::size_t terminal_width(std::FILE* stream) {
+  winsize size{};
+  const bool known = isatty(fileno(stream)) == 1 && ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : default_width;
+}
+
+std::string wrap_text(std::string_view text, std::size_t width, std::size_t indent) {
+  const std::string margin(indent, ' ');
+  std::string result;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    std::size_t column = indent;
+    bool first = true;  // on its line
+    result += margin;
+    for (std::size_t begin = 0; begin <= line.size();) {
+      const std::size_t end = std::min(line.find(' ', begin), line.size());
+      const std::string_view word = line.substr(begin, end - begin);
+      if (!first && column + 1 + word.size() > width) {
+        result += '\n' + margin;
+        column = indent;
+      } else if (!first) {
+        result += ' ';
+        ++column;
+      }
+      result += word;
+      column += word.size();
+      first = false;
+      begin = end + 1;
+    }
+    result += '\n';
+  }
+  return result;
+}
+
+}  // namespace slipbench

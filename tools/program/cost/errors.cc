@@ -1,0 +1,401 @@
+#include "tools/program/cost/errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <fmt/format.h>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "tools/program/cost/measure_values.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::array<MeasureInfo, num_measures> measures{{
+    {Measure::onset, "onset", "slip onset", "%", 100.0,
+     "by unit, how far apart the two runs let it begin to slip as a whole, as a share of the time that the reference's friction took to be used up, at least 10 ms; where it slips in one run alone, how long before the trial's end, as a share of that run's"},
+    {Measure::micro_onset, "micro_onset", "first micro-slip", "%", 100.0,
+     "the same of when a first part of the unit begins to slip"},
+    {Measure::slip_distance, "slip_distance", "slipped distance", "%", 100.0,
+     "by unit that slips, how far apart the distances slipped are at the last time that both runs have, as a share of the largest of any unit in the reference, at least 1 um"},
+    {Measure::force, "force", "force", "%", 100.0,
+     "by sensor, root mean square of the difference of the units' contact forces at all times that both runs have, as a share of the root mean square of the reference's"},
+    {Measure::creep, "creep", "creep", "um/s", 1e6,
+     "by held body, how far apart the two runs let it drift over its pad, per time, while in the reference the pad touches and no unit of any sensor slips: the longest such stretch, of 100 ms or more"},
+    {Measure::label, "label", "labels", "%", 100.0,
+     "by sensor, share of the units' states that differ at the times that both runs have, of those of units that touch in either"},
+    {Measure::label_micro, "label_micro", "pad state", "%", 100.0,
+     "by sensor, share of the pad's states by the rule micro that differ at the times that both runs have, of those with contact in either"},
+    {Measure::outcome, "outcome", "outcome", "%", 100.0,
+     "share of the trial's decisions that differ: whether it touches, slips in part, by a unit and as a whole, and where there is one whether the detector sees slip and raises a false alarm, the box is dropped, the grip reacts and the box stands"},
+    {Measure::detector, "detector", "detector", "%", 100.0,
+     "share of the loop's samples at the times that both runs have at which the detector's class differs"},
+    {Measure::signal, "signal", "signal", "%", 100.0,
+     "by channel of a sensor, root mean square of the difference of what is emitted at the times that both runs have, as a share of the root mean square of the reference about its mean; noise is drawn once a sample, so it is the same in both at the same output rate and otherwise counts as a difference"},
+}};
+
+constexpr double time_rounding = 1e-9;  // s, of times that are sums of decimal steps
+constexpr double least_slip = 1e-6;     // m
+constexpr double least_hold = 0.1;      // s
+constexpr std::uint8_t detached_state = static_cast<std::uint8_t>(UnitState::detached);
+constexpr std::uint8_t sticking_state = static_cast<std::uint8_t>(UnitState::stick);
+
+using Rows = std::vector<std::pair<std::size_t, std::size_t>>;
+
+// A sensor in both records.
+struct Both {
+  const SensorRecord& run;
+  const SensorRecord& reference;
+
+  [[nodiscard]] bool same_units() const { return run.labels.units() == reference.labels.units(); }
+  [[nodiscard]] Rows rows() const { return common_rows(run.time, reference.time); }
+};
+
+std::vector<float> margin_of(const LabelRecord& labels, std::size_t unit) {
+  std::vector<float> column;
+  for (std::size_t i = unit; i < labels.margin.size(); i += labels.units()) column.push_back(labels.margin[i]);
+  return column;
+}
+
+// `onsets`: onset_time or micro_onset_time.
+std::optional<MeasureError> onset_error(const std::vector<Both>& sensors, std::vector<double> LabelRecord::*onsets, double end) {
+  MeasureValues values;
+  for (const Both& both : sensors) {
+    if (!both.same_units()) continue;
+    for (std::size_t unit = 0; unit < both.run.labels.units(); ++unit) {
+      const double in_run = (both.run.labels.*onsets)[unit], in_reference = (both.reference.labels.*onsets)[unit];
+      if (std::isnan(in_run) && std::isnan(in_reference)) continue;
+      const SensorRecord& slipping = std::isnan(in_reference) ? both.run : both.reference;
+      const double load = load_time(slipping.time, margin_of(slipping.labels, unit), (slipping.labels.*onsets)[unit]);
+      values.add_onsets(in_run, in_reference, load, end);
+    }
+  }
+  return values.error();
+}
+
+std::optional<MeasureError> slip_distance_error(const std::vector<Both>& sensors) {
+  MeasureValues values;
+  double largest = least_slip;
+  for (const Both& both : sensors) {
+    const Rows rows = both.rows();
+    if (!both.same_units() || rows.empty()) continue;
+    const std::size_t units = both.run.labels.units();
+    for (std::size_t unit = 0; unit < units; ++unit) {
+      const double in_run = static_cast<double>(both.run.labels.slip_distance[rows.back().first * units + unit]);
+      const double in_reference = static_cast<double>(both.reference.labels.slip_distance[rows.back().second * units + unit]);
+      if (in_run == 0.0 && in_reference == 0.0) continue;
+      values.add(std::abs(in_run - in_reference));
+      largest = std::max(largest, in_reference);
+    }
+  }
+  values.divide(largest);
+  return values.error();
+}
+
+std::optional<MeasureError> force_error(const std::vector<Both>& sensors) {
+  MeasureValues values;
+  for (const Both& both : sensors) {
+    if (!both.same_units()) continue;
+    const std::size_t width = 3 * both.run.labels.units();
+    double squares = 0.0, of = 0.0;
+    for (const auto& [row, reference_row] : both.rows()) {
+      for (std::size_t i = 0; i < width; ++i) {
+        const double is = static_cast<double>(both.run.labels.force[row * width + i]);
+        const double was = static_cast<double>(both.reference.labels.force[reference_row * width + i]);
+        squares += (is - was) * (is - was);
+        of += was * was;
+      }
+    }
+    values.add_share(squares, of);
+  }
+  return values.error();
+}
+
+std::optional<MeasureError> label_error(const std::vector<Both>& sensors) {
+  MeasureValues values;
+  for (const Both& both : sensors) {
+    if (!both.same_units()) continue;
+    const std::size_t units = both.run.labels.units();
+    std::size_t differing = 0, of = 0;
+    for (const auto& [row, reference_row] : both.rows()) {
+      for (std::size_t unit = 0; unit < units; ++unit) {
+        const std::uint8_t is = both.run.labels.unit_state[row * units + unit];
+        const std::uint8_t was = both.reference.labels.unit_state[reference_row * units + unit];
+        of += is != detached_state || was != detached_state ? 1U : 0U;
+        differing += is != was ? 1U : 0U;
+      }
+    }
+    values.add_count(differing, of);
+  }
+  return values.error();
+}
+
+std::optional<MeasureError> pad_state_error(const std::vector<Both>& sensors) {
+  MeasureValues values;
+  for (const Both& both : sensors) {
+    constexpr auto none = static_cast<std::uint8_t>(PadState::no_contact);
+    std::size_t differing = 0, of = 0;
+    for (const auto& [row, reference_row] : both.rows()) {
+      const std::uint8_t is = both.run.labels.state_micro[row], was = both.reference.labels.state_micro[reference_row];
+      of += is != none || was != none ? 1U : 0U;
+      differing += is != was ? 1U : 0U;
+    }
+    values.add_count(differing, of);
+  }
+  return values.error();
+}
+
+MeasureError outcome_error(const TrialRecord& run, const TrialRecord& reference) {
+  std::size_t differing = 0, of = 0;
+  const auto decide = [&](bool is, bool was) {
+    ++of;
+    differing += is != was ? 1U : 0U;
+  };
+  const auto happens = [&](double is, double was) { decide(!std::isnan(is), !std::isnan(was)); };
+  const TrialOutcome &is = run.outcome, &was = reference.outcome;
+  happens(is.touch_time, was.touch_time);
+  happens(is.first_micro_slip_time, was.first_micro_slip_time);
+  happens(is.first_slip_time, was.first_slip_time);
+  happens(is.gross_slip_time, was.gross_slip_time);
+  if (reference.control && !reference.control->detector.empty()) {
+    happens(is.false_alarm_time, was.false_alarm_time);
+    happens(is.detection_time, was.detection_time);
+  }
+  if (is.grasp && was.grasp) {
+    decide(is.grasp->dropped, was.grasp->dropped);
+    if (reference.control) happens(is.grasp->reaction_time, was.grasp->reaction_time);
+    if (is.grasp->turn && was.grasp->turn) decide(is.grasp->turn->standing, was.grasp->turn->standing);
+  }
+  const double share = static_cast<double>(differing) / static_cast<double>(of);
+  return {share, share, differing > 0};
+}
+
+std::optional<MeasureError> detector_error(const TrialRecord& run, const TrialRecord& reference) {
+  if (!run.control || !reference.control || reference.control->detector.empty()) return std::nullopt;
+  MeasureValues values;
+  std::size_t differing = 0, of = 0;
+  for (const auto& [row, reference_row] : common_rows(run.control->time, reference.control->time)) {
+    ++of;
+    differing += run.control->detector_class[row] != reference.control->detector_class[reference_row] ? 1U : 0U;
+  }
+  values.add_count(differing, of);
+  return values.error();
+}
+
+// Adds one channel of a sensor: sums of squares over all of its values.
+void add_channel(const Both& both, const SensorColumn& is, const SensorColumn& was, MeasureValues& values) {
+  const std::vector<double>& run_times = is.time ? *is.time : both.run.time;
+  const std::vector<double>& reference_times = was.time ? *was.time : both.reference.time;
+  const Rows rows = common_rows(run_times, reference_times);
+  if (rows.empty() || is.shape != was.shape) return;
+  const std::size_t width = was.values.size() / reference_times.size();
+  double squares = 0.0, of = 0.0;
+  for (std::size_t i = 0; i < width; ++i) {
+    double sum = 0.0;
+    for (const auto& row : rows) sum += static_cast<double>(was.values[row.second * width + i]);
+    const double mean = sum / static_cast<double>(rows.size());
+    for (const auto& [row, reference_row] : rows) {
+      const double now = static_cast<double>(is.values[row * width + i]);
+      const double then = static_cast<double>(was.values[reference_row * width + i]);
+      squares += (now - then) * (now - then);
+      of += (then - mean) * (then - mean);
+    }
+  }
+  values.add_share(squares, of);
+}
+
+std::optional<MeasureError> signal_error(const std::vector<Both>& sensors) {
+  MeasureValues values;
+  for (const Both& both : sensors) {
+    for (const SensorColumn& was : both.reference.channels) {
+      const auto is = std::ranges::find(both.run.channels, was.name, &SensorColumn::name);
+      if (is != both.run.channels.end()) add_channel(both, *is, was, values);
+    }
+  }
+  return values.error();
+}
+
+// A body that a pad holds, both as they stand in a record.
+struct HeldPair {
+  std::size_t sensor;  // whose pad it is
+  std::string pad, body;
+};
+
+std::vector<HeldPair> held_pairs(const Scene& scene, const TrialRecord& record) {
+  const auto recorded = [&](const std::string& name) {
+    return std::ranges::find(record.bodies, name, &BodyRecord::name) != record.bodies.end();
+  };
+  std::vector<HeldPair> pairs;
+  if (!scene.dynamic()) return pairs;
+  for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
+    const SensorScene& sensor = scene.sensors[i];
+    if (!sensor.follows.empty()) continue;
+    const std::string pad = recorded(sensor.name) ? sensor.name : "pad";
+    const std::vector<std::string> touched = scene.grasp ? std::vector<std::string>{"box"} : sensor.touches;
+    for (const std::string& body : touched) {
+      if (recorded(pad) && recorded(body)) pairs.push_back({i, pad, body});
+    }
+  }
+  return pairs;
+}
+
+// Where the body is in the pad [m], at one row of the bodies.
+Eigen::Vector3d place_on_pad(const TrialRecord& record, const HeldPair& pair, std::size_t row) {
+  const auto pose_of = [&](const std::string& name) {
+    return std::ranges::find(record.bodies, name, &BodyRecord::name)->pose.data() + 7 * row;
+  };
+  const float* const pad = pose_of(pair.pad);
+  const float* const body = pose_of(pair.body);
+  const Eigen::Quaterniond turn = Eigen::Quaternionf(pad[3], pad[4], pad[5], pad[6]).cast<double>().normalized();
+  const Eigen::Vector3d apart =
+      Eigen::Map<const Eigen::Vector3f>(body).cast<double>() - Eigen::Map<const Eigen::Vector3f>(pad).cast<double>();
+  return turn.conjugate() * apart;
+}
+
+// Whether at time t, by the last sample up to it, the pad of sensor `holding` touches and no unit of any sensor slips.
+class HoldWatch {
+ public:
+  HoldWatch(const TrialRecord& record, std::size_t holding)
+      : record_(record), holding_(holding), next_(record.sensors.size(), 0) {}
+
+  // In order of time.
+  bool holds_at(double time) {
+    bool holds = true;
+    for (std::size_t s = 0; s < record_.sensors.size(); ++s) {
+      const SensorRecord& sensor = record_.sensors[s];
+      while (next_[s] < sensor.time.size() && sensor.time[next_[s]] <= time + time_rounding) ++next_[s];
+      const std::size_t units = sensor.labels.units();
+      const auto first =
+          sensor.labels.unit_state.begin() + static_cast<std::ptrdiff_t>((std::max<std::size_t>(next_[s], 1) - 1) * units);
+      const auto states = std::ranges::subrange(first, first + static_cast<std::ptrdiff_t>(units));
+      const bool rests =
+          std::ranges::all_of(states, [](std::uint8_t state) { return state == detached_state || state == sticking_state; });
+      const bool touches = std::ranges::any_of(states, [](std::uint8_t state) { return state != detached_state; });
+      holds = holds && next_[s] > 0 && rests && (s != holding_ || touches);
+    }
+    return holds;
+  }
+
+ private:
+  const TrialRecord& record_;
+  std::size_t holding_;
+  std::vector<std::size_t> next_;  // by sensor, the first sample after the time asked for
+};
+
+// First and last of the longest stretch of `rows` in which the reference holds the body; equal: there is none.
+std::pair<std::size_t, std::size_t> longest_hold(const TrialRecord& reference, const Rows& rows, const HeldPair& pair) {
+  HoldWatch watch(reference, pair.sensor);
+  std::pair<std::size_t, std::size_t> longest{0, 0};
+  const auto length = [&](const auto& stretch) {
+    return reference.body_time[rows[stretch.second].second] - reference.body_time[rows[stretch.first].second];
+  };
+  std::optional<std::size_t> first;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!watch.holds_at(reference.body_time[rows[i].second])) {
+      first.reset();
+      continue;
+    }
+    if (!first) first = i;
+    if (const std::pair stretch{*first, i}; length(stretch) > length(longest)) longest = stretch;
+  }
+  return longest;
+}
+
+std::optional<MeasureError> creep_error(const Scene& scene, const TrialRecord& run, const TrialRecord& reference) {
+  MeasureValues values;
+  const Rows rows = common_rows(run.body_time, reference.body_time);
+  if (rows.empty()) return std::nullopt;
+  for (const HeldPair& pair : held_pairs(scene, reference)) {
+    const auto [first, last] = longest_hold(reference, rows, pair);
+    const double time = reference.body_time[rows[last].second] - reference.body_time[rows[first].second];
+    if (time < least_hold) continue;
+    const Eigen::Vector3d drift = place_on_pad(run, pair, rows[last].first) - place_on_pad(run, pair, rows[first].first);
+    const Eigen::Vector3d reference_drift =
+        place_on_pad(reference, pair, rows[last].second) - place_on_pad(reference, pair, rows[first].second);
+    values.add((drift - reference_drift).norm() / time);
+  }
+  return values.error();
+}
+
+std::vector<Both> paired(const TrialRecord& run, const TrialRecord& reference) {
+  if (run.sensors.size() != reference.sensors.size()) throw std::invalid_argument("the two runs have not the same sensors");
+  std::vector<Both> sensors;
+  for (std::size_t i = 0; i < run.sensors.size(); ++i) {
+    if (run.sensors[i].name != reference.sensors[i].name) {
+      throw std::invalid_argument(
+          fmt::format("sensor {} is '{}' in one run and '{}' in the other", i, run.sensors[i].name, reference.sensors[i].name));
+    }
+    sensors.push_back({run.sensors[i], reference.sensors[i]});
+  }
+  return sensors;
+}
+
+}  // namespace
+
+std::span<const MeasureInfo, num_measures> measure_table() { return measures; }
+const MeasureInfo& info_of(Measure measure) { return measures.at(static_cast<std::size_t>(measure)); }
+
+std::vector<std::pair<std::size_t, std::size_t>> common_rows(std::span<const double> a, std::span<const double> b) {
+  Rows rows;
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    if (std::abs(a[i] - b[j]) <= time_rounding) {
+      rows.emplace_back(i++, j++);
+    } else {
+      ++(a[i] < b[j] ? i : j);
+    }
+  }
+  return rows;
+}
+
+double load_time(std::span<const double> times, std::span<const float> margin, double time) {
+  std::size_t end = 0;  // samples before `time`
+  while (end < times.size() && times[end] < time) ++end;
+  if (end == 0) return least_load_time;
+  const auto at_sample = [&](std::size_t i) { return static_cast<double>(margin[i]); };
+  const std::size_t last = end - 1;
+  const double half = 0.5 * (1.0 + at_sample(last));
+  std::size_t k = last;
+  while (k > 0 && at_sample(k) < half) --k;  // a detached unit's NaN ends it, too
+  double load = time - times[k];
+  if (k < last && at_sample(k) >= half) {
+    const double share = (at_sample(k) - half) / (at_sample(k) - at_sample(k + 1));
+    load = time - times[last] + 2.0 * (times[last] - times[k] - share * (times[k + 1] - times[k]));
+  }
+  return std::max(least_load_time, load);
+}
+
+Errors compare(const Scene& scene, const TrialResult& run, const TrialResult& reference) {
+  const std::vector<Both> sensors = paired(run.record, reference.record);
+  Errors errors;
+  at(errors, Measure::onset) = onset_error(sensors, &LabelRecord::onset_time, scene.duration);
+  at(errors, Measure::micro_onset) = onset_error(sensors, &LabelRecord::micro_onset_time, scene.duration);
+  at(errors, Measure::slip_distance) = slip_distance_error(sensors);
+  at(errors, Measure::force) = force_error(sensors);
+  at(errors, Measure::creep) = creep_error(scene, run.record, reference.record);
+  at(errors, Measure::label) = label_error(sensors);
+  at(errors, Measure::label_micro) = pad_state_error(sensors);
+  at(errors, Measure::outcome) = outcome_error(run.record, reference.record);
+  at(errors, Measure::detector) = detector_error(run.record, reference.record);
+  at(errors, Measure::signal) = signal_error(sensors);
+  return errors;
+}
+
+void keep_worst(Errors& errors, const Errors& other) {
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (!other[i]) continue;
+    if (!errors[i]) {
+      errors[i] = other[i];
+      continue;
+    }
+    errors[i]->worst = std::max(errors[i]->worst, other[i]->worst);
+    errors[i]->median = std::max(errors[i]->median, other[i]->median);
+    errors[i]->different = errors[i]->different || other[i]->different;
+  }
+}
+
+}  // namespace slipbench

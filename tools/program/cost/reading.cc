@@ -1,0 +1,228 @@
+// What an exploration shows: fronts, the cheapest settings, plain sentences.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "tools/program/cost/explore.h"
+
+namespace slipbench::cost {
+namespace {
+
+// Of what sentences are made. Forces and labels follow onsets so closely that a sentence on each would say the same thrice.
+constexpr std::array told_measures{Measure::onset, Measure::force, Measure::label, Measure::creep};
+// In the measure's own terms: shares, and m/s of creep.
+constexpr std::array told_shares{1e-2, 1e-3};
+constexpr std::array told_creeps{1e-6, 1e-8};
+
+constexpr std::string_view contact_series = "contact";
+
+bool comparable(const Row& row, Measure measure) {
+  const std::optional<MeasureError>& error = at(row.errors, measure);
+  return row.ok() && row.cpu && error && !error->different;
+}
+
+bool apart(const Row& row) { return series_of(row.setting).own_reference; }
+
+// "0.17 %", "1420 %"
+std::string limit_text(const MeasureInfo& info, double limit) {
+  return fmt::format("{} {}", ratio_text(info.factor * limit), info.unit);
+}
+
+// "1/380 of real time", or "2.3 times real time" of what is slower than that.
+std::string cost_text(double cost) {
+  return cost <= 1.0 ? fmt::format("1/{} of real time", ratio_text(1.0 / cost)) : fmt::format("{:.2g} times real time", cost);
+}
+
+// The least worst error that any row of the series has; null: none is comparable.
+const Row* best_of(const Exploration& exploration, Measure measure, std::string_view series) {
+  const Row* best = nullptr;
+  for (const Row& row : exploration.rows) {
+    if (row.setting.series != series || !comparable(row, measure) || !as_often(exploration, row)) continue;
+    if (best == nullptr || at(row.errors, measure)->worst < at(best->errors, measure)->worst) best = &row;
+  }
+  return best;
+}
+
+bool has_series(const Exploration& exploration, std::string_view series) {
+  return std::ranges::any_of(exploration.rows, [&](const Row& row) { return row.setting.series == series; });
+}
+
+// What became of all settings of MuJoCo's own contact.
+struct Tried {
+  std::size_t all = 0, refused = 0, not_run = 0;
+  std::size_t failed = 0;    // they ran, and went wrong
+  std::size_t slower = 0;    // they ran, and put out less often than the scene does
+  std::size_t compared = 0;  // they ran, and could have reached an error
+  std::string why = {};      // of a refusal
+};
+Tried tried_contact(const Exploration& exploration) {
+  Tried tried;
+  for (const Row& row : exploration.rows) {
+    if (row.setting.series != contact_series) continue;
+    ++tried.all;
+    switch (row.status) {
+      case Status::ok: ++(as_often(exploration, row) ? tried.compared : tried.slower); break;
+      case Status::refused:
+        ++tried.refused;
+        tried.why = row.why;
+        break;
+      case Status::over_budget: ++tried.not_run; break;
+      case Status::warning:
+      case Status::diverged: ++tried.failed; break;
+    }
+  }
+  return tried;
+}
+
+std::string contact_text(const Exploration& exploration, Measure measure, double limit, const Row& cheapest_row) {
+  const MeasureInfo& info = info_of(measure);
+  const Tried tried = tried_contact(exploration);
+  if (const Row* const contact = cheapest(exploration, measure, limit, contact_series)) {
+    return fmt::format("MuJoCo's own contact needs {} for it ({}): {} times as much", cost_text(exploration.cost(*contact)),
+                       contact->setting.label, ratio_text(exploration.cost(*contact) / exploration.cost(cheapest_row)));
+  }
+  if (tried.refused == tried.all) return fmt::format("MuJoCo's own contact could not be tried ({})", tried.why);
+  if (tried.not_run + tried.refused == tried.all) return "the budget left no time to try MuJoCo's own contact";
+  if (tried.compared == 0) return "of MuJoCo's own contact no run can be compared";
+  const std::string none =
+      fmt::format("MuJoCo's own contact reaches it with none of {} setting{}", tried.compared, tried.compared == 1 ? "" : "s");
+  const Row* const best = best_of(exploration, measure, contact_series);
+  if (best == nullptr) return none + ": in every run other things happen";
+  return fmt::format("{}: {} at best ({}, {})", none, limit_text(info, at(best->errors, measure)->worst), best->setting.label,
+                     cost_text(exploration.cost(*best)));
+}
+
+// Of which settings nothing could be said; empty: there are none.
+std::string left_out_text(const Tried& tried) {
+  std::vector<std::string> parts;
+  const auto add = [&parts](std::size_t count, std::string_view what) {
+    if (count > 0) parts.push_back(fmt::format("{} {}", count, what));
+  };
+  add(tried.failed, "went wrong");
+  add(tried.slower, "put out less often than the scene");
+  add(tried.refused, "refused");
+  add(tried.not_run, "not run for want of time");
+  if (parts.empty()) return "";
+  return fmt::format("Of {} settings of MuJoCo's own contact {} could not count: {}.", tried.all, tried.all - tried.compared,
+                     fmt::join(parts, ", "));
+}
+
+void tell(const Exploration& exploration, Measure measure, double limit, std::vector<std::string>& lines) {
+  const MeasureInfo& info = info_of(measure);
+  if (const auto& own = at(exploration.reference.own_error, measure); own && (own->different || own->worst > limit)) {
+    lines.push_back(fmt::format("{} {} error: cannot be shown, for the reference itself is not known to that.",
+                                limit_text(info, limit), info.title));
+    return;
+  }
+  const Row* const row = cheapest(exploration, measure, limit);
+  if (row == nullptr) {
+    lines.push_back(fmt::format("{} {} error: no setting tried reaches it.", limit_text(info, limit), info.title));
+    return;
+  }
+  std::string line = fmt::format("{} {} error costs {}: {}", limit_text(info, limit), info.title,
+                                 cost_text(exploration.cost(*row)), setting_text(*row));
+  if (row->setting.series != contact_series && has_series(exploration, contact_series)) {
+    line += "; " + contact_text(exploration, measure, limit, *row);
+  }
+  lines.push_back(line + ".");
+}
+
+std::string reference_text(const Exploration& exploration) {
+  std::vector<std::string> open;
+  for (const MeasureInfo& info : measure_table()) {
+    const std::optional<MeasureError>& error = at(exploration.reference.own_error, info.measure);
+    if (!error || (!error->different && error->worst <= converged_error(info.measure))) continue;
+    open.push_back(error->different
+                       ? fmt::format("{} (something happens in one of two fine runs and not in the other)", info.title)
+                       : fmt::format("{} ({})", info.title, limit_text(info, error->worst)));
+  }
+  return fmt::format("The reference has not converged by: {}. Errors below these mean nothing.", fmt::join(open, ", "));
+}
+
+}  // namespace
+
+void mark_fronts(Exploration& exploration) {
+  std::vector<Row*> rows;
+  for (Row& row : exploration.rows) {
+    if (row.ok() && row.cpu && !apart(row) && as_often(exploration, row)) rows.push_back(&row);
+  }
+  std::ranges::stable_sort(rows, {}, [](const Row* row) { return row->cpu->median; });
+  for (const MeasureInfo& info : measure_table()) {
+    double least = std::numeric_limits<double>::infinity();
+    for (Row* const row : rows) {
+      if (!comparable(*row, info.measure) || at(row->errors, info.measure)->worst >= least) continue;
+      least = at(row->errors, info.measure)->worst;
+      row->front.push_back(info.measure);
+    }
+  }
+}
+
+bool as_often(const Exploration& exploration, const Row& row) { return row.rate >= exploration.own().rate; }
+
+const Row* cheapest(const Exploration& exploration, Measure measure, double limit, std::string_view only) {
+  const Row* best = nullptr;
+  for (const Row& row : exploration.rows) {
+    if (only.empty() ? apart(row) : row.setting.series != only) continue;
+    if (!comparable(row, measure) || !as_often(exploration, row) || at(row.errors, measure)->worst > limit) continue;
+    if (best == nullptr || row.cpu->median < best->cpu->median) best = &row;
+  }
+  return best;
+}
+
+std::string ratio_text(double ratio) {
+  if (ratio < 1000.0) return fmt::format("{:.3g}", ratio);
+  const double unit = std::pow(10.0, std::floor(std::log10(ratio)) - 2.0);
+  return fmt::format("{:.0f}", std::round(ratio / unit) * unit);
+}
+
+std::string setting_text(const Row& row) { return fmt::format("{}, {}", series_of(row.setting).title, row.setting.label); }
+
+std::string verdict(const Price& price) {
+  if (!price.why.empty()) return "does not run: " + price.why;
+  const std::string costs = price.low > 0.0 ? fmt::format("costs {:.2g} %", 100.0 * price.share) : "costs less than the scatter";
+  const MeasureInfo* most = nullptr;
+  double change = 0.0;
+  // Of measures in different units that counts most which is the most beyond what a fine run is known to.
+  const auto weight = [](Measure measure, double error) { return error / converged_error(measure); };
+  for (const MeasureInfo& info : measure_table()) {
+    const std::optional<MeasureError>& error = at(price.changes, info.measure);
+    if (!error) continue;
+    if (error->different) {
+      return fmt::format("{}; {}: something happens with it and not without, or the other way round", costs, info.title);
+    }
+    if (error->worst <= 0.0 || (most != nullptr && weight(info.measure, error->worst) <= weight(most->measure, change))) continue;
+    most = &info;
+    change = error->worst;
+  }
+  if (most == nullptr) return costs + " and changes nothing";
+  return fmt::format("{}; changes {} most, by {}", costs, most->title, limit_text(*most, change));
+}
+
+std::vector<std::string> sentences(const Exploration& exploration) {
+  std::vector<std::string> lines;
+  for (const Measure measure : told_measures) {
+    if (!at(exploration.own().errors, measure)) continue;
+    for (const double limit : measure == Measure::creep ? told_creeps : told_shares) tell(exploration, measure, limit, lines);
+  }
+  if (!exploration.reference.converged) lines.push_back(reference_text(exploration));
+  const Tried tried = tried_contact(exploration);
+  if (const std::string left_out = left_out_text(tried); tried.refused < tried.all && !left_out.empty())
+    lines.push_back(left_out);
+  if (exploration.one_friction && has_series(exploration, contact_series)) {
+    lines.push_back("MuJoCo's own contact knows one coefficient of friction: its rows have the scene's static one for both.");
+  }
+  if (exploration.wish_left_aside)
+    lines.push_back("The scene's wish `accuracy` is left aside: the scene as it is takes the automatic step.");
+  if (exploration.interrupted) lines.push_back("Interrupted: what stands here is a part.");
+  for (const Price& price : exploration.prices) {
+    if (price.idle())
+      lines.push_back(fmt::format("{} costs {:.2g} % of the time and changes nothing that is measured here.", price.name,
+                                  100.0 * price.share));
+  }
+  return lines;
+}
+
+}  // namespace slipbench::cost

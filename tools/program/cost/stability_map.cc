@@ -1,0 +1,273 @@
+#include "tools/program/cost/stability_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/mujoco/register_plugin.h"
+#include "sim/mujoco/step_probe.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
+
+namespace slipbench::cost {
+namespace {
+
+constexpr double real_k_normal = 7100.0, real_k_tangential = 3900.0;  // N/m, of a pillar of a PapillArray
+constexpr int pillars = 9;
+constexpr double g = 9.81;  // m/s2
+
+// A model and the kick that it gets.
+struct Probed {
+  std::string model;
+  std::vector<double> kick;
+};
+
+// One combination to be built: stiffness is that of an element.
+struct Parameters {
+  double mass, k_normal, k_tangential, damping;
+  std::string integrator;
+};
+
+// Nine flat elements, one every `pitch` [m].
+std::string pad(const std::string& name, const std::string& site, double pitch, const Parameters& p, double damping) {
+  std::string rows;
+  for (int i = 0; i < pillars; ++i) {
+    rows += fmt::format("{}[{}, {}, 0, {}, {}]", rows.empty() ? "" : ", ", pitch * (i / 3 - 1), pitch * (i % 3 - 1), p.k_normal,
+                        p.k_tangential);
+  }
+  return fmt::format(
+      "<instance name='{}'><config key='pad' value='{}'/><config key='touch' value='box'/><config key='elements' value='[{}]'/><config key='friction' value='{{static: 1}}'/><config key='damping' value='{} s'/></instance>",
+      name, site, rows, damping);
+}
+
+std::string model_of(const std::string& integrator, double gravity, const std::string& pads, const std::string& world) {
+  return fmt::format(
+      "<mujoco><compiler angle='radian'/><option integrator='{}' gravity='0 0 {}'/><extension><plugin plugin='slipbench.field'>{}</plugin></extension><default><geom contype='0' conaffinity='0'/></default><worldbody>{}</worldbody></mujoco>",
+      integrator, -gravity, pads, world);
+}
+
+// A free box of half widths `half` [m] whose centre of mass lies at `position`, its geom a little beside it and turned by 4 mrad about
+// `axis`, the pads' normal: nothing is symmetric, and it is in equilibrium all the same.
+std::string box(double mass, const std::array<double, 3>& half, const std::string& position, const std::string& beside,
+                const std::string& axis) {
+  const auto inertia = [&](double a, double b) { return mass * (a * a + b * b) / 3.0; };
+  return fmt::format(
+      "<body name='box' pos='{}'><freejoint/><inertial pos='0 0 0' mass='{}' diaginertia='{} {} {}'/><geom name='box' type='box' pos='{}' axisangle='{} 0.004' size='{} {} {}'/></body>",
+      position, mass, inertia(half[1], half[2]), inertia(half[0], half[2]), inertia(half[0], half[1]), beside, axis, half[0],
+      half[1], half[2]);
+}
+
+// Every mode of a free body gets some of it. `reach`: m, about its radius of gyration.
+std::vector<double> kick_of(double speed, double reach) {
+  return {0.6 * speed, -0.5 * speed, 0.8 * speed, 0.7 * speed / reach, 0.4 * speed / reach, -0.6 * speed / reach};
+}
+
+// A thousand times as fast it goes 1 % of `depth` [m], which presses the elements in, and dashpots take 1 % of what presses.
+double kick_speed(double depth, double stiffness, double mass, double damping) {
+  const double omega = std::sqrt(stiffness / mass);
+  return 1e-5 * depth * omega / (1.0 + damping * omega);
+}
+
+// Held between two fixed pads, pressed in by 10 um. `right`: the damping of the second one [s].
+Probed held(const Parameters& p, double right) {
+  const double depth = 1e-5, pitch = 0.007;
+  const std::array<double, 3> half{0.015, 0.02, 0.06};
+  const std::string world =
+      box(p.mass, half, "0 0 0", "0 0.13e-3 0.17e-3", "1 0 0") +
+      fmt::format("<site name='left' pos='{} 0 0' zaxis='-1 0 0'/><site name='right' pos='{} 0 0' zaxis='1 0 0'/>",
+                  -half[0] + depth, half[0] - depth);
+  const double speed = kick_speed(depth, 2 * pillars * p.k_normal, p.mass, p.damping);
+  return {model_of(p.integrator, 0.0, pad("left", "left", pitch, p, p.damping) + pad("right", "right", pitch, p, right), world),
+          kick_of(speed, 0.03)};
+}
+
+constexpr double wide_pitch = 0.02;                      // m; so wide that 5 kg do not tip over the softest pad
+constexpr std::array<double, 3> wide{0.04, 0.04, 0.02};  // m
+constexpr double low = 1e-3;                             // m, the centre of mass over the face
+
+std::string lower_site() { return "<site name='lower' zaxis='0 0 -1'/>"; }
+
+// Lies on a fixed pad by its weight.
+Probed carried(const Parameters& p) {
+  const double stiffness = pillars * p.k_normal, sag = p.mass * g / stiffness;
+  const std::string world =
+      box(p.mass, wide, fmt::format("0 0 {}", low - sag), fmt::format("0.13e-3 -0.21e-3 {}", wide[2] - low), "0 0 1") +
+      lower_site();
+  return {model_of(p.integrator, g, pad("lower", "lower", wide_pitch, p, p.damping), world),
+          kick_of(kick_speed(sag, stiffness, p.mass, p.damping), 0.03)};
+}
+
+// Between a fixed pad and the pad of a finger of 0.5 kg that slides down on a guide with a damper of 50 N s/m.
+Probed pressed(const Parameters& p) {
+  const double finger = 0.5, guide = 50.0;
+  const double stiffness = pillars * p.k_normal, upper_sag = finger * g / stiffness,
+               lower_sag = (finger + p.mass) * g / stiffness;
+  const std::string world =
+      box(p.mass, wide, fmt::format("0 0 {}", low - lower_sag), fmt::format("0.13e-3 -0.21e-3 {}", wide[2] - low), "0 0 1") +
+      lower_site() +
+      fmt::format(
+          "<body name='finger' pos='0 0 {}'><joint type='slide' axis='0 0 -1' damping='{}'/><inertial pos='0 0 0' mass='{}' diaginertia='1e-3 1e-3 1e-3'/><site name='upper'/></body>",
+          2.0 * wide[2] - lower_sag - upper_sag, guide, finger);
+  const double speed = kick_speed(upper_sag, 2.0 * stiffness, std::min(p.mass, finger), p.damping);
+  Probed probed{
+      model_of(p.integrator, g, pad("lower", "lower", wide_pitch, p, p.damping) + pad("upper", "upper", wide_pitch, p, p.damping),
+               world),
+      kick_of(speed, 0.03)};
+  probed.kick.push_back(0.9 * speed);
+  return probed;
+}
+
+struct SetUp {
+  std::string name;
+  std::function<Probed(const Parameters&)> build;
+  std::vector<std::string> integrators;
+  std::vector<double> dampings;  // s
+};
+
+const std::vector<SetUp>& set_ups() {
+  static const std::vector<SetUp> all{
+      {"two pads hold a box", [](const Parameters& p) { return held(p, p.damping); }, {"Euler", "RK4"}, {0.0, 1e-4, 1e-3}},
+      {"two pads hold a box, one of them undamped",
+       [](const Parameters& p) { return held(p, 0.0); },
+       {"implicitfast", "RK4"},
+       {1e-4, 1e-3}},
+      {"one pad under a box", carried, {"implicitfast", "RK4"}, {0.0, 1e-4, 1e-3}},
+      {"a finger on a damped guide, a box, a pad", pressed, {"Euler", "implicit", "discrete", "RK4"}, {0.0, 1e-3}}};
+  return all;
+}
+
+StabilityCombination measure(const SetUp& set_up, const Parameters& parameters, double scale) {
+  const Probed probed = set_up.build(parameters);
+  StepProbe probe(probed.model, probed.kick);
+  const Vibration vibration = probe.vibration();
+  return {set_up.name,
+          parameters.integrator,
+          parameters.mass,
+          scale,
+          parameters.k_normal,
+          parameters.damping,
+          vibration.omega,
+          probe.predicted_step(),
+          longest_explicit_step(vibration),
+          probe.measured_step()};
+}
+
+// What was done, for who reads the figures alone.
+std::vector<std::string> sentences() {
+  const StepProbeOptions probe;
+  return {
+      "The largest stable time step of explicit pads whose elements all stick, measured beside predicted, over mass, stiffness, damping, set-up and integrator. Of pads that slip, let go or strike it says nothing.",
+      fmt::format(
+          "Measured: MuJoCo steps the model with the plugin, and nothing refuses a step that is too long. It stands in equilibrium, every element stuck (what slips is less stiff), gets a kick that excites every mode, and takes {} steps, which at the limit are {} periods where the velocity is stepped first. It diverges where the root of its kinetic energy grows to {:g} times the kick's. Bisection to {:g} of the step; a quarter, a half, three quarters and nine tenths of the result were run as well and stayed bounded.",
+          probe.steps, probe.steps / 2, probe.growth, probe.resolution),
+      "Predicted: from mass matrix and tangents in the same pose. Where MuJoCo steps velocity first, the least h at which h^2 K + 2 h C has the eigenvalue 4 in the metric M + h D/2 (K, C springs and dashpots of the pads, D dampers of joints, which MuJoCo takes implicitly); with RK4, where h times an eigenvalue of the linear system leaves Runge and Kutta's region of stability. 1 % is taken off for what tangents leave out.",
+      "Allowed: what a scene may take: 0.75/omega, and 1/(tau omega^2). Between allowed and predicted a step is stable, but slides and impacts come out wrong, the more the longer it is; a model of a user's own is borne up to 4/3 of allowed. Beyond predicted the pads throw off what they hold.",
+      "Implicit pads (field_solver: implicit) have no such limit and are not in the map."};
+}
+
+std::vector<std::string> remarks(const StabilityMap& map) {
+  std::vector<std::string> lines;
+  if (map.combinations.empty()) return lines;
+  double least = 1.0, most = 0.0;
+  for (const StabilityCombination& c : map.combinations) {
+    least = std::min(least, c.allowed / c.predicted);
+    most = std::max(most, c.allowed / c.predicted);
+  }
+  lines.push_back(fmt::format("What scenes may take is {:.2f} to {:.2f} of the predicted limit.", least, most));
+  const auto off = [](const StabilityCombination& c) { return std::abs(c.ratio() - 1.0); };
+  const StabilityCombination& worst = *std::ranges::max_element(map.combinations, {}, off);
+  lines.push_back(fmt::format("Farthest from 1: {}, {}, {:g} kg, stiffness x{:g}, damping {:g} s: {:.4f}.", worst.set_up,
+                              worst.integrator, worst.mass, worst.stiffness_scale, worst.damping, worst.ratio()));
+  return lines;
+}
+
+struct Range {
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  void take(double value) {
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+};
+
+}  // namespace
+
+double StabilityMap::worst_ratio() const {
+  double worst = 1.0;
+  for (const StabilityCombination& c : combinations) worst = std::min(worst, c.ratio());
+  return worst;
+}
+
+std::size_t StabilityMap::above() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(combinations, [](const StabilityCombination& c) { return c.ratio() > 1.0; }));
+}
+
+StabilityMap measure_stability(const StabilityOptions& options) {
+  [[maybe_unused]] static const bool registered = (register_field_plugin({pad_catalogues(), &make_sensor}), true);
+  StabilityMap map;
+  std::size_t number = 0;
+  for (const SetUp& set_up : set_ups()) {
+    for (const std::string& integrator : set_up.integrators) {
+      for (const double mass : {0.005, 0.05, 0.5, 5.0}) {
+        for (const double scale : {0.1, 1.0, 10.0, 100.0}) {
+          for (const double damping : set_up.dampings) {
+            if (number++ % options.every != 0) continue;
+            map.combinations.push_back(
+                measure(set_up, {mass, scale * real_k_normal, scale * real_k_tangential, damping, integrator}, scale));
+          }
+        }
+      }
+    }
+  }
+  return map;
+}
+
+report::Json stability_json(const StabilityMap& map) {
+  report::Json combinations = report::Json::array();
+  for (const StabilityCombination& c : map.combinations) {
+    combinations.push_back({{"case", c.set_up},
+                            {"integrator", c.integrator},
+                            {"mass_kg", c.mass},
+                            {"stiffness_scale", c.stiffness_scale},
+                            {"k_normal", c.k_normal},
+                            {"damping_s", c.damping},
+                            {"omega", c.omega},
+                            {"predicted_s", c.predicted},
+                            {"allowed_s", c.allowed},
+                            {"measured_s", c.measured},
+                            {"ratio", c.ratio()}});
+  }
+  return {{"slipbench_stability", 1},         {"text", sentences()},  {"combinations", std::move(combinations)},
+          {"worst_ratio", map.worst_ratio()}, {"above", map.above()}, {"remarks", remarks(map)}};
+}
+
+std::string stability_text(const StabilityMap& map) {
+  std::string text = fmt::format("{:<42} {:<12} {:>4}  {:>17}  {:>21}  {:>13}\n", "case", "integrator", "n", "measured step",
+                                 "predicted / measured", "allowed / pr.");
+  for (auto first = map.combinations.begin(); first != map.combinations.end();) {
+    const auto last = std::find_if(first, map.combinations.end(), [&](const StabilityCombination& c) {
+      return c.set_up != first->set_up || c.integrator != first->integrator;
+    });
+    Range measured, ratio, allowed;
+    for (auto c = first; c != last; ++c) {
+      measured.take(c->measured);
+      ratio.take(c->ratio());
+      allowed.take(c->allowed / c->predicted);
+    }
+    text += fmt::format("{:<42} {:<12} {:>4}  {:>7.1e}-{:.1e} s  {:>10.4f} to {:.4f}  {:>5.2f} to {:.2f}\n", first->set_up,
+                        first->integrator, last - first, measured.least, measured.most, ratio.least, ratio.most, allowed.least,
+                        allowed.most);
+    first = last;
+  }
+  return text +
+         fmt::format(
+             "{} combinations: the predicted largest stable step is {:.4f} of the measured one or more, and above it in {}.\n",
+             map.combinations.size(), map.worst_ratio(), map.above());
+}
+
+}  // namespace slipbench::cost

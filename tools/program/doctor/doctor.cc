@@ -1,0 +1,190 @@
+#include "tools/program/doctor/doctor.h"
+
+#include <H5public.h>
+#include <fmt/core.h>
+#include <libdeflate.h>
+#include <openssl/crypto.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tools/program/doctor/build_info.h"
+#include "tools/program/doctor/machine.h"
+
+#if SLIPBENCH_WITH_MUJOCO
+#include "sim/mujoco/mujoco_version.h"
+#endif
+
+namespace slipbench {
+namespace {
+
+constexpr const char* apt_command = "apt-get install --yes --no-install-recommends";
+
+void add_program(std::vector<Check>& checks) {
+  const BuildInfo& info = build_info();
+  const auto add = [&](const char* name, std::string_view found) {
+    checks.push_back({.group = "program", .name = name, .found = std::string(found)});
+  };
+  add("version", info.version);
+  add("commit", info.commit);
+  add("compiler", info.compiler);
+  add("build type", info.build_type);
+  add("flags", info.flags);
+}
+
+void add_machine(std::vector<Check>& checks) {
+  const auto add = [&](const char* name, std::string found) {
+    checks.push_back({.group = "machine", .name = name, .found = std::move(found)});
+  };
+  add("system", operating_system());
+  add("processor", fmt::format("{}, {} threads", cpu_name(), std::thread::hardware_concurrency()));
+  add("SIMD path", has_avx2() ? "avx2" : "baseline (no AVX2 here: same results, slower)");
+}
+
+Check check_hdf5() {
+  unsigned major = 0;
+  unsigned minor = 0;
+  unsigned release = 0;
+  Check check{.group = "libraries", .name = "HDF5"};
+  H5get_libversion(&major, &minor, &release);
+  check.found = fmt::format("{}.{}.{}", major, minor, release);
+  if (major != H5_VERS_MAJOR || minor != H5_VERS_MINOR || release != H5_VERS_RELEASE) {
+    check.status = CheckStatus::wrong;
+    check.remedy = fmt::format("the program was built with the headers of {}.{}.{}: build it again", H5_VERS_MAJOR, H5_VERS_MINOR,
+                               H5_VERS_RELEASE);
+  }
+  return check;
+}
+
+Check check_mujoco() {
+  Check check{.group = "libraries", .name = "MuJoCo"};
+#if SLIPBENCH_WITH_MUJOCO
+  check.found = mujoco_library_version();
+  if (!mujoco_header_matches_library() || check.found != SLIPBENCH_MUJOCO_VERSION) {
+    check.status = CheckStatus::wrong;
+    check.remedy =
+        "the program was built with the headers of " SLIPBENCH_MUJOCO_VERSION ": tools/setup/setup.sh python, then build again";
+  }
+#else
+  check.status = CheckStatus::missing;
+  check.remedy =
+      "tools/setup/setup.sh python (installs mujoco-core " SLIPBENCH_MUJOCO_VERSION " into build/venv), then build again";
+#endif
+  return check;
+}
+
+void add_libraries(std::vector<Check>& checks) {
+  const auto add = [&](const char* name, std::string found) {
+    checks.push_back({.group = "libraries", .name = name, .found = std::move(found)});
+  };
+  add("Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION));
+  add("yaml-cpp", std::string(build_info().yaml_cpp));
+  checks.push_back(check_hdf5());
+  add("libdeflate", LIBDEFLATE_VERSION_STRING);
+  add("OpenSSL", OpenSSL_version(OPENSSL_VERSION_STRING));
+  add("fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100));
+  checks.push_back(check_mujoco());
+}
+
+// One check a set of Debian packages: a set is in order when all of its packages are installed.
+void add_packages(std::vector<Check>& checks) {
+  std::vector<std::string> names;
+  for (const SetupPackage& package : setup_packages()) names.emplace_back(package.name);
+  const auto versions = installed_packages(names);
+  for (const std::string_view set : {"build", "test"}) {
+    std::string missing;
+    std::size_t wanted = 0;
+    std::size_t installed = 0;
+    for (const SetupPackage& package : setup_packages()) {
+      if (package.set != set) continue;
+      ++wanted;
+      if (versions.contains(package.name)) {
+        ++installed;
+      } else {
+        missing += fmt::format(" {}", package.name);
+      }
+    }
+    Check check{.group = "set-up", .name = fmt::format("Debian packages to {}", set), .required = false};
+    check.found = fmt::format("{} of {}", installed, wanted);
+    if (installed != wanted) {
+      check.status = CheckStatus::missing;
+      check.remedy = apt_command + missing;
+    }
+    checks.push_back(std::move(check));
+  }
+}
+
+void add_browser(std::vector<Check>& checks) {
+  Check check{.group = "set-up", .name = "browser for reports", .required = false};
+  for (const char* name : {"chromium", "google-chrome", "firefox", "firefox-esr"}) {
+    check.found = find_program(name);
+    if (!check.found.empty()) break;
+  }
+  if (check.found.empty()) {
+    check.status = CheckStatus::missing;
+    check.remedy = fmt::format("any browser opens a report, on any machine; here: {} chromium", apt_command);
+  }
+  checks.push_back(std::move(check));
+}
+
+const char* status_text(CheckStatus status) {
+  switch (status) {
+    case CheckStatus::ok: return "ok";
+    case CheckStatus::missing: return "missing";
+    case CheckStatus::wrong: return "wrong";
+  }
+  return "";
+}
+
+void print_text(const std::vector<Check>& checks, bool good) {
+  std::string_view group;
+  for (const Check& check : checks) {
+    if (check.group != group) {
+      fmt::print("{}{}\n", group.empty() ? "" : "\n", check.group);
+      group = check.group;
+    }
+    const bool ok = check.status == CheckStatus::ok;
+    const std::string note =
+        ok ? "" : fmt::format("{} ({})", status_text(check.status), check.required ? "required" : "optional");
+    fmt::print("  {:<26} {}{}{}\n", check.name, check.found, ok || check.found.empty() ? "" : ", ", note);
+    if (!ok) fmt::print("  {:<26} -> {}\n", "", check.remedy);
+  }
+  fmt::print("\n{}\n",
+             good ? "All that is required is in order." : "Something required is not in order: see the lines marked (required).");
+}
+
+void print_json(const std::vector<Check>& checks, bool good) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Check& check : checks) {
+    list.push_back({{"group", check.group},
+                    {"name", check.name},
+                    {"status", status_text(check.status)},
+                    {"required", check.required},
+                    {"found", check.found},
+                    {"remedy", check.remedy}});
+  }
+  fmt::print("{}\n", nlohmann::ordered_json{{"ok", good}, {"checks", std::move(list)}}.dump(2));
+}
+
+}  // namespace
+
+std::vector<Check> run_checks() {
+  std::vector<Check> checks;
+  add_program(checks);
+  add_machine(checks);
+  add_libraries(checks);
+  add_packages(checks);
+  add_browser(checks);
+  return checks;
+}
+
+int doctor_main(bool json) {
+  const std::vector<Check> checks = run_checks();
+  const bool good = std::ranges::all_of(checks, [](const Check& c) { return !c.required || c.status == CheckStatus::ok; });
+  json ? print_json(checks, good) : print_text(checks, good);
+  return good ? 0 : 1;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,55 @@
+// Datasets in the file formats that others read.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slipbench {
+
+enum class ExportFormat {
+  csv,             // a table a trial and sensor, with a header
+  npz,             // a numpy archive a trial
+  robomimic,       // one HDF5 file of demonstrations
+  vendor_csv,      // PapillArray: the log of the vendor's visualisation software
+  slip_csv,        // BioTac SP: the public slip recordings, one file a trial
+  grasp_csv,       // BioTac SP: the public grasps with three fingers, one file
+  training_csv,    // PapillArray: the 73 columns of the published training code
+  myrmex_csv,      // Myrmex: counts alone, an image a line, as the public tools read them
+  myrmex_rotated,  // npz, with the images of every Myrmex as its paper augments them
+};
+
+// When a pillar counts as slipping.
+enum class SlipRule {
+  strict,       // all of it slips
+  micro,        // a part of it slips
+  paper,        // its tip slides faster than `label_speed`, as a camera would see it
+  has_slipped,  // from the first such sample on until it loses contact: "no pillar has slipped", as the paper words its classes
+};
+
+inline constexpr double default_label_speed = 1e-4;  // m/s
+
+struct ExportOptions {
+  ExportFormat format = ExportFormat::vendor_csv;
+  SlipRule slip_rule = SlipRule::strict;
+  std::optional<double> label_speed;  // m/s, only with paper and has_slipped; empty: default_label_speed
+  std::string sensor;                 // empty: all; of training_csv the only PapillArray. npz has all
+  std::optional<std::size_t> trial;   // empty: all
+  std::optional<double> rate = {};    // Hz, robomimic: of the demonstrations; empty: that of the slowest sensor
+};
+
+// The formats' and rules' names on the command line: "vendor-csv", "strict". The parsers throw InputError with the nearest name.
+ExportFormat parse_export_format(const std::string& name);
+SlipRule parse_slip_rule(const std::string& name);
+std::vector<std::string> export_format_names();
+std::vector<std::string> slip_rule_names();
+std::string slip_rule_name(SlipRule rule);
+
+// Writes the trials of a dataset to `out_dir`, which is made if it is missing (its parent is not), and returns the files written.
+// Each file appears under its name only when it is whole. Throws InputError when the options contradict each other, the dataset
+// is damaged or does not fit the format, a trial has no recording, or a file cannot be written; files that were finished before stay, and
+// a folder in which none was is not left behind. Reads in a child process (tools/base/dataset/guarded.h).
+std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
+                                        const ExportOptions& options);
+
+}  // namespace slipbench

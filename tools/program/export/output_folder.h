@@ -1,0 +1,36 @@
+// The folder that an export writes into.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/base/dataset/output_file.h"
+
+namespace slipbench {
+
+// Made when the first file is ready to be written, and removed again where none could be.
+class OutputFolder {
+ public:
+  // `inputs`: files that are never replaced. Touches nothing.
+  OutputFolder(std::string path, std::vector<std::string> inputs) : path_(std::move(path)), inputs_(std::move(inputs)) {}
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  // Writes PATH/NAME, where NAME may begin with one folder more, and returns that path. Throws InputError when it cannot be written or
+  // something stands there that is not of this kind.
+  std::string write(const std::string& name, const TextKind& kind, const std::string& bytes);
+  // Makes the folder, and returns PATH/NAME for a file that someone else will write.
+  std::string prepare(const std::string& name);
+
+  [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }
+
+ private:
+  void make(const std::string& folder);
+
+  std::string path_;
+  std::vector<std::string> inputs_;
+  std::vector<std::string> made_;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,250 @@
+#include "tools/program/export/robomimic.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <iterator>
+
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/hdf5_handle.h"
+#include "tools/base/dataset/output_file.h"
+#include "tools/base/dataset/shard.h"
+#include "tools/program/export/episode.h"
+
+namespace slipbench {
+namespace {
+
+using hdf5::check;
+using hdf5::Handle;
+
+constexpr const char* mark = "exported_by";  // root attribute by which such a file is known
+constexpr const char* mark_text = "slipbench robomimic";
+
+// robomimic's number for environments of the gym kind: the nearest to a recording that no environment can continue.
+constexpr int gym_environment = 2;
+
+Handle untimed(hid_t kind) {
+  Handle properties(H5Pcreate(kind), &H5Pclose);
+  check(H5Pset_obj_track_times(properties.get(), 0));
+  return properties;
+}
+
+Handle make_group(hid_t parent, const std::string& name) {
+  const Handle properties = untimed(H5P_GROUP_CREATE);
+  return {H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
+}
+
+Handle space_for(const std::vector<hsize_t>& shape) {
+  return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), &H5Sclose};
+}
+
+// One array, the file's type that of the memory.
+void put(hid_t group, const std::string& name, hid_t type, const std::vector<hsize_t>& shape, const void* values) {
+  const Handle properties = untimed(H5P_DATASET_CREATE);
+  const Handle space = space_for(shape);
+  Handle array(H5Dcreate2(group, name.c_str(), type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
+  if (std::find(shape.begin(), shape.end(), 0) == shape.end()) {
+    check(H5Dwrite(array.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
+  }
+  array.close();
+}
+
+void note(hid_t object, const char* name, hid_t type, const Handle& space, const void* value) {
+  Handle attribute(H5Acreate2(object, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
+  check(H5Awrite(attribute.get(), type, value));
+  attribute.close();
+}
+
+Handle single() { return {H5Screate(H5S_SCALAR), &H5Sclose}; }
+
+Handle text_of_any_length() {
+  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+  check(H5Tset_size(type.get(), H5T_VARIABLE));
+  check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
+  return type;
+}
+
+void note(hid_t object, const char* name, std::uint64_t value) { note(object, name, H5T_STD_U64LE, single(), &value); }
+void note(hid_t object, const char* name, double value) { note(object, name, H5T_IEEE_F64LE, single(), &value); }
+void note(hid_t object, const char* name, const std::string& value) {
+  const char* text = value.c_str();
+  note(object, name, text_of_any_length().get(), single(), &text);
+}
+void note(hid_t object, const char* name, const std::vector<double>& values) {
+  note(object, name, H5T_IEEE_F64LE, space_for({values.size()}), values.data());
+}
+void note(hid_t object, const char* name, const std::vector<std::string>& values) {
+  std::vector<const char*> texts;
+  for (const std::string& value : values) texts.push_back(value.c_str());
+  note(object, name, text_of_any_length().get(), space_for({values.size()}), texts.data());
+}
+
+std::string demo_of(std::size_t trial) { return fmt::format("demo_{}", trial); }
+
+void put_demo(hid_t data, const DatasetReader& reader, std::size_t trial, const Episode& episode) {
+  Handle demo = make_group(data, demo_of(trial));
+  const hsize_t steps = episode.steps;
+  const DemoInfo info = reader.info(trial);
+  note(demo.get(), "num_samples", static_cast<std::uint64_t>(steps));
+  note(demo.get(), "seed", info.seed);
+  note(demo.get(), "params", info.params);
+  note(demo.get(), "outcome", info.outcome);
+  Handle observed = make_group(demo.get(), "obs");
+  Handle following = make_group(demo.get(), "next_obs");
+  for (const Episode::Column& column : episode.observations) {
+    put(observed.get(), column.name, H5T_IEEE_F32LE, {steps, column.width}, column.values.data());
+    put(following.get(), column.name, H5T_IEEE_F32LE, {steps, column.width}, column.values.data() + column.width);
+  }
+  observed.close();
+  following.close();
+  put(demo.get(), "actions", H5T_IEEE_F32LE, {steps, episode.actions.width}, episode.actions.values.data());
+  put(demo.get(), "states", H5T_IEEE_F32LE, {steps, episode.bodies.width}, episode.bodies.values.data());
+  put(demo.get(), "rewards", H5T_IEEE_F32LE, {steps}, episode.rewards.data());
+  std::vector<float> dones(episode.steps, 0.0F);
+  dones.back() = 1.0F;
+  put(demo.get(), "dones", H5T_IEEE_F32LE, {steps}, dones.data());
+  for (const Episode::Column& column : episode.states)
+    put(demo.get(), column.name, H5T_IEEE_F32LE, {steps}, column.values.data());
+  demo.close();
+}
+
+void put_masks(hid_t file, const DatasetReader& reader, const std::vector<std::size_t>& trials) {
+  Handle masks = make_group(file, "mask");
+  for (const char* part : {"train", "valid", "test"}) {
+    std::vector<std::size_t> members = reader.mask(part);
+    std::sort(members.begin(), members.end());
+    std::vector<std::size_t> held;
+    std::set_intersection(members.begin(), members.end(), trials.begin(), trials.end(), std::back_inserter(held));
+    std::size_t width = 1;
+    for (const std::size_t trial : held) width = std::max(width, demo_of(trial).size());
+    std::string names;
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      names += demo_of(held[i]);
+      names.resize((i + 1) * width, '\0');
+    }
+    Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+    check(H5Tset_size(type.get(), width));
+    check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD));
+    put(masks.get(), part, type.get(), {held.size()}, names.data());
+  }
+  masks.close();
+}
+
+std::string environment_of(const DatasetHeader& header) {
+  return nlohmann::ordered_json{{"env_name", "slipbench"},
+                                {"type", gym_environment},
+                                {"env_kwargs",
+                                 {{"scene", header.scene},
+                                  {"overrides", header.overrides},
+                                  {"seed", header.seed},
+                                  {"command", header.command},
+                                  {"version", header.version}}}}
+      .dump();
+}
+
+void put_all(hid_t file, const DatasetReader& reader, const std::vector<std::size_t>& trials, const RobomimicOptions& options) {
+  note(file, mark, std::string(mark_text));
+  check(H5Fflush(file, H5F_SCOPE_LOCAL));  // so that what is left of a killed run is known by its beginning
+  const double rate = options.rate ? *options.rate : slowest_rate(reader, trials.front(), options.sensor);
+  const ActionSpace space = action_space(reader, trials);
+  Handle data = make_group(file, "data");
+  std::uint64_t total = 0;
+  for (const std::size_t trial : trials) {
+    const Episode episode = make_episode(reader, trial, options.sensor, rate, space);
+    put_demo(data.get(), reader, trial, episode);
+    total += episode.steps;
+  }
+  note(data.get(), "total", total);
+  note(data.get(), "env_args", environment_of(reader.header()));
+  note(data.get(), "rate_hz", rate);
+  note(data.get(), "action_names", space.names);
+  note(data.get(), "action_scale", space.scale);
+  note(data.get(), "action_offset", space.offset);
+  data.close();
+  put_masks(file, reader, trials);
+}
+
+// The format of 1.8, as that of a dataset. HDF5 would lock the file only after it has emptied it, so that the caller has to.
+Handle make_file(const std::string& path) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
+  check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
+  check(H5Pset_file_locking(access.get(), false, true));
+  const Handle creation = untimed(H5P_FILE_CREATE);
+  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), &H5Fclose};
+}
+
+// What stands under a name that holds something.
+enum class Found {
+  own,      // such an export
+  damaged,  // HDF5 that cannot be read, as an export that was killed leaves it
+  other,
+};
+
+// Runs in the child process, which HDF5 may end.
+bool has_mark(const std::string& path) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
+  check(H5Pset_file_locking(access.get(), false, true));
+  const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get());
+  if (id < 0) throw InputError(path + ": cannot be opened");
+  const Handle file(id, &H5Fclose);
+  return H5Aexists(file.get(), mark) > 0;
+}
+
+Found found_at(const std::string& path) {
+  if (H5Fis_hdf5(path.c_str()) <= 0) return Found::other;
+  try {
+    return guarded(path, [&] { return std::string(has_mark(path) ? "own" : ""); }).empty() ? Found::other : Found::own;
+  } catch (const InputError&) {
+    return Found::damaged;
+  }
+}
+
+}  // namespace
+
+void check_robomimic_target(const std::string& path, const std::vector<std::string>& inputs) {
+  hdf5::initialise();
+  const TextKind any{"robomimic dataset", [](std::string_view) { return true; }};
+  check_text_target(path, inputs, any);
+  for (const std::string& name : {path, temporary_path(path)}) {
+    std::error_code none;
+    const auto size = std::filesystem::file_size(name, none);
+    if (none || size == 0) continue;
+    const Found found = found_at(name);
+    // What was killed while it was written has the temporary name, and is the next run's to replace.
+    if (found == Found::own || (found == Found::damaged && name != path)) continue;
+    throw InputError(fmt::format("cannot write {}: {} exists and is no {}; allowed: a new name, or a {} to replace", path, name,
+                                 any.name, any.name));
+  }
+}
+
+void write_robomimic(const DatasetReader& reader, const std::vector<std::size_t>& trials, const std::string& path,
+                     const RobomimicOptions& options) {
+  const std::string temporary = temporary_path(path);
+  // From here on the file is this run's, to replace and to remove.
+  const Descriptor own = lock_file(temporary);
+  Handle file;
+  try {
+    file = make_file(temporary);
+    put_all(file.get(), reader, trials, options);
+    file.close();
+    if (::fsync(own.get()) != 0) throw std::runtime_error(std::strerror(errno));
+    if (std::rename(temporary.c_str(), path.c_str()) != 0) throw std::runtime_error(std::strerror(errno));
+  } catch (const InputError&) {
+    file.abandon();
+    ::unlink(temporary.c_str());
+    throw;
+  } catch (const std::runtime_error& error) {
+    file.abandon();
+    ::unlink(temporary.c_str());
+    throw InputError(fmt::format("cannot write {}: {}", path, error.what()));
+  }
+}
+
+}  // namespace slipbench

@@ -1,0 +1,113 @@
+#include "tools/program/export/table_csv.h"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <numeric>
+#include <optional>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/program/export/samples.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::string_view first_column = "t [s]";
+constexpr std::string_view label_columns = ",state,state_micro,state_paper";
+
+// A column that a sensor's paper forms of a channel: its first value less its second.
+struct Difference {
+  std::string_view type, channel, name;
+};
+// North less south electrodes, and one sense of rotation less the other (papers/nib-reconfigurable, section II).
+constexpr std::array<Difference, 2> differences{{{"nib_pad", "fl", "FL"}, {"nib_pad", "fr", "FR"}}};
+
+// A channel, the names of its values and the column formed of them.
+struct NamedColumn {
+  const SensorColumn* column = nullptr;
+  std::span<const std::string> names;
+  std::string_view difference;  // empty: none
+
+  [[nodiscard]] std::span<const float> row(std::size_t index) const {
+    return std::span(column->values).subspan(index * names.size(), names.size());
+  }
+};
+
+std::size_t values_a_row(const SensorColumn& column) {
+  return std::accumulate(column.shape.begin(), column.shape.end(), std::size_t{1}, std::multiplies<>());
+}
+
+std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
+  std::size_t expected = 0;
+  for (const SensorColumn& column : sensor.channels) expected += values_a_row(column);
+  if (sensor.channel_names.size() != expected) {
+    throw InputError(
+        fmt::format("sensor {}: {} names for {} values a sample", sensor.name, sensor.channel_names.size(), expected));
+  }
+  std::vector<NamedColumn> columns;
+  std::span<const std::string> names = sensor.channel_names;
+  for (const SensorColumn& column : sensor.channels) {
+    const std::size_t count = values_a_row(column);
+    const auto formed = std::find_if(differences.begin(), differences.end(), [&](const Difference& candidate) {
+      return candidate.type == sensor.type && candidate.channel == column.name;
+    });
+    if (formed != differences.end() && count != 2) {
+      throw InputError(fmt::format("sensor {}: channel '{}' has {} values, expected 2", sensor.name, column.name, count));
+    }
+    columns.push_back({&column, names.first(count), formed != differences.end() ? formed->name : ""});
+    names = names.subspan(count);
+  }
+  return columns;
+}
+
+// A table of the columns that share `time`. The truth is that of the sensor's latest sample.
+std::string table_of(const SensorRecord& sensor, const std::vector<double>& time, std::span<const NamedColumn> columns) {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "{}", first_column);
+  for (const NamedColumn& column : columns) {
+    if (!column.difference.empty()) fmt::format_to(out, ",{} [{}]", column.difference, column.column->unit);
+    for (const std::string& name : column.names) fmt::format_to(out, ",{} [{}]", name, column.column->unit);
+  }
+  fmt::format_to(out, "{}\n", label_columns);
+  for (std::size_t row = 0; row < time.size(); ++row) {
+    fmt::format_to(out, "{}", time[row]);
+    for (const NamedColumn& column : columns) {
+      const std::span<const float> values = column.row(row);
+      if (!column.difference.empty()) fmt::format_to(out, ",{}", values[0] - values[1]);
+      for (const float value : values) fmt::format_to(out, ",{}", value);
+    }
+    const std::optional<std::size_t> truth = latest_row(sensor.time, time[row]);
+    for (const auto* states : {&sensor.labels.state, &sensor.labels.state_micro, &sensor.labels.state_paper}) {
+      text.push_back(',');
+      if (truth) fmt::format_to(out, "{}", (*states)[*truth]);
+    }
+    text.push_back('\n');
+  }
+  return fmt::to_string(text);
+}
+
+}  // namespace
+
+std::vector<CsvTable> table_csv(const SensorRecord& sensor) {
+  const std::vector<NamedColumn> columns = named_columns(sensor);
+  std::vector<NamedColumn> common;
+  std::copy_if(columns.begin(), columns.end(), std::back_inserter(common),
+               [](const NamedColumn& column) { return !column.column->time; });
+  std::vector<CsvTable> tables{{"", table_of(sensor, sensor.time, common)}};
+  for (const NamedColumn& column : columns) {
+    if (column.column->time)
+      tables.push_back({column.column->name, table_of(sensor, *column.column->time, std::span(&column, 1))});
+  }
+  return tables;
+}
+
+bool begins_as_table_csv(std::string_view text) {
+  const std::string_view line = text.substr(0, text.find('\n'));
+  return line.starts_with(first_column) && (line.ends_with(label_columns) || line.size() == text.size());
+}
+
+}  // namespace slipbench

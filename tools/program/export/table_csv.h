@@ -1,0 +1,24 @@
+// One sensor's samples as a table of text.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/base/dataset/trial_record.h"
+
+namespace slipbench {
+
+struct CsvTable {
+  std::string channel;  // the one that has a time of its own, and so a table; empty: all that have the sensor's
+  std::string text;
+};
+
+// The tables of a sensor, that of its own samples first (README.md says which columns). Throws InputError when the channels do not fit the
+// names of their values, or those of a nib_pad are not what it emits.
+std::vector<CsvTable> table_csv(const SensorRecord& sensor);
+
+// Whether a file that begins so is one.
+bool begins_as_table_csv(std::string_view text);
+
+}  // namespace slipbench

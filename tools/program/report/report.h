@@ -1,0 +1,22 @@
+// A dataset turned into one HTML file that a person opens in a browser, without a network and without the program.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace slipbench {
+
+struct ReportOptions {
+  std::optional<std::size_t> trial;  // trial (k of demo_<k>) to open the page on; empty: the overview, or the only trial
+  // Trials whose curves are embedded, spread over the file; at least 1. Empty: 6, of a grasp 300.
+  std::optional<std::size_t> max_trials = {};
+};
+
+// Reads the dataset at `dataset_path` (HDF5, tools/base/dataset) in a child process (tools/base/dataset/guarded.h) and writes the page to
+// `html_path`, under a temporary name first. Trials of any length are shown.
+// Throws InputError when the dataset cannot be read, is damaged (its content_sha256 is checked), misses something, has no trial
+// `options.trial`, or when the page cannot be written or would replace anything but a report.
+void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options = {});
+
+}  // namespace slipbench

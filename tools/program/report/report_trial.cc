@@ -1,0 +1,144 @@
+#include "tools/program/report/report_trial.h"
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/program/report/pack.h"
+#include "tools/program/report/report_summary.h"
+#include "tools/program/report/spectra.h"
+
+namespace slipbench::report {
+
+namespace {
+
+struct Curve {
+  std::string key;
+  std::string origin;
+  std::string unit;  // SI symbol, "" for a pure number
+  std::vector<std::string> components;
+  bool per_unit;
+  std::span<const float> values;
+};
+
+std::vector<Curve> label_curves(const LabelRecord& labels) {
+  return {{"force", "labels", "N", {"FX", "FY", "FZ"}, true, labels.force},
+          {"slip_velocity", "labels", "m/s", {"VX", "VY"}, true, labels.slip_velocity},
+          {"slip_distance", "labels", "m", {"distance"}, true, labels.slip_distance},
+          {"margin", "labels", "", {"margin"}, true, labels.margin},
+          {"stuck_fraction", "labels", "", {"stuck fraction"}, false, labels.stuck_fraction},
+          {"slip_direction", "labels", "rad", {"direction"}, false, labels.slip_direction},
+          {"slip_angle", "labels", "rad", {"angle"}, false, labels.slip_angle},
+          {"slip_centre", "labels", "m", {"x", "y"}, false, labels.slip_centre}};
+}
+
+// "P3_FX" -> "FX": what a channel's value is called within its unit.
+std::string component_name(const std::string& channel_name) {
+  const std::size_t underscore = channel_name.find('_');
+  return underscore == std::string::npos ? channel_name : channel_name.substr(underscore + 1);
+}
+
+std::size_t row_size(const SensorColumn& channel) {
+  std::size_t size = 1;
+  for (const std::size_t extent : channel.shape) size *= extent;
+  return size;
+}
+
+// Every how many-th of the rows is kept so that `values` of them in all become at most `most`.
+std::size_t stride_for(std::size_t values, std::size_t most) { return values <= most ? 1 : (values + most - 1) / most; }
+
+// A channel belongs to the units when its first extent counts them, or when it has one value for each. What a pad of one unit emits is the
+// sensor's as a whole.
+bool per_unit(const SensorColumn& channel, std::size_t units) {
+  return units > 1 && !channel.time && (row_size(channel) == units || (!channel.shape.empty() && channel.shape[0] == units));
+}
+
+std::string shown_unit(const std::string& unit) { return unit == "1" ? "" : unit; }
+
+std::vector<Curve> sensor_curves(const SensorRecord& sensor) {
+  const std::size_t units = sensor.labels.units();
+  std::vector<Curve> curves;
+  std::size_t offset = 0;  // of the channel's first value in channel_names
+  for (const SensorColumn& channel : sensor.channels) {
+    const std::size_t size = row_size(channel);
+    if (per_unit(channel, units)) {
+      std::vector<std::string> components;
+      for (std::size_t i = 0; i < size / units; ++i) components.push_back(component_name(sensor.channel_names.at(offset + i)));
+      curves.push_back({channel.name, "sensor", shown_unit(channel.unit), components, true, channel.values});
+    }
+    offset += size;
+  }
+  return curves;
+}
+
+// Channels of the sensor as a whole, or of parts of it that are no units.
+Json whole_channels(const SensorRecord& sensor, std::size_t most_values) {
+  Json channels = Json::array();
+  auto name = sensor.channel_names.begin();
+  for (const SensorColumn& channel : sensor.channels) {
+    const std::size_t size = row_size(channel);
+    const std::vector<std::string> names(name, name + static_cast<std::ptrdiff_t>(size));
+    name += static_cast<std::ptrdiff_t>(size);
+    if (per_unit(channel, sensor.labels.units())) continue;
+    const std::size_t stride = stride_for(channel.values.size(), most_values);
+    std::vector<double> kept;
+    const std::vector<double>& time = channel.time ? *channel.time : sensor.time;
+    for (std::size_t row = 0; row < time.size(); row += stride) kept.push_back(time[row]);
+    channels.push_back({{"key", channel.name},
+                        {"unit", shown_unit(channel.unit)},
+                        {"names", names},
+                        {"time", pack_times(kept)},
+                        {"data", pack_curves(channel.values, size, stride)}});
+  }
+  return channels;
+}
+
+}  // namespace
+
+Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std::size_t curve_values) {
+  const LabelRecord& labels = sensor.labels;
+  const std::size_t units = labels.units();
+  std::vector<Curve> curves = label_curves(labels);
+  for (Curve& curve : sensor_curves(sensor)) curves.push_back(std::move(curve));
+  std::size_t total = 0;
+  for (const Curve& curve : curves) total += curve.values.size();
+  const std::size_t stride = stride_for(total, curve_values);
+
+  Json payload = {{"name", sensor.name},
+                  {"type", sensor.type},
+                  {"rate_hz", sensor.rate},
+                  {"frame", sensor.frame},
+                  {"place", sensor.follows.empty() ? sensor.name : sensor.follows},
+                  {"touch_s", numbers_or_null(touch_times(labels))},
+                  {"micro_onset_s", numbers_or_null(labels.micro_onset_time)},
+                  {"onset_s", numbers_or_null(labels.onset_time)},
+                  {"k_normal", numbers_or_null(labels.k_normal)},
+                  {"k_tangential", numbers_or_null(labels.k_tangential)},
+                  {"mu_static", numbers_or_null(labels.mu_static)},
+                  {"mu_kinetic", numbers_or_null(labels.mu_kinetic)},
+                  {"time", pack_times(sensor.time)},
+                  {"stride", stride}};
+  for (std::size_t unit = 0; unit < units; ++unit) {
+    payload["positions"].push_back({labels.unit_positions[2 * unit], labels.unit_positions[2 * unit + 1]});
+  }
+  for (const Curve& curve : curves) {
+    const std::size_t columns = curve.components.size() * (curve.per_unit ? units : 1);
+    payload["curves"].push_back({{"key", curve.key},
+                                 {"origin", curve.origin},
+                                 {"unit", curve.unit},
+                                 {"components", curve.components},
+                                 {"per_unit", curve.per_unit},
+                                 {"data", pack_curves(curve.values, columns, stride)}});
+  }
+  payload["channels"] = whole_channels(sensor, curve_values);
+  payload["spectra"] = spectra_of(sensor, curve_values);
+  payload["states"] = {{"unit", pack_bytes(labels.unit_state, units)},
+                       {"strict", pack_bytes(labels.state, 1)},
+                       {"micro", pack_bytes(labels.state_micro, 1)},
+                       {"paper", pack_bytes(labels.state_paper, 1)}};
+  if (control != nullptr && control->sensor == sensor.name) payload["states"]["seen"] = pack_bytes(control->detector_class, 1);
+  return payload;
+}
+
+}  // namespace slipbench::report

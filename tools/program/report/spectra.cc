@@ -1,0 +1,76 @@
+#include "tools/program/report/spectra.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "detectors/nib/stft.h"
+#include "tools/program/report/pack.h"
+
+namespace slipbench::report {
+namespace {
+
+// How a kind of sensor is looked at.
+struct View {
+  std::string type, channel, name;
+  double window, hop;  // s
+  double top;          // Hz, of the highest bin
+};
+
+const std::vector<View>& views() {
+  static const std::vector<View> all{
+      {"nib_pad", "fl", "FL, north minus south", 0.5, 0.1, 20.0},
+      {"nib_pad", "fr", "FR, counter-clockwise minus clockwise", 0.5, 0.1, 20.0},
+      {"piezo_skin", "signal", "the signal", 0.02, 0.01, 1000.0},
+  };
+  return all;
+}
+
+// One value a row: the difference of a channel of two clusters, or its only value.
+std::vector<double> signal_of(const SensorColumn& channel) {
+  const std::size_t values = channel.shape.empty() ? 1 : channel.shape.front();
+  std::vector<double> signal;
+  for (std::size_t i = 0; i < channel.values.size(); i += values) {
+    signal.push_back(values == 1 ? channel.values[i] : double{channel.values[i]} - double{channel.values[i + 1]});
+  }
+  return signal;
+}
+
+Json spectrogram(const View& view, const SensorColumn& channel, const SensorRecord& sensor, std::size_t most_values) {
+  const std::vector<double> signal = signal_of(channel);
+  const std::vector<double>& time = channel.time ? *channel.time : sensor.time;
+  const auto window = static_cast<std::size_t>(std::lround(view.window * sensor.rate));
+  auto hop = static_cast<std::size_t>(std::lround(view.hop * sensor.rate));
+  if (window < 4 || hop == 0 || signal.size() < window) return nullptr;
+  nib::WindowSpectrum spectrum(window, sensor.rate);
+  const auto bins = std::min(window / 2, static_cast<std::size_t>(std::floor(view.top / spectrum.bin_width() + 1e-9))) + 1;
+  const std::size_t most_windows = std::max<std::size_t>(1, most_values / bins);
+  hop = std::max(hop, (signal.size() - window) / most_windows + 1);
+  std::vector<float> rows;
+  std::vector<double> ends;
+  for (std::size_t end = window; end <= signal.size(); end += hop) {
+    const auto magnitudes = spectrum.magnitudes(std::span(signal).subspan(end - window, window));
+    rows.insert(rows.end(), magnitudes.begin(), magnitudes.begin() + static_cast<std::ptrdiff_t>(bins));
+    ends.push_back(time[end - 1]);
+  }
+  return {{"name", view.name},        {"unit", channel.unit},
+          {"window_s", view.window},  {"bin_hz", spectrum.bin_width()},
+          {"time", pack_times(ends)}, {"data", pack_curves(rows, bins, 1)}};
+}
+
+}  // namespace
+
+Json spectra_of(const SensorRecord& sensor, std::size_t most_values) {
+  Json spectra = Json::array();
+  for (const View& view : views()) {
+    if (view.type != sensor.type) continue;
+    for (const SensorColumn& channel : sensor.channels) {
+      if (channel.name != view.channel) continue;
+      if (Json one = spectrogram(view, channel, sensor, most_values); !one.is_null()) spectra.push_back(std::move(one));
+    }
+  }
+  return spectra;
+}
+
+}  // namespace slipbench::report

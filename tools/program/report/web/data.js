@@ -1,0 +1,165 @@
+// The data inside the page: unpacked arrays with named access.
+(function(sb) {
+'use strict';
+
+async function inflate(base64) {
+  const bytes = Uint8Array.from(atob(base64), c => c.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// Inverse of tools/program/report/pack.cc: columns as arrays.
+async function unpack(packed) {
+  const bytes = await inflate(packed.data);
+  const {rows, columns} = packed;
+  const count = rows * columns;
+  if (packed.codec === 'bytes') {
+    return Array.from({length: columns}, (_, c) => bytes.subarray(c * rows, (c + 1) * rows));
+  }
+  const values = packed.codec === 'delta32' ? new Float64Array(count) : new Float32Array(count);
+  for (let c = 0; c < columns; ++c) {
+    let code = 0;
+    for (let i = c * rows; i < (c + 1) * rows; ++i) {
+      if (packed.codec === 'delta32') {
+        code = (code + (bytes[i] | bytes[count + i] << 8 | bytes[2 * count + i] << 16 | bytes[3 * count + i] << 24)) | 0;
+      } else {
+        code = ((code + (bytes[i] | bytes[count + i] << 8)) << 16) >> 16;
+      }
+      values[i] = packed.codec === 'delta16' && code === -32768 ? NaN : code * packed.step;
+    }
+  }
+  return Array.from({length: columns}, (_, c) => values.subarray(c * rows, (c + 1) * rows));
+}
+
+sb.unpack = unpack;
+
+// Runs of equal states: [{state, from, to}] in seconds, `to` being the time of the first sample of the next run.
+function runsOf(states, time) {
+  const runs = [];
+  let start = 0;
+  for (let i = 1; i <= states.length; ++i) {
+    if (i < states.length && states[i] === states[start]) continue;
+    runs.push({state: states[start], from: time[start], to: time[Math.min(i, states.length - 1)]});
+    start = i;
+  }
+  return runs;
+}
+
+// Row at or just before t of ascending times; 0 where all are later.
+function rowAt(time, t) {
+  let low = 0, high = time.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (time[middle] <= t + 1e-9)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  return low;
+}
+sb.rowAt = rowAt;
+
+// One sensor of one trial.
+class Recording {
+  static async load(trial, payload) {
+    const recording = new Recording();
+    Object.assign(recording, payload);
+    recording.trial = trial;
+    recording.units = payload.positions.length;
+    recording.time = (await unpack(payload.time))[0];
+    recording.curveTime = recording.time.filter((_, i) => i % payload.stride === 0);
+    recording.curves = {};
+    for (const curve of payload.curves) {
+      recording.curves[curve.origin + '/' + curve.key] = Object.assign({}, curve, {columns: await unpack(curve.data)});
+    }
+    const rows = async held => Object.assign({}, held, {time: (await unpack(held.time))[0], columns: await unpack(held.data)});
+    recording.channels = await Promise.all(payload.channels.map(rows));
+    recording.spectra = await Promise.all(payload.spectra.map(rows));
+    recording.unitStates = await unpack(payload.states.unit);
+    recording.unitRuns = recording.unitStates.map(states => runsOf(states, recording.time));
+    recording.padStates = {};
+    recording.padRuns = {};
+    for (const rule of sb.rules) {
+      recording.padStates[rule.key] = (await unpack(payload.states[rule.key]))[0];
+      recording.padRuns[rule.key] = runsOf(recording.padStates[rule.key], recording.time);
+    }
+    if (payload.states.seen) {
+      recording.padStates.seen = (await unpack(payload.states.seen))[0];
+      recording.padRuns.seen = runsOf(recording.padStates.seen, recording.time);
+    }
+    recording.addSlipSpeed();
+    return recording;
+  }
+
+  // Columns of one unit of a curve, a component each.
+  columns(key, unit) {
+    const curve = this.curves[key];
+    const count = curve.components.length;
+    return curve.columns.slice(unit * count, (unit + 1) * count);
+  }
+
+  // Value of a component of a unit (or of the sensor, unit 0) at a sample.
+  at(key, unit, component, sample) {
+    const curve = this.curves[key];
+    return curve.columns[unit * curve.components.length + component][Math.floor(sample / this.stride)];
+  }
+
+  // Sample at or just before a time.
+  sampleAt(t) {
+    return rowAt(this.time, t);
+  }
+
+  // A channel that is no unit's curve, by its name; undefined where there is none.
+  channel(key) {
+    return this.channels.find(channel => channel.key === key);
+  }
+
+  largest(key, from, to) {
+    const curve = this.curves[key];
+    let largest = 0;
+    for (let unit = 0; unit < this.units; ++unit) {
+      for (let row = 0; row < this.curveTime.length; ++row) {
+        let sum = 0;
+        for (let c = from; c < to; ++c) sum += curve.columns[unit * curve.components.length + c][row] ** 2;
+        if (sum > largest) largest = sum;
+      }
+    }
+    return Math.sqrt(largest);
+  }
+
+  // Derived: speed of each unit, and mean and largest over the touching units.
+  addSlipSpeed() {
+    const velocity = this.curves['labels/slip_velocity'];
+    const rows = this.curveTime.length;
+    const columns = [];
+    const mean = new Float32Array(rows), top = new Float32Array(rows);
+    const touching = new Float32Array(rows);
+    for (let unit = 0; unit < this.units; ++unit) {
+      const x = velocity.columns[2 * unit], y = velocity.columns[2 * unit + 1];
+      const speed = new Float32Array(rows);
+      for (let row = 0; row < rows; ++row) {
+        speed[row] = Math.hypot(x[row], y[row]);
+        if (this.unitStates[unit][row * this.stride] === 0) continue;
+        touching[row] += 1;
+        mean[row] += speed[row];
+        if (speed[row] > top[row]) top[row] = speed[row];
+      }
+      columns.push(speed);
+    }
+    for (let row = 0; row < rows; ++row) mean[row] = touching[row] ? mean[row] / touching[row] : NaN;
+    this.curves['labels/slip_speed'] = {unit: 'm/s', components: ['speed'], per_unit: true, columns};
+    this.curves['labels/pad_speed'] = {unit: 'm/s', components: ['largest', 'mean'], per_unit: false, columns: [top, mean]};
+  }
+}
+
+sb.page = JSON.parse(document.getElementById('slipbench-data').textContent);
+sb.isEmbedded = index => String(index) in sb.page.curves;
+const loaded = {};
+// The recordings of a trial, one a sensor.
+sb.recordings = index => {
+  if (!loaded[index]) {
+    loaded[index] = Promise.all(sb.page.curves[index].map(payload => Recording.load(index, payload)));
+  }
+  return loaded[index];
+};
+})(window.slipbench);

@@ -1,0 +1,278 @@
+// What the grasps of a sweep come to: shares with their intervals, medians, and by what they are told apart.
+(function(sb) {
+'use strict';
+const el = sb.element;
+const page = sb.page;
+
+const negative = 'hold_preset';  // the controller that never tightens
+
+// The exact 95 % interval of k of n (Clopper and Pearson), as tools/base/statistics/binomial.cc has it.
+function upperTail(k, n, p) {
+  let log = k * Math.log(p) + (n - k) * Math.log1p(-p);
+  for (let i = 1; i <= k; ++i) log += Math.log((n - k + i) / i);
+  let term = Math.exp(log), sum = 0;
+  for (let i = k; i <= n && term > 1e-16 * sum; ++i) {
+    sum += term;
+    term *= (n - i) / (i + 1) * p / (1 - p);
+  }
+  return sum;
+}
+function lowerBound(k, n) {
+  if (k === 0) return 0;
+  if (k === n) return 0.025 ** (1 / n);
+  let [low, high] = [0, k / n];
+  for (let i = 0; i < 50; ++i) {
+    const middle = (low + high) / 2;
+    if (upperTail(k, n, middle) < 0.025)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low;
+}
+const interval = (k, n) => [lowerBound(k, n), 1 - lowerBound(n - k, n)];
+
+const medianOf = values => values.length ? d3.median(values) : null;
+const known = (trials, value) => trials.map(value).filter(found => found !== null && found !== undefined);
+const ratioOf = ({grasp}) => grasp.ideal_force_N === null ? null : grasp.max_force_N / grasp.ideal_force_N;
+const gentle = 2;  // largest grip force over the ideal one
+// What a set of trials comes to: the share of those that are `good` (null: nobody knows), or the median of `one`.
+const quantities = [
+  {key: 'held', name: 'share held', unit: '%', good: ({grasp}) => !grasp.dropped},
+  {
+    key: 'gentle',
+    name: 'share held, force ≤ ' + gentle + ' × ideal',
+    unit: '%',
+    good: trial => ratioOf(trial) === null ? null : !trial.grasp.dropped && ratioOf(trial) <= gentle
+  },
+  {key: 'slip', name: 'median slip of the held', unit: 'mm', one: ({grasp}) => grasp.slip_m === null ? null : 1e3 * grasp.slip_m},
+  {
+    key: 'turn',
+    name: 'median turn of the held',
+    unit: '°',
+    one: ({grasp}) => grasp.rotation_rad === null ? null : 180 / Math.PI * grasp.rotation_rad
+  },
+  {key: 'ratio', name: 'median of largest over ideal force', unit: '', one: ratioOf},
+  {
+    key: 'reaction',
+    name: 'median time to react',
+    unit: 'ms',
+    one: ({grasp}) => grasp.reaction_s === null ? null : 1e3 * grasp.reaction_s
+  },
+];
+const held = trials => trials.filter(trial => !trial.grasp.dropped).length;
+const medians = quantities.filter(quantity => quantity.one);
+// A share's number of good trials and of all.
+const countOf = (quantity, trials) => {
+  const judged = known(trials, quantity.good);
+  return [judged.filter(good => good).length, judged.length];
+};
+const valueIn = (quantity, trials) => {
+  if (!quantity.good) return medianOf(known(trials, quantity.one));
+  const [good, all] = countOf(quantity, trials);
+  return all ? 100 * good / all : null;
+};
+// The interval of a share, the quartiles around a median.
+const rangeIn = (quantity, trials) => {
+  if (quantity.good) return interval(...countOf(quantity, trials)).map(share => 100 * share);
+  const values = known(trials, quantity.one).sort(d3.ascending);
+  return [d3.quantile(values, 0.25), d3.quantile(values, 0.75)];
+};
+const withUnit = (value, unit) => sb.significant(value, 3) + (value === null || !unit ? '' : unit === '°' ? '°' : ' ' + unit);
+const heldText = trials => {
+  const [low, high] = interval(held(trials), trials.length).map(share => sb.fixed(100 * share, 1));
+  return 'held ' + held(trials) + ' of ' + trials.length + ' (95 %: ' + low + ' to ' + high + ' %)';
+};
+const accuracyOf = trials => {
+  let right = 0, all = 0;
+  for (const {detector} of trials) {
+    if (!detector) continue;
+    for (const truth of [1, 2, 3]) {
+      right += detector.confusion[truth][truth];
+      all += d3.sum(detector.confusion[truth]);
+    }
+  }
+  return all ? right / all : null;
+};
+
+// What tells the grasps apart: the numbers that can be an axis, and the names of the maps.
+class Swept {
+  constructor(grasps) {
+    this.grasps = grasps;
+    const {varied} = sb.sweptValues;
+    // A parameter that only some of the detectors have is a part of their name.
+    this.folded = varied.filter(
+        axis => /^(detector|controller)\./.test(axis.path) &&
+            (axis.path.endsWith('.type') || !axis.numeric || grasps.some(trial => !(axis.path in trial.params))));
+    const free = varied.filter(axis => !this.folded.includes(axis));
+    this.numbers = free.filter(axis => axis.numeric && this.levels(axis).length > 1);
+    this.names = free.filter(axis => !axis.numeric);
+    this.parts = ['detector', 'controller'].filter(part => new Set(grasps.map(trial => this.part(trial, part))).size > 1);
+  }
+
+  part(trial, part) {
+    const type =
+        part === 'detector' ? (trial.detector ? sb.detectorName(trial.detector.type) : 'no detector') : trial.controller || 'no controller';
+    const values =
+        this.folded.filter(axis => axis.path.startsWith(part + '.') && !axis.path.endsWith('.type') && axis.path in trial.params)
+            .map(axis => axis.path.slice(part.length + 1) + ' ' + sb.parameter(trial.params[axis.path], 3));
+    return type + (values.length ? ' (' + values.join(', ') + ')' : '');
+  }
+
+  // The values of a grid, or six ranges of what was drawn: [{low, high, text, at}]; what is endless comes last.
+  levels(axis) {
+    const {endless} = sb.sweptValues;
+    const beyond = {low: Infinity, high: Infinity, text: sb.endless(axis.unit), at: Infinity};
+    return [...this.finiteLevels(axis), ...(this.grasps.some(trial => endless(axis, trial)) ? [beyond] : [])];
+  }
+
+  finiteLevels(axis) {
+    const {valueOf, wide, plain} = sb.sweptValues;
+    const values = [...new Set(known(this.grasps, trial => valueOf(trial, axis.path)))].sort(d3.ascending);
+    if (this.isGrid(values)) return values.map(value => ({low: value, high: value, text: plain(axis, value), at: value}));
+    const scale =
+        (wide(d3.extent(values), 8, axis.unit) ? d3.scale.log() : d3.scale.linear()).domain(d3.extent(values)).range([0, 6]);
+    return d3.range(6).map(i => {
+      const [low, high] = [i === 0 ? values[0] : scale.invert(i), i === 5 ? values[values.length - 1] : scale.invert(i + 1)];
+      const at = scale.invert(i + 0.5);
+      return {low, high, text: plain(axis, low) + ' to ' + plain(axis, high), at};
+    });
+  }
+
+  // Whether few values stand for all trials.
+  isGrid(values) {
+    return values.length <= 40 && values.length <= Math.max(3, 0.5 * this.grasps.length);
+  }
+
+  levelOf(levels, axis, trial) {
+    const value = sb.sweptValues.endless(axis, trial) ? Infinity : sb.sweptValues.valueOf(trial, axis.path);
+    return value === null ? -1 : levels.findIndex(level => value >= level.low && value <= level.high);
+  }
+
+  // Series of trials by all that is no axis, in order of their first trial; the negative control reads no detector.
+  series(axes) {
+    const grids = this.numbers.filter(axis => {
+      const values = new Set(known(this.grasps, trial => sb.sweptValues.valueOf(trial, axis.path)));
+      return !axes.includes(axis) && this.isGrid([...values]);
+    });
+    const found = new Map();
+    for (const trial of this.grasps) {
+      const control = trial.controller === negative;
+      const parts = this.parts.filter(part => !(control && part === 'detector')).map(part => this.part(trial, part));
+      const others = [...this.names, ...grids]
+                         .filter(axis => !(control && axis.path.startsWith('detector.')))
+                         .map(
+                             axis => sb.pathWord(axis.path) + ' ' +
+                                 (axis.path in trial.params ? sb.parameter(trial.params[axis.path], 3) : '–'));
+      const key = JSON.stringify([parts, others]);
+      if (!found.has(key)) {
+        found.set(key, {
+          name: [...(parts.length ? parts : [trial.controller || 'all']), ...others].join(', '),
+          others: others.join(', '),
+          control,
+          trials: []
+        });
+      }
+      found.get(key).trials.push(trial);
+    }
+    return [...found.values()];
+  }
+}
+
+// The contour at `level` of values on a grid, [row][column], straight between the middles of neighbouring cells; null: no value there.
+// Lines of two points [column, row]. Over the edge a cell reaches to its own end.
+sb.contour = (grid, level) => {
+  const rows = grid.length, columns = grid[0].length;
+  const clamp = (i, count) => Math.min(count - 1, Math.max(0, i));
+  const value = (c, r) => grid[clamp(r, rows)][clamp(c, columns)];
+  const place = (i, count) => Math.min(count - 0.5, Math.max(-0.5, i));
+  const lines = [];
+  for (let r = -1; r < rows; ++r) {
+    for (let c = -1; c < columns; ++c) {
+      const corners = [[c, r], [c + 1, r], [c + 1, r + 1], [c, r + 1]];
+      const values = corners.map(([i, j]) => value(i, j));
+      if (values.includes(null)) continue;
+      const points = corners.map(([i, j]) => [place(i, columns), place(j, rows)]);
+      const crossings = [];
+      for (let side = 0; side < 4; ++side) {
+        const next = (side + 1) % 4;
+        if ((values[side] >= level) === (values[next] >= level)) continue;
+        const share = (level - values[side]) / (values[next] - values[side]);
+        crossings.push([0, 1].map(k => points[side][k] + share * (points[next][k] - points[side][k])));
+      }
+      // At a saddle the middle says which corners belong together.
+      if (crossings.length === 4 && (d3.mean(values) >= level) !== (values[0] >= level)) crossings.push(crossings.shift());
+      for (let i = 0; i + 1 < crossings.length; i += 2) lines.push([crossings[i], crossings[i + 1]]);
+    }
+  }
+  return lines;
+};
+
+// The command that runs one trial again, from the one that ran all.
+sb.replayCommand = trial => {
+  const recorded = page.command.replace(/ --record outcome$/, '');
+  const one = recorded.replace(/^slipbench sweep /, 'slipbench run ');
+  const same = one === recorded ? one : one.replace(/ --trials (\d+)$/, ' --set sweep.trials=$1');
+  return same + ' --trial ' + trial.index + ' -o trial-' + trial.index + '.h5';
+};
+
+// How each series ended, in a table.
+function overview(swept) {
+  const head =
+      ['', 'held', 'share', '95 % interval', 'slip, mm', 'turn, °', 'largest / ideal force', 'reaction, ms', 'detector right'];
+  const rows = swept.series(swept.numbers).slice(0, 200).map(({name, trials, control}) => {
+    const [low, high] = interval(held(trials), trials.length);
+    return el(
+        'tr', {}, el('td.text', {}, el('b', {}, name), control ? ' · negative control' : ''),
+        el('td', {}, held(trials) + ' of ' + trials.length), el('td', {}, sb.fixed(100 * held(trials) / trials.length, 0) + ' %'),
+        el('td', {}, sb.fixed(100 * low, 1) + ' to ' + sb.fixed(100 * high, 1) + ' %'),
+        medians.map(quantity => el('td', {}, sb.significant(valueIn(quantity, trials), 3))),
+        el('td', {}, control ? '–' : sb.percent(accuracyOf(trials))));
+  });
+  return el(
+      'section', {}, el('h2', {}, 'How the grasps ended'),
+      el('p.note', {},
+         'Medians; slip and turn of the trials held, the force ratio of all. Intervals are exact (Clopper and Pearson).'),
+      el('div.scroll.tall', {},
+         el('table', {}, el('thead', {}, el('tr', {}, head.map((text, i) => el(i ? 'th' : 'th.text', {}, text)))),
+            el('tbody', {}, rows))));
+}
+
+sb.grasps = {
+  quantities,
+  medians,
+  held,
+  valueIn,
+  rangeIn,
+  withUnit,
+  heldText,
+  accuracyOf
+};
+
+// The sections of a dataset of grasps; none where it is no such.
+sb.graspSections = (trials, open) => {
+  const grasps = trials.filter(trial => trial.grasp);
+  if (!grasps.length) return [];
+  const swept = new Swept(grasps);
+  return [overview(swept), ...(swept.numbers.length ? [sb.successMaps(swept, open)] : [])];
+};
+
+// What the grasp was computed with, assumed values marked.
+sb.graspParameters = () => {
+  const rows = page.grasp_parameters;
+  const assumed = rows.filter(row => row.assumed).length;
+  const origin = {scene: 'scene', sweep: 'differs by trial', protocol: 'protocol', default: 'default'};
+  return el(
+      'section', {}, el('h2', {}, 'What the grasp was computed with'),
+      el('p.note', {}, assumed + ' of ' + rows.length + ' parameters are assumed: nobody has measured or published them.'),
+      el('details.parameters', {}, el('summary', {}, 'All parameters'),
+         el('div.scroll', {},
+            el('table', {},
+               el('thead', {}, el('tr', {}, ['parameter', 'value', 'said by', 'what it does', 'source'].map(text => el('th.text', {}, text)))),
+               el('tbody', {}, rows.map(row => el(
+                   'tr', {}, el('td.text', {}, el('b', {}, row.path)), el('td.text', {}, row.value || '–'),
+                   el('td.text', {}, origin[row.by]), el('td.text.long', {}, row.doc),
+                   el('td.text.long', {}, row.assumed ? el('span.assumed', {}, 'assumed') : null,
+                      row.source.replace(/^assumed[:;]? ?/, ' ')))))))));
+};
+})(window.slipbench);

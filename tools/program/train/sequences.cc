@@ -1,0 +1,191 @@
+#include "tools/program/train/sequences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <type_traits>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/content_check.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/program/export/papillarray_trial.h"
+
+namespace slipbench {
+namespace {
+
+// What is slower is the rounding of float32 [m/s].
+constexpr double at_rest = 1e-6;
+
+// Samples of the sensor from one frame to the next.
+std::size_t stride_of(const SensorRecord& sensor, const std::string& subject) {
+  const double ratio = sensor.rate / detector_rate;
+  if (!(ratio >= 1.0) || ratio != std::floor(ratio)) {
+    throw InputError(fmt::format("{}: sensor {} samples at {} Hz; allowed: a multiple of the detector's {} Hz", subject,
+                                 sensor.name, sensor.rate, detector_rate));
+  }
+  return static_cast<std::size_t>(ratio);
+}
+
+// PadState of every sample by a rule. The dataset holds those that look at one instant.
+std::vector<std::uint8_t> states_of(const LabelRecord& labels, const PapillarraySamples& samples, SlipRule rule, bool turning) {
+  switch (rule) {
+    case SlipRule::strict: return labels.state;
+    case SlipRule::micro: return labels.state_micro;
+    case SlipRule::paper: return labels.state_paper;
+    case SlipRule::has_slipped: {
+      std::vector<std::uint8_t> states;
+      for (std::size_t row = 0; row < samples.size(); ++row) {
+        states.push_back(static_cast<std::uint8_t>(samples.pad_state(row, turning)));
+      }
+      return states;
+    }
+  }
+  throw std::logic_error("unknown slip rule");
+}
+
+// The earliest of the pillars, NaN when none slips.
+double onset_of(const LabelRecord& labels, SlipRule rule) {
+  const std::vector<double>& times = rule == SlipRule::strict ? labels.onset_time : labels.micro_onset_time;
+  double earliest = std::numeric_limits<double>::quiet_NaN();
+  for (const double time : times) earliest = std::fmin(earliest, time);
+  return earliest;
+}
+
+bool moves(const BodyRecord& pad, std::size_t row) {
+  const float* velocity = pad.velocity.data() + 6 * row;
+  return std::hypot(velocity[0], velocity[1]) + corner_radius * std::abs(velocity[5]) > at_rest;
+}
+
+std::string chosen_sensor(const DatasetReader& reader, std::size_t trial, const std::string& wanted, const std::string& subject) {
+  const std::vector<std::string> names = papillarrays_of(reader, trial);
+  if (wanted.empty() && names.size() == 1) return names.front();
+  if (std::find(names.begin(), names.end(), wanted) != names.end()) return wanted;
+  throw InputError(
+      fmt::format("{}: {}; allowed: {}", subject,
+                  wanted.empty() ? "has several PapillArrays, which one?" : fmt::format("no PapillArray '{}'", wanted),
+                  fmt::join(names, ", ")));
+}
+
+Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, const CommandedMotion& motion,
+                     const SequenceOptions& options, const std::string& subject) {
+  const auto found = std::find_if(record.sensors.begin(), record.sensors.end(),
+                                  [&](const SensorRecord& candidate) { return candidate.name == sensor_name; });
+  const SensorRecord& sensor = *found;
+  const auto pad = std::find_if(record.bodies.begin(), record.bodies.end(),
+                                [](const BodyRecord& candidate) { return candidate.name == "pad"; });
+  if (pad == record.bodies.end()) throw InputError(subject + ": has no truth/pad, which tells when it moves");
+  const PapillarraySamples samples(sensor, options.labels, default_label_speed);
+  const std::size_t stride = stride_of(sensor, subject);
+  const std::vector<std::uint8_t> states = states_of(sensor.labels, samples, options.labels, motion.rotation != 0.0);
+
+  Sequence sequence;
+  sequence.trial = record.trial;
+  sequence.motion = motion;
+  sequence.onset = onset_of(sensor.labels, options.labels);
+  for (std::size_t row = 0; row < samples.size(); row += stride) {
+    sequence.time.push_back(samples.time(row));
+    Displacements& frame = sequence.displacements.emplace_back();
+    for (std::size_t p = 0; p < pillars; ++p) {
+      const std::array<float, 3> displacement = samples.displacement(row, p);
+      std::copy(displacement.begin(), displacement.end(), frame.begin() + static_cast<std::ptrdiff_t>(3 * p));
+    }
+    if (states[row] > static_cast<std::uint8_t>(PadState::gross)) {
+      throw InputError(fmt::format("{}: labels/{}: state {} in row {}; allowed: 0 to 3", subject, sensor_name, states[row], row));
+    }
+    sequence.label.push_back(static_cast<PadState>(states[row]));
+    // The bodies have the samples of the fastest sensor, whose last one not after the frame is taken.
+    const auto after = std::upper_bound(record.body_time.begin(), record.body_time.end(), samples.time(row));
+    if (after == record.body_time.begin()) throw InputError(subject + ": truth/pad begins after its sensor");
+    sequence.moving.push_back(moves(*pad, static_cast<std::size_t>(after - record.body_time.begin()) - 1) ? 1 : 0);
+  }
+  return sequence;
+}
+
+// Bytes between the child process, which reads, and the caller. Both are the same program.
+class Packed {
+ public:
+  Packed() = default;
+  explicit Packed(std::string bytes) : bytes_(std::move(bytes)) {}
+
+  template <class T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  template <class T>
+  void put_all(const std::vector<T>& values) {
+    put(values.size());
+    for (const T& value : values) put(value);
+  }
+  template <class T>
+  void take(T& value) {
+    std::memcpy(&value, bytes_.data() + place_, sizeof value);
+    place_ += sizeof value;
+  }
+  template <class T>
+  void take_all(std::vector<T>& values) {
+    std::size_t size = 0;
+    take(size);
+    values.resize(size);
+    for (T& value : values) take(value);
+  }
+  [[nodiscard]] bool at_end() const { return place_ == bytes_.size(); }
+  std::string release() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+  std::size_t place_ = 0;
+};
+
+// The one list of what goes through the pipe. Calls value(member) for each number and column(member) for each vector.
+template <class SequenceOrConst, class Value, class Column>
+void for_each_member(SequenceOrConst& sequence, Value&& value, Column&& column) {
+  value(sequence.trial);
+  value(sequence.motion);
+  value(sequence.onset);
+  column(sequence.time);
+  column(sequence.displacements);
+  column(sequence.label);
+  column(sequence.moving);
+}
+
+std::string packed_sequences(const std::string& dataset_path, const SequenceOptions& options) {
+  const DatasetReader reader(dataset_path);
+  if (!reader.complete()) throw InputError(dataset_path + ": its run did not come to its end; allowed: a whole dataset");
+  if (reader.trials().empty()) throw InputError(dataset_path + ": holds no trial");
+  Packed packed;
+  packed.put_all(std::vector<char>(reader.header().command.begin(), reader.header().command.end()));
+  ContentCheck check(reader);
+  for (const std::size_t trial : reader.trials()) {
+    const std::string subject = fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
+    const std::string sensor = chosen_sensor(reader, trial, options.sensor, subject);
+    const TrialRecord record = reader.read_trial(trial);
+    check.add(record);
+    const Sequence sequence = sequence_of(record, sensor, commanded_motion(reader, trial), options, subject);
+    for_each_member(
+        sequence, [&](const auto& value) { packed.put(value); }, [&](const auto& column) { packed.put_all(column); });
+  }
+  check.finish();
+  return packed.release();
+}
+
+}  // namespace
+
+TrainingData read_sequences(const std::string& dataset_path, const SequenceOptions& options) {
+  Packed packed(guarded(dataset_path, [&] { return packed_sequences(dataset_path, options); }));
+  std::vector<char> command;
+  packed.take_all(command);
+  TrainingData data{{command.begin(), command.end()}, {}};
+  while (!packed.at_end()) {
+    Sequence& sequence = data.sequences.emplace_back();
+    for_each_member(
+        sequence, [&](auto& value) { packed.take(value); }, [&](auto& column) { packed.take_all(column); });
+  }
+  return data;
+}
+
+}  // namespace slipbench

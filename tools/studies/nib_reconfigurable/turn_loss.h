@@ -1,0 +1,39 @@
+// What became of a box that the controller `reorient` was to turn up and put down.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "tools/base/dataset/trial_record.h"
+
+namespace slipbench::reproduce {
+
+// How a trial ended. The phases are told apart by the arm: it rises while the grip is adjusted and the box turns, and goes sideways in the
+// release.
+enum class TurnEnd : std::size_t {
+  standing,      // as TurnOutcome has it
+  lost,          // before the release no pad touched it any more: the grip let go
+  told_early,    // released below TargetPoint, where upright is told, and never nearer than `turned_up` to upright
+  not_turned,    // the same at TargetPoint: it hung in the grip, or lay
+  fell,          // released, nearer than that to upright at some time, and not upright in the end
+  not_let_go,    // upright in the end, but a pad touches it or the table does not carry it
+  not_released,  // the arm rose to the end of the trial
+};
+inline constexpr std::size_t turn_ends = 7;
+inline constexpr std::array<const char*, turn_ends> turn_end_names{"standing", "lost",       "told_early",  "not_turned",
+                                                                   "fell",     "not_let_go", "not_released"};
+
+inline constexpr double turned_up = 0.349065850398865915;  // rad, 20 degrees
+
+struct Turn {
+  TurnEnd end = TurnEnd::standing;
+  // At the release's beginning, NaN without one:
+  double tilt;   // rad, of the box's own axis Y against the vertical
+  double force;  // N, mean of both pads'
+};
+
+// `record`: a full one of a grasp whose arm is guided. `target`: the rise of TargetPoint [m]. Throws std::logic_error where the record has
+// not what it takes: the outcome's turn, the bodies `arm` and `box`, and the loop's rows at the same times.
+Turn turn_of(const TrialRecord& record, double target);
+
+}  // namespace slipbench::reproduce

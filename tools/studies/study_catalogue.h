@@ -1,0 +1,58 @@
+// What can be reproduced: one file and one line each.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tools/studies/result.h"
+
+namespace slipbench::reproduce {
+
+struct ReproduceOptions {
+  std::string data;                             // a dataset to use instead of a fresh one; empty: none
+  std::optional<std::uint64_t> seed;            // of datasets, item memories and draws
+  std::size_t jobs = 0;                         // threads; 0: as many as the machine has
+  bool synthesise = false;                      // run the synthesis again instead of reading its stored figures
+  std::size_t trials = 0;                       // of each row; 0: as many as is usual
+  std::vector<std::string> only;                // names of rows to keep; of an axis that none names, all
+  std::string memories;                         // folder of the published classifier; empty: the source tree's
+  std::function<void(const std::string&)> say;  // told what is being done; may be empty
+};
+
+// Thrown by a reproduction that SIGINT or SIGTERM ended early. Nothing of it is left.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
+struct Reproduction {
+  std::string name;                  // PAPER/TABLE: "hd-papillarray/table1"
+  std::string summary;               // a line
+  std::vector<std::string> options;  // "--data", "--seed": those that it takes
+  Result (*run)(const ReproduceOptions& options);
+};
+
+// All, in the order of the list.
+const std::vector<Reproduction>& reproductions();
+
+// Throws InputError with the nearest name.
+const Reproduction& find_reproduction(const std::string& name);
+
+Result hd_table1(const ReproduceOptions& options);
+Result hd_table2(const ReproduceOptions& options);
+Result hd_latency(const ReproduceOptions& options);
+Result hd_resources(const ReproduceOptions& options);
+Result myrmex_onset_label(const ReproduceOptions& options);
+Result nib_table1(const ReproduceOptions& options);
+Result nib_table2(const ReproduceOptions& options);
+Result nib_slip_kinds(const ReproduceOptions& options);
+Result nib_table3(const ReproduceOptions& options);
+Result piezo_table4(const ReproduceOptions& options);
+Result piezo_slip_against_hold(const ReproduceOptions& options);
+
+}  // namespace slipbench::reproduce
