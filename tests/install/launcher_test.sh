@@ -23,7 +23,8 @@ stand_in() {
 # Runs the launcher with the stand-ins before the machine's own programs.
 launch() {
   status=0
-  PATH=$work/bin:$PATH "$work/tree/slipbench" "$@" >"$work/stdout" 2>"$work/stderr" || status=$?
+  # In a session of its own, without a terminal that sudo could ask at.
+  PATH=$work/bin:$PATH setsid --wait "$work/tree/slipbench" "$@" >"$work/stdout" 2>"$work/stderr" || status=$?
 }
 
 # Neither root nor sudo: the one command to run, exit 2, nothing tried.
@@ -76,3 +77,18 @@ launch run & launch run & wait
 
 launch demo now
 [[ $status == 2 ]] || fail "demo takes no arguments"
+
+# What lasts is told: the step, how many there are, and what the command said last; at least every five seconds.
+stand_in cmake 'echo "[1/9] Building"; sleep 7; echo "[9/9] Linking"'
+launch list
+grep -q 'step 4 of 4: build build/release: .* s, \[1/9\] Building' "$work/stderr" || fail "a step in a log says what is being done"
+[[ $(grep -c 'step 4 of 4' "$work/stderr") -ge 3 ]] || fail "a step of seven seconds is told of at its begin, after five seconds and at its end"
+grep -q 'step 4 of 4: build build/release: done in [78] s' "$work/stderr" || fail "a step's end is told"
+
+# The suite of the build, and what --all adds to it, go to ctest with the other words and its exit status.
+stand_in cmake true
+stand_in ctest 'echo "<$*>"; exit 3'
+launch test -R Field
+[[ $status == 3 && $(<"$work/stdout") == "<--preset release --parallel "*" -R Field>" ]] || fail "words after test go to ctest"
+launch test --all -R Field
+[[ $status == 3 && $(<"$work/stdout") == "<--preset all --parallel "*" -R Field>" ]] || fail "--all asks for all tests"

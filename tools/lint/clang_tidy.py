@@ -1,4 +1,5 @@
-"""Runs clang-tidy over the product's sources: clang_tidy.py ROOT BUILD, where BUILD holds compile_commands.json.
+"""Runs clang-tidy over the product's sources: clang_tidy.py ROOT BUILD, where BUILD holds compile_commands.json: ROOT/build/lint, which is
+configured first, or any other that has one.
 
 A source is looked at again only when its preprocessed text, its flags or .clang-tidy changed; what was clean is remembered in
 BUILD/clang-tidy. Tests are left out: the includes of GoogleTest alone cost more than all the rest.
@@ -55,6 +56,8 @@ def main():
     if len(sys.argv) != 3:
         sys.exit(f"usage: {sys.argv[0]} ROOT BUILD")
     root, build = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+    if build == root / "build" / "lint":
+        subprocess.run(["cmake", "--preset", "lint"], cwd=root, stdout=subprocess.DEVNULL, check=True)
     (build / "clang-tidy").mkdir(exist_ok=True)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         reports = list(pool.map(lambda entry: tidy(root, build, *entry), commands(root, build)))

