@@ -105,7 +105,7 @@ double ExpectationKind::limit(const Parameters& parameters) const {
 }
 
 const std::vector<ExpectationKind>& expectation_catalogue() {
-  using enum Comparison;
+  using enum ExpectationKind::Comparison;
   using enum Quantity;
   static const std::vector<ExpectationKind> kinds{
       number("gross_slip_by", at_most, time, "1 s", "All touching units slip by this time of the trial.", "gross_slip_time_s",

@@ -270,9 +270,8 @@ class HoldWatch {
       const SensorRecord& sensor = record_.sensors[s];
       while (next_[s] < sensor.time.size() && sensor.time[next_[s]] <= time + time_rounding) ++next_[s];
       const std::size_t units = sensor.labels.units();
-      const auto first =
-          sensor.labels.unit_state.begin() + static_cast<std::ptrdiff_t>((std::max<std::size_t>(next_[s], 1) - 1) * units);
-      const auto states = std::ranges::subrange(first, first + static_cast<std::ptrdiff_t>(units));
+      const std::size_t row = std::max<std::size_t>(next_[s], 1) - 1;
+      const auto states = std::span(sensor.labels.unit_state).subspan(row * units, units);
       const bool rests =
           std::ranges::all_of(states, [](std::uint8_t state) { return state == detached_state || state == sticking_state; });
       const bool touches = std::ranges::any_of(states, [](std::uint8_t state) { return state != detached_state; });

@@ -37,8 +37,9 @@ struct Parameters {
 std::string pad(const std::string& name, const std::string& site, double pitch, const Parameters& p, double damping) {
   std::string rows;
   for (int i = 0; i < pillars; ++i) {
-    rows += fmt::format("{}[{}, {}, 0, {}, {}]", rows.empty() ? "" : ", ", pitch * (i / 3 - 1), pitch * (i % 3 - 1), p.k_normal,
-                        p.k_tangential);
+    const int row = i / 3 - 1, column = i % 3 - 1;
+    rows +=
+        fmt::format("{}[{}, {}, 0, {}, {}]", rows.empty() ? "" : ", ", pitch * row, pitch * column, p.k_normal, p.k_tangential);
   }
   return fmt::format(
       "<instance name='{}'><config key='pad' value='{}'/><config key='touch' value='box'/><config key='elements' value='[{}]'/><config key='friction' value='{{static: 1}}'/><config key='damping' value='{} s'/></instance>",

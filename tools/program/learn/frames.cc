@@ -42,7 +42,8 @@ FrameSequence spectral_sequence(const SensorRecord& sensor, LabelRule rule, cons
 Standardiser::Standardiser(std::span<const FrameSequence> sequences, std::size_t inputs) : mean_(inputs), scale_(inputs) {
   double frames = 0.0;
   for (const FrameSequence& sequence : sequences) {
-    frames += static_cast<double>(sequence.features.size() / inputs);
+    const std::size_t whole = sequence.features.size() / inputs;
+    frames += static_cast<double>(whole);
     for (std::size_t i = 0; i < sequence.features.size(); ++i) mean_[i % inputs] += static_cast<double>(sequence.features[i]);
   }
   if (frames == 0.0) throw std::invalid_argument("no frame to standardise by");
