@@ -115,20 +115,46 @@ class ChecksTest(unittest.TestCase):
     def test_folder_without_readme(self):
         self.plant("sim/core/a.h", "\n")
         self.plant("sim/field/f.h", "\n")
-        self.assertIn("sim/field: no README.md", self.run_check("folder_readmes").stdout)
+        self.assertIn("sim/field: no README.md", self.run_check("readmes").stdout)
 
     def test_tests_folder_that_mirrors_nothing(self):
         self.plant("tests/oracle/f.cc", "\n")
-        self.assertIn("tests/oracle: no README.md", self.run_check("folder_readmes").stdout)
+        self.assertIn("tests/oracle: no README.md", self.run_check("readmes").stdout)
 
     def test_trained_classifier_is_explained_above(self):
         self.plant("detectors/memories/mine/model.txt", "slipbench_hd: 1\n")
-        self.assertIn("detectors/memories/mine: no README.md", self.run_check("folder_readmes").stdout)
+        self.assertIn("detectors/memories/mine: no README.md", self.run_check("readmes").stdout)
         self.plant("detectors/memories/README.md", "# mine\n")
-        self.assertNotIn("detectors/memories", self.run_check("folder_readmes").stdout)
+        self.assertNotIn("detectors/memories", self.run_check("readmes").stdout)
 
-    def test_readme_over_a_page(self):
-        self.assert_found("folder_readmes", "sim/core/README.md", "line\n" * 61, "61 lines")
+    def test_link_that_leads_nowhere(self):
+        self.assert_found("readmes", "sim/core/README.md", "# sim/core\n\nSee [b](../mujoco/b.cc), [c](../mujoco/c.cc).\n", ":3:", "c.cc leads nowhere")
+
+    def test_anchor_without_heading(self):
+        self.assert_found("readmes", "sim/core/README.md", "# It's two-words\n[up](#its-two-words) [down](#down)\n", ":2:", "#down")
+
+    def test_file_that_is_not_there(self):
+        self.assert_found("readmes", "sim/core/README.md", "`a.h`, `core/a.{h,md}`, `SCENE.yaml`, `../mujoco/b.cc`, `*.h`\n", "`core/a.{h,md}`")
+
+    def test_path_without_backticks(self):
+        self.assert_found("readmes", "sim/core/README.md", "In sim/mujoco/b and sim/mujoco/c.cc.\n", "sim/mujoco/c.cc")
+
+    def test_words_that_are_not_there(self):
+        self.plant("sim/core/a.h", "class PadHolder {};\nint grip_force();\n")
+        for word in ("gone()", "PadHolder::gone", "OtherHolder", "grip_farce", "build/release/bin/gone"):
+            self.plant("sim/core/README.md", f"`PadHolder`, `grip_force()`, `{word}`\n")
+            found = self.run_check("readmes").stdout.splitlines()
+            self.assertEqual(found, [f"sim/core/README.md:1: `{word}` is not in the tree"])
+
+    def test_command_that_no_test_runs(self):
+        self.assert_found("readmes", "sim/core/README.md", "```sh\n./slipbench list\n```\n\n    ./slipbench doctor\n", "doctor")
+
+    def test_commands_of_a_text(self):
+        sys.path.insert(0, str(ROOT / "tools/lint"))
+        from readmes import commands
+        text = ("```yaml a.yaml\nslipbench: 1\n```\n```sh\n./slipbench run a.yaml \\\n  -o a.h5   # writes\nls\n```\n"
+                "```sh no-run\n./slipbench demo\n```\n")
+        self.assertEqual(list(commands(text)), [("file", "a.yaml", "slipbench: 1\n"), ("run", "./slipbench run a.yaml -o a.h5")])
 
     def test_marker(self):
         self.assert_found("no_leftovers", "sim/core/d.h", "// TO" "DO: more\n", ":1:", "marker")
@@ -145,9 +171,6 @@ class ChecksTest(unittest.TestCase):
 
     def test_python_code_in_comment(self):
         self.assert_found("no_leftovers", "tools/base/d.py", "# print(1)\n", ":1:", "code in a comment")
-
-    def test_long_source(self):
-        self.assert_found("no_leftovers", "sim/core/d.cc", "\n" * 601, "601 lines")
 
     def test_large_file(self):
         self.assert_found("no_leftovers", "data.bin", "x" * 1_000_001, "1000001 bytes")

@@ -1,0 +1,45 @@
+"""Every command that a text shows in a block ```sh ends with exit status 0. Arguments: the project's root, the folder of the built programs.
+
+The steps of a text are taken in their order, in a folder of their own that has the scenes, the program as ./slipbench and build/; files that
+the text shows are written there first. tools/lint/readmes.py collects the steps and says which blocks are not run.
+"""
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT, BINARIES = (Path(argument).resolve() for argument in sys.argv[1:])
+sys.path.insert(0, str(ROOT / "tools/lint"))
+from readmes import commands, texts  # noqa: E402
+
+
+def make_folder(folder):
+    shutil.copytree(ROOT / "scenes", folder / "scenes")
+    (folder / "slipbench").symlink_to(BINARIES / "slipbench")
+    (folder / "build/release").mkdir(parents=True)
+    (folder / "build/release/bin").symlink_to(BINARIES)
+    (folder / "build/venv").symlink_to(sys.prefix)
+
+
+def failures(text):
+    """The text's commands that fail, each with what it printed."""
+    steps = list(commands(text))
+    if not any(step[0] == "run" for step in steps):
+        return
+    with tempfile.TemporaryDirectory() as name:
+        make_folder(Path(name))
+        for kind, *step in steps:
+            if kind == "file":
+                (Path(name) / step[0]).write_text(step[1], encoding="utf-8")
+                continue
+            done = subprocess.run(["bash", "-c", step[0]], cwd=name, capture_output=True, text=True, check=False, timeout=300)
+            print(f"{done.returncode} {step[0]}", flush=True)
+            if done.returncode != 0:
+                yield f"{step[0]}\n{done.stdout}{done.stderr}"
+
+
+failed = [f"{path}: {failure}" for path, text in texts(ROOT) for failure in failures(text)]
+print("\n".join(failed))
+sys.exit(f"{len(failed)} commands failed" if failed else 0)

@@ -1,0 +1,110 @@
+"""The reference of the dataset format (tools/base/dataset/README.md) and written files name the same. Arguments: the project's root, the program.
+
+Every array, attribute and outcome that a file holds has a row whose shape, type and unit are the file's, and every row is held by a file.
+"""
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+
+PROGRAM = Path(sys.argv.pop(2)).resolve()
+ROOT = Path(sys.argv.pop(1)).resolve()
+
+# All sensors, on a stage, on bodies and in grasps; with a detector, with a guided arm, with the outcome alone.
+RUNS = (
+    ("papillarray/stage.yaml", "--set", "detector={type: force_ratio}", "duration=3 s"),
+    ("grasp/two_skins.yaml", "--set", "duration=2 s"),
+    ("grasp/lift.yaml", "--record", "outcome"),
+    ("nib_pad/reorient.yaml", "--set", "duration=3 s"),
+    ("myrmex/slip.yaml", "--set", "duration=1 s"),
+    ("biotac_sp/grasp.yaml",),
+)
+
+
+def rows_of(text):
+    """{(path, kind, name): the row's cells by column} of all tables below a heading that is a path; a cell may hold several names."""
+    rows, path, columns = {}, None, None
+    for line in text.splitlines():
+        if line.startswith("#"):
+            heading = re.fullmatch(r"### `(.*)`", line)
+            path, columns = heading and heading[1], None
+        elif not line.startswith("|"):
+            columns = None
+        elif path and columns is None:
+            columns = line.strip("| ").split(" | ")
+        elif path and "---" not in line:
+            cells = dict(zip(columns, line.strip("| ").split(" | ")))
+            kind = next(kind for kind in ("array", "attribute", "key") if kind in cells)
+            for name in re.findall(r"`([^`]+)`", cells[kind]):
+                rows[path, kind, name, cells.get("sensor", "all")] = cells
+    return rows
+
+
+def shape_fits(wanted, shape):
+    extents = [extent for extent in wanted.strip("[]").split(",") if extent]
+    return len(extents) == len(shape) and all(extent == str(found) for extent, found in zip(extents, shape) if extent.isdigit())
+
+
+def attribute_text(value):
+    return "text" if isinstance(value, str) or value.dtype == object else str(value.dtype)
+
+
+class ReferenceTest(unittest.TestCase):
+    def setUp(self):
+        self.rows = rows_of((ROOT / "tools/base/dataset/README.md").read_text(encoding="utf-8"))
+        self.held = set()
+
+    def look_up(self, path, kind, name, sensor="all"):
+        key = next((key for key in ((path, kind, name, sensor), (path, kind, name, "all")) if key in self.rows), None)
+        self.assertIsNotNone(key, f"a file holds the {kind} {name} in {path}, the reference does not")
+        self.held.add(key)
+        return self.rows[key]
+
+    def look_at_array(self, path, name, sensor, array):
+        row = self.look_up(path, "array", name, sensor)
+        self.assertTrue(shape_fits(row["shape"], array.shape), f"{path}/{name}: {row['shape']} is {array.shape}")
+        self.assertEqual(row["type"], "text" if array.dtype.kind == "S" else array.dtype, f"{path}/{name}")
+        self.assertEqual(row.get("unit"), array.attrs.get("unit"), f"{path}/{name}")
+
+    def look_at_attribute(self, path, name, value):
+        kind, _, shape = self.look_up(path, "attribute", name)["type"].partition(" ")
+        self.assertEqual(kind, attribute_text(value), f"{path}: {name}")
+        self.assertTrue(shape_fits(shape, getattr(value, "shape", ())), f"{path}: {name}: {shape}")
+
+    def look_at(self, file):
+        def visit(name, member):
+            path = re.sub(r"(sensors|labels|truth)/[^/]+", r"\1/<name>", re.sub(r"demo_\d+", "demo_<k>", "/" + name))
+            if isinstance(member, h5py.Dataset):
+                group, _, array = path.rpartition("/")
+                if group.endswith("/events"):
+                    group, array = group.removesuffix("/events"), "events/" + array
+                sensor = member.parent.attrs["type"] if "/sensors/" in group else "all"
+                self.look_at_array(group, array, sensor, member)
+            else:
+                for attribute, value in member.attrs.items():
+                    self.look_at_attribute(path, attribute, value)
+                    if attribute == "outcome":
+                        for key in json.loads(value):
+                            self.look_up("outcome", "key", key)
+
+        visit("", file)
+        file.visititems(visit)
+
+    def test_reference_and_files_name_the_same(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for scene, *options in RUNS:
+                out = Path(folder) / "out.h5"
+                subprocess.run([PROGRAM, "run", ROOT / "scenes" / scene, *options, "-o", out], check=True, stdout=subprocess.DEVNULL)
+                with h5py.File(out) as file:
+                    self.look_at(file)
+        self.assertEqual(set(), set(self.rows) - self.held, "the reference names what no file holds")
+
+
+if __name__ == "__main__":
+    unittest.main()
