@@ -24,6 +24,7 @@ class ControlLoop {
 
   // Hands the samples that are complete to the detector; the controller gets those of the first pad, whose values must stay until the next.
   void update(std::span<const Tick> ticks) {
+    if (!closed()) return;
     for (const Tick& tick : ticks) {
       if (tick.sample == nullptr) continue;
       if (tick.pad == 0) frame_ = *tick.sample;
@@ -35,7 +36,7 @@ class ControlLoop {
   // gripper the controller is asked, with the latest frame and estimate of that tick; its command goes with the next write, to a guided arm
   // at the same instant. Throws what the controller and the gripper refuse.
   void act(std::span<const Tick> ticks) {
-    if (!detector_ && !controller_) return;
+    if (!closed()) return;
     for (const Tick& tick : ticks) {
       if (tick.pad == (box_ != nullptr ? 0 : pad_)) act_at(tick.time);
     }
@@ -60,6 +61,7 @@ class ControlLoop {
   [[nodiscard]] const Tightening& tightening() const { return tightening_; }
 
  private:
+  [[nodiscard]] bool closed() const { return detector_.has_value() || controller_ != nullptr; }
   void act_at(double time);
   void command_arm(double time, const ArmCommand& command);
 

@@ -24,25 +24,6 @@ Judge::Judge(const Scene& scene, const Simulation& simulation, const HeldBox* bo
   if (std::isfinite(box->ideal_force())) outcome_.grasp->ideal_grip_force = box->ideal_force();
 }
 
-void Judge::observe(std::span<const Tick> ticks, const ControlLoop& loop) {
-  for (const Tick& tick : ticks) {
-    const ContactFrame& truth = simulation_.contact(tick.pad);
-    const bool detected = loop.has_detector() && tick.pad == loop.pad();
-    if (tick.pad == 0 && box_ != nullptr) judge_grasp(truth, loop.tightening());
-    if (!truth.events.empty()) note_events(tick.pad, truth, detected);
-    if (truth.state == PadState::gross && !follows(tick.pad)) {
-      // The event that left no touching unit sticking is the last one of the step.
-      keep_earliest(outcome_.gross_slip_time, truth.events.empty() ? truth.time : truth.events.back().time);
-    }
-    if (tick.sample != nullptr) {
-      LabelRecord& labels = result_.record.sensors[tick.pad].labels;
-      ++labels.state_count[static_cast<std::size_t>(truth.state)];
-      ++labels.state_micro_count[static_cast<std::size_t>(truth.state_micro)];
-    }
-    if (detected) judge_detection(tick, truth, loop.seen());
-  }
-}
-
 void Judge::note_events(std::size_t pad, const ContactFrame& truth, bool detected) {
   for (const ContactEvent& event : truth.events) {
     UnitOutcome& unit = result_.units[pad][event.unit];
@@ -55,6 +36,11 @@ void Judge::note_events(std::size_t pad, const ContactFrame& truth, bool detecte
     const bool begins = has_one_unit(pad) ? micro : slip;
     if (begins && detected && event.time >= judged_from()) keep_earliest(slip_onset_, event.time);
   }
+}
+
+// The event that left no touching unit sticking is the last one of the step.
+void Judge::note_gross_slip(std::size_t pad, const ContactFrame& truth) {
+  if (!follows(pad)) keep_earliest(outcome_.gross_slip_time, truth.events.empty() ? truth.time : truth.events.back().time);
 }
 
 void Judge::judge_detection(const Tick& tick, const ContactFrame& truth, PadState seen) {

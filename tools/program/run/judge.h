@@ -25,7 +25,17 @@ class Judge {
   Judge(const Scene& scene, const Simulation& simulation, const HeldBox* box, TrialResult& result);
 
   // Once every instant, after the loop has acted: the ticks at it.
-  void observe(std::span<const Tick> ticks, const ControlLoop& loop);
+  void observe(std::span<const Tick> ticks, const ControlLoop& loop) {
+    for (const Tick& tick : ticks) {
+      const ContactFrame& truth = simulation_.contact(tick.pad);
+      const bool detected = loop.has_detector() && tick.pad == loop.pad();
+      if (box_ != nullptr && tick.pad == 0) judge_grasp(truth, loop.tightening());
+      if (!truth.events.empty()) note_events(tick.pad, truth, detected);
+      if (truth.state == PadState::gross && !(outcome_.gross_slip_time <= truth.time)) note_gross_slip(tick.pad, truth);
+      if (tick.sample != nullptr) count_states(result_.record.sensors[tick.pad].labels, truth);
+      if (detected) judge_detection(tick, truth, loop.seen());
+    }
+  }
   // At the trial's end: what only the last tick tells.
   void finish(std::span<const std::unique_ptr<Sensor>> sensors);
 
@@ -36,7 +46,12 @@ class Judge {
   [[nodiscard]] double judged_from() const {
     return box_ != nullptr ? box_->lift_start() : -std::numeric_limits<double>::infinity();
   }
+  static void count_states(LabelRecord& labels, const ContactFrame& truth) {
+    ++labels.state_count[static_cast<std::size_t>(truth.state)];
+    ++labels.state_micro_count[static_cast<std::size_t>(truth.state_micro)];
+  }
   void note_events(std::size_t pad, const ContactFrame& truth, bool detected);
+  void note_gross_slip(std::size_t pad, const ContactFrame& truth);
   void judge_detection(const Tick& tick, const ContactFrame& truth, PadState seen);
   void judge_grasp(const ContactFrame& truth, const ControlLoop::Tightening& tightening);
   void judge_turn();

@@ -21,35 +21,18 @@ void refuse_without_elements(const std::string& sensor, const PadLayout& layout,
 }  // namespace
 
 Sampler::Sampler(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Simulation& simulation)
-    : sensors_(sensors), simulation_(simulation), count_(sensors.size(), 0), latest_(sensors.size()) {
-  ticks_.reserve(sensors.size());
+    : simulation_(simulation), ticks_(sensors.size()) {
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
     const std::string& name = scene.sensors[pad].name;
     refuse_without_elements(name, sensors[pad]->layout(), simulation.contact(pad));
-    sampling_.push_back({simulation.stride(pad), sensors[pad]->scans()});
+    pads_.push_back({.sensor = sensors[pad].get(), .sampling = {simulation.stride(pad), sensors[pad]->scans()}});
     remaining_ += simulation.ticks(pad);
     if (samples(pad) > 0) continue;
-    const double shortest = static_cast<double>(sampling_[pad].ticks()) * simulation.time_step(pad);
+    const double shortest = static_cast<double>(pads_[pad].sampling.ticks()) * simulation.time_step(pad);
     throw SceneValueError("duration",
                           fmt::format("ends before the first sample of sensor '{}' is complete; allowed: {} or longer", name,
                                       format_quantity(shortest, Quantity::time)));
   }
-}
-
-std::span<const Tick> Sampler::measure() {
-  ticks_.clear();
-  for (const std::size_t pad : simulation_.stepped()) {
-    const ContactFrame& truth = simulation_.contact(pad);
-    const std::size_t count = count_[pad]++;
-    Tick& tick = ticks_.emplace_back(Tick{pad, truth.time, nullptr});
-    if (!sampling_[pad].reads_at(count)) continue;
-    const SensorFrame& frame = sensors_[pad]->measure(truth);
-    if (!sampling_[pad].completes_at(count)) continue;
-    latest_[pad] = frame;
-    tick.sample = &latest_[pad];
-  }
-  remaining_ -= ticks_.size();
-  return ticks_;
 }
 
 }  // namespace slipbench

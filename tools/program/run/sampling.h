@@ -29,7 +29,7 @@ struct Sampling {
 struct Tick {
   std::size_t pad = 0;
   double time = 0.0;                    // s
-  const SensorFrame* sample = nullptr;  // that the tick completes; null: none. Stays until the sensor's next one
+  const SensorFrame* sample = nullptr;  // that the tick completes; null: none. Stays until the sensor is read again
 };
 
 // Reads a trial's sensors when their time has come.
@@ -43,21 +43,42 @@ class Sampler {
   [[nodiscard]] bool finished() const { return remaining_ == 0; }
   // Once after every step: the ticks at that instant, in the order of pads, for which every sensor that is due has been read. Stays until
   // the next call.
-  std::span<const Tick> measure();
+  std::span<const Tick> measure() {
+    std::size_t ticks = 0;
+    for (const std::size_t pad : simulation_.stepped()) {
+      const ContactFrame& truth = simulation_.contact(pad);
+      ticks_[ticks++] = {pad, truth.time, pads_[pad].measure(truth)};
+    }
+    remaining_ -= ticks;
+    return {ticks_.data(), ticks};
+  }
 
   // Samples of the pad's sensor in the whole trial.
-  [[nodiscard]] std::size_t samples(std::size_t pad) const { return sampling_[pad].samples(simulation_.ticks(pad)); }
-  // The latest sample of the pad's sensor.
-  [[nodiscard]] const SensorFrame& latest(std::size_t pad) const { return latest_[pad]; }
+  [[nodiscard]] std::size_t samples(std::size_t pad) const { return pads_[pad].sampling.samples(simulation_.ticks(pad)); }
+  // The latest sample of the pad's sensor, after the first; of a next one that has begun, what has been read of it too.
+  [[nodiscard]] const SensorFrame& latest(std::size_t pad) const { return *pads_[pad].latest; }
 
  private:
-  std::span<const std::unique_ptr<Sensor>> sensors_;
+  struct Pad {
+    Sensor* sensor;
+    Sampling sampling;
+    std::size_t tick = 0;                 // the next one
+    const SensorFrame* latest = nullptr;  // the sensor's own
+
+    // The sample that the next tick completes; null: none.
+    const SensorFrame* measure(const ContactFrame& truth) {
+      const std::size_t now = tick++;
+      if (!sampling.reads_at(now)) return nullptr;
+      const SensorFrame& frame = sensor->measure(truth);
+      if (!sampling.completes_at(now)) return nullptr;
+      return latest = &frame;
+    }
+  };
+
   const Simulation& simulation_;
-  std::vector<Sampling> sampling_;   // by pad
-  std::vector<std::size_t> count_;   // by pad, of its ticks so far
-  std::vector<SensorFrame> latest_;  // by pad; the values are the sensor's own
-  std::vector<Tick> ticks_;          // at this instant
-  std::size_t remaining_ = 0;        // ticks to come, of all pads
+  std::vector<Pad> pads_;
+  std::vector<Tick> ticks_;    // room for one of each pad
+  std::size_t remaining_ = 0;  // ticks to come, of all pads
 };
 
 }  // namespace slipbench
