@@ -105,21 +105,6 @@ FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* enc
   return finished;
 }
 
-// Adds the trial's number, and the line of the scene where one is to blame, to what went wrong.
-[[noreturn]] void rethrow_of_trial(const TrialPlan& plan, std::size_t index) {
-  try {
-    throw;
-  } catch (const SceneValueError& error) {
-    throw InputError(fmt::format("trial {}: {}: {}", index, plan.where(index, error.path()), error.what()));
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("trial {}: {}", index, error.what()));
-  } catch (const std::bad_alloc&) {
-    throw InputError(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
-  } catch (const std::exception& error) {
-    throw std::runtime_error(fmt::format("trial {}: {}", index, error.what()));
-  }
-}
-
 // Grid cells beyond this many are checked when they run.
 constexpr std::size_t max_checked_cells = 10'000;
 
@@ -167,12 +152,18 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
   }
 }
 
-// As run_one; a trial that fails gives an InputError with its number.
+// As run_one; what went wrong is told with the trial's number, and with the line of the scene where one is to blame.
 FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
   try {
     return run_one(plan, index, encoder);
-  } catch (...) {
-    rethrow_of_trial(plan.trials, index);
+  } catch (const SceneValueError& error) {
+    throw InputError(fmt::format("trial {}: {}: {}", index, plan.trials.where(index, error.path()), error.what()));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("trial {}: {}", index, error.what()));
+  } catch (const std::bad_alloc&) {
+    throw InputError(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
+  } catch (const std::exception& error) {
+    throw std::runtime_error(fmt::format("trial {}: {}", index, error.what()));
   }
 }
 
@@ -192,10 +183,12 @@ OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepO
   };
 }
 
-// What became of the finished trials of a run that failed; empty when there are none.
-std::string kept_text(const std::vector<std::string>& files, std::size_t held, std::size_t planned) {
+// Keeps the finished trials of a run that failed, and says where; empty when there are none.
+std::string keep_finished(DatasetWriter& writer, std::size_t planned) {
+  const std::size_t finished = writer.size();
+  const std::vector<std::string> files = writer.keep_partial();
   if (files.empty()) return "";
-  return fmt::format("; {} {} {} of {} trials", fmt::join(files, ", "), files.size() == 1 ? "holds" : "hold", held, planned);
+  return fmt::format("; {} {} {} of {} trials", fmt::join(files, ", "), files.size() == 1 ? "holds" : "hold", finished, planned);
 }
 
 // One number of every unit; nlohmann writes NaN as null.
@@ -206,6 +199,7 @@ Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) 
   return values;
 }
 
+// The scene's sweep, its cells repeated until there are at least options.limit trials.
 TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
   TrialPlan plan(file, catalogues, options.trials, seed);
   if (plan.size() >= options.limit) return plan;
@@ -273,12 +267,9 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   if (writer) static_cast<void>(content_digest({}));
 
   const auto run_all = [&] {
+    const WorkPlan work{plan, summary.seed, recording_of(options), workforce.max_bytes};
     OrderedWorkers<FinishedTrial> workers(
-        summary.planned, workforce.threads,
-        [&] {
-          return make_work({plan, summary.seed, recording_of(options), workforce.max_bytes}, options);
-        },
-        options.interrupt);
+        summary.planned, workforce.threads, [&] { return make_work(work, options); }, options.interrupt);
     while (std::optional<FinishedTrial> trial = workers.next()) {
       if (writer) writer->append(*trial->encoded);
       summary.simulated += trial->duration;
@@ -294,8 +285,7 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
     if (writer) summary.files = summary.interrupted ? writer->keep_partial() : writer->commit();
   } catch (const std::exception& error) {
     if (!writer) throw;
-    const std::size_t held = writer->size();
-    const std::string kept = kept_text(writer->keep_partial(), held, summary.planned);
+    const std::string kept = keep_finished(*writer, summary.planned);
     if (dynamic_cast<const InputError*>(&error) != nullptr) throw InputError(error.what() + kept);
     if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) throw InputError("out of memory" + kept);
     throw std::runtime_error(error.what() + kept);

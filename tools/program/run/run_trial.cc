@@ -14,9 +14,11 @@
 #include "tools/program/catalogue/controller_catalogue.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/detector_loop.h"
-#include "tools/program/run/grip_loop.h"
+#include "tools/program/run/control_loop.h"
+#include "tools/program/run/finite.h"
+#include "tools/program/run/judge.h"
 #include "tools/program/run/recorder.h"
+#include "tools/program/run/sampling.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "sim/mujoco/articulated_simulation.h"
 #include "sim/mujoco/dynamic_simulation.h"
@@ -63,22 +65,22 @@ std::unique_ptr<Simulation> make_simulation(const Scene& scene, const Sensors& s
   return std::make_unique<StageSimulation>(scene, pads, rates, trial);
 }
 
-DetectorLoop make_loop(const DetectorScene& detector, const Scene& scene, const Sensors& sensors, const Simulation& simulation,
-                       std::uint64_t trial) {
+DelayedDetector make_delayed_detector(const DetectorScene& detector, const Scene& scene, const Sensors& sensors,
+                                      const Simulation& simulation, std::uint64_t trial) {
   const SensorScene& about = scene.sensors[detector.sensor];
   const Sensor& sensor = *sensors[detector.sensor];
-  return {make_detector(detector, {about.name, about.type, sensor.rate(), sensor.channels(), trial, scene.duration, scene.seed},
-                        simulation),
-          detector.sensor};
+  return DelayedDetector(make_detector(
+      detector, {about.name, about.type, sensor.rate(), sensor.channels(), trial, scene.duration, scene.seed}, simulation));
 }
 
-GripLoop make_grip_loop(Simulation& simulation, const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
-  if (const double start = simulation.held_box()->lift_start(); !scene.guided() && scene.duration <= start) {
-    throw SceneValueError("duration",
-                          "ends before the box is lifted; allowed: more than " + format_quantity(start, Quantity::time));
+ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& simulation, std::uint64_t trial) {
+  HeldBox* box = simulation.held_box();
+  if (box != nullptr && !scene.guided() && scene.duration <= box->lift_start()) {
+    throw SceneValueError(
+        "duration", "ends before the box is lifted; allowed: more than " + format_quantity(box->lift_start(), Quantity::time));
   }
-  std::optional<DetectorLoop> detector;
-  if (scene.detector) detector = make_loop(*scene.detector, scene, sensors, simulation, trial);
+  std::optional<DelayedDetector> detector;
+  if (scene.detector) detector = make_delayed_detector(*scene.detector, scene, sensors, simulation, trial);
   std::unique_ptr<Controller> controller;
   if (scene.controller) {
     controller = make_controller(*scene.controller, {.channels = sensors.front()->channels(),
@@ -87,58 +89,17 @@ GripLoop make_grip_loop(Simulation& simulation, const Scene& scene, const Sensor
                                                      .features = detector ? detector->features() : std::vector<Feature>{},
                                                      .guided = scene.guided()});
   }
-  return {*simulation.held_box(), std::move(controller), std::move(detector)};
+  return ControlLoop(std::move(detector), scene.detector ? scene.detector->sensor : 0, std::move(controller), box);
 }
 
-// How many ticks each pad has had.
-using Ticks = std::vector<std::size_t>;
-
-bool has_tick(const Simulation& simulation, std::size_t pad) {
-  const std::span<const std::size_t> stepped = simulation.stepped();
-  return std::ranges::find(stepped, pad) != stepped.end();
-}
-
-void close_loop(TrialRecorder&, const Ticks&, const Simulation&, const OpenLoop&) {}
-void close_loop(TrialRecorder& recorder, const Ticks& had, const Simulation& simulation, DetectorLoop& loop) {
-  if (!has_tick(simulation, loop.pad())) return;
-  const ContactFrame& truth = simulation.contact(loop.pad());
-  recorder.loop(had[loop.pad()] - 1, truth, loop.seen_at(truth.time).state);
-}
-void close_loop(TrialRecorder& recorder, const Ticks& had, Simulation& simulation, GripLoop& loop) {
-  if (has_tick(simulation, 0)) {
-    const ContactFrame& truth = simulation.contact(0);
-    loop.act(truth.time);
-    recorder.grip(truth, *simulation.held_box(), loop);
+// After a trial that was not recorded this is all that is left to look at.
+void check_last_tick(const TrialRecord& record, const Sensors& sensors, const Simulation& simulation, const Sampler& sampler) {
+  for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
+    const std::string& name = record.sensors[pad].name;
+    check_finite(name, simulation.contact(pad));
+    check_finite(name, sensors[pad]->channels(), sampler.latest(pad));
   }
-  if (!loop.closed() || !has_tick(simulation, loop.pad())) return;
-  const std::size_t tick = had[loop.pad()] - 1;
-  recorder.grip_row(tick, *simulation.held_box(), loop);
-  recorder.loop(tick, simulation.contact(loop.pad()), loop.seen());
-}
-
-template <class Loop>
-void run(Simulation& simulation, const Sensors& sensors, TrialRecorder& recorder, Loop& loop) {
-  Ticks had(sensors.size(), 0);
-  std::size_t left = 0;
-  for (std::size_t pad = 0; pad < sensors.size(); ++pad) left += simulation.ticks(pad);
-  while (left > 0) {
-    simulation.step();
-    const std::span<const std::size_t> stepped = simulation.stepped();
-    for (const std::size_t pad : stepped) {
-      const std::size_t tick = had[pad]++;
-      const ContactFrame& truth = simulation.contact(pad);
-      recorder.observe(pad, truth);
-      recorder.bodies(pad, tick, truth.time, simulation.bodies());
-      const Sampling& sampling = recorder.sampling(pad);
-      if (!sampling.reads_at(tick)) continue;
-      const SensorFrame& frame = sensors[pad]->measure(truth);
-      if (!sampling.completes_at(tick)) continue;
-      recorder.sample(pad, truth, frame);
-      loop.sample(pad, frame);
-    }
-    close_loop(recorder, had, simulation, loop);
-    left -= stepped.size();
-  }
+  check_finite(simulation.contact(0).time, simulation.bodies());
 }
 
 double shortest_step(const Simulation& simulation, std::size_t pads) {
@@ -152,29 +113,34 @@ double shortest_step(const Simulation& simulation, std::size_t pads) {
 double check_trial(const Scene& scene, std::uint64_t trial) {
   const Sensors sensors = make_sensors(scene, trial);
   const std::unique_ptr<Simulation> simulation = make_simulation(scene, sensors, trial);
-  if (simulation->held_box() != nullptr) {
-    static_cast<void>(make_grip_loop(*simulation, scene, sensors, trial));
-  } else if (scene.detector) {
-    static_cast<void>(make_loop(*scene.detector, scene, sensors, *simulation, trial));
-  }
-  return record_bytes(scene, sensors, *simulation);
+  const Sampler sampler(scene, sensors, *simulation);
+  static_cast<void>(make_loop(scene, sensors, *simulation, trial));
+  return record_bytes(scene, sensors, *simulation, sampler);
 }
 
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes) {
   const Sensors sensors = make_sensors(scene, trial);
   const std::unique_ptr<Simulation> simulation = make_simulation(scene, sensors, trial);
-  TrialRecorder recorder(scene, sensors, *simulation, trial, recording, max_bytes);
-  if (simulation->held_box() != nullptr) {
-    GripLoop loop = make_grip_loop(*simulation, scene, sensors, trial);
-    run(*simulation, sensors, recorder, loop);
-  } else if (scene.detector) {
-    DetectorLoop loop = make_loop(*scene.detector, scene, sensors, *simulation, trial);
-    run(*simulation, sensors, recorder, loop);
-  } else {
-    OpenLoop loop;
-    run(*simulation, sensors, recorder, loop);
+  const HeldBox* box = simulation->held_box();
+  TrialResult result{.record = new_record(scene, sensors, *simulation, trial), .units = {}};
+  Sampler sampler(scene, sensors, *simulation);
+  Judge judge(scene, *simulation, box, result);
+  std::optional<Recorder> recorder;
+  if (recording == Recording::full) recorder.emplace(scene, sensors, *simulation, box, sampler, max_bytes, result.record);
+  ControlLoop loop = make_loop(scene, sensors, *simulation, trial);
+
+  while (!sampler.finished()) {
+    simulation->step();
+    const std::span<const Tick> ticks = sampler.measure();
+    loop.update(ticks);
+    loop.act(ticks);
+    judge.observe(ticks, loop);
+    if (recorder) recorder->record(ticks, loop);
   }
-  TrialResult result = recorder.finish();
+
+  judge.finish(sensors);
+  if (recorder) check_finite(result.record);
+  check_last_tick(result.record, sensors, *simulation, sampler);
   result.time_step = shortest_step(*simulation, sensors.size());
   if (!scene.model.empty()) result.record.model_sha256 = file_sha256(scene.model);
   return result;

@@ -14,7 +14,7 @@
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/detector_loop.h"
+#include "tools/program/run/delayed_detector.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench {
@@ -97,15 +97,15 @@ TEST(Truth, IsSeenByTheOracleAlone) {
     StageSimulation simulation(scene, pads, rates, 0);
     Liar liar(simulation);
     const FrameSource source{"pad", scene.sensors[0].type, device->rate(), device->channels(), 0, scene.duration, scene.seed};
-    DetectorLoop loop(make_detector(*scene.detector, source, simulation), 0);
-    DetectorLoop misled(make_detector(*scene.detector, source, liar), 0);
+    DelayedDetector honest(make_detector(*scene.detector, source, simulation));
+    DelayedDetector misled(make_detector(*scene.detector, source, liar));
     std::size_t differ = 0;
     for (std::size_t tick = 0; tick < simulation.ticks(0); ++tick) {
       liar.step();
       const double time = simulation.contact(0).time;
-      loop.sample(0, device->measure(simulation.contact(0)));
-      misled.sample(0, misled_device->measure(liar.contact(0)));
-      const SlipEstimate one = loop.seen_at(time);
+      honest.update(device->measure(simulation.contact(0)));
+      misled.update(misled_device->measure(liar.contact(0)));
+      const SlipEstimate one = honest.seen_at(time);
       const SlipEstimate other = misled.seen_at(time);
       ASSERT_EQ(static_cast<std::uint8_t>(one.state), classes[tick]) << entry.name << " at " << time << " s";
       const bool same = one.state == other.state && one.time == other.time && one.latency == other.latency &&

@@ -14,6 +14,7 @@
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/recorder.h"
+#include "tools/program/run/run_trial.h"
 
 namespace slipbench::sampling_test {
 namespace {
@@ -82,17 +83,14 @@ TrialRecord record_of(const Scene& scene) {
   const PadLayout* pad = &sensors.front()->layout();
   const double readings = 1000.0;
   StageSimulation simulation(scene, {&pad, 1}, {&readings, 1}, 0);
-  TrialRecorder recorder(scene, sensors, simulation, 0, Recording::full, max_record_bytes);
-  for (std::size_t tick = 0; tick < simulation.ticks(0); ++tick) {
+  Sampler sampler(scene, sensors, simulation);
+  TrialRecord record = new_record(scene, sensors, simulation, 0);
+  Recorder recorder(scene, sensors, simulation, nullptr, sampler, max_record_bytes, record);
+  while (!sampler.finished()) {
     simulation.step();
-    recorder.observe(0, simulation.contact(0));
-    if (recorder.sampling(0).reads_at(tick)) {
-      const SensorFrame& frame = sensors.front()->measure(simulation.contact(0));
-      if (recorder.sampling(0).completes_at(tick)) recorder.sample(0, simulation.contact(0), frame);
-    }
-    recorder.bodies(0, tick, simulation.contact(0).time, simulation.bodies());
+    recorder.record(sampler.measure(), ControlLoop());
   }
-  return recorder.finish().record;
+  return record;
 }
 
 TEST(Sampling, TheRecordHoldsWholeSamplesAndASlowChannelItsOwnTime) {
@@ -124,19 +122,19 @@ TEST(Sampling, ATrialWithoutAWholeSampleIsRefused) {
   }
 }
 
-TEST(Sampling, ASensorBetweenItsUnitsNeedsABenchThatTellsOfElements) {
+TEST(Sampling, ASensorBetweenItsUnitsNeedsASimulationThatTellsOfElements) {
   const Scene scene = scene_of("30 ms");
   PadLayout with = make_sensor(scene.sensors.front(), scene.seed, 0)->layout(), without = with;
   with.element_truth = true;
   std::vector<std::unique_ptr<Sensor>> sensors;
   sensors.push_back(std::make_unique<Multiplexed>(with));
   const double readings = 1000.0;
-  const auto record_on = [&](const PadLayout* pad) {
+  const auto sample_on = [&](const PadLayout* pad) {
     const StageSimulation simulation(scene, {&pad, 1}, {&readings, 1}, 0);
-    const TrialRecorder recorder(scene, sensors, simulation, 0, Recording::full, max_record_bytes);
+    const Sampler sampler(scene, sensors, simulation);
   };
-  EXPECT_NO_THROW(record_on(&with));
-  EXPECT_THROW(record_on(&without), std::logic_error);
+  EXPECT_NO_THROW(sample_on(&with));
+  EXPECT_THROW(sample_on(&without), std::logic_error);
 }
 
 }  // namespace

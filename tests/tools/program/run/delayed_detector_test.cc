@@ -1,4 +1,4 @@
-#include "tools/program/run/detector_loop.h"
+#include "tools/program/run/delayed_detector.h"
 
 #include <cmath>
 #include <limits>
@@ -27,10 +27,12 @@ class Scripted : public Detector {
   SlipEstimate estimate_;
 };
 
-DetectorLoop loop_with(std::vector<double> latencies) { return {std::make_unique<Scripted>(std::move(latencies)), 0}; }
+DelayedDetector detector_with(std::vector<double> latencies) {
+  return DelayedDetector(std::make_unique<Scripted>(std::move(latencies)));
+}
 
 // The first tick that sees the frame of tick k is k + ceil(latency / step). One frame a tick.
-TEST(DetectorLoop, SeesAnEstimateAtTheFirstTickAfterItsLatency) {
+TEST(DelayedDetector, SeesAnEstimateAtTheFirstTickAfterItsLatency) {
   struct Case {
     double latency;  // in steps
     std::size_t late;
@@ -38,11 +40,11 @@ TEST(DetectorLoop, SeesAnEstimateAtTheFirstTickAfterItsLatency) {
   for (const double step : {1e-3, 1e-4, 1.0 / 3000.0, 0.7e-3}) {
     // The third is a microsecond at steps of a millisecond.
     for (const Case c : {Case{0.0, 0}, {1e-3, 1}, {0.999, 1}, {1.0, 1}, {1.001, 2}, {2.0, 2}, {2.5, 3}, {15.0, 15}}) {
-      DetectorLoop loop = loop_with({c.latency * step});
+      DelayedDetector detector = detector_with({c.latency * step});
       for (std::size_t tick = 0; tick < 20'000; ++tick) {
         const double time = static_cast<double>(tick) * step;
-        loop.sample(0, {time, {}});
-        const SlipEstimate& seen = loop.seen_at(time);
+        detector.update({time, {}});
+        const SlipEstimate& seen = detector.seen_at(time);
         if (tick < c.late) {
           ASSERT_EQ(seen.state, PadState::no_contact);
           continue;
@@ -73,14 +75,14 @@ class Numbering final : public Detector {
 };
 
 // 2.5 ms late, frames and ticks a millisecond apart: at tick k the number k - 3.
-TEST(DetectorLoop, FeaturesAreThoseOfTheEstimateThatIsSeen) {
-  DetectorLoop loop(std::make_unique<Numbering>(), 0);
-  ASSERT_EQ(loop.features().size(), 1U);
-  EXPECT_EQ(loop.features().front().name, "number");
+TEST(DelayedDetector, FeaturesAreThoseOfTheEstimateThatIsSeen) {
+  DelayedDetector detector(std::make_unique<Numbering>());
+  ASSERT_EQ(detector.features().size(), 1U);
+  EXPECT_EQ(detector.features().front().name, "number");
   for (std::size_t tick = 0; tick < 20; ++tick) {
     const double time = 1e-3 * static_cast<double>(tick);
-    loop.sample(0, {time, {}});
-    const std::vector<double>& seen = loop.seen_at(time).features;
+    detector.update({time, {}});
+    const std::vector<double>& seen = detector.seen_at(time).features;
     if (tick < 3) {
       EXPECT_TRUE(seen.empty());
     } else {
@@ -90,12 +92,12 @@ TEST(DetectorLoop, FeaturesAreThoseOfTheEstimateThatIsSeen) {
 }
 
 // The sensor samples every fourth tick: the same estimate is seen until the next one is there.
-TEST(DetectorLoop, KeepsTheLatestEstimateBetweenSamples) {
-  DetectorLoop loop = loop_with({2.5e-3});
+TEST(DelayedDetector, KeepsTheLatestEstimateBetweenSamples) {
+  DelayedDetector detector = detector_with({2.5e-3});
   for (std::size_t tick = 0; tick < 40; ++tick) {
     const double time = 1e-3 * static_cast<double>(tick);
-    if (tick % 4 == 0) loop.sample(0, {time, {}});
-    const SlipEstimate& seen = loop.seen_at(time);
+    if (tick % 4 == 0) detector.update({time, {}});
+    const SlipEstimate& seen = detector.seen_at(time);
     if (tick < 3) {
       EXPECT_EQ(seen.state, PadState::no_contact);
     } else {
@@ -105,40 +107,32 @@ TEST(DetectorLoop, KeepsTheLatestEstimateBetweenSamples) {
 }
 
 // The frame of tick 0 takes 5 ticks, that of tick 1 one: from tick 2 on the later one is seen, and the earlier never again.
-TEST(DetectorLoop, NeverGoesBackToAnOlderFrame) {
-  DetectorLoop loop = loop_with({5e-3, 1e-3, 100.0});
+TEST(DelayedDetector, NeverGoesBackToAnOlderFrame) {
+  DelayedDetector detector = detector_with({5e-3, 1e-3, 100.0});
   std::vector<double> seen;
   for (std::size_t tick = 0; tick < 10; ++tick) {
     const double time = 1e-3 * static_cast<double>(tick);
-    if (tick < 2) loop.sample(0, {time, {}});
-    const SlipEstimate& estimate = loop.seen_at(time);
+    if (tick < 2) detector.update({time, {}});
+    const SlipEstimate& estimate = detector.seen_at(time);
     seen.push_back(estimate.state == PadState::no_contact ? -1.0 : estimate.time);
   }
   EXPECT_EQ(seen, (std::vector{-1.0, -1.0, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3}));
 }
 
-TEST(DetectorLoop, IsFedByItsOwnPadAlone) {
-  DetectorLoop loop{std::make_unique<Scripted>(std::vector{0.0}), 1};
-  loop.sample(0, {0.0, {}});
-  EXPECT_EQ(loop.seen_at(0.0).state, PadState::no_contact);
-  loop.sample(1, {0.0, {}});
-  EXPECT_EQ(loop.seen_at(0.0).state, PadState::non_slip);
-}
-
-TEST(DetectorLoop, ALatencyThatCannotBeIsABug) {
+TEST(DelayedDetector, ALatencyThatCannotBeIsABug) {
   for (const double latency : {-1e-9, std::numeric_limits<double>::quiet_NaN()}) {
-    DetectorLoop loop = loop_with({latency});
-    EXPECT_THROW(loop.sample(0, {0.0, {}}), std::logic_error);
+    DelayedDetector detector = detector_with({latency});
+    EXPECT_THROW(detector.update({0.0, {}}), std::logic_error);
   }
-  DetectorLoop never = loop_with({std::numeric_limits<double>::infinity()});
-  never.sample(0, {0.0, {}});
+  DelayedDetector never = detector_with({std::numeric_limits<double>::infinity()});
+  never.update({0.0, {}});
   EXPECT_EQ(never.seen_at(1e9).state, PadState::no_contact);
 }
 
-TEST(DetectorLoop, AnOlderEstimateIsABug) {
-  DetectorLoop loop = loop_with({0.0});
-  loop.sample(0, {2e-3, {}});
-  EXPECT_THROW(loop.sample(0, {1e-3, {}}), std::logic_error);
+TEST(DelayedDetector, AnOlderEstimateIsABug) {
+  DelayedDetector detector = detector_with({0.0});
+  detector.update({2e-3, {}});
+  EXPECT_THROW(detector.update({1e-3, {}}), std::logic_error);
 }
 
 }  // namespace

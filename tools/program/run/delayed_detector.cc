@@ -1,4 +1,4 @@
-#include "tools/program/run/detector_loop.h"
+#include "tools/program/run/delayed_detector.h"
 
 #include <limits>
 #include <stdexcept>
@@ -12,14 +12,15 @@ bool has_come(double due, double time) { return due <= time + 4.0 * std::numeric
 
 }  // namespace
 
-void DetectorLoop::send(const SlipEstimate& estimate) {
+void DelayedDetector::update(const SensorFrame& frame) {
+  const SlipEstimate& estimate = detector_->update(frame);
   if (!(estimate.latency >= 0.0)) throw std::logic_error("a detector's latency is negative or no number");
   const SlipEstimate& last = under_way_.empty() ? seen_ : under_way_.back();
   if (estimate.time < last.time) throw std::logic_error("a detector's estimate is older than its last one");
   under_way_.push_back(estimate);
 }
 
-const SlipEstimate& DetectorLoop::seen_at(double time) {
+const SlipEstimate& DelayedDetector::seen_at(double time) {
   for (std::size_t i = under_way_.size(); i-- > 0;) {
     if (!has_come(under_way_[i].time + under_way_[i].latency, time)) continue;
     seen_ = under_way_[i];

@@ -1,5 +1,5 @@
 // The loop's delays, tick by tick, with the real gripper and a controller that writes down what it is handed.
-#include "tools/program/run/grip_loop.h"
+#include "tools/program/run/control_loop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,38 +51,42 @@ class Notes final : public Controller {
   int wrong_;
 };
 
-// Says of a frame 15 ms after it that it slips.
+// Says of a frame `latency` after it that it slips.
 class Late final : public Detector {
  public:
+  explicit Late(double latency) : latency_(latency) {}
   const SlipEstimate& update(const SensorFrame& frame) override {
-    estimate_ = {.time = frame.time, .latency = 0.015, .state = PadState::gross};
+    estimate_ = {.time = frame.time, .latency = latency_, .state = PadState::gross};
     return estimate_;
   }
 
  private:
+  double latency_;  // s
   SlipEstimate estimate_;
 };
 
 // Runs ticks 0 to `ticks` - 1 with a frame every 10 ms; returns the first time at which the fingers move.
-double run(GripLoop& loop, HeldBox& box, std::size_t ticks) {
+double run(ControlLoop& loop, HeldBox& box, std::size_t ticks) {
   double moved = std::nan("");
   for (std::size_t tick = 0; tick < ticks; ++tick) {
     const double time = static_cast<double>(tick) * step;
-    if (tick % 50 == 0) loop.sample(0, {time, {}});
+    const SensorFrame frame{time, {}};
+    const Tick now{0, time, tick % 50 == 0 ? &frame : nullptr};
+    loop.update({&now, 1});
     box.gripper().update(time, 0.0);
     if (std::isnan(moved) && box.gripper().opening_speed(time) < 0.0) moved = time;
-    loop.act(time);
+    loop.act({&now, 1});
   }
   return moved;
 }
 
 // Phase 3.1 ms, period 20 ms, write 10 ms after the read, latency 20 ms: reads at 3.1, 23.1 and 43.1 ms; what follows from the first is
 // written at 13.1 and acts from 33.1 ms on. No instant falls on a tick: the next one (0.2 ms) does it, and the drive moves from the instant.
-TEST(GripLoop, DelaysAreThoseOfTheScene) {
+TEST(ControlLoop, DelaysAreThoseOfTheScene) {
   BareGripper box(3.1e-3);
   const int start = box.gripper().position(0.0);
   std::vector<Handed> handed;
-  GripLoop loop(box, std::make_unique<Notes>(handed), DetectorLoop(std::make_unique<Late>(), 0));
+  ControlLoop loop(DelayedDetector(std::make_unique<Late>(0.015)), 0, std::make_unique<Notes>(handed), &box);
   const double moved = run(loop, box, 240);  // to 47.8 ms
   ASSERT_EQ(handed.size(), 3U);
   const double reads[] = {3.1e-3, 23.1e-3, 43.1e-3};
@@ -100,15 +104,26 @@ TEST(GripLoop, DelaysAreThoseOfTheScene) {
   EXPECT_EQ(loop.written().position, start + 1);
   EXPECT_EQ(loop.measured_position(), handed.back().position);
   // The second read still measures the start, so that its command is the first one's again and tightens nothing.
-  EXPECT_NEAR(loop.tightening().read, 3.1e-3, 1e-12);
-  EXPECT_NEAR(loop.tightening().acts, 33.1e-3, 1e-12);
+  EXPECT_NEAR(loop.tightening().read_time, 3.1e-3, 1e-12);
+  EXPECT_NEAR(loop.tightening().start_time, 33.1e-3, 1e-12);
 }
 
-TEST(GripLoop, WithoutAControllerNothingMoves) {
+TEST(ControlLoop, ADetectorIsFedByItsOwnPadAlone) {
+  ControlLoop loop(DelayedDetector(std::make_unique<Late>(0.0)), 1);
+  const SensorFrame frame{0.0, {}};
+  for (const std::size_t pad : {0U, 1U}) {
+    const Tick tick{pad, 0.0, &frame};
+    loop.update({&tick, 1});
+    loop.act({&tick, 1});
+    EXPECT_EQ(loop.seen(), pad == 1 ? PadState::gross : PadState::no_contact);
+  }
+}
+
+TEST(ControlLoop, WithoutAControllerNothingMoves) {
   BareGripper box(3e-3);
   const int start = box.gripper().position(0.0);
-  GripLoop loop(box, nullptr, std::nullopt);
-  EXPECT_FALSE(loop.closed());
+  ControlLoop loop({}, 0, nullptr, &box);
+  EXPECT_FALSE(loop.has_detector());
   EXPECT_TRUE(std::isnan(run(loop, box, 500)));
   EXPECT_EQ(loop.written().position, start);
   EXPECT_EQ(loop.measured_position(), start);
@@ -139,26 +154,26 @@ class Raising final : public Controller {
 };
 
 // Read at 23.1 ms, written at 33.1 ms, obeyed from 41.1 ms on: the third command, which says nothing of the arm, leaves it as it is.
-TEST(GripLoop, TheArmIsToldWithTheWrite) {
+TEST(ControlLoop, TheArmIsToldWithTheWrite) {
   GuidedGripper box(3.1e-3);
-  GripLoop loop(box, std::make_unique<Raising>(), std::nullopt);
+  ControlLoop loop({}, 0, std::make_unique<Raising>(), &box);
   run(loop, box, 400);
-  EXPECT_EQ(loop.told_arm().up, 10e-3);
-  EXPECT_EQ(loop.told_arm().sideways, 0.0);
+  EXPECT_EQ(loop.arm_command().up, 10e-3);
+  EXPECT_EQ(loop.arm_command().sideways, 0.0);
   EXPECT_NEAR(box.arm()->lift_start(), 41.1e-3, 1e-12);
   EXPECT_NEAR(box.arm()->pad_at(1.0911).pose.position.z(), 10.25e-3, 1e-12);  // 50 ms and 0.25 mm of it on the ramp
 }
 
-TEST(GripLoop, NoControllerCommandsAnArmThatIsPrescribed) {
+TEST(ControlLoop, NoControllerCommandsAnArmThatIsPrescribed) {
   BareGripper box(0.0);
-  GripLoop loop(box, std::make_unique<Raising>(), std::nullopt);
+  ControlLoop loop({}, 0, std::make_unique<Raising>(), &box);
   EXPECT_THROW(run(loop, box, 400), std::logic_error);
 }
 
-TEST(GripLoop, CommandThatIsNoByteEndsTheRun) {
+TEST(ControlLoop, CommandThatIsNoByteEndsTheRun) {
   BareGripper box(0.0);
   std::vector<Handed> handed;
-  GripLoop loop(box, std::make_unique<Notes>(handed, 256), std::nullopt);
+  ControlLoop loop({}, 0, std::make_unique<Notes>(handed, 256), &box);
   EXPECT_THROW(run(loop, box, 100), InputError);
 }
 
