@@ -68,15 +68,15 @@ ControllerKind step_on_slip() {
        "F: sum of the pillars' normal forces. The force stays below the ceiling where a count is worth no more than force_per_count and the force is no older than the position",
        "HD-computing slip paper, section IV-D and its published HDL (control_gripper.sv); debounce, ceiling and what is not wrap are additions",
        with_registers({
-           declared("debounce", ParameterType::integer, Quantity::none, "1", {.min = 1.0, .max = 1e6, .open_min = false},
-                    "Updates in a row with slip before it counts; 1: at once.", "published: none"),
+           integer_spec("debounce", "1", {1.0, 1e6}, "Updates in a row with slip before it counts; 1: at once.",
+                        "published: none"),
            ceiling_spec(),
            force_per_count_spec(),
-           declared_choice(
+           choice_spec(
                "overflow", "refuse", {"refuse", "hold", "wrap"},
                "One count beyond 255: the run ends with an error, the position stays, or the byte wraps to 0 and the fingers open.",
                "published: wrap; refused here, because nobody wants it unasked"),
-           declared_choice(
+           choice_spec(
                "idle", "measured_position", {"measured_position", "last_command"},
                "What is commanded while nothing asks for more. The measured position is old: it takes back a count that is on its way.",
                "published HDL (control_gripper.sv): the measured position"),

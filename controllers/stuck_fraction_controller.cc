@@ -50,8 +50,8 @@ ControllerKind stuck_fraction() {
        "F: sum of the pillars' normal forces. The position ends at 255 and stays there. A detector that tells no stuck fraction is refused",
        "stick ratio as feedback: Ikeda et al., IROS 2004, and arXiv:2402.11879",
        with_registers({
-           declared("gain", ParameterType::number, Quantity::force, "12 N", non_negative,
-                    "Grip force added to the preset when no pillar sticks.", "assumed"),
+           number_spec("gain", Quantity::force, "12 N", non_negative, "Grip force added to the preset when no pillar sticks.",
+                       "assumed"),
            force_per_count_spec(),
            ceiling_spec(),
            loosen_spec(),

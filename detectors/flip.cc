@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "detectors/specs.h"
 #include "sim/core/random.h"
 
 namespace slipbench {

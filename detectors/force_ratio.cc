@@ -1,7 +1,6 @@
 #include "detectors/force_ratio.h"
 
 #include "detectors/channel.h"
-#include "detectors/specs.h"
 #include "detectors/unit_counts.h"
 
 namespace slipbench {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "detectors/channel.h"
-#include "detectors/specs.h"
 #include "detectors/unit_counts.h"
 #include "detectors/window.h"
 
@@ -99,9 +98,9 @@ Entry shear_rate_entry() {
           number_spec("loading", Quantity::force, "20 mN", positive,
                       "Growth of f_t over one window from which on a unit counts as loaded: several times the noise of 2 mN.",
                       "assumed"),
-          number_spec("following", Quantity::none, "0.5", share_range,
+          number_spec("following", Quantity::none, "0.5", positive_up_to(1.0),
                       "Share of the largest shear rate below which the shear has stopped following the load.", "assumed"),
-          number_spec("release", Quantity::none, "0.9", share_range,
+          number_spec("release", Quantity::none, "0.9", positive_up_to(1.0),
                       "Share of the ratio f_t/f_n at which it was found to slip below which a unit sticks again.", "assumed"),
           least_friction_spec(),
           touch_spec(),

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "detectors/channel.h"
-#include "detectors/specs.h"
 #include "detectors/unit_counts.h"
 #include "detectors/window.h"
 
@@ -96,9 +95,9 @@ Entry stuck_fraction_entry() {
           window_spec(),
           number_spec("moving_speed", Quantity::speed, "0.5 mm/s", positive,
                       "Fastest tip below which the speeds say nothing: several times the noise of 1 um over 20 ms.", "assumed"),
-          number_spec("stuck_share", Quantity::none, "0.5", share_range,
+          number_spec("stuck_share", Quantity::none, "0.5", positive_up_to(1.0),
                       "Share of the fastest tip's speed from which a pillar sticks.", "assumed"),
-          number_spec("friction_share", Quantity::none, "0.9", share_range,
+          number_spec("friction_share", Quantity::none, "0.9", positive_up_to(1.0),
                       "Share of the friction seen last from which a pillar slips while nothing moves.", "assumed"),
           least_friction_spec(),
           touch_spec(),

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "detectors/specs.h"
 #include "sim/core/error.h"
 
 namespace slipbench {

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "detectors/specs.h"
 #include "sim/core/error.h"
 
 namespace slipbench::nib {

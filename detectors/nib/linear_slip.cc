@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "detectors/nib/features.h"
-#include "detectors/specs.h"
 
 namespace slipbench {
 namespace nib {
@@ -46,34 +45,6 @@ class LinearSlip final : public Detector {
   SlipEstimate estimate_;
 };
 
-std::vector<ParameterSpec> flag_specs() {
-  std::vector<ParameterSpec> all = feature_specs();
-  const std::vector<ParameterSpec> own{
-      number_spec("threshold", Quantity::none, "25", positive,
-                  "SLIP_THRES: magnitude above which a spectrum raises a flag [counts].",
-                  "assumed: not in the paper; what the noise of a pad at rest exceeds in one of a thousand spectra"),
-      number_spec("counter_max", Quantity::none, "9", positive, "M, the counter's limit without shear.", "paper, section V"),
-      number_spec("weight", Quantity::none, "10", non_negative, "alpha, by which the limit falls with the ratio F_S,y/F_N.",
-                  "paper, section V"),
-      number_spec("patience", Quantity::time, "0.5 s", non_negative,
-                  "TIME_THRES: time since the last flag after which the counter falls.", "assumed: not in the paper; one window"),
-      number_spec("start", Quantity::time, "0 s", non_negative, "From when on flags count: after the load has been laid on.",
-                  "assumed: the paper runs the algorithm while the normal force falls"),
-      {.name = "ratio",
-       .type = ParameterType::choice,
-       .quantity = Quantity::none,
-       .default_text = "counts",
-       .range = any_value,
-       .choices = {"forces", "counts"},
-       .size = 1,
-       .doc = "What F_S,y/F_N is a ratio of: newtons by normal_gain and shear_gain, or raw changes of capacitance.",
-       .source =
-           "paper: equation 4 takes F_S,i and F_N,i, which equations 1 and 2 define by sums and differences of capacitances"},
-  };
-  all.insert(all.end(), own.begin(), own.end());
-  return all;
-}
-
 }  // namespace
 
 bool FlagCounter::update(double time, double magnitude, double ratio) {
@@ -100,7 +71,27 @@ Entry nib_linear_slip_entry() {
           "slip: counter >= max(1, counter_max - weight |F_S,y|/F_N), F_S,y: sum of N - S, F_N: sum of W + N + E + S\n"
           "gross from then on while the pad touches",
       .source = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, sections IV-B and V, Algorithm 1",
-      .parameters = nib::flag_specs()};
+      .parameters = joined(
+          nib::feature_specs(),
+          {
+              number_spec("threshold", Quantity::none, "25", positive,
+                          "SLIP_THRES: magnitude above which a spectrum raises a flag [counts].",
+                          "assumed: not in the paper; what the noise of a pad at rest exceeds in one of a thousand spectra"),
+              number_spec("counter_max", Quantity::none, "9", positive, "M, the counter's limit without shear.",
+                          "paper, section V"),
+              number_spec("weight", Quantity::none, "10", non_negative,
+                          "alpha, by which the limit falls with the ratio F_S,y/F_N.", "paper, section V"),
+              number_spec("patience", Quantity::time, "0.5 s", non_negative,
+                          "TIME_THRES: time since the last flag after which the counter falls.",
+                          "assumed: not in the paper; one window"),
+              number_spec("start", Quantity::time, "0 s", non_negative,
+                          "From when on flags count: after the load has been laid on.",
+                          "assumed: the paper runs the algorithm while the normal force falls"),
+              choice_spec(
+                  "ratio", "counts", {"forces", "counts"},
+                  "What F_S,y/F_N is a ratio of: newtons by normal_gain and shear_gain, or raw changes of capacitance.",
+                  "paper: equation 4 takes F_S,i and F_N,i, which equations 1 and 2 define by sums and differences of capacitances"),
+          })};
 }
 
 std::unique_ptr<Detector> make_nib_linear_slip(const Parameters& parameters, const FrameSource& source) {

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "detectors/channel.h"
-#include "detectors/specs.h"
 #include "detectors/spectral/spectral_features.h"
 #include "sim/core/error.h"
 
@@ -94,8 +93,8 @@ Entry band_energy_entry() {
           number_spec("threshold", Quantity::none, "8", positive,
                       "Root mean square of the signal in the band from which on it is a slip, in the unit of the channel.",
                       "assumed: several times the noise of the piezo_skin in the band"),
-          number_spec("release", Quantity::none, "0.7", share_range, "Share of the threshold below which a slip has ended.",
-                      "assumed"),
+          number_spec("release", Quantity::none, "0.7", positive_up_to(1.0),
+                      "Share of the threshold below which a slip has ended.", "assumed"),
       }};
 }
 

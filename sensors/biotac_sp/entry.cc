@@ -1,7 +1,7 @@
 #include <utility>
 
 #include "sensors/biotac_sp/biotac_sp.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 
 namespace slipbench {
 namespace biotac_sp {
@@ -9,31 +9,13 @@ namespace {
 
 const std::string recordings = "111 public recordings (yayaneath/BioTacSP-DoS)";
 
-ParameterSpec choice(std::string name, std::vector<std::string> choices, std::string doc, std::string source) {
-  ParameterSpec spec =
-      number_spec(std::move(name), Quantity::none, choices.front(), any_value, std::move(doc), std::move(source));
-  spec.type = ParameterType::choice;
-  spec.choices = std::move(choices);
-  return spec;
-}
-
-ParameterSpec element_count() {
-  ParameterSpec spec = number_spec(
-      "elements", Quantity::none, "300", {.min = 200.0, .max = 4000.0, .open_min = false},
-      "Friction points of the skin, Fibonacci points weighted by the area that they stand for.",
-      "a compromise of time and error (README): dents of 1 mm and more within 1 % of a four times finer mesh, edges not");
-  spec.type = ParameterType::integer;
-  return spec;
-}
-
 }  // namespace
 }  // namespace biotac_sp
 
 Entry biotac_sp_entry() {
   using namespace biotac_sp;
-  constexpr Range some_length{0.0, 0.1, true};
-  constexpr Range some_rate{
-      .min = 1.0, .max = 10e3, .open_min = false};  // the device's own converter makes 4.4 k readings a second
+  constexpr Range some_length = positive_up_to(0.1);
+  constexpr Range some_rate{1.0, 10e3};  // the device's own converter makes 4.4 k readings a second
   return {
       .name = "biotac_sp",
       .summary = "BioTac SP fingertip: 24 electrodes under fluid and a curved skin, static pressure, vibration",
@@ -57,17 +39,21 @@ Entry biotac_sp_entry() {
                       "Cycles a second, each of two readings of pac and two slots of the round; a whole multiple of rate.",
                       "Shadow hand's driver; so 20 slots a row, as the repeats in " + recordings +
                           " show (5/7 of the electrodes new in a row)"),
-          choice("scan", {"device", "ideal"}, "Whether electrodes and pdc are read by turns and held, or all with each row.",
-                 "device: measured; ideal: to see what the scan does"),
-          element_count(),
+          choice_spec("scan", "device", {"device", "ideal"},
+                      "Whether electrodes and pdc are read by turns and held, or all with each row.",
+                      "device: measured; ideal: to see what the scan does"),
+          integer_spec(
+              "elements", "300", {200.0, 4000.0},
+              "Friction points of the skin, Fibonacci points weighted by the area that they stand for.",
+              "a compromise of time and error (README): dents of 1 mm and more within 1 % of a four times finer mesh, edges not"),
           vector_spec(3, "radii", Quantity::length, "[13.85 mm, 10.1 mm, 9.85 mm]", some_length,
                       "Of the ellipsoid whose lower half is the skin: along the finger, outwards, across.",
                       "bsadr/biotac, a finite element model of the SP: 13.85 x 10.1 x 9.74 to 9.99 mm"),
           number_spec(
               "k_normal", Quantity::stiffness, "37 N/mm", positive, "Stiffness of all elements together.",
               "assumed: 0.047 N/mm3 of 786 mm2, so that a plane dents the skin by core_gap with 2 N, from where on the manual's pressure saturates"),
-          number_spec("shear", Quantity::none, "0.5", {.min = 0.0, .max = 2.0, .open_min = true},
-                      "Tangential stiffness against the normal one.", "assumed: 0.25 to 1 did not matter in the dry run"),
+          number_spec("shear", Quantity::none, "0.5", positive_up_to(2.0), "Tangential stiffness against the normal one.",
+                      "assumed: 0.25 to 1 did not matter in the dry run"),
           number_spec("near", Quantity::length, "3.5 mm", some_length, "l, width of what an electrode feels.",
                       "fitted: 3 to 4 mm; 1.5 and 5 are wrong"),
           number_spec("far", Quantity::length, "9 mm", some_length, "L, reach of the tail.", "fitted; 12 is worse"),
@@ -84,11 +70,11 @@ Entry biotac_sp_entry() {
                       "assumed: core to skin is 2.0 to 2.6 mm (bsadr/biotac), of which the skin itself about half"),
           number_spec("fluid_stiffness", Quantity::none, "0.56", positive, "K, pressure of the fluid driven away, in kPa/mm3.",
                       "assumed: at 2 N and core_gap the pressure is the force over the area of contact, 23.5 kPa of 42 mm3"),
-          number_spec("pdc_rest", Quantity::none, "2600", {.min = 0.0, .max = 4095.0, .open_min = false},
-                      "Counts of pdc that nothing touches.", "legacy BioTac at rest: 2580 to 2695"),
-          choice("device", {"fixed", "redrawn"},
-                 "Whether all trials of a dataset use one device, or each draws its own sensitivities (electronics: gain).",
-                 "fixed: one finger made all the recordings"),
+          number_spec("pdc_rest", Quantity::none, "2600", {0.0, 4095.0}, "Counts of pdc that nothing touches.",
+                      "legacy BioTac at rest: 2580 to 2695"),
+          choice_spec("device", "fixed", {"fixed", "redrawn"},
+                      "Whether all trials of a dataset use one device, or each draws its own sensitivities (electronics: gain).",
+                      "fixed: one finger made all the recordings"),
           number_spec("label_step", Quantity::length, "10 um", positive,
                       "Change of the bench's position from one row to the next from which on the paper's rule says slip.",
                       "assumed: 1 mm/s at 100 Hz; the paper labels by the motion that the robot was told to make"),

@@ -80,16 +80,10 @@ PartKind noise_part() {
                        "and exact at every rate; sd: of the value's noise",
                 .source = "spectrum of unloaded PapillArray pillars in public gripper recordings (Contactile_Data_Viz)",
                 .parameters = {scale_parameter(),
-                               {.name = "corner",
-                                .type = ParameterType::number,
-                                .quantity = Quantity::frequency,
-                                .default_text = "16 Hz",
-                                // Far below, the covariance of a step would be lost to rounding.
-                                .range = {.min = 0.1, .open_min = false, .infinite = true},
-                                .choices = {},
-                                .size = 1,
-                                .doc = "Frequency of the two equal poles; inf: white noise.",
-                                .source = "fitted to the spectrum of 13 unloaded stretches of PapillArray recordings"}}},
+                               // Far below 0.1 Hz the covariance of a step would be lost to rounding.
+                               number_spec("corner", Quantity::frequency, "16 Hz", {.min = 0.1, .infinite = true},
+                                           "Frequency of the two equal poles; inf: white noise.",
+                                           "fitted to the spectrum of 13 unloaded stretches of PapillArray recordings")}},
       .drawn_per = DrawnPer::trial,
       .make = &make};
 }

@@ -86,15 +86,9 @@ PartKind quantisation_part() {
                        "lowest, highest: ends of the converter's range for the value. The rounding of a signal that is large\n"
                        "against q adds an error of variance q^2/12",
                 .source = "the definition of a uniform converter",
-                .parameters = {{.name = "bits",
-                                .type = ParameterType::integer,
-                                .quantity = Quantity::none,
-                                .default_text = "12",
-                                .range = {.min = 1.0, .max = 24.0, .open_min = false},  // a float of 24 bits holds every level
-                                .choices = {},
-                                .size = 1,
-                                .doc = "Bits of the converter.",
-                                .source = "assumed"}}},
+                .parameters =
+                    {// A float of 24 bits holds every level.
+                     integer_spec("bits", "12", {1.0, 24.0}, "Bits of the converter.", "assumed")}},
       .drawn_per = DrawnPer::device,
       .make = &make};
 }

@@ -6,7 +6,7 @@
 
 #include "sensors/electronics/part_kind.h"
 #include "sim/core/error.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 #include "sim/core/vectorise.h"
 
 namespace slipbench {

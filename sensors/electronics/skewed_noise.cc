@@ -7,7 +7,7 @@
 
 #include "sensors/electronics/part_kind.h"
 #include "sim/core/error.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench {
@@ -69,7 +69,7 @@ void check_spike(const Parameters& parameters, const SignalModel& /*model*/, con
 
 PartKind skewed_noise_part() {
   // Deeper than a converter of 12 bit is wide, whose noise is a few counts: 4095/3.1 is 1321.
-  constexpr Range depth{0.0, 1000.0, false};
+  constexpr Range depth{0.0, 1000.0};
   const std::string fitted =
       "fitted to the readings of 44 BioTac SP recordings of a touch (yayaneath/BioTacSP-DoS), against 3.1 counts";
   return {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "sensors/myrmex/foam_cell.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 #include "sim/core/vectorise.h"
 
 namespace slipbench {
@@ -151,13 +151,6 @@ class Myrmex final : public Sensor {
   SensorFrame frame_;
 };
 
-ParameterSpec count_spec(std::string name, std::string default_text, std::string doc, std::string source) {
-  ParameterSpec spec = number_spec(std::move(name), Quantity::none, std::move(default_text),
-                                   {.min = 1.0, .max = 64.0, .open_min = false}, std::move(doc), std::move(source));
-  spec.type = ParameterType::integer;
-  return spec;
-}
-
 }  // namespace
 }  // namespace myrmex
 
@@ -175,10 +168,10 @@ Entry myrmex_entry() {
           "foam: k_n = modulus pitch^2/thickness a taxel, k_t = shear_share k_n",
       .source = cell + "; A. Visintin, Differential Models of Hysteresis (1994), ch. III (generalised play)",
       .parameters = {
-          number_spec("rate", Quantity::frequency, "1 kHz", {.min = 0.0, .max = 1900.0, .open_min = true}, "Images a second.",
+          number_spec("rate", Quantity::frequency, "1 kHz", positive_up_to(1900.0), "Images a second.",
                       paper + ": logged at 1 kHz, up to 1.9 kHz"),
-          myrmex::count_spec("rows", "16", "Taxels along Y.", paper),
-          myrmex::count_spec("columns", "16", "Taxels along X.", paper),
+          count_spec("rows", "16", "Taxels along Y.", paper),
+          count_spec("columns", "16", "Taxels along X.", paper),
           number_spec("pitch", Quantity::length, "5 mm", positive, "Edge of a taxel.", paper),
           number_spec(
               "modulus", Quantity::none, "20000", positive, "Stress of the foam by strain [Pa].",
@@ -194,7 +187,7 @@ Entry myrmex_entry() {
                       cell),
           number_spec("reference", Quantity::none, "6.03", positive, "Reference resistance of the divider [kOhm].",
                       "fitted to that cell's counts at 0.2 to 4 N, which the fit of R then meets to 4 % of the range"),
-          number_spec("hysteresis", Quantity::none, "0.03", {.min = 0.0, .max = 0.25, .open_min = false},
+          number_spec("hysteresis", Quantity::none, "0.03", {0.0, 0.25},
                       "By what share unloading reads as more, and loading as less, than the force.",
                       "that cell: unloading minus loading up to 3 to 10 % of the range; 2 h (1 - 2h)/(1 + 2h) = 5.3 %"),
       }};

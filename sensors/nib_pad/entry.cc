@@ -1,28 +1,13 @@
 #include <utility>
 
 #include "sensors/nib_pad/nib_pad.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 
 namespace slipbench {
 namespace nib_pad {
 namespace {
 
-constexpr Range some_length{0.0, 0.1, true};
-
-ParameterSpec integer(std::string name, std::string default_text, Range range, std::string doc, std::string source) {
-  ParameterSpec spec =
-      number_spec(std::move(name), Quantity::none, std::move(default_text), range, std::move(doc), std::move(source));
-  spec.type = ParameterType::integer;
-  return spec;
-}
-
-ParameterSpec choice(std::string name, std::vector<std::string> choices, std::string doc, std::string source) {
-  ParameterSpec spec =
-      number_spec(std::move(name), Quantity::none, choices.front(), any_value, std::move(doc), std::move(source));
-  spec.type = ParameterType::choice;
-  spec.choices = std::move(choices);
-  return spec;
-}
+constexpr Range some_length = positive_up_to(0.1);
 
 }  // namespace
 }  // namespace nib_pad
@@ -46,19 +31,19 @@ Entry nib_pad_entry() {
       .parameters = {
           number_spec("rate", Quantity::frequency, "300 Hz", positive, "Samples a second; an image of si takes nine.",
                       "the paper: 300 Hz for fl and fr, 33.3 Hz for si"),
-          choice(
-              "scan", {"multiplexed", "simultaneous"},
+          choice_spec(
+              "scan", "multiplexed", {"multiplexed", "simultaneous"},
               "Whether the eight readings of a sample are one after the other, or all (of si: those of an image) at one instant.",
               "the paper's figure 5; simultaneous: to see what the skew does"),
-          integer("average", "5", {.min = 1.0, .max = 100.0, .open_min = false},
-                  "Images over which si is averaged, fewer while there are fewer; 1: none.", "the paper: moving average of 5"),
+          integer_spec("average", "5", {1.0, 100.0}, "Images over which si is averaged, fewer while there are fewer; 1: none.",
+                       "the paper: moving average of 5"),
           number_spec(
               "k_normal", Quantity::stiffness, "0.83 N/mm", positive, "Normal stiffness of a nib.",
               "post, nib and rounded tip in series, with 1.15 MPa of Shore A 30; the hardness is assumed: TAP's RTV is not named closer"),
           number_spec(
               "k_tangential", Quantity::stiffness, "0.2 N/mm", positive, "Tangential stiffness of a nib's tip without load.",
               "assumed: 0.03 for the post alone and 0.1 with the fabric's strips could not carry the paper's 3.5 N of shear; 0.1 to 0.4 are possible"),
-          number_spec("height_sd", Quantity::length, "0.03 mm", {.min = 0.0, .max = 1e-3, .open_min = false},
+          number_spec("height_sd", Quantity::length, "0.03 mm", {0.0, 1e-3},
                       "Scatter of the nibs' heights, normal, drawn for the device.",
                       "assumed: mould printed in layers of 0.028 mm"),
           number_spec("post", Quantity::stiffness, "10.4 N/mm", positive,
@@ -76,21 +61,21 @@ Entry nib_pad_entry() {
                       "Gap that the solder mask and the coat of silicone leave where the fabric rests on them.", "assumed"),
           number_spec("capacitance", Quantity::none, "0.045", positive, "C0 of one electrode of one nib, in pF.",
                       "assumed: 1.3 mm2 over 0.254 mm of air"),
-          choice("capacitor", {"gap", "linear"},
-                 "1/gap, or its tangent at rest in its place, which no device has: for comparison.", "gap: a plate capacitor"),
+          choice_spec("capacitor", "gap", {"gap", "linear"},
+                      "1/gap, or its tangent at rest in its place, which no device has: for comparison.",
+                      "gap: a plate capacitor"),
           number_spec(
               "gain", Quantity::none, "850", positive, "Counts per pF of si, at 13 bit.",
               "assumed: 6960 counts at 8.2 pF, which is mostly that of the wiring; a taxel's four nibs with their fabric flat on the mask just stay below full scale"),
           number_spec(
               "cluster_gain", Quantity::none, "300", positive, "Counts per pF of fl and fr, at 13 bit.",
               "assumed: at the paper's strongest linear grip, 8 N, fl just stays below full scale however far it is pulled"),
-          integer("bits", "13", {.min = 4.0, .max = 16.0, .open_min = false}, "Resolution of the converter.", "the paper"),
-          number_spec("rest", Quantity::none, "85 %", {.min = 0.0, .max = 1.0, .open_min = false},
-                      "Reading of a pad that nothing touches, of full scale.",
+          integer_spec("bits", "13", {4.0, 16.0}, "Resolution of the converter.", "the paper"),
+          number_spec("rest", Quantity::none, "85 %", {0.0, 1.0}, "Reading of a pad that nothing touches, of full scale.",
                       "the maker's tuning guide (Infineon, PSoC 4 CapSense): calibrated to 85 %, 6962 of 8191"),
-          choice("device", {"fixed", "redrawn"},
-                 "Whether all trials of a dataset use one device, or each draws its own heights and gains.",
-                 "fixed: the paper has two pads and calibrates one"),
+          choice_spec("device", "fixed", {"fixed", "redrawn"},
+                      "Whether all trials of a dataset use one device, or each draws its own heights and gains.",
+                      "fixed: the paper has two pads and calibrates one"),
           number_spec(
               "label_distance", Quantity::length, "2 mm", positive,
               "How far the object has moved over a nib, lean of the nib and slip together, where the paper's rule calls it slip.",

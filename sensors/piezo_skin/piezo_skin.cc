@@ -9,7 +9,7 @@
 
 #include "sensors/electronics/band_pass.h"
 #include "sim/core/error.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 
 namespace slipbench {
 namespace piezo {
@@ -147,17 +147,6 @@ class PiezoSkin final : public Sensor {
 
 Entry piezo_skin_entry() {
   const std::string paper = "FFT-GRU slip detection paper, section II";
-  ParameterSpec elements = number_spec(
-      "elements", Quantity::none, "20", {.min = 1.0, .max = 1000.0, .open_min = false},
-      "Friction points of the contact, on Vogel's spiral, each of the same area.",
-      "assumed: 20 to 100 in a dry run; the spectrum keeps its shape, but more elements even one another out, so that the signal of stick-slip falls, from 20 to 100 by a third");
-  elements.type = ParameterType::integer;
-  ParameterSpec shear = number_spec(
-      "shear", Quantity::none, "[0.35, 0.35]", any_value,
-      "Charge of a newton of tangential force, along X and along Y, against a newton of normal force.",
-      "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. One signal of both is deaf to shear across their sum, here at 135 and 315 deg");
-  shear.type = ParameterType::vector;
-  shear.size = 2;
   return {
       .name = "piezo_skin",
       .summary =
@@ -174,8 +163,10 @@ Entry piezo_skin_entry() {
           " (layers, size, rate); IEEE Std 176-1987 (direct effect); K. L. Johnson, Contact Mechanics (1985), sec. 4.3 (elastic foundation)",
       .parameters = {
           number_spec("rate", Quantity::frequency, "10 kHz", positive, "Samples a second.", paper + ": 10 kHz"),
-          std::move(elements),
-          number_spec("radius", Quantity::length, "5 mm", {.min = 0.0, .max = piezo::patch_half_width, .open_min = true},
+          integer_spec(
+              "elements", "20", {1.0, 1000.0}, "Friction points of the contact, on Vogel's spiral, each of the same area.",
+              "assumed: 20 to 100 in a dry run; the spectrum keeps its shape, but more elements even one another out, so that the signal of stick-slip falls, from 20 to 100 by a third"),
+          number_spec("radius", Quantity::length, "5 mm", positive_up_to(piezo::patch_half_width),
                       "Radius of the disc on which a tip can touch.", "half the patch's width of 10 mm, " + paper),
           number_spec("tip_radius", Quantity::length, "inf", positive_or_infinite, "Radius of the tip that touches; inf: flat.",
                       "free"),
@@ -183,7 +174,10 @@ Entry piezo_skin_entry() {
                       "assumed: a layer of 2 mm and 0.5 MPa under a disc of 5 mm radius has E pi r^2/h = 19.6 N/mm"),
           number_spec("k_tangential", Quantity::stiffness, "6 N/mm", positive, "Tangential stiffness of the whole disc.",
                       "assumed: 4 to 9 N/mm in a dry run; a third of the normal one is G/E of the layer"),
-          std::move(shear),
+          vector_spec(
+              2, "shear", Quantity::none, "[0.35, 0.35]", any_value,
+              "Charge of a newton of tangential force, along X and along Y, against a newton of normal force.",
+              "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. One signal of both is deaf to shear across their sum, here at 135 and 315 deg"),
           number_spec("gain", Quantity::none, "2000", positive, "Counts of a newton of normal force, far above the corner.",
                       "assumed: the noise is then 3 counts, as in public PVDF recordings (0.19 mV in steps of 62.4 uV)"),
           number_spec("corner", Quantity::frequency, "3 Hz", positive, "Corner of the charge amplifier's high-pass.",

@@ -117,17 +117,10 @@ EffectKind patchy_friction() {
        "Friction varies over the surface in patches that are fixed to it.",
        "mu(x, y) = mu exp(sd g(x, y) - sd^2/2); g: 24 random plane waves of wavelengths between shortest and longest, mean 0, variance 1; mean of mu kept; x, y: the two coordinates along the face of a box that is touched, each face with its own g",
        "assumed: patches of 2 to 5 mm give a pad in slow slip the published energy below 8 Hz",
-       {{"sd", ParameterType::number, Quantity::none, "0.2", {0.0, 2.0, false}, {}, 1, "standard deviation of ln mu", "assumed"},
-        {"shortest", ParameterType::number, Quantity::length, "2 mm", positive, {}, 1, "shortest wavelength", "assumed"},
-        {"longest",
-         ParameterType::number,
-         Quantity::length,
-         "5 mm",
-         positive,
-         {},
-         1,
-         "longest wavelength, from `shortest` to ten times that",
-         "assumed"}}},
+       {number_spec("sd", Quantity::none, "0.2", {0.0, 2.0}, "standard deviation of ln mu", "assumed"),
+        number_spec("shortest", Quantity::length, "2 mm", positive, "shortest wavelength", "assumed"),
+        number_spec("longest", Quantity::length, "5 mm", positive, "longest wavelength, from `shortest` to ten times that",
+                    "assumed")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!context.flat_surface)
           throw SceneValueError("effects", "patchy_friction needs a flat surface; allowed shapes: plane, box");

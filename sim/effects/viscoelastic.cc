@@ -74,24 +74,9 @@ EffectKind viscoelastic() {
        "f = (1 - relaxation) k u + q,  dq/dt = -q/time + relaxation k du/dt  (normal and tangential alike)\n"
        "k: the sensor's stiffness, met by fast loading; (1 - relaxation) k after a long time. Updated exactly: exp(-dt/time)",
        "Zener, Elasticity and Anelasticity of Metals (1948); recorded PapillArray holds lose 3.2 % in 3 s, log-like: one time constant is a simplification",
-       {{"relaxation",
-         ParameterType::number,
-         Quantity::none,
-         "0.05",
-         {0.0, 0.99, false},
-         {},
-         1,
-         "share of the stiffness that relaxes",
-         "assumed; recordings show about 4 % a decade of time"},
-        {"time",
-         ParameterType::number,
-         Quantity::time,
-         "1 s",
-         positive,
-         {},
-         1,
-         "relaxation time at constant deflection",
-         "assumed"}}},
+       {number_spec("relaxation", Quantity::none, "0.05", {0.0, 0.99}, "share of the stiffness that relaxes",
+                    "assumed; recordings show about 4 % a decade of time"),
+        number_spec("time", Quantity::time, "1 s", positive, "relaxation time at constant deflection", "assumed")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         effects.rheology.push_back(std::make_unique<Viscoelastic>(p, context));
       }};

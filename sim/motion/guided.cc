@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench {
@@ -48,7 +48,7 @@ MotionKind guided_motion() {
        "The arm of a grasp moves at the speed that the controller commands, sideways and up.",
        "from a write's time + latency on: each velocity changes to the commanded one at `top_acceleration`, then stays; at rest before the first command",
        "a robot's velocity interface; integrated exactly",
-       {number_spec("top_speed", Quantity::speed, "100 mm/s", {0.0, 10.0, true},
+       {number_spec("top_speed", Quantity::speed, "100 mm/s", positive_up_to(10.0),
                     "the most that may be commanded: more is refused", "assumed"),
         number_spec("top_acceleration", Quantity::acceleration, "200 mm/s2", positive, "of either axis", "assumed"),
         number_spec("latency", Quantity::time, "8 ms", non_negative, "from a write of the loop until the arm begins to obey",

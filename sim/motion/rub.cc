@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 #include "sim/core/random.h"
 
 namespace slipbench {
@@ -22,14 +22,6 @@ constexpr const char* fitted = "assumed: fitted to 111 recordings of a BioTac SP
 constexpr const char* outline = "COMSOL model of the BioTac SP by bsadr: half-ellipsoid of 13.85 x 10.1 x 9.85 mm";
 
 // Limits of what a finger could be or do; beyond them a number is a slip of the pen.
-constexpr Range axes{1e-3, 0.1, false};
-constexpr Range place{-0.1, 0.1, false};
-constexpr Range depth{0.0, 0.1, true};
-constexpr Range small_way{0.0, 0.01, false};
-constexpr Range top{0.0, 10.0, false};
-constexpr Range spread{0.0, 2.0, false};
-constexpr Range factor{0.0, 20.0, true};
-constexpr Range corner_frequency{0.01, 20.0, false};
 
 Entry about() {
   return {
@@ -45,40 +37,39 @@ Entry about() {
       "Between knots of 10 ms, at which the processes are drawn, p is cubic with continuous rate, and q straight.",
       "BIOTAC.md section 4 (slipbench, 2026): what the recordings of yayaneath/BioTacSP-DoS need; exact transition of the process",
       {
-          vector_spec(3, "half_axes", Quantity::length, "[13.85 mm, 9.85 mm, 10.1 mm]", axes,
+          vector_spec(3, "half_axes", Quantity::length, "[13.85 mm, 9.85 mm, 10.1 mm]", {1e-3, 0.1},
                       "Half axes a, b, c of the skin's ellipsoid along the pad's X, Y, Z.", outline),
-          vector_spec(3, "centre", Quantity::length, "[0 mm, 0 mm, 10.1 mm]", place, "Its centre in the pad frame.",
+          vector_spec(3, "centre", Quantity::length, "[0 mm, 0 mm, 10.1 mm]", {-0.1, 0.1}, "Its centre in the pad frame.",
                       "of sensor biotac_sp"),
-          vector_spec(2, "site", Quantity::length, "[0 mm, 0 mm]", place,
+          vector_spec(2, "site", Quantity::length, "[0 mm, 0 mm]", {-0.1, 0.1},
                       "Spot of the skin that is pressed: X, and the arc around the finger from its lowest line.", "free"),
-          vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", place,
+          vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", {-0.1, 0.1},
                       "Added to the site: what differs from trial to trial.", "free"),
-          number_spec("compression", Quantity::length, "1.5 mm", depth, "How far the skin's lowest point is below the surface.",
-                      fitted),
-          number_spec("deepest", Quantity::length, "3.5 mm", depth, "Depth that no load exceeds.",
+          number_spec("compression", Quantity::length, "1.5 mm", positive_up_to(0.1),
+                      "How far the skin's lowest point is below the surface.", fitted),
+          number_spec("deepest", Quantity::length, "3.5 mm", positive_up_to(0.1), "Depth that no load exceeds.",
                       "assumed: the core is 2 to 3 mm below the skin (bsadr/biotac), and the skin on it yields"),
-          number_spec("effort", Quantity::none, "1", factor, "Multiplies the compression: how hard this motion is pressed.",
-                      "free"),
-          number_spec("skin_share", Quantity::none, "1", Range{0.0, 1.0, true},
+          number_spec("effort", Quantity::none, "1", positive_up_to(20.0),
+                      "Multiplies the compression: how hard this motion is pressed.", "free"),
+          number_spec("skin_share", Quantity::none, "1", positive_up_to(1.0),
                       "Share of the compression by which the skin dents; by the rest the object does. 1: it is rigid.", "free"),
-          number_spec("speed", Quantity::speed, "0 mm/s", top, "Sliding speed where q is 1.", "8 mm/s fits recordings"),
+          number_spec("speed", Quantity::speed, "0 mm/s", {0.0, 10.0}, "Sliding speed where q is 1.", "8 mm/s fits recordings"),
           number_spec("direction", Quantity::angle, "0 deg", any_value, "Where the pad slides to, from its own X axis.", "free"),
           number_spec("yaw", Quantity::angle, "0 deg", any_value,
                       "How far the pad is turned about the vertical before it begins.", "free"),
           number_spec("rotation", Quantity::angular_speed, "0 deg/s", any_value,
                       "Turning about the vertical through the spot where q is 1.", "38.2 deg/s fits recordings"),
-          number_spec("drive", Quantity::none, "0.6", Range{-3.0, 10.0, false}, "Mean of what drives: more is steadier.", fitted),
-          vector_spec(2, "wander", Quantity::length, "[0 mm, 0 mm]", small_way,
+          number_spec("drive", Quantity::none, "0.6", {-3.0, 10.0}, "Mean of what drives: more is steadier.", fitted),
+          vector_spec(2, "wander", Quantity::length, "[0 mm, 0 mm]", {0.0, 0.01},
                       "Standard deviation of the spot along X and of its arc.", fitted),
-          number_spec("load_sd", Quantity::none, "0", spread, "Standard deviation of the logarithm of the depth.", fitted),
-          number_spec("gain", Quantity::none, "1", Range{0.0, 20.0, false}, "Multiplies wander and load_sd.", fitted),
-          number_spec("corner", Quantity::frequency, "0.4 Hz", corner_frequency, "Corner f of either low pass.", fitted),
-          number_spec("warp", Quantity::none, "1.1", Range{0.0, 1.5, false},
+          number_spec("load_sd", Quantity::none, "0", {0.0, 2.0}, "Standard deviation of the logarithm of the depth.", fitted),
+          number_spec("gain", Quantity::none, "1", {0.0, 20.0}, "Multiplies wander and load_sd.", fitted),
+          number_spec("corner", Quantity::frequency, "0.4 Hz", {0.01, 20.0}, "Corner f of either low pass.", fitted),
+          number_spec("warp", Quantity::none, "1.1", {0.0, 1.5},
                       "Standard deviation of the logarithm of how fast the processes' time runs.", fitted),
-          number_spec("warp_corner", Quantity::frequency, "0.8 Hz", corner_frequency, "Corner of either low pass of that.",
-                      fitted),
-          number_spec("gap", Quantity::length, "0.5 mm", Range{0.0, 0.1, false},
-                      "Height of the spot above the surface until the start.", "assumed"),
+          number_spec("warp_corner", Quantity::frequency, "0.8 Hz", {0.01, 20.0}, "Corner of either low pass of that.", fitted),
+          number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1}, "Height of the spot above the surface until the start.",
+                      "assumed"),
           number_spec("start", Quantity::time, "50 ms", non_negative, "When the finger begins to come down.", "assumed"),
           number_spec("approach", Quantity::time, "0.1 s", positive,
                       "How long it takes to come down, and then q to come up to its own.", "assumed"),

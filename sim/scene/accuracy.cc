@@ -9,7 +9,7 @@ namespace slipbench {
 namespace {
 
 ParameterSpec share(const char* name, const char* doc) {
-  return {.name = name, .default_text = "1 %", .range = {0.0, 1.0, true}, .choices = {}, .doc = doc, .source = "free"};
+  return number_spec(name, Quantity::none, "1 %", positive_up_to(1.0), doc, "free");
 }
 
 // Keys of a scene that say how it is computed. With a wish that is what is looked for.
@@ -25,13 +25,8 @@ const std::vector<ParameterSpec>& accuracy_specs() {
       share("force", "how wrong the units' forces may be, root mean square"),
       share("label", "share of the units' states that may differ"),
       share("label_micro", "share of the pad's states that may differ"),
-      {.name = "creep",
-       .quantity = Quantity::speed,
-       .default_text = "1 um/s",
-       .range = positive,
-       .choices = {},
-       .doc = "how wrong the drift of a held body over its pad may be",
-       .source = "free"}};
+      number_spec("creep", Quantity::speed, "1 um/s", positive, "how wrong the drift of a held body over its pad may be",
+                  "free")};
   return specs;
 }
 

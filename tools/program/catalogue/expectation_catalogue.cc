@@ -15,19 +15,12 @@ using Comparison = ExpectationKind::Comparison;
 std::vector<ParameterSpec> parameters_of(ParameterSpec limit) {
   return {
       std::move(limit),
-      {.name = "pass",
-       .default_text = "1",
-       .range = {0.0, 1.0, true},
-       .choices = {},
-       .doc = "share of the trials that must keep it: k of n, k rounded up",
-       .source = "free"},
-      {.name = "reliability",
-       .default_text = "0",
-       .range = {0.0, 0.999999},
-       .choices = {},
-       .doc =
-           "rate at which trials keep it that the run must demonstrate: the interval of expect.confidence must not begin below. Too few trials for it are refused",
-       .source = "free"}};
+      number_spec("pass", Quantity::none, "1", positive_up_to(1.0), "share of the trials that must keep it: k of n, k rounded up",
+                  "free"),
+      number_spec(
+          "reliability", Quantity::none, "0", {0.0, 0.999999},
+          "rate at which trials keep it that the run must demonstrate: the interval of expect.confidence must not begin below. Too few trials for it are refused",
+          "free")};
 }
 
 // `field`: of the outcome in a dataset.
@@ -38,13 +31,8 @@ ExpectationKind number(std::string name, Comparison comparison, Quantity quantit
             at_most ? "observed <= limit; a trial in which it never happened, or has no value, fails"
                     : "observed >= limit; a trial in which it never happened keeps it",
             "the trial's outcome: " + field,
-            parameters_of({.name = "limit",
-                           .quantity = quantity,
-                           .default_text = std::move(example),
-                           .range = non_negative,
-                           .choices = {},
-                           .doc = at_most ? "the largest value that is good" : "the smallest value that is good",
-                           .source = "free"})},
+            parameters_of(number_spec("limit", quantity, std::move(example), non_negative,
+                                      at_most ? "the largest value that is good" : "the smallest value that is good", "free"))},
            false,
            false},
           comparison,
@@ -53,12 +41,7 @@ ExpectationKind number(std::string name, Comparison comparison, Quantity quantit
 
 ExpectationKind flag(std::string name, std::string summary, const std::string& field, double (*observed)(const TrialOutcome&)) {
   return {{{std::move(name), std::move(summary), "observed = limit", "the trial's outcome: " + field,
-            parameters_of({.name = "limit",
-                           .type = ParameterType::flag,
-                           .default_text = "false",
-                           .choices = {},
-                           .doc = "what must come out",
-                           .source = "free"})},
+            parameters_of(flag_spec("limit", "false", "what must come out", "free"))},
            false,
            false},
           Comparison::equal,
