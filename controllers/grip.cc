@@ -85,33 +85,33 @@ void refuse_without_detector(const std::string& controller) {
 
 ParameterSpec force_per_count_spec() {
   return number_spec("force_per_count", Quantity::force, "1.6 N", positive,
-                     "Grip force that one count of position is taken to be worth; no less than what the gripper really has.",
-                     "assumed: the published ratios of maximum to ideal force fit no more than about 1.6 N a count");
+                     "Assumed grip force of one count of position, no less than the gripper's real one.",
+                     "assumed: the published ratios of maximum to ideal force fit at most about 1.6 N a count");
 }
 
 ParameterSpec ceiling_spec() {
-  return number_spec(
-      "ceiling", Quantity::force, "inf", positive_or_infinite,
-      "No count is added that would take the measured grip force beyond this; what is gripped harder is not let go.",
-      "published: none");
+  return number_spec("ceiling", Quantity::force, "inf", positive_or_infinite,
+                     "Measured grip force that no added count may exceed; a stronger grip is not loosened.", "published: none");
 }
 
 ParameterSpec loosen_spec() {
-  return flag_spec("loosen", "false",
-                   "Open again when the target force falls by a count or more; without it the position never falls.", "assumed");
+  return flag_spec(
+      "loosen", "false",
+      "Whether the fingers open again when the target force falls by a count or more; otherwise the position never falls.",
+      "assumed");
 }
 
 ParameterSpec touch_spec() {
   return number_spec("touch", Quantity::force, "0.05 N", positive,
-                     "Normal force from which a pillar counts as touching: the ratio of a few mN to a few mN says nothing.",
+                     "Normal force from which on a pillar counts as touching; the ratio of a few mN to a few mN says nothing.",
                      "assumed");
 }
 
 std::vector<ParameterSpec> with_registers(std::vector<ParameterSpec> specs) {
   constexpr Range byte{0.0, double{max_register}};
   const std::string source = "HD-computing slip paper, published HDL (control_gripper.sv): 0";
-  return joined(std::move(specs), {integer_spec("speed_register", "0", byte, "rSP of every command, 0 the slowest.", source),
-                                   integer_spec("force_register", "0", byte, "rFR of every command, 0 the weakest.", source)});
+  return joined(std::move(specs), {integer_spec("speed_register", "0", byte, "rSP of every command; 0: the slowest.", source),
+                                   integer_spec("force_register", "0", byte, "rFR of every command; 0: the weakest.", source)});
 }
 
 GripCommand registers_of(const Parameters& parameters) {

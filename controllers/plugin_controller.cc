@@ -115,8 +115,8 @@ class Plugin final : public Controller {
 ControllerKind plugin() {
   return {
       {"plugin",
-       "A controller of one's own, from a shared library.",
-       "what the library computes: it exports slipbench_controller_abi and slipbench_make_controller (controllers/plugin_abi.h; example: controllers/example)",
+       "Your own controller, from a shared library.",
+       "The library computes the command. It exports slipbench_controller_abi and slipbench_make_controller (controllers/plugin_abi.h; example: controllers/example).",
        "the library's author",
        {path_spec("library", no_library, "The shared library.", "free")}},
       [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {

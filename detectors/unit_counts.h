@@ -42,7 +42,7 @@ inline ParameterSpec touch_spec() {
 inline ParameterSpec least_friction_spec() {
   return number_spec(
       "least_friction", Quantity::none, "0.2", non_negative,
-      "Ratio f_t/f_n below which a unit sticks, whatever else it does: the fingers' own bending shears a pad that closes, far from any friction.",
+      "Ratio f_t/f_n below which a unit sticks in any case: the fingers' own bending shears a closing pad, far from any friction.",
       "assumed: below the friction of every material of the catalogue but the soaped one");
 }
 

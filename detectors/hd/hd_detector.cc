@@ -81,19 +81,19 @@ std::size_t stride_of(double rate, const FrameSource& source) {
 std::vector<ParameterSpec> detector_parameters() {
   return {
       path_spec("memories", default_memories, "Folder of the trained classifier: AM.hex, CIM.hex, CM.hex, IM.hex and model.txt.",
-                "the one that ships with the program"),
+                "the folder that ships with the program"),
       number_spec("rate", Quantity::frequency, "100 Hz", positive,
-                  "Frames a second that are classified: every k-th of the sensor's, whose rate must be a multiple.",
+                  "Frames a second that are classified, every k-th of the sensor's; the sensor's rate must be a multiple.",
                   "paper, section III-A"),
       choice_spec("quantiser", as_saved, or_as_saved(names_of(quantiser_words)),
-                  "How displacements become levels, where not as in model.txt.",
+                  "How displacements become levels; model: as in model.txt.",
                   "without model.txt: fixed_point, as the published hardware"),
       choice_spec(
           "compat", as_saved, or_as_saved(names_of(compat_words)),
-          "Whose bundle, where not as in model.txt: the paper's, or that of the published core, which does not clear its counts between the frames of a window.",
+          "Bundling: paper: the paper's; published_core: the published core's, which keeps its counts between the frames of a window; model: as in model.txt.",
           "without model.txt: paper"),
       choice_spec("ties", as_saved, or_as_saved(names_of(ties_words)),
-                  "What a bit becomes whose bundle sums to zero, where not as in model.txt.", "without model.txt: one")};
+                  "Bit of a bundle that sums to zero; model: as in model.txt.", "without model.txt: one")};
 }
 
 SavedModel detector_model(const Parameters& parameters) {
@@ -113,11 +113,11 @@ std::unique_ptr<Detector> make_detector(Classify classify, double rate, const Fr
 Entry gst_hd_entry() {
   return {
       .name = "gst_hd",
-      .summary = "hyperdimensional classifier of the PapillArray's displacements, in software and without latency",
+      .summary = "Hyperdimensional classifier of the PapillArray's displacements, in software and without latency.",
       .law =
           "level of a pillar: |(d_x, d_y)| / |d| in 21 steps; GST_t = prod_k rho^k GS_{t-k} over N frames\n"
           "class: the prototype nearest to GST_t once bound with the context, which is the compression of the centre pillar\n"
-          "no contact: the first N - 1 frames; later on there is no such class, and a pad that touches nothing gets one of the three",
+          "no contact: only the first N - 1 frames; later a pad that touches nothing gets one of the other three classes",
       .source =
           "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor, section III",
       .parameters = hd::detector_parameters()};

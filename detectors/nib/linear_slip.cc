@@ -64,19 +64,19 @@ Entry nib_linear_slip_entry() {
   return {
       .name = "nib_linear_slip",
       .summary =
-          "Algorithm 1 of the nib pad's paper: flags of the linear mode's spectrum, counted against shear over normal force",
+          "Algorithm 1 of the nib pad's paper: it counts flags of the linear mode's spectrum against shear over normal force.",
       .law =
           "D = C_N - C_S; magnitude: mean over 0 to 6 Hz of |FFT((D - line of least squares) Hamming)|, not divided by anything [counts]\n"
-          "a spectrum above threshold: counter + 1; none for longer than patience: counter - 1, to 0 at least\n"
+          "a spectrum above threshold: counter + 1; none for longer than patience: counter - 1, down to 0\n"
           "slip: counter >= max(1, counter_max - weight |F_S,y|/F_N), F_S,y: sum of N - S, F_N: sum of W + N + E + S\n"
-          "gross from then on while the pad touches",
+          "After slip the class stays gross while the pad touches.",
       .source = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, sections IV-B and V, Algorithm 1",
       .parameters = joined(
           nib::feature_specs(),
           {
               number_spec("threshold", Quantity::none, "25", positive,
                           "SLIP_THRES: magnitude above which a spectrum raises a flag [counts].",
-                          "assumed: not in the paper; what the noise of a pad at rest exceeds in one of a thousand spectra"),
+                          "assumed: not in the paper; one of a thousand spectra of a pad at rest exceeds it by noise"),
               number_spec("counter_max", Quantity::none, "9", positive, "M, the counter's limit without shear.",
                           "paper, section V"),
               number_spec("weight", Quantity::none, "10", non_negative,
@@ -85,11 +85,11 @@ Entry nib_linear_slip_entry() {
                           "TIME_THRES: time since the last flag after which the counter falls.",
                           "assumed: not in the paper; one window"),
               number_spec("start", Quantity::time, "0 s", non_negative,
-                          "From when on flags count: after the load has been laid on.",
+                          "Time from which on flags count, after the load has been laid on.",
                           "assumed: the paper runs the algorithm while the normal force falls"),
               choice_spec(
                   "ratio", "counts", {"forces", "counts"},
-                  "What F_S,y/F_N is a ratio of: newtons by normal_gain and shear_gain, or raw changes of capacitance.",
+                  "Kind of the ratio F_S,y/F_N: forces: newtons by normal_gain and shear_gain; counts: raw changes of capacitance.",
                   "paper: equation 4 takes F_S,i and F_N,i, which equations 1 and 2 define by sums and differences of capacitances"),
           })};
 }

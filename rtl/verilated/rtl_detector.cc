@@ -102,17 +102,17 @@ std::vector<ParameterSpec> rtl_parameters() {
   return joined(
       detector_parameters(),
       {choice_spec("unrolling", "fastest", names_of(unrolling_words),
-                   "How much of a frame the core works on at once: latency against area.", "rtl/hd/README.md has the table"),
+                   "How much of a frame the core works on at once: more area gives less latency.",
+                   "rtl/hd/README.md has the table"),
        number_spec("clock", Quantity::frequency, "100 MHz", positive, "Clock of the core.", "paper, section IV"),
        choice_spec("latency", "true", {"true", "zero"},
-                   "Whether the loop sees a decision after the core's cycles at that clock, or at once as from gst_hd.",
+                   "true: the loop sees a decision after the core's cycles at `clock`; zero: at once, as from gst_hd.",
                    "the core's own cycles"),
-       flag_spec("lockstep", "false", "Whether the software kernel runs beside the core, and a difference ends the trial.",
-                 "free"),
+       flag_spec("lockstep", "false", "Whether the software kernel runs beside the core; a difference ends the trial.", "free"),
        path_spec("waveform", no_waveform, "FST file of the core's signals.", "free"),
-       number_spec("waveform_from", Quantity::time, "0 s", within_a_day, "Where the waveform begins.", "free"),
-       number_spec("waveform_to", Quantity::time, "86400 s", within_a_day, "Where it ends.", "free"),
-       integer_spec("waveform_trial", "0", non_negative, "Trial whose waveform it is.", "free")});
+       number_spec("waveform_from", Quantity::time, "0 s", within_a_day, "Time at which the waveform begins.", "free"),
+       number_spec("waveform_to", Quantity::time, "86400 s", within_a_day, "Time at which the waveform ends.", "free"),
+       integer_spec("waveform_trial", "0", non_negative, "Trial whose waveform is written.", "free")});
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ std::vector<ParameterSpec> rtl_parameters() {
 Entry gst_hd_rtl_entry() {
   return {
       .name = "gst_hd_rtl",
-      .summary = "the same classifier as a register-level core, cycle by cycle, with its latency",
+      .summary = "The classifier of gst_hd as a register-level core, cycle by cycle, with its latency.",
       .law = "classes: those of gst_hd with fixed_point\nlatency: cycles from the accepted sample to the class, over the clock",
       .source = "rtl/hd: the synthesisable core, as Verilator translates it; the paper's own has 42 cycles at 100 MHz",
       .parameters = hd::rtl_parameters()};

@@ -73,7 +73,7 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
 PartKind noise_part() {
   return {
       .entry = {.name = "noise",
-                .summary = "red noise: white noise through two equal poles",
+                .summary = "Red noise: white noise through two equal poles.",
                 .law = "y = x + scale*sd*n(t),  E[n(t) n(t+tau)] = exp(-w|tau|)*(1 + w|tau|),  w = 2 pi corner\n"
                        "power density of n (one-sided): 8/w / (1 + (f/corner)^2)^2 [1/Hz]\n"
                        "n: one process a source (values computed from one another share it), stationary from the first sample\n"

@@ -34,9 +34,9 @@ EffectKind ageing() {
            "Static friction grows with the logarithm of the time an element has stuck.",
            "mu_s(t) = mu_s (1 + rate ln(1 + t/time)), t: time stuck [s]",
            "J. H. Dieterich, J. Geophys. Res. 77 (1972) 3690; Baumberger and Caroli, Adv. Phys. 55 (2006) 279",
-           {number_spec("rate", Quantity::none, "0.03", non_negative, "growth of mu_s per factor e of time",
+           {number_spec("rate", Quantity::none, "0.03", non_negative, "Growth of mu_s for each factor e of time.",
                         "assumed; 0.01 to 0.05 for polymers"),
-            number_spec("time", Quantity::time, "100 ms", positive, "time after which the growth is logarithmic", "assumed")}},
+            number_spec("time", Quantity::time, "100 ms", positive, "Time from which on the growth is logarithmic.", "assumed")}},
           [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
             effects.friction.push_back(std::make_unique<Ageing>(p, context));
           }};

@@ -144,17 +144,19 @@ EffectKind asperities() {
   return {
       {"asperities",
        "A slipping element strikes single asperities, which make its body ring.",
-       "Poisson process along the path that a tip has slipped: one in distance for a unit, whose elements have equal shares\n"
-       "each adds A exp(-zeta w t) (sin(w1 t) + second sin(w2 t)) to what is felt along the slip, w1 and w2 = 2.1 w1 those of inertia, A = +-amplitude sqrt(f_n/load) sqrt(v/speed) exp(scatter g), g normal; f_n: load of the element over its share, v: speed of the tip. The tip's friction is not changed",
+       "The asperities are a Poisson process along the path that a tip has slipped: one every `distance` for a unit, shared equally by its elements.\n"
+       "Each asperity adds A exp(-zeta w t) (sin(w1 t) + second sin(w2 t)) to the force felt along the slip, w1 and w2 = 2.1 w1 those of inertia.\n"
+       "A = +-amplitude sqrt(f_n/load) sqrt(v/speed) exp(scatter g), g normal; f_n: load of the element over its share, v: speed of the tip. The tip's friction is not changed.",
        "assumed: band of slip noise that does not move with speed, as published for a piezoelectric fingertip (50 to 450 Hz)",
-       {number_spec("distance", Quantity::length, "0.2 mm", positive, "mean way between two asperities of a unit",
+       {number_spec("distance", Quantity::length, "0.2 mm", positive, "Mean distance between two asperities that a unit meets.",
                     "assumed: 3 to 8 in a millimetre"),
-        number_spec("amplitude", Quantity::force, "4 mN", non_negative, "median force at load and speed", "assumed"),
-        number_spec("scatter", Quantity::none, "0.7", {0.0, 2.0}, "standard deviation of ln A", "assumed"),
-        number_spec("load", Quantity::force, "5 N", positive, "load of the unit at which A is amplitude", "assumed"),
-        number_spec("speed", Quantity::speed, "10 mm/s", positive, "speed at which A is amplitude", "assumed"),
-        number_spec("second", Quantity::none, "1", non_negative, "amplitude of the second mode over that of the first",
-                    "assumed: a short blow excites both alike")}},
+        number_spec("amplitude", Quantity::force, "4 mN", non_negative, "Median force at `load` and `speed`.", "assumed"),
+        number_spec("scatter", Quantity::none, "0.7", {0.0, 2.0}, "Standard deviation of ln A.", "assumed"),
+        number_spec("load", Quantity::force, "5 N", positive, "Load of the unit at which the median of A is `amplitude`.",
+                    "assumed"),
+        number_spec("speed", Quantity::speed, "10 mm/s", positive, "Speed at which the median of A is `amplitude`.", "assumed"),
+        number_spec("second", Quantity::none, "1", non_negative, "Amplitude of the second mode over that of the first.",
+                    "assumed: a short blow excites both modes alike")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!effects.tip) throw SceneValueError("effects", "asperities needs inertia");
         if (effects.tip->damping_ratio() >= 1.0) {

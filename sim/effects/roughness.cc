@@ -117,22 +117,23 @@ void refuse_unordered(double shortest, double longest) {
 EffectKind roughness() {
   return {
       {"roughness",
-       "The surface is rough on many lengths at once, so that a sliding tip hears noise.",
+       "The surface is rough on many lengths at once, so a sliding tip feels noise.",
        "gap shrinks by h(x, y) = sum_j h_j(x cos a_j + y sin a_j), a_j = angle + pi j/directions\n"
-       "h_j(s) = sum_n a n^-exponent cos(2 pi n s/L + phase), waves L/n from longest to shortest, L = 8 longest, phases at random; rms of h: height\n"
-       "directions 1: a ground surface, ridges across angle; 2: rms of height and slope are the same along any way; 3: that of curvature too. Slopes are small: the normal stays the plane's",
+       "h_j(s) = sum_n a n^-exponent cos(2 pi n s/L + phase), waves L/n from longest to shortest, L = 8 longest, random phases; rms of h: height\n"
+       "directions 1: a ground surface with ridges across `angle`; 2: rms of height and slope are the same in all directions; 3: rms of curvature, too\n"
+       "Slopes are taken as small: the normal is the plane's.",
        "power spectrum k^(-2 exponent) of a profile: self-affine with Hurst exponent H = exponent - 1/2 (Persson et al., J. Phys.: Condens. Matter 17 (2005) R1)",
-       {number_spec("height", Quantity::length, "5 um", {0.0, 1e-3}, "rms height", "assumed: 2 to 10 um"),
-        number_spec("exponent", Quantity::none, "2", {0.0, 5.0}, "fall of the amplitude with the wave number",
-                    "assumed: 1.3 is a self-affine surface of H = 0.8; a rounded tip rides over the short waves"),
+       {number_spec("height", Quantity::length, "5 um", {0.0, 1e-3}, "Root mean square height.", "assumed: 2 to 10 um"),
+        number_spec("exponent", Quantity::none, "2", {0.0, 5.0}, "Exponent with which the amplitude falls with the wave number.",
+                    "assumed: 1.3 is a self-affine surface of H = 0.8; a rounded tip does not follow the short waves"),
         number_spec("shortest", Quantity::length, "60 um", positive,
-                    "shortest wave; a step must not take a root further than a sixteenth of it",
+                    "Shortest wave; a step must not move a root by more than a sixteenth of it.",
                     "assumed: what 10 kHz resolves at 33 mm/s; a finer surface needs a shorter time_step"),
-        number_spec("longest", Quantity::length, "3 mm", positive, "longest wave, from `shortest` to 1000 times that",
+        number_spec("longest", Quantity::length, "3 mm", positive, "Longest wave, from `shortest` to 1000 times that.",
                     "assumed: the size of a contact patch"),
-        integer_spec("directions", "3", {1.0, 8.0}, "profiles that cross each other at equal angles",
-                     "3: the fewest that look alike along any way up to curvature"),
-        number_spec("angle", Quantity::angle, "0 deg", any_value, "direction across the first ridges, from the surface's X axis",
+        integer_spec("directions", "3", {1.0, 8.0}, "Number of profiles that cross each other at equal angles.",
+                     "3: the fewest whose sum looks alike in all directions up to curvature"),
+        number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction across the first ridges, from the surface's X axis.",
                     "assumed")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!context.flat_surface) throw SceneValueError("effects", "roughness needs a flat surface; allowed shapes: plane, box");

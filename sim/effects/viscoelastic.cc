@@ -72,11 +72,11 @@ EffectKind viscoelastic() {
       {"viscoelastic",
        "Elements relax under load and creep: a standard linear solid instead of a spring.",
        "f = (1 - relaxation) k u + q,  dq/dt = -q/time + relaxation k du/dt  (normal and tangential alike)\n"
-       "k: the sensor's stiffness, met by fast loading; (1 - relaxation) k after a long time. Updated exactly: exp(-dt/time)",
+       "k: the sensor's stiffness, met by fast loading; after a long time (1 - relaxation) k is left. Updated exactly by exp(-dt/time).",
        "Zener, Elasticity and Anelasticity of Metals (1948); recorded PapillArray holds lose 3.2 % in 3 s, log-like: one time constant is a simplification",
-       {number_spec("relaxation", Quantity::none, "0.05", {0.0, 0.99}, "share of the stiffness that relaxes",
+       {number_spec("relaxation", Quantity::none, "0.05", {0.0, 0.99}, "Share of the stiffness that relaxes.",
                     "assumed; recordings show about 4 % a decade of time"),
-        number_spec("time", Quantity::time, "1 s", positive, "relaxation time at constant deflection", "assumed")}},
+        number_spec("time", Quantity::time, "1 s", positive, "Relaxation time at constant deflection.", "assumed")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         effects.rheology.push_back(std::make_unique<Viscoelastic>(p, context));
       }};

@@ -20,12 +20,12 @@ namespace {
 // The type by which the scene reader knows the pad of an element table.
 constexpr const char* table_type = "elements";
 
-const ParameterSpec trial_spec = integer_spec("trial", "0", non_negative, "key of the random draws", "free");
-const ParameterSpec truth_spec = flag_spec("truth", "false", "whether the truth follows the sensor's values", "free");
+const ParameterSpec trial_spec = integer_spec("trial", "0", non_negative, "Key of the random draws.", "free");
+const ParameterSpec truth_spec = flag_spec("truth", "false", "Whether the truth follows the sensor's values.", "free");
 const ParameterSpec element_truth_spec =
-    flag_spec("element_truth", "false", "whether the truth tells of each element, too", "free");
+    flag_spec("element_truth", "false", "Whether the truth lists each element, too.", "free");
 const ParameterSpec solver_spec =
-    choice_spec("solver", "explicit", {"explicit", "implicit"}, "how the springs enter the step", "free");
+    choice_spec("solver", "explicit", {"explicit", "implicit"}, "How the springs enter the step.", "free");
 
 // The attributes of one instance.
 class Attributes {

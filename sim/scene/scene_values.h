@@ -9,27 +9,27 @@ namespace slipbench {
 inline constexpr double max_friction = 100.0;
 
 inline const ParameterSpec duration_spec =
-    number_spec("duration", Quantity::time, "4 s", positive_up_to(86400.0), "length of a trial", "the published sequences");
+    number_spec("duration", Quantity::time, "4 s", positive_up_to(86400.0), "Length of a trial.", "the published sequences");
 inline const ParameterSpec time_step_spec =
-    number_spec("time_step", Quantity::time, "1 ms", positive, "step of the simulation", "assumed");
+    number_spec("time_step", Quantity::time, "1 ms", positive, "Step of the simulation.", "assumed");
 inline const ParameterSpec fidelity_spec =
-    choice_spec("fidelity", "field", {"field", "articulated", "mujoco_contact"}, "model of the pad", "assumed");
+    choice_spec("fidelity", "field", {"field", "articulated", "mujoco_contact"}, "Model of the pad.", "assumed");
 inline const ParameterSpec coefficient_spec =
-    number_spec("coefficient", Quantity::none, "0.5", {0.0, max_friction}, "friction coefficient", "the material's");
+    number_spec("coefficient", Quantity::none, "0.5", {0.0, max_friction}, "Friction coefficient.", "the material's");
 inline const ParameterSpec scale_spec =
-    number_spec("scale", Quantity::none, "1", positive_up_to(max_friction), "multiplies both coefficients", "assumed");
+    number_spec("scale", Quantity::none, "1", positive_up_to(max_friction), "Factor on both coefficients.", "assumed");
 
 inline const ParameterSpec gravity_spec = number_spec("gravity", Quantity::acceleration, "9.81 m/s2", {0.0, 1000.0},
-                                                      "weight of a unit of mass, downwards", "the Earth's");
+                                                      "Acceleration of gravity, downwards.", "the Earth's");
 inline const ParameterSpec field_solver_spec =
-    choice_spec("field_solver", "explicit", {"explicit", "implicit"}, "how the pads' springs enter a step", "free");
+    choice_spec("field_solver", "explicit", {"explicit", "implicit"}, "How the pads' springs enter a step.", "free");
 inline const ParameterSpec integrator_spec =
     choice_spec("integrator", "auto", {"auto", "Euler", "implicit", "implicitfast", "discrete", "RK4"},
-                "how MuJoCo steps the bodies; auto: as the model or the simulation says", "free");
+                "How MuJoCo steps the bodies; auto: as the model or the simulation says.", "free");
 inline const ParameterSpec damping_spec =
-    number_spec("damping", Quantity::time, "1 ms", non_negative, "time of a dashpot beside each spring", "assumed");
+    number_spec("damping", Quantity::time, "1 ms", non_negative, "Time constant of a dashpot beside each spring.", "assumed");
 inline const ParameterSpec control_time_spec =
-    number_spec("time", Quantity::time, "0 s", non_negative, "when a control has a value", "free");
+    number_spec("time", Quantity::time, "0 s", non_negative, "Time at which a control has a value.", "free");
 
 inline constexpr double mujoco_min_value = 1e-15;  // mjMINVAL
 
@@ -38,36 +38,38 @@ inline constexpr double mujoco_min_value = 1e-15;  // mjMINVAL
 // value it is refused.
 inline const Entry contact_entry{
     .name = "contact",
-    .summary = "MuJoCo's own contact friction, with fidelity: mujoco_contact",
+    .summary = "MuJoCo's own contact friction, with fidelity: mujoco_contact.",
     .law = "",
     .source = "MuJoCo 4.0.1",
     .parameters = {
         choice_spec("integrator", "implicitfast", {"Euler", "implicit", "implicitfast", "discrete", "RK4"},
-                    "how MuJoCo steps bodies and tips", "what MuJoCo's documentation recommends; its default is Euler"),
-        choice_spec("cone", "pyramidal", {"elliptic", "pyramidal"}, "type of friction cone", "MuJoCo"),
-        choice_spec("solver", "Newton", {"Newton", "CG", "PGS"}, "solver of the constraints", "MuJoCo"),
-        number_spec("impratio", Quantity::none, "1", {mujoco_min_value}, "friction's impedance over the normal one", "MuJoCo"),
-        integer_spec("noslip", "0", {0.0, 100000.0}, "iterations of the noslip solver, at most", "MuJoCo"),
-        integer_spec("iterations", "100", {1.0, 100000.0}, "iterations of the solver, at most", "MuJoCo"),
-        number_spec("tolerance", Quantity::none, "1e-8", non_negative, "at which the solver stops", "MuJoCo"),
-        number_spec("noslip_tolerance", Quantity::none, "1e-6", non_negative, "at which the noslip solver stops", "MuJoCo"),
+                    "How MuJoCo steps bodies and tips.", "what MuJoCo's documentation recommends; its default is Euler"),
+        choice_spec("cone", "pyramidal", {"elliptic", "pyramidal"}, "Type of friction cone.", "MuJoCo"),
+        choice_spec("solver", "Newton", {"Newton", "CG", "PGS"}, "Solver of the constraints.", "MuJoCo"),
+        number_spec("impratio", Quantity::none, "1", {mujoco_min_value}, "Ratio of the frictional to the normal impedance.",
+                    "MuJoCo"),
+        integer_spec("noslip", "0", {0.0, 100000.0}, "Largest number of iterations of the noslip solver.", "MuJoCo"),
+        integer_spec("iterations", "100", {1.0, 100000.0}, "Largest number of iterations of the solver.", "MuJoCo"),
+        number_spec("tolerance", Quantity::none, "1e-8", non_negative, "Tolerance at which the solver stops.", "MuJoCo"),
+        number_spec("noslip_tolerance", Quantity::none, "1e-6", non_negative, "Tolerance at which the noslip solver stops.",
+                    "MuJoCo"),
         vector_spec(
             2, "solref", Quantity::none, "[0.02, 1]", any_value,
-            "time constant [s] and damping ratio of a contact, both above 0, or -stiffness [1/s2] and -damping [1/s], both below",
+            "Time constant [s] and damping ratio of a contact, both above 0; or -stiffness [1/s2] and -damping [1/s], both below 0.",
             "MuJoCo"),
         vector_spec(2, "solreffriction", Quantity::none, "[0, 0]", any_value,
-                    "the same of a tip's friction under elliptic cones; 0, 0: as solref", "MuJoCo"),
+                    "The same for a tip's friction under elliptic cones; 0, 0: as solref.", "MuJoCo"),
         vector_spec(3, "solimp", Quantity::none, "[0.9, 0.95, 0.001]", non_negative,
-                    "impedance at the surface and at depth, 1e-4 to 0.9999 each, and that depth [m], above 0", "MuJoCo"),
-        flag_spec("refsafe", "true", "whether MuJoCo lengthens time constants under two steps", "MuJoCo"),
-        number_spec("tip_mass", Quantity::mass, "0.1 g", positive, "of one element's tip", "assumed"),
-        number_spec("tip_damping", Quantity::none, "0.3", non_negative, "damping ratio of a free tip on its springs",
+                    "Impedance at the surface and at depth, 1e-4 to 0.9999 each, and that depth [m], above 0.", "MuJoCo"),
+        flag_spec("refsafe", "true", "Whether MuJoCo lengthens time constants below two steps.", "MuJoCo"),
+        number_spec("tip_mass", Quantity::mass, "0.1 g", positive, "Mass of one element's tip.", "assumed"),
+        number_spec("tip_damping", Quantity::none, "0.3", non_negative, "Damping ratio of a free tip on its springs.",
                     "assumed")}};
 
 inline const ParameterSpec confidence_spec =
     number_spec("confidence", Quantity::none, "0.95", {0.5, 0.999999},
-                "of the interval of the rate of trials that keep an expectation", "free");
+                "Confidence of the interval of the rate of trials that keep an expectation.", "free");
 inline const ParameterSpec control_spec =
-    choice_spec("control", "hold_preset", {"hold_preset", "none"}, "controller that must not meet all expectations", "free");
+    choice_spec("control", "hold_preset", {"hold_preset", "none"}, "Controller that must not meet all expectations.", "free");
 
 }  // namespace slipbench

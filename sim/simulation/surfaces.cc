@@ -6,8 +6,8 @@ namespace slipbench {
 namespace {
 
 ParameterSpec position() {
-  return vector_spec(2, "position", Quantity::length, "[0 mm, 0 mm]", any_value, "where its middle is, along the world's X and Y",
-                     "free");
+  return vector_spec(2, "position", Quantity::length, "[0 mm, 0 mm]", any_value,
+                     "Position of the surface's middle along the world's X and Y.", "free");
 }
 
 Pose placed(const Parameters& p, double z) {
@@ -27,7 +27,7 @@ SurfaceKind box() {
            "A box whose top face is z = 0.",
            "gap = distance to the face through which the element entered",
            "",
-           {vector_spec(3, "size", Quantity::length, "[60 mm, 60 mm, 100 mm]", positive, "extent along X, Y, Z", "assumed"),
+           {vector_spec(3, "size", Quantity::length, "[60 mm, 60 mm, 100 mm]", positive, "Extent along X, Y, Z.", "assumed"),
             position()}},
           [](const Parameters& p) {
             const Eigen::Vector3d half = 0.5 * Eigen::Vector3d(p.vector("size")[0], p.vector("size")[1], p.vector("size")[2]);
@@ -36,7 +36,7 @@ SurfaceKind box() {
 }
 
 ParameterSpec angle() {
-  return number_spec("angle", Quantity::angle, "0 deg", any_value, "direction of its axis, from the world's X axis", "free");
+  return number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction of the axis, from the world's X axis.", "free");
 }
 
 // With the shape's z axis along the angle, and its highest line at z = 0.
@@ -53,8 +53,8 @@ SurfaceKind cylinder() {
            "A lying cylinder whose highest line is z = 0.",
            "gap = distance to its axis - radius",
            "",
-           {number_spec("radius", Quantity::length, "30 mm", positive, "radius", "assumed"),
-            number_spec("length", Quantity::length, "100 mm", positive, "length", "assumed"), angle(), position()}},
+           {number_spec("radius", Quantity::length, "30 mm", positive, "Radius.", "assumed"),
+            number_spec("length", Quantity::length, "100 mm", positive, "Length.", "assumed"), angle(), position()}},
           [](const Parameters& p) {
             return PlacedSurface{Cylinder{p.number("radius"), 0.5 * p.number("length")}, lying(p)};
           }};
@@ -65,8 +65,8 @@ SurfaceKind upright_cylinder() {
            "An upright cylinder whose upper end face is z = 0.",
            "gap = distance to the face through which the element entered",
            "",
-           {number_spec("radius", Quantity::length, "30 mm", positive, "radius", "assumed"),
-            number_spec("length", Quantity::length, "100 mm", positive, "length", "assumed"), position()}},
+           {number_spec("radius", Quantity::length, "30 mm", positive, "Radius.", "assumed"),
+            number_spec("length", Quantity::length, "100 mm", positive, "Length.", "assumed"), position()}},
           [](const Parameters& p) {
             const double half_length = 0.5 * p.number("length");
             return PlacedSurface{Cylinder{p.number("radius"), half_length}, placed(p, -half_length)};
@@ -78,8 +78,8 @@ SurfaceKind capsule() {
            "A lying cylinder with half a ball at either end, whose highest line is z = 0.",
            "gap = distance to the straight part of its axis - radius",
            "",
-           {number_spec("radius", Quantity::length, "30 mm", positive, "radius", "assumed"),
-            number_spec("length", Quantity::length, "100 mm", positive, "length of the straight part", "assumed"), angle(),
+           {number_spec("radius", Quantity::length, "30 mm", positive, "Radius.", "assumed"),
+            number_spec("length", Quantity::length, "100 mm", positive, "Length of the straight part.", "assumed"), angle(),
             position()}},
           [](const Parameters& p) {
             return PlacedSurface{Capsule{p.number("radius"), 0.5 * p.number("length")}, lying(p)};
@@ -91,7 +91,7 @@ SurfaceKind sphere() {
            "A sphere whose highest point is z = 0.",
            "gap = distance to its centre - radius",
            "",
-           {number_spec("radius", Quantity::length, "30 mm", positive, "radius", "assumed"), position()}},
+           {number_spec("radius", Quantity::length, "30 mm", positive, "Radius.", "assumed"), position()}},
           [](const Parameters& p) {
             return PlacedSurface{Sphere{p.number("radius")}, placed(p, -p.number("radius"))};
           }};
