@@ -30,13 +30,14 @@ class ConstantForce final : public Controller {
 }  // namespace
 
 ControllerKind constant_force() {
-  return {{"constant_force", "Baseline: closes to a grip force once and then never moves, whatever the force or the slip.",
-           "until F >= preset for the first time: position = measured position + 1 count; from then on: the last command\n"
-           "F: sum of the pillars' normal forces. The position ends at 255 and stays there: fingers that met nothing are closed",
-           "the baseline of a grip without feedback; closes as the published HDL does", with_registers({})},
-          [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
-            return std::make_unique<ConstantForce>(p, source);
-          }};
+  return {
+      {"constant_force", "Baseline: closes once to a grip force and then never moves, whatever the force or the slip.",
+       "until F >= preset for the first time: position = measured position + 1 count; from then on: the last command\n"
+       "F: sum of the pillars' normal forces. The position ends at 255 and stays there; fingers that met nothing are then closed.",
+       "the baseline of a grip without feedback; closes as the published HDL does", with_registers({})},
+      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
+        return std::make_unique<ConstantForce>(p, source);
+      }};
 }
 
 }  // namespace slipbench::controllers

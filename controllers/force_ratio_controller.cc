@@ -56,16 +56,15 @@ ControllerKind force_ratio() {
       {"force_ratio", "Keeps the ratio of tangential to normal force below an assumed friction coefficient with a margin.",
        "target = max(preset, sum |f_t| / (mu margin)), or max(preset, F max(|f_t|/f_n) / (mu margin))\n"
        "position = measured position + ceil((target - F)/force_per_count) counts while F < target, otherwise the last command\n"
-       "f_t, f_n: tangential and normal force of a pillar; F: sum of f_n. The position ends at 255 and stays there",
+       "f_t, f_n: tangential and normal force of a pillar; F: sum of f_n. The position ends at 255 and stays there.",
        "Coulomb's law; grip force kept in proportion to the load: Westling and Johansson, Exp. Brain Res. 53 (1984) 277",
        with_registers({
-           declared("mu", ParameterType::number, Quantity::none, "0.35", positive,
-                    "Friction coefficient that the controller believes in; too high a belief drops the box.",
-                    "assumed: PTFE on silicone"),
-           declared("margin", ParameterType::number, Quantity::none, "0.8", {.min = 0.0, .max = 1.0, .open_min = true},
-                    "Share of mu that the ratio may reach.", "assumed"),
-           declared_choice("ratio", "sum", {"sum", "largest"}, "Of the whole pad, or of the pillar that is nearest to slipping.",
-                           "assumed"),
+           number_spec("mu", Quantity::none, "0.35", positive,
+                       "Friction coefficient that the controller assumes; a value that is too high drops the box.",
+                       "assumed: PTFE on silicone"),
+           number_spec("margin", Quantity::none, "0.8", positive_up_to(1.0), "Share of mu that the ratio may reach.", "assumed"),
+           choice_spec("ratio", "sum", {"sum", "largest"},
+                       "sum: ratio of the whole pad; largest: ratio of the pillar nearest to slipping.", "assumed"),
            touch_spec(),
            force_per_count_spec(),
            ceiling_spec(),

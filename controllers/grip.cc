@@ -78,63 +78,40 @@ int ForceFollower::toward(double grip, double target, int measured) {
   return position_;
 }
 
-ParameterSpec declared(std::string name, ParameterType type, Quantity quantity, std::string default_text, Range range,
-                       std::string doc, std::string source) {
-  return {.name = std::move(name),
-          .type = type,
-          .quantity = quantity,
-          .default_text = std::move(default_text),
-          .range = range,
-          .choices = {},
-          .size = 1,
-          .doc = std::move(doc),
-          .source = std::move(source)};
-}
-
-ParameterSpec declared_choice(std::string name, std::string default_text, std::vector<std::string> choices, std::string doc,
-                              std::string source) {
-  ParameterSpec spec = declared(std::move(name), ParameterType::choice, Quantity::none, std::move(default_text), any_value,
-                                std::move(doc), std::move(source));
-  spec.choices = std::move(choices);
-  return spec;
-}
-
 void refuse_without_detector(const std::string& controller) {
   throw SceneValueError("controller.type",
                         controller + " needs what a detector says, and the scene has none; allowed: a detector");
 }
 
 ParameterSpec force_per_count_spec() {
-  return declared("force_per_count", ParameterType::number, Quantity::force, "1.6 N", positive,
-                  "Grip force that one count of position is taken to be worth; no less than what the gripper really has.",
-                  "assumed: the published ratios of maximum to ideal force fit no more than about 1.6 N a count");
+  return number_spec("force_per_count", Quantity::force, "1.6 N", positive,
+                     "Assumed grip force of one count of position, no less than the gripper's real one.",
+                     "assumed: the published ratios of maximum to ideal force fit at most about 1.6 N a count");
 }
 
 ParameterSpec ceiling_spec() {
-  return declared("ceiling", ParameterType::number, Quantity::force, "inf", positive_or_infinite,
-                  "No count is added that would take the measured grip force beyond this; what is gripped harder is not let go.",
-                  "published: none");
+  return number_spec("ceiling", Quantity::force, "inf", positive_or_infinite,
+                     "Measured grip force that no added count may exceed; a stronger grip is not loosened.", "published: none");
 }
 
 ParameterSpec loosen_spec() {
-  return declared("loosen", ParameterType::flag, Quantity::none, "false", any_value,
-                  "Open again when the target force falls by a count or more; without it the position never falls.", "assumed");
+  return flag_spec(
+      "loosen", "false",
+      "Whether the fingers open again when the target force falls by a count or more; otherwise the position never falls.",
+      "assumed");
 }
 
 ParameterSpec touch_spec() {
-  return declared("touch", ParameterType::number, Quantity::force, "0.05 N", positive,
-                  "Normal force from which a pillar counts as touching: the ratio of a few mN to a few mN says nothing.",
-                  "assumed");
+  return number_spec("touch", Quantity::force, "0.05 N", positive,
+                     "Normal force from which on a pillar counts as touching; the ratio of a few mN to a few mN says nothing.",
+                     "assumed");
 }
 
 std::vector<ParameterSpec> with_registers(std::vector<ParameterSpec> specs) {
-  constexpr Range byte{.min = 0.0, .max = double{max_register}, .open_min = false};
+  constexpr Range byte{0.0, double{max_register}};
   const std::string source = "HD-computing slip paper, published HDL (control_gripper.sv): 0";
-  specs.push_back(declared("speed_register", ParameterType::integer, Quantity::none, "0", byte,
-                           "rSP of every command, 0 the slowest.", source));
-  specs.push_back(declared("force_register", ParameterType::integer, Quantity::none, "0", byte,
-                           "rFR of every command, 0 the weakest.", source));
-  return specs;
+  return joined(std::move(specs), {integer_spec("speed_register", "0", byte, "rSP of every command; 0: the slowest.", source),
+                                   integer_spec("force_register", "0", byte, "rFR of every command; 0: the weakest.", source)});
 }
 
 GripCommand registers_of(const Parameters& parameters) {

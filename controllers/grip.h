@@ -89,12 +89,4 @@ std::vector<ParameterSpec> with_registers(std::vector<ParameterSpec> specs);
 // A command without a position: the two registers of `parameters`.
 GripCommand registers_of(const Parameters& parameters);
 
-// A declaration in short: entries that have nothing to say are left out.
-ParameterSpec declared(std::string name, ParameterType type, Quantity quantity, std::string default_text, Range range,
-                       std::string doc, std::string source);
-
-// A declaration of a choice, in short.
-ParameterSpec declared_choice(std::string name, std::string default_text, std::vector<std::string> choices, std::string doc,
-                              std::string source);
-
 }  // namespace slipbench::controllers

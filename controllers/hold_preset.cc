@@ -28,14 +28,15 @@ class HoldPreset final : public Controller {
 }  // namespace
 
 ControllerKind hold_preset() {
-  return {{"hold_preset",
-           "Negative control: tightens only below the preset force, never on slip. A trial that it passes tests no detector.",
-           "F < preset: position = measured position + 1 count; otherwise: the last command\n"
-           "F: sum of the pillars' normal forces. The position ends at 255 and stays there",
-           "step_on_slip without its slip", with_registers({})},
-          [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
-            return std::make_unique<HoldPreset>(p, source);
-          }};
+  return {
+      {"hold_preset",
+       "Negative control: tightens only below the preset force, never on slip. A trial that passes with this controller tests no detector.",
+       "F < preset: position = measured position + 1 count; otherwise: the last command\n"
+       "F: sum of the pillars' normal forces. The position ends at 255 and stays there.",
+       "step_on_slip without its slip", with_registers({})},
+      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
+        return std::make_unique<HoldPreset>(p, source);
+      }};
 }
 
 }  // namespace slipbench::controllers

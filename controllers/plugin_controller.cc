@@ -115,10 +115,10 @@ class Plugin final : public Controller {
 ControllerKind plugin() {
   return {
       {"plugin",
-       "A controller of one's own, from a shared library.",
-       "what the library computes: it exports slipbench_controller_abi and slipbench_make_controller (controllers/plugin_abi.h; example: controllers/example)",
+       "Your own controller, from a shared library.",
+       "The library computes the command. It exports slipbench_controller_abi and slipbench_make_controller (controllers/plugin_abi.h; example: controllers/example).",
        "the library's author",
-       {declared("library", ParameterType::path, Quantity::none, no_library, any_value, "The shared library.", "free")}},
+       {path_spec("library", no_library, "The shared library.", "free")}},
       [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
         if (p.path("library") == no_library) refuse("no library is named; allowed: the path of a shared library");
         return std::make_unique<Plugin>(p.path("library"), source);

@@ -187,11 +187,6 @@ class Reorient final : public Controller {
   int position_ = 0;  // counts
 };
 
-ParameterSpec magnitude_spec(std::string name, std::string default_text, std::string doc, std::string source) {
-  return declared(std::move(name), ParameterType::number, Quantity::none, std::move(default_text), non_negative, std::move(doc),
-                  std::move(source));
-}
-
 }  // namespace
 
 ControllerKind reorient() {
@@ -199,53 +194,53 @@ ControllerKind reorient() {
   return {
       {"reorient",
        "Turns a box up by rotational slip and puts it down: touch, adjust (Algorithm 2), turn (Algorithm 3), gentle release.",
-       "start: the sum of FL's and FR's clusters at rest is taken for `tare_time`\n"
-       "touch: one count further until that sum has grown by more than `contact`\n"
-       "adjust: the arm rises at `adjust_speed` to `midpoint`; FL 0-6 Hz > fl_slip: one count tighter, then a wait of `settle`\n"
-       "turn: the arm rises at `turn_speed` to `target`; FR 0-6 Hz < fr_slip for `fr_quiet` on end: one count looser, then a wait of `settle`; FR 6-8 Hz > fr_upright: upright, since theta' = v/(l cos theta) grows without bound, and the phase ends\n"
-       "release: the arm moves sideways at `forward`, one count looser every `release_wait`, until normal force and torsional moment are below what their calibration errs by; then the fingers open to their stop and the arm stops\n"
-       "magnitudes, force and moment are the detector's features fl_0_6, fr_0_6, fr_6_8, normal, moment; heights are what the arm was told. Each phase begins with a wait of `settle`, in which the window of the spectra still holds the last one",
-       "nib paper (papers/nib-reconfigurable), section VI, Algorithms 2 and 3. It reads both fingers' pads; here the one that has a sensor",
+       "start: for `tare_time` the controller averages the sum of FL's and FR's clusters at rest\n"
+       "touch: one count tighter at a time, until the sum has grown by more than `contact`\n"
+       "adjust: the arm rises at `adjust_speed` to `midpoint`. FL 0-6 Hz > fl_slip: one count tighter, then a wait of `settle`\n"
+       "turn: the arm rises at `turn_speed` to `target`. FR 0-6 Hz < fr_slip for `fr_quiet` without a break: one count looser, then a wait of `settle`. FR 6-8 Hz > fr_upright: the box is upright, since theta' = v/(l cos theta) grows without bound, and the phase ends\n"
+       "release: the arm moves sideways at `forward`, and the fingers open by one count every `release_wait`, until normal force and torsional moment are below released_normal and released_moment. Then the fingers open to their stop and the arm stops.\n"
+       "Magnitudes, force and moment are the detector's features fl_0_6, fr_0_6, fr_6_8, normal, moment. Heights are the commanded ones. Each phase begins with a wait of `settle`, while the window of the spectra still holds the phase before.",
+       "nib paper (papers/nib-reconfigurable), section VI, Algorithms 2 and 3. The paper reads both fingers' pads; here one pad has a sensor and is read",
        with_registers({
-           declared("tare_time", ParameterType::number, Quantity::time, "0.2 s", non_negative,
-                    "How long nothing is done at the start.", "assumed"),
-           magnitude_spec("contact", "30", "CONTACT_THRES, counts: by how much the sum grows when the pad is touched.",
-                          "assumed: 42 electrodes of four nibs at 24 counts a newton, for 1.2 N; the paper prints none"),
-           declared(
-               "adjust_speed", ParameterType::number, Quantity::speed, "5 mm/s", positive, "Of the arm while it adjusts.",
-               "published: 2 to 5 mm/s; its upper end, since nibs that creep at 0.2 mm/s, as at 3 mm/s, show nothing above the noise. Chosen after losses with seed 1 had been read: 57 of 77 stand there, 50 with 3 mm/s; 22 and 21 of 24 with seed 2"),
-           declared("midpoint", ParameterType::number, Quantity::length, "20 mm", positive, "MidPoint: how far it rises so.",
-                    not_printed),
-           magnitude_spec("fl_slip", "25", "FL_SLIP_THRES, counts, as the detector scales its spectrum.",
-                          "assumed: above every window of a pad at rest, 10 +- 4 and at most 21 counts; the paper prints none"),
-           declared(
-               "settle", ParameterType::number, Quantity::time, "0.8 s", non_negative, "TIME_SETTLE.",
-               "assumed: a window of the spectra, 0.5 s, a hop, 0.1 s, and the gripper's 60 ms, until a count of its own is out of what is seen; Algorithm 3 prints no wait"),
-           declared("turn_speed", ParameterType::number, Quantity::speed, "10 mm/s", positive, "Of the arm while the box turns.",
-                    "published"),
-           declared(
-               "target", ParameterType::number, Quantity::length, "135 mm", positive, "TargetPoint: the most by which it rises.",
-               "assumed: from the edge to the grip; at 113 mm the grip of a box that has not slid in it is highest, but it slides by 5 to 15 mm"),
-           magnitude_spec("fr_slip", "25", "FR_SLIP_THRES, counts: what stays below it does not turn.",
-                          "assumed: the bound of the noise, as of fl_slip; the paper prints none"),
-           declared(
-               "fr_quiet", ParameterType::number, Quantity::time, "1 s", non_negative,
-               "How long FR 0-6 Hz stays below fr_slip, all of it after the last count, before the grip is loosened.",
-               "assumed: two windows of the spectra, one after the other. The paper prints no such time, but says in section IV-B that single spectra tell slip badly, since its vibration comes and goes. A box that turns at 10 mm/s is below 25 counts for a quarter of the spectra, seldom for 1 s on end"),
-           magnitude_spec(
-               "fr_upright", "250", "FR_UPRIGHT_THRES, counts.",
-               "assumed: reached in the last 15 degrees of a turn at constant grip, 10 to 50 before, 100 to 150 by single rearrangements. The paper prints none"),
-           declared("forward", ParameterType::number, Quantity::speed, "10 mm/s", any_value,
-                    "Of the arm, sideways, in the release.", "assumed: the paper says forward"),
-           declared("release_wait", ParameterType::number, Quantity::time, "0.2 s", non_negative,
-                    "Between two counts of the release.", "assumed"),
-           declared(
-               "released_normal", ParameterType::number, Quantity::force, "0.56 N", positive,
-               "Calibrated normal force below which the pad is free.",
-               "published: the RMS error of the calibrated force, Table I, uniform loads: below it is nothing that the pad can tell. A box of 318 g that leans on one finger presses with up to 0.37 N for as long as it does"),
-           declared("released_moment", ParameterType::number, Quantity::none, "1.3e-3", positive,
-                    "Torsional moment below which it is, N m.",
-                    "published: the RMS error of the calibrated moment, Table I, uniform loads"),
+           number_spec("tare_time", Quantity::time, "0.2 s", non_negative,
+                       "Time at the start during which the controller only tares.", "assumed"),
+           number_spec("contact", Quantity::none, "30", non_negative,
+                       "CONTACT_THRES, counts: growth of the sum from which on the pad is touched.",
+                       "assumed: 42 electrodes of four nibs at 24 counts a newton, for 1.2 N; the paper prints none"),
+           number_spec(
+               "adjust_speed", Quantity::speed, "5 mm/s", positive, "Speed of the arm while it adjusts.",
+               "published: 2 to 5 mm/s. The upper end: nibs that creep at 0.2 mm/s, as they do at 3 mm/s, show nothing above the noise. Chosen after losses with seed 1 had been read: 57 of 77 boxes stand, with 3 mm/s 50; 22 and 21 of 24 with seed 2"),
+           number_spec("midpoint", Quantity::length, "20 mm", positive,
+                       "MidPoint: height to which the arm rises while it adjusts.", not_printed),
+           number_spec("fl_slip", Quantity::none, "25", non_negative,
+                       "FL_SLIP_THRES, counts, as the detector scales its spectrum.",
+                       "assumed: above every window of a pad at rest, 10 +- 4 and at most 21 counts; the paper prints none"),
+           number_spec(
+               "settle", Quantity::time, "0.8 s", non_negative, "TIME_SETTLE.",
+               "assumed: a window of the spectra, 0.5 s, a hop, 0.1 s, and the gripper's 60 ms; the controller's own count has then left the window. Algorithm 3 prints no wait"),
+           number_spec("turn_speed", Quantity::speed, "10 mm/s", positive, "Speed of the arm while the box turns.", "published"),
+           number_spec(
+               "target", Quantity::length, "135 mm", positive, "TargetPoint: largest height to which the arm rises.",
+               "assumed: the distance from the edge to the grip. At 113 mm the grip of a box that has not slid in the hand is highest, but the box slides by 5 to 15 mm"),
+           number_spec("fr_slip", Quantity::none, "25", non_negative, "FR_SLIP_THRES, counts; below it the box does not turn.",
+                       "assumed: the bound of the noise, as of fl_slip; the paper prints none"),
+           number_spec(
+               "fr_quiet", Quantity::time, "1 s", non_negative,
+               "Time for which FR 0-6 Hz stays below fr_slip, all of it after the last count, before the grip is loosened.",
+               "assumed: two windows of the spectra, one after the other. The paper prints no such time; its section IV-B says that single spectra tell slip badly, since its vibration comes and goes. The spectra of a box that turns at 10 mm/s are below 25 counts for a quarter of the time, but seldom for 1 s without a break"),
+           number_spec(
+               "fr_upright", Quantity::none, "250", non_negative, "FR_UPRIGHT_THRES, counts; above it the box is upright.",
+               "assumed: reached in the last 15 degrees of a turn at constant grip. Before, there are 10 to 50 counts, 100 to 150 in single rearrangements. The paper prints none"),
+           number_spec("forward", Quantity::speed, "10 mm/s", any_value, "Sideways speed of the arm in the release.",
+                       "assumed: the paper says forward"),
+           number_spec("release_wait", Quantity::time, "0.2 s", non_negative, "Time between two counts of the release.",
+                       "assumed"),
+           number_spec(
+               "released_normal", Quantity::force, "0.56 N", positive, "Calibrated normal force below which the pad is free.",
+               "published: the RMS error of the calibrated force, Table I, uniform loads; the pad can tell nothing below it. A box of 318 g that leans on one finger presses with up to 0.37 N for as long as it leans"),
+           number_spec("released_moment", Quantity::none, "1.3e-3", positive,
+                       "Torsional moment below which the pad is free, N m.",
+                       "published: the RMS error of the calibrated moment, Table I, uniform loads"),
        })},
       [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
         return std::make_unique<Reorient>(p, source);

@@ -62,23 +62,23 @@ class StepOnSlip final : public Controller {
 ControllerKind step_on_slip() {
   return {
       {"step_on_slip",
-       "The published loop: one count tighter while the detector says slip or the grip is below the preset force.",
+       "The published loop: one count tighter while the detector reports slip or the grip is below the preset force.",
        "(class incipient or gross for `debounce` updates in a row, or F < preset) and F + force_per_count <= ceiling:\n"
        "position = measured position + 1 count; otherwise as `idle` says\n"
-       "F: sum of the pillars' normal forces. The force stays below the ceiling where a count is worth no more than force_per_count and the force is no older than the position",
-       "HD-computing slip paper, section IV-D and its published HDL (control_gripper.sv); debounce, ceiling and what is not wrap are additions",
+       "F: sum of the pillars' normal forces. The force stays below the ceiling if a count is worth at most force_per_count and the force is no older than the position.",
+       "HD-computing slip paper, section IV-D and its published HDL (control_gripper.sv); debounce, ceiling and the other values of overflow are additions",
        with_registers({
-           declared("debounce", ParameterType::integer, Quantity::none, "1", {.min = 1.0, .max = 1e6, .open_min = false},
-                    "Updates in a row with slip before it counts; 1: at once.", "published: none"),
+           integer_spec("debounce", "1", {1.0, 1e6}, "Number of updates with slip in a row before slip counts; 1: at once.",
+                        "published: none"),
            ceiling_spec(),
            force_per_count_spec(),
-           declared_choice(
+           choice_spec(
                "overflow", "refuse", {"refuse", "hold", "wrap"},
-               "One count beyond 255: the run ends with an error, the position stays, or the byte wraps to 0 and the fingers open.",
+               "One count beyond 255: refuse: the run ends with an error; hold: the position stays; wrap: the byte wraps to 0 and the fingers open.",
                "published: wrap; refused here, because nobody wants it unasked"),
-           declared_choice(
+           choice_spec(
                "idle", "measured_position", {"measured_position", "last_command"},
-               "What is commanded while nothing asks for more. The measured position is old: it takes back a count that is on its way.",
+               "Command while nothing asks for a tighter grip. measured_position: an old position, which cancels a count still in transit; last_command: prevents this.",
                "published HDL (control_gripper.sv): the measured position"),
        })},
       [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {

@@ -45,13 +45,13 @@ class StuckFraction final : public Controller {
 ControllerKind stuck_fraction() {
   return {
       {"stuck_fraction", "Grip force in proportion to the share of the touching pillars that do not stick.",
-       "target = preset + gain (1 - s), s: the detector's stuck fraction; 1 while it sees no contact\n"
+       "target = preset + gain (1 - s), s: the detector's stuck fraction, 1 without contact\n"
        "position = measured position + ceil((target - F)/force_per_count) counts while F < target, otherwise the last command\n"
-       "F: sum of the pillars' normal forces. The position ends at 255 and stays there. A detector that tells no stuck fraction is refused",
+       "F: sum of the pillars' normal forces. The position ends at 255 and stays there. A detector without a stuck fraction is refused.",
        "stick ratio as feedback: Ikeda et al., IROS 2004, and arXiv:2402.11879",
        with_registers({
-           declared("gain", ParameterType::number, Quantity::force, "12 N", non_negative,
-                    "Grip force added to the preset when no pillar sticks.", "assumed"),
+           number_spec("gain", Quantity::force, "12 N", non_negative, "Grip force added to the preset when no pillar sticks.",
+                       "assumed"),
            force_per_count_spec(),
            ceiling_spec(),
            loosen_spec(),

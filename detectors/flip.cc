@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "detectors/specs.h"
 #include "sim/core/random.h"
 
 namespace slipbench {
@@ -59,8 +58,8 @@ class Flipped final : public Detector {
 
 ParameterSpec flip_spec() {
   return number_spec("flip", Quantity::none, "0", fraction,
-                     "Probability with which a new class in contact is replaced by one of the other two; 0: nothing is drawn.",
-                     "free: to see how a loop fares with a detector that is wrong so often");
+                     "Probability with which a new class in contact is replaced by one of the other two; 0: none is drawn.",
+                     "free: to see how a loop fares with a detector that is wrong this often");
 }
 
 std::unique_ptr<Detector> with_flips(std::unique_ptr<Detector> detector, double probability, const FrameSource& source) {

@@ -1,7 +1,6 @@
 #include "detectors/force_ratio.h"
 
 #include "detectors/channel.h"
-#include "detectors/specs.h"
 #include "detectors/unit_counts.h"
 
 namespace slipbench {
@@ -37,12 +36,13 @@ class ForceRatio final : public Detector {
 Entry force_ratio_entry() {
   return {
       .name = "force_ratio",
-      .summary = "threshold on each unit's ratio of tangential to normal force; no training",
+      .summary = "Threshold on each unit's ratio of tangential to normal force; no training.",
       .law =
           "a unit with f_n >= touch slips when f_t > ratio f_n\n"
-          "no contact: no unit touches; non-slip: none of those that touch slips; incipient: some do; gross: all do; stuck fraction: share of those that touch and do not slip",
+          "no contact: no unit touches; non-slip: no touching unit slips; incipient: some slip; gross: all slip\n"
+          "stuck fraction: share of the touching units that do not slip",
       .source =
-          "Coulomb's law: a unit that sticks has f_t <= mu_s f_n, one that slips f_t = mu_k f_n. Below mu_k the ratio warns early; above it nothing that slips is seen for long",
+          "Coulomb's law: a sticking unit has f_t <= mu_s f_n, a slipping one f_t = mu_k f_n. A ratio below mu_k warns early; with one above it, slip is seen only briefly",
       .parameters = {
           number_spec("ratio", Quantity::none, "0.4", positive, "Ratio f_t/f_n above which a unit counts as slipping.",
                       "assumed: 0.8 of the friction coefficient 0.5 of stage.yaml"),

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sim/core/detector.h"
+#include "sim/core/parameters.h"
 
 namespace slipbench {
 
@@ -30,6 +31,19 @@ struct UnitCounts {
 // The estimate that follows from the counts in the frame at `time`, there at once.
 inline SlipEstimate estimate_of(const UnitCounts& counts, double time) {
   return {.time = time, .latency = 0.0, .state = counts.state(), .stuck_fraction = counts.stuck_fraction()};
+}
+
+// Declarations of the parameters that say what counts, "touch" [N] and "least_friction".
+inline ParameterSpec touch_spec() {
+  return number_spec("touch", Quantity::force, "0.05 N", positive, "Normal force from which on a unit counts as touching.",
+                     "the force resolution of the PapillArray: less is noise, whose ratio means nothing");
+}
+
+inline ParameterSpec least_friction_spec() {
+  return number_spec(
+      "least_friction", Quantity::none, "0.2", non_negative,
+      "Ratio f_t/f_n below which a unit sticks in any case: the fingers' own bending shears a closing pad, far from any friction.",
+      "assumed: below the friction of every material of the catalogue but the soaped one");
 }
 
 }  // namespace slipbench

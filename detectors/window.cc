@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "detectors/specs.h"
 #include "sim/core/error.h"
 
 namespace slipbench {
@@ -39,7 +38,7 @@ std::span<const double> Window::rates(std::span<const double> values) {
 
 ParameterSpec window_spec() {
   return number_spec("window", Quantity::time, "20 ms", positive,
-                     "Time between the two frames that a rate is taken from: a whole number of the sensor's frames.",
+                     "Time between the two frames that a rate is taken from, a whole number of the sensor's frames.",
                      "assumed: a period of the published loop");
 }
 

@@ -61,17 +61,9 @@ void take(const Words& words, const std::string& said, Value& value) {
   value = value_of(words, said).value_or(value);
 }
 
-ParameterSpec choice(std::string name, std::vector<std::string> choices, std::string doc, std::string source) {
-  choices.insert(choices.begin(), as_saved);
-  return {.name = std::move(name),
-          .type = ParameterType::choice,
-          .quantity = Quantity::none,
-          .default_text = as_saved,
-          .range = any_value,
-          .choices = std::move(choices),
-          .size = 1,
-          .doc = std::move(doc),
-          .source = std::move(source)};
+std::vector<std::string> or_as_saved(std::vector<std::string> words) {
+  words.insert(words.begin(), as_saved);
+  return words;
 }
 
 }  // namespace
@@ -88,32 +80,20 @@ std::size_t stride_of(double rate, const FrameSource& source) {
 
 std::vector<ParameterSpec> detector_parameters() {
   return {
-      {.name = "memories",
-       .type = ParameterType::path,
-       .quantity = Quantity::none,
-       .default_text = default_memories,
-       .range = any_value,
-       .choices = {},
-       .size = 1,
-       .doc = "Folder of the trained classifier: AM.hex, CIM.hex, CM.hex, IM.hex and model.txt.",
-       .source = "the one that ships with the program"},
-      {.name = "rate",
-       .type = ParameterType::number,
-       .quantity = Quantity::frequency,
-       .default_text = "100 Hz",
-       .range = positive,
-       .choices = {},
-       .size = 1,
-       .doc = "Frames a second that are classified: every k-th of the sensor's, whose rate must be a multiple.",
-       .source = "paper, section III-A"},
-      choice("quantiser", names_of(quantiser_words), "How displacements become levels, where not as in model.txt.",
-             "without model.txt: fixed_point, as the published hardware"),
-      choice(
-          "compat", {"paper", "published_core"},
-          "Whose bundle, where not as in model.txt: the paper's, or that of the published core, which does not clear its counts between the frames of a window.",
+      path_spec("memories", default_memories, "Folder of the trained classifier: AM.hex, CIM.hex, CM.hex, IM.hex and model.txt.",
+                "the folder that ships with the program"),
+      number_spec("rate", Quantity::frequency, "100 Hz", positive,
+                  "Frames a second that are classified, every k-th of the sensor's; the sensor's rate must be a multiple.",
+                  "paper, section III-A"),
+      choice_spec("quantiser", as_saved, or_as_saved(names_of(quantiser_words)),
+                  "How displacements become levels; model: as in model.txt.",
+                  "without model.txt: fixed_point, as the published hardware"),
+      choice_spec(
+          "compat", as_saved, or_as_saved(names_of(compat_words)),
+          "Bundling: paper: the paper's; published_core: the published core's, which keeps its counts between the frames of a window; model: as in model.txt.",
           "without model.txt: paper"),
-      choice("ties", names_of(ties_words), "What a bit becomes whose bundle sums to zero, where not as in model.txt.",
-             "without model.txt: one")};
+      choice_spec("ties", as_saved, or_as_saved(names_of(ties_words)),
+                  "Bit of a bundle that sums to zero; model: as in model.txt.", "without model.txt: one")};
 }
 
 SavedModel detector_model(const Parameters& parameters) {
@@ -133,11 +113,11 @@ std::unique_ptr<Detector> make_detector(Classify classify, double rate, const Fr
 Entry gst_hd_entry() {
   return {
       .name = "gst_hd",
-      .summary = "hyperdimensional classifier of the PapillArray's displacements, in software and without latency",
+      .summary = "Hyperdimensional classifier of the PapillArray's displacements, in software and without latency.",
       .law =
           "level of a pillar: |(d_x, d_y)| / |d| in 21 steps; GST_t = prod_k rho^k GS_{t-k} over N frames\n"
           "class: the prototype nearest to GST_t once bound with the context, which is the compression of the centre pillar\n"
-          "no contact: the first N - 1 frames; later on there is no such class, and a pad that touches nothing gets one of the three",
+          "no contact: only the first N - 1 frames; later a pad that touches nothing gets one of the other three classes",
       .source =
           "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor, section III",
       .parameters = hd::detector_parameters()};

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "detectors/specs.h"
 #include "sim/core/error.h"
 
 namespace slipbench::nib {
@@ -59,26 +58,26 @@ SlidingSpectrum spectrum_for(const Parameters& parameters, const FrameSource& so
 
 std::vector<ParameterSpec> feature_specs() {
   return {
-      number_spec("window", Quantity::time, "500 ms", positive, "Stretch of a spectrum.", "paper, section IV-B"),
-      number_spec("hop", Quantity::time, "100 ms", positive, "From one spectrum to the next.",
-                  "paper, section IV-B: windows of 500 ms overlap by 400 ms (its \"close to 8 Hz\" would be 125 ms)"),
+      number_spec("window", Quantity::time, "500 ms", positive, "Length of the signal for one spectrum.", "paper, section IV-B"),
+      number_spec("hop", Quantity::time, "100 ms", positive, "Time from one spectrum to the next.",
+                  "paper, section IV-B: windows of 500 ms overlap by 400 ms; its \"close to 8 Hz\" would be 125 ms"),
       number_spec("tare", Quantity::time, "300 ms", positive,
-                  "How long the unloaded pad's counts are averaged; nothing may touch it meanwhile.",
+                  "Time over which the unloaded pad's counts are averaged; nothing may touch the pad meanwhile.",
                   "assumed: ten images of 30 ms"),
       number_spec("touch", Quantity::none, "30", positive,
                   "Sum of the changes of all 36 electrodes from which on the pad touches [counts].",
                   "assumed: three times its noise, half a newton of normal force"),
       number_spec("capacitance", Quantity::none, "153", positive,
-                  "Counts of a taxel's electrode at rest, of four nibs: how far 1/gap bends what a load changes.",
+                  "Counts of a taxel's electrode at rest, of four nibs. It sets how far 1/gap bends the reading under load.",
                   "assumed: 4 C0, C0 0.045 pF at 850 counts/pF. The paper fits a polynomial of second order instead"),
       number_spec(
           "normal_gain", Quantity::none, "57.9", positive,
-          "Counts of all 36 electrodes together a newton of normal force: 4 C0/(g0 k_post), C0 the counts of a nib's electrode.",
+          "Counts of all 36 electrodes together for a newton of normal force: 4 C0/(g0 k_post), C0: counts of a nib's electrode.",
           "assumed: small loads, C0 0.045 pF at 850 counts/pF, gap 0.254 mm, post 10.4 N/mm"),
       number_spec("shear_gain", Quantity::none, "454", positive,
-                  "Counts of N - S (E - W) of all taxels together a newton of shear: 2 C0 r/(L g0 k_t).",
+                  "Counts of N - S (E - W) of all taxels together for a newton of shear: 2 C0 r/(L g0 k_t).",
                   "assumed: small loads, r 1.1 mm, L 3.65 mm, k_t 0.2 N/mm, the rest as normal_gain"),
-      number_spec("pitch", Quantity::length, "7.6 mm", positive, "Distance of taxels.",
+      number_spec("pitch", Quantity::length, "7.6 mm", positive, "Distance between taxels.",
                   "paper, section II: two nibs 3.8 mm apart"),
   };
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "detectors/nib/features.h"
-#include "detectors/specs.h"
 
 namespace slipbench {
 namespace nib {
@@ -46,34 +45,6 @@ class LinearSlip final : public Detector {
   SlipEstimate estimate_;
 };
 
-std::vector<ParameterSpec> flag_specs() {
-  std::vector<ParameterSpec> all = feature_specs();
-  const std::vector<ParameterSpec> own{
-      number_spec("threshold", Quantity::none, "25", positive,
-                  "SLIP_THRES: magnitude above which a spectrum raises a flag [counts].",
-                  "assumed: not in the paper; what the noise of a pad at rest exceeds in one of a thousand spectra"),
-      number_spec("counter_max", Quantity::none, "9", positive, "M, the counter's limit without shear.", "paper, section V"),
-      number_spec("weight", Quantity::none, "10", non_negative, "alpha, by which the limit falls with the ratio F_S,y/F_N.",
-                  "paper, section V"),
-      number_spec("patience", Quantity::time, "0.5 s", non_negative,
-                  "TIME_THRES: time since the last flag after which the counter falls.", "assumed: not in the paper; one window"),
-      number_spec("start", Quantity::time, "0 s", non_negative, "From when on flags count: after the load has been laid on.",
-                  "assumed: the paper runs the algorithm while the normal force falls"),
-      {.name = "ratio",
-       .type = ParameterType::choice,
-       .quantity = Quantity::none,
-       .default_text = "counts",
-       .range = any_value,
-       .choices = {"forces", "counts"},
-       .size = 1,
-       .doc = "What F_S,y/F_N is a ratio of: newtons by normal_gain and shear_gain, or raw changes of capacitance.",
-       .source =
-           "paper: equation 4 takes F_S,i and F_N,i, which equations 1 and 2 define by sums and differences of capacitances"},
-  };
-  all.insert(all.end(), own.begin(), own.end());
-  return all;
-}
-
 }  // namespace
 
 bool FlagCounter::update(double time, double magnitude, double ratio) {
@@ -93,14 +64,34 @@ Entry nib_linear_slip_entry() {
   return {
       .name = "nib_linear_slip",
       .summary =
-          "Algorithm 1 of the nib pad's paper: flags of the linear mode's spectrum, counted against shear over normal force",
+          "Algorithm 1 of the nib pad's paper: it counts flags of the linear mode's spectrum against shear over normal force.",
       .law =
           "D = C_N - C_S; magnitude: mean over 0 to 6 Hz of |FFT((D - line of least squares) Hamming)|, not divided by anything [counts]\n"
-          "a spectrum above threshold: counter + 1; none for longer than patience: counter - 1, to 0 at least\n"
+          "a spectrum above threshold: counter + 1; none for longer than patience: counter - 1, down to 0\n"
           "slip: counter >= max(1, counter_max - weight |F_S,y|/F_N), F_S,y: sum of N - S, F_N: sum of W + N + E + S\n"
-          "gross from then on while the pad touches",
+          "After slip the class stays gross while the pad touches.",
       .source = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, sections IV-B and V, Algorithm 1",
-      .parameters = nib::flag_specs()};
+      .parameters = joined(
+          nib::feature_specs(),
+          {
+              number_spec("threshold", Quantity::none, "25", positive,
+                          "SLIP_THRES: magnitude above which a spectrum raises a flag [counts].",
+                          "assumed: not in the paper; one of a thousand spectra of a pad at rest exceeds it by noise"),
+              number_spec("counter_max", Quantity::none, "9", positive, "M, the counter's limit without shear.",
+                          "paper, section V"),
+              number_spec("weight", Quantity::none, "10", non_negative,
+                          "alpha, by which the limit falls with the ratio F_S,y/F_N.", "paper, section V"),
+              number_spec("patience", Quantity::time, "0.5 s", non_negative,
+                          "TIME_THRES: time since the last flag after which the counter falls.",
+                          "assumed: not in the paper; one window"),
+              number_spec("start", Quantity::time, "0 s", non_negative,
+                          "Time from which on flags count, after the load has been laid on.",
+                          "assumed: the paper runs the algorithm while the normal force falls"),
+              choice_spec(
+                  "ratio", "counts", {"forces", "counts"},
+                  "Kind of the ratio F_S,y/F_N: forces: newtons by normal_gain and shear_gain; counts: raw changes of capacitance.",
+                  "paper: equation 4 takes F_S,i and F_N,i, which equations 1 and 2 define by sums and differences of capacitances"),
+          })};
 }
 
 std::unique_ptr<Detector> make_nib_linear_slip(const Parameters& parameters, const FrameSource& source) {

@@ -29,7 +29,8 @@ double curl(const ShearField& field) {
   // Over x = -1, 0, 1 in three rows the slope is sum x F / 6.
   double sum = 0.0;
   for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
-    const double x = static_cast<double>(taxel % 3) - 1.0, y = 1.0 - static_cast<double>(taxel / 3);
+    const std::size_t column = taxel % 3, row = taxel / 3;
+    const double x = static_cast<double>(column) - 1.0, y = 1.0 - static_cast<double>(row);
     sum += x * field.shear[taxel].y() - y * field.shear[taxel].x();
   }
   return sum / 6.0;

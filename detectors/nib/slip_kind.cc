@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "detectors/specs.h"
-
 namespace slipbench {
 namespace nib {
 namespace {
@@ -41,20 +39,6 @@ class SlipKindDetector final : public Detector {
   SlipEstimate estimate_;
 };
 
-std::vector<ParameterSpec> kind_specs() {
-  std::vector<ParameterSpec> all = feature_specs();
-  const std::vector<ParameterSpec> own{
-      number_spec("fl", Quantity::none, "40", positive, "Magnitude of the linear mode above which the pad slips [counts].",
-                  "assumed: the noise at rest never reaches it, and the ramp of a pull seldom does"),
-      number_spec("fr", Quantity::none, "40", positive, "Magnitude of the rotational mode above which the pad slips [counts].",
-                  "assumed: the noise at rest never reaches it, and the ramp of a pull seldom does"),
-      number_spec("curl", Quantity::none, "0.93", {0.0, 2.13, true}, "|curl| from which on a slip is rotational.",
-                  "assumed: half of that of a rigid rotation about the centre taxel"),
-  };
-  all.insert(all.end(), own.begin(), own.end());
-  return all;
-}
-
 }  // namespace
 
 SlipKind slip_kind(const Features& features, const KindBounds& bounds) {
@@ -67,12 +51,24 @@ SlipKind slip_kind(const Features& features, const KindBounds& bounds) {
 Entry nib_slip_kind_entry() {
   return {
       .name = "nib_slip_kind",
-      .summary = "no slip, linear or rotational slip, from the nib pad's spectra and the curl of its shear",
+      .summary = "No slip, linear slip or rotational slip, from the nib pad's spectra and the curl of its shear.",
       .law =
           "no slip: mean over 0 to 6 Hz of the spectra of D_FL and D_FR (nib_linear_slip) both within their bounds\n"
-          "else rotational where |curl| >= curl, linear below; curl: (dF_y/dx - dF_x/dy) of F_S,i = (E - W, N - S) by least squares over the nine taxels, their distance as unit length, over the mean |F_S,i|",
+          "otherwise rotational with |curl| >= curl, linear below\n"
+          "curl: (dF_y/dx - dF_x/dy) of F_S,i = (E - W, N - S) by least squares over the nine taxels, over the mean |F_S,i|; unit of length: the taxels' distance",
       .source = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, section IV; the bounds are not in the paper",
-      .parameters = nib::kind_specs()};
+      .parameters = joined(
+          nib::feature_specs(),
+          {
+              number_spec("fl", Quantity::none, "40", positive,
+                          "Magnitude of the linear mode above which the pad slips [counts].",
+                          "assumed: the noise at rest never reaches it, and the ramp of a pull seldom does"),
+              number_spec("fr", Quantity::none, "40", positive,
+                          "Magnitude of the rotational mode above which the pad slips [counts].",
+                          "assumed: the noise at rest never reaches it, and the ramp of a pull seldom does"),
+              number_spec("curl", Quantity::none, "0.93", positive_up_to(2.13), "|curl| from which on a slip is rotational.",
+                          "assumed: half the curl of a rigid rotation about the centre taxel"),
+          })};
 }
 
 std::unique_ptr<Detector> make_nib_slip_kind(const Parameters& parameters, const FrameSource& source) {

@@ -23,7 +23,7 @@ constexpr std::array unrolling_words{Word<Unrolling>{"fastest", Unrolling::faste
                                      Word<Unrolling>{"smallest", Unrolling::smallest}};
 
 // In a day at 1 MHz a classified frame's number is still exact as a double.
-constexpr Range within_a_day{.min = 0.0, .max = 86400.0, .open_min = false};
+constexpr Range within_a_day{0.0, 86400.0};
 
 // Whether a file is there that is not FST, whose header is a block of type 0 and 329 bytes.
 bool is_something_else(const std::string& path) {
@@ -98,37 +98,21 @@ std::shared_ptr<RtlEngine> make_engine(const Parameters& parameters, const Frame
   }
 }
 
-ParameterSpec parameter(std::string name, ParameterType type, Quantity quantity, std::string default_text, Range range,
-                        std::vector<std::string> choices, std::string doc, std::string source) {
-  return {.name = std::move(name),
-          .type = type,
-          .quantity = quantity,
-          .default_text = std::move(default_text),
-          .range = range,
-          .choices = std::move(choices),
-          .size = 1,
-          .doc = std::move(doc),
-          .source = std::move(source)};
-}
-
 std::vector<ParameterSpec> rtl_parameters() {
-  using enum ParameterType;
-  std::vector<ParameterSpec> specs = detector_parameters();
-  specs.insert(
-      specs.end(),
-      {parameter("unrolling", choice, Quantity::none, "fastest", any_value, names_of(unrolling_words),
-                 "How much of a frame the core works on at once: latency against area.", "rtl/hd/README.md has the table"),
-       parameter("clock", number, Quantity::frequency, "100 MHz", positive, {}, "Clock of the core.", "paper, section IV"),
-       parameter("latency", choice, Quantity::none, "true", any_value, {"true", "zero"},
-                 "Whether the loop sees a decision after the core's cycles at that clock, or at once as from gst_hd.",
-                 "the core's own cycles"),
-       parameter("lockstep", flag, Quantity::none, "false", any_value, {},
-                 "Whether the software kernel runs beside the core, and a difference ends the trial.", "free"),
-       parameter("waveform", path, Quantity::none, no_waveform, any_value, {}, "FST file of the core's signals.", "free"),
-       parameter("waveform_from", number, Quantity::time, "0 s", within_a_day, {}, "Where the waveform begins.", "free"),
-       parameter("waveform_to", number, Quantity::time, "86400 s", within_a_day, {}, "Where it ends.", "free"),
-       parameter("waveform_trial", integer, Quantity::none, "0", non_negative, {}, "Trial whose waveform it is.", "free")});
-  return specs;
+  return joined(
+      detector_parameters(),
+      {choice_spec("unrolling", "fastest", names_of(unrolling_words),
+                   "How much of a frame the core works on at once: more area gives less latency.",
+                   "rtl/hd/README.md has the table"),
+       number_spec("clock", Quantity::frequency, "100 MHz", positive, "Clock of the core.", "paper, section IV"),
+       choice_spec("latency", "true", {"true", "zero"},
+                   "true: the loop sees a decision after the core's cycles at `clock`; zero: at once, as from gst_hd.",
+                   "the core's own cycles"),
+       flag_spec("lockstep", "false", "Whether the software kernel runs beside the core; a difference ends the trial.", "free"),
+       path_spec("waveform", no_waveform, "FST file of the core's signals.", "free"),
+       number_spec("waveform_from", Quantity::time, "0 s", within_a_day, "Time at which the waveform begins.", "free"),
+       number_spec("waveform_to", Quantity::time, "86400 s", within_a_day, "Time at which the waveform ends.", "free"),
+       integer_spec("waveform_trial", "0", non_negative, "Trial whose waveform is written.", "free")});
 }
 
 }  // namespace
@@ -137,7 +121,7 @@ std::vector<ParameterSpec> rtl_parameters() {
 Entry gst_hd_rtl_entry() {
   return {
       .name = "gst_hd_rtl",
-      .summary = "the same classifier as a register-level core, cycle by cycle, with its latency",
+      .summary = "The classifier of gst_hd as a register-level core, cycle by cycle, with its latency.",
       .law = "classes: those of gst_hd with fixed_point\nlatency: cycles from the accepted sample to the class, over the clock",
       .source = "rtl/hd: the synthesisable core, as Verilator translates it; the paper's own has 42 cycles at 100 MHz",
       .parameters = hd::rtl_parameters()};

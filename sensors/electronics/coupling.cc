@@ -40,7 +40,7 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
 
 PartKind coupling_part() {
   return {.entry = {.name = "coupling",
-                    .summary = "crosstalk between axes: one value leaks into another by a coefficient fixed for a device",
+                    .summary = "Crosstalk between axes: one value leaks into another by a coefficient fixed for a device.",
                     .law = "y_i = x_i + sum_j c_ij*x_j,  c_ij uniform in [-scale*limit_ij, scale*limit_ij]\n"
                            "i, j: the coupled pairs of the sensor; limit_ij: largest coefficient of the pair",
                     .source = "the distribution is assumed",

@@ -33,7 +33,7 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
 
 PartKind drift_part() {
   return {.entry = {.name = "drift",
-                    .summary = "a slow linear change of each value, with a new slope in each recording",
+                    .summary = "Drift: a slow linear change of each value, with a new slope in each recording.",
                     .law = "y = x + scale*sd*z*t\n"
                            "t: time since the start [s]; z: standard normal, one a source (values computed from one another\n"
                            "share it); sd: of the value's slope",

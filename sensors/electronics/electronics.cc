@@ -40,15 +40,7 @@ const PartKind& kind_of(const std::string& name, const std::string& path) {
 }  // namespace
 
 ParameterSpec scale_parameter() {
-  return {.name = "scale",
-          .type = ParameterType::number,
-          .quantity = Quantity::none,
-          .default_text = "1",
-          .range = non_negative,
-          .choices = {},
-          .size = 1,
-          .doc = "Factor on the device's own figure.",
-          .source = "1: as measured"};
+  return number_spec("scale", Quantity::none, "1", non_negative, "Factor on the device's own figure.", "1: as measured");
 }
 
 Electronics::Electronics(const std::vector<ElectronicsPart>& parts, const SignalModel& model, const ElectronicsKey& key) {

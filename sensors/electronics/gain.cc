@@ -36,7 +36,7 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
 PartKind gain_part() {
   return {
       .entry = {.name = "gain",
-                .summary = "calibration error: each value is too large or too small by its own factor, fixed for a device",
+                .summary = "Calibration error: each value is too large or too small by its own factor, fixed for a device.",
                 .law = "y = g*x,  ln g = s*z - s^2/2,  s^2 = ln(1 + (scale*sd)^2)\n"
                        "g: lognormal with mean 1 and standard deviation scale*sd, so never negative; z: standard normal, one a\n"
                        "value; sd: of the value's gain",

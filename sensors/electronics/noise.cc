@@ -73,23 +73,17 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
 PartKind noise_part() {
   return {
       .entry = {.name = "noise",
-                .summary = "red noise: white noise through two equal poles",
+                .summary = "Red noise: white noise through two equal poles.",
                 .law = "y = x + scale*sd*n(t),  E[n(t) n(t+tau)] = exp(-w|tau|)*(1 + w|tau|),  w = 2 pi corner\n"
                        "power density of n (one-sided): 8/w / (1 + (f/corner)^2)^2 [1/Hz]\n"
                        "n: one process a source (values computed from one another share it), stationary from the first sample\n"
                        "and exact at every rate; sd: of the value's noise",
                 .source = "spectrum of unloaded PapillArray pillars in public gripper recordings (Contactile_Data_Viz)",
                 .parameters = {scale_parameter(),
-                               {.name = "corner",
-                                .type = ParameterType::number,
-                                .quantity = Quantity::frequency,
-                                .default_text = "16 Hz",
-                                // Far below, the covariance of a step would be lost to rounding.
-                                .range = {.min = 0.1, .open_min = false, .infinite = true},
-                                .choices = {},
-                                .size = 1,
-                                .doc = "Frequency of the two equal poles; inf: white noise.",
-                                .source = "fitted to the spectrum of 13 unloaded stretches of PapillArray recordings"}}},
+                               // Far below 0.1 Hz the covariance of a step would be lost to rounding.
+                               number_spec("corner", Quantity::frequency, "16 Hz", {.min = 0.1, .infinite = true},
+                                           "Frequency of the two equal poles; inf: white noise.",
+                                           "fitted to the spectrum of 13 unloaded stretches of PapillArray recordings")}},
       .drawn_per = DrawnPer::trial,
       .make = &make};
 }

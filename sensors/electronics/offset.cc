@@ -33,7 +33,7 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
 
 PartKind offset_part() {
   return {.entry = {.name = "offset",
-                    .summary = "what is left after taring: a constant on each value, new in each recording",
+                    .summary = "What taring leaves: a constant on each value, new in each recording.",
                     .law = "y = x + scale*sd*z\n"
                            "z: standard normal, one a source (values computed from one another share it); sd: of the value",
                     .source = "the form is assumed",

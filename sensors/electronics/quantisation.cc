@@ -79,22 +79,17 @@ std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const Signa
 
 PartKind quantisation_part() {
   return {
-      .entry = {.name = "quantisation",
-                .summary = "the converter: each value becomes one of 2^bits levels, and one of the end levels beyond its range",
-                .law = "y = lowest + q*c,  c = round((x - lowest)/q), not below 0, not above 2^bits - 1,\n"
-                       "q = (highest - lowest)/(2^bits - 1)\n"
-                       "lowest, highest: ends of the converter's range for the value. The rounding of a signal that is large\n"
-                       "against q adds an error of variance q^2/12",
-                .source = "the definition of a uniform converter",
-                .parameters = {{.name = "bits",
-                                .type = ParameterType::integer,
-                                .quantity = Quantity::none,
-                                .default_text = "12",
-                                .range = {.min = 1.0, .max = 24.0, .open_min = false},  // a float of 24 bits holds every level
-                                .choices = {},
-                                .size = 1,
-                                .doc = "Bits of the converter.",
-                                .source = "assumed"}}},
+      .entry =
+          {.name = "quantisation",
+           .summary = "The converter: each value becomes one of 2^bits levels; beyond the range it becomes the end level.",
+           .law = "y = lowest + q*c,  c = round((x - lowest)/q), not below 0, not above 2^bits - 1,\n"
+                  "q = (highest - lowest)/(2^bits - 1)\n"
+                  "lowest, highest: ends of the converter's range for the value. Rounding adds an error of variance q^2/12 to a\n"
+                  "signal that is large against q.",
+           .source = "the definition of a uniform converter",
+           .parameters =
+               {// A float of 24 bits holds every level.
+                integer_spec("bits", "12", {1.0, 24.0}, "Bits of the converter.", "assumed")}},
       .drawn_per = DrawnPer::device,
       .make = &make};
 }

@@ -6,7 +6,7 @@
 
 #include "sensors/electronics/part_kind.h"
 #include "sim/core/error.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 #include "sim/core/vectorise.h"
 
 namespace slipbench {
@@ -60,15 +60,16 @@ void check_duration(const Parameters& parameters, const SignalModel& model, cons
 }  // namespace
 
 PartKind scan_part() {
-  return {.entry = {.name = "scan",
-                    .summary = "values are read one after the other, the last of them at the sample's own time",
-                    .law = "y_v = x_v(t - a_v),  a_v = duration (V - 1 - v)/V,  v = 0 .. V - 1,  x straight between two samples",
-                    .source = "the definition of a converter that many values share",
-                    .parameters = {number_spec("duration", Quantity::time, "0 s", non_negative,
-                                               "Time to read all values once; at most that between two samples.", "assumed")}},
-          .drawn_per = DrawnPer::device,
-          .make = &make,
-          .check = &check_duration};
+  return {
+      .entry = {.name = "scan",
+                .summary = "Scan: values are read one after the other, the last one at the sample's own time.",
+                .law = "y_v = x_v(t - a_v),  a_v = duration (V - 1 - v)/V,  v = 0 .. V - 1,  x linear between two samples",
+                .source = "the definition of a converter that many values share",
+                .parameters = {number_spec("duration", Quantity::time, "0 s", non_negative,
+                                           "Time to read all values once, at most the time between two samples.", "assumed")}},
+      .drawn_per = DrawnPer::device,
+      .make = &make,
+      .check = &check_duration};
 }
 
 }  // namespace slipbench

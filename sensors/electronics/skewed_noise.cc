@@ -7,7 +7,7 @@
 
 #include "sensors/electronics/part_kind.h"
 #include "sim/core/error.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench {
@@ -69,30 +69,29 @@ void check_spike(const Parameters& parameters, const SignalModel& /*model*/, con
 
 PartKind skewed_noise_part() {
   // Deeper than a converter of 12 bit is wide, whose noise is a few counts: 4095/3.1 is 1321.
-  constexpr Range depth{0.0, 1000.0, false};
+  constexpr Range depth{0.0, 1000.0};
   const std::string fitted =
       "fitted to the readings of 44 BioTac SP recordings of a touch (yayaneath/BioTacSP-DoS), against 3.1 counts";
-  return {
-      .entry = {.name = "skewed_noise",
-                .summary = "white noise whose tail and whose rare spikes go one way: downwards",
-                .law = "y = x + scale*sd*(z + p_t m - t - s)\n"
-                       "z: standard normal; t: with probability p_t = tail_share exponential of mean m = tail, else 0;\n"
-                       "s: with probability spike_share uniform in spike, else 0. So the mean is that of the spikes alone, and\n"
-                       "sd is that of the normal part. Drawn anew for each source and sample",
-                .source = "the form is fitted to BioTac SP readings: skewness -2, and none above +18 counts",
-                .parameters = {scale_parameter(),
-                               number_spec("tail_share", Quantity::none, "0.1", fraction, "Share of the samples in the tail.",
-                                           fitted),
-                               number_spec("tail", Quantity::none, "1.29", depth,
-                                           "Mean depth of the tail, in sd of the normal part.", fitted + ": 4 counts"),
-                               number_spec("spike_share", Quantity::none, "0.0075", fraction, "Share of the samples in a spike.",
-                                           fitted),
-                               vector_spec(2, "spike", Quantity::none, "[3.2, 11.6]", depth,
-                                           "Least and greatest depth of a spike, in sd of the normal part.",
-                                           fitted + ": 10 to 36 counts")}},
-      .drawn_per = DrawnPer::trial,
-      .make = &make,
-      .check = &check_spike};
+  return {.entry = {.name = "skewed_noise",
+                    .summary = "Skewed noise: white noise whose tail and rare spikes go downwards.",
+                    .law = "y = x + scale*sd*(z + p_t m - t - s)\n"
+                           "z: standard normal; t: with probability p_t = tail_share exponential of mean m = tail, else 0;\n"
+                           "s: with probability spike_share uniform in spike, else 0. The spikes alone shift the mean; sd is\n"
+                           "that of the normal part. Drawn anew for each source and sample.",
+                    .source = "the form is fitted to BioTac SP readings: skewness -2, and none above +18 counts",
+                    .parameters = {scale_parameter(),
+                                   number_spec("tail_share", Quantity::none, "0.1", fraction,
+                                               "Share of the samples that are in the tail.", fitted),
+                                   number_spec("tail", Quantity::none, "1.29", depth,
+                                               "Mean depth of the tail, in sd of the normal part.", fitted + ": 4 counts"),
+                                   number_spec("spike_share", Quantity::none, "0.0075", fraction,
+                                               "Share of the samples that are in a spike.", fitted),
+                                   vector_spec(2, "spike", Quantity::none, "[3.2, 11.6]", depth,
+                                               "Least and greatest depth of a spike, in sd of the normal part.",
+                                               fitted + ": 10 to 36 counts")}},
+          .drawn_per = DrawnPer::trial,
+          .make = &make,
+          .check = &check_spike};
 }
 
 }  // namespace slipbench

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "sensors/myrmex/foam_cell.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 #include "sim/core/vectorise.h"
 
 namespace slipbench {
@@ -151,13 +151,6 @@ class Myrmex final : public Sensor {
   SensorFrame frame_;
 };
 
-ParameterSpec count_spec(std::string name, std::string default_text, std::string doc, std::string source) {
-  ParameterSpec spec = number_spec(std::move(name), Quantity::none, std::move(default_text),
-                                   {.min = 1.0, .max = 64.0, .open_min = false}, std::move(doc), std::move(source));
-  spec.type = ParameterType::integer;
-  return spec;
-}
-
 }  // namespace
 }  // namespace myrmex
 
@@ -166,36 +159,36 @@ Entry myrmex_entry() {
   const std::string cell = "fit to a comparable piezoresistive cell, bare (TAMS-Group/tams_tactile_sensor_array_hardware)";
   return {
       .name = "myrmex",
-      .summary = "array of piezoresistive cells under conductive foam: an image of counts, 4095 at rest, less under load",
+      .summary = "Array of piezoresistive cells under conductive foam: an image of counts, 4095 at rest, less under load.",
       .law =
           "counts = 4095 (1 - reference/R),  R = 2 resistance/f + contact_resistance,  not below 0\n"
-          "f: the normal force F of a taxel as the foam remembers it, by plays p <- min(max(p, (1 - w) F), (1 + w) F):\n"
-          "f = (F + p_1 + p_2)/3 with w = hysteresis and 2 hysteresis; (1 - hysteresis) F in first loading, (1 + hysteresis) F\n"
-          "in unloading: more counts are missing at the same force\n"
+          "f: the normal force F of a taxel with the foam's memory, two plays p <- min(max(p, (1 - w) F), (1 + w) F):\n"
+          "f = (F + p_1 + p_2)/3 with w = hysteresis and 2 hysteresis\n"
+          "f is (1 - hysteresis) F in first loading and (1 + hysteresis) F in unloading: the counts are then lower at the same force.\n"
           "foam: k_n = modulus pitch^2/thickness a taxel, k_t = shear_share k_n",
       .source = cell + "; A. Visintin, Differential Models of Hysteresis (1994), ch. III (generalised play)",
       .parameters = {
-          number_spec("rate", Quantity::frequency, "1 kHz", {.min = 0.0, .max = 1900.0, .open_min = true}, "Images a second.",
+          number_spec("rate", Quantity::frequency, "1 kHz", positive_up_to(1900.0), "Images a second.",
                       paper + ": logged at 1 kHz, up to 1.9 kHz"),
-          myrmex::count_spec("rows", "16", "Taxels along Y.", paper),
-          myrmex::count_spec("columns", "16", "Taxels along X.", paper),
+          integer_spec("rows", "16", {1.0, 64.0}, "Taxels along Y.", paper),
+          integer_spec("columns", "16", {1.0, 64.0}, "Taxels along X.", paper),
           number_spec("pitch", Quantity::length, "5 mm", positive, "Edge of a taxel.", paper),
           number_spec(
-              "modulus", Quantity::none, "20000", positive, "Stress of the foam by strain [Pa].",
-              "assumed: a soft conductive foam. The makers' own simulation (ubi-agni/mujoco_contact_surfaces) has 5e4 Pa over a slab of 40 mm, which is a third as stiff"),
-          number_spec("thickness", Quantity::length, "5 mm", positive, "Of the foam; only modulus/thickness counts.",
-                      "assumed, as nothing is published"),
+              "modulus", Quantity::none, "20000", positive, "Stress over strain of the foam [Pa].",
+              "assumed: a soft conductive foam. The makers' own simulation (ubi-agni/mujoco_contact_surfaces) has 5e4 Pa over a slab of 40 mm, a third as stiff"),
+          number_spec("thickness", Quantity::length, "5 mm", positive, "Thickness of the foam; only modulus/thickness counts.",
+                      "assumed: nothing is published"),
           number_spec(
-              "shear_share", Quantity::none, "0.5", positive, "Tangential stiffness of a taxel against its normal one.",
+              "shear_share", Quantity::none, "0.5", positive, "Tangential stiffness of a taxel over its normal one.",
               "G/E = 1/2 of a foam that does not bulge (Poisson's ratio 0): Gibson and Ashby, Cellular Solids (1997), ch. 5"),
           number_spec("resistance", Quantity::none, "16.96", positive,
                       "Rs, resistance times force of one electrode's contact [kOhm N].", cell),
-          number_spec("contact_resistance", Quantity::none, "0.5", non_negative, "R0, what is left under any force [kOhm].",
+          number_spec("contact_resistance", Quantity::none, "0.5", non_negative, "R0, resistance left under any force [kOhm].",
                       cell),
           number_spec("reference", Quantity::none, "6.03", positive, "Reference resistance of the divider [kOhm].",
-                      "fitted to that cell's counts at 0.2 to 4 N, which the fit of R then meets to 4 % of the range"),
-          number_spec("hysteresis", Quantity::none, "0.03", {.min = 0.0, .max = 0.25, .open_min = false},
-                      "By what share unloading reads as more, and loading as less, than the force.",
+                      "fitted to that cell's counts at 0.2 to 4 N; the fit of R then meets them to 4 % of the range"),
+          number_spec("hysteresis", Quantity::none, "0.03", {0.0, 0.25},
+                      "Share h by which unloading reads more, and loading less, than the force.",
                       "that cell: unloading minus loading up to 3 to 10 % of the range; 2 h (1 - 2h)/(1 + 2h) = 5.3 %"),
       }};
 }

@@ -1,28 +1,13 @@
 #include <utility>
 
 #include "sensors/nib_pad/nib_pad.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 
 namespace slipbench {
 namespace nib_pad {
 namespace {
 
-constexpr Range some_length{0.0, 0.1, true};
-
-ParameterSpec integer(std::string name, std::string default_text, Range range, std::string doc, std::string source) {
-  ParameterSpec spec =
-      number_spec(std::move(name), Quantity::none, std::move(default_text), range, std::move(doc), std::move(source));
-  spec.type = ParameterType::integer;
-  return spec;
-}
-
-ParameterSpec choice(std::string name, std::vector<std::string> choices, std::string doc, std::string source) {
-  ParameterSpec spec =
-      number_spec(std::move(name), Quantity::none, choices.front(), any_value, std::move(doc), std::move(source));
-  spec.type = ParameterType::choice;
-  spec.choices = std::move(choices);
-  return spec;
-}
+constexpr Range some_length = positive_up_to(0.1);
 
 }  // namespace
 }  // namespace nib_pad
@@ -31,70 +16,72 @@ Entry nib_pad_entry() {
   using namespace nib_pad;
   return {
       .name = "nib_pad",
-      .summary = "capacitive nib pad: 6x6 silicone nibs, 9 taxels of four electrodes, clusters for fast shear and torsion",
+      .summary = "Capacitive nib pad: 6x6 silicone nibs, 9 taxels of four electrodes, clusters for fast shear and torsion.",
       .law =
           "C = C0 g0/(g0 - u - r t), per nib and electrode;  u = min(f_n/k_post, g0 - gf);  t = q/L towards the electrode,\n"
-          "|t| <= (g0 - u - gf)/R: there the fabric's rim rests on the mask, and nothing tilts or closes any further\n"
+          "|t| <= (g0 - u - gf)/R: at this limit the fabric's rim rests on the mask and tilts no further\n"
           "f_n: normal force of the nib; q: deflection of its tip; r: electrode_place; R: fabric_radius; gf: mask_gap\n"
           "si = C of a taxel's four nibs on one side; fl, fr = C of a cluster: N and S of all taxels; the tangential electrodes\n"
           "of the eight outer taxels, counter-clockwise about +Z first\n"
-          "counts = round(rest + gain sum(C - C0)), 0 to full scale; what is beyond reads as full scale, as the converter would\n"
-          "a sample: fl N, fl S, fr +, fr -, then W, N, E, S of one taxel, each 1/8 of the sampling time after the one before;\n"
-          "nine samples are an image of si, which is averaged over the last images",
+          "counts = round(rest + gain sum(C - C0)), kept within 0 and full scale as by the converter\n"
+          "a sample: fl N, fl S, fr +, fr -, then W, N, E, S of one taxel, each 1/8 of the sampling time after the one before\n"
+          "Nine samples make an image of si; si is averaged over the last images.",
       .source =
-          "\"Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation\", IEEE RA-L 2020: geometry, electrodes, scan, bits; stiffness and capacitance from the geometry (README)",
+          "\"Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation\", IEEE RA-L 2020: geometry, electrodes, scan, bits. Stiffness and capacitance follow from the geometry (README)",
       .parameters = {
           number_spec("rate", Quantity::frequency, "300 Hz", positive, "Samples a second; an image of si takes nine.",
                       "the paper: 300 Hz for fl and fr, 33.3 Hz for si"),
-          choice(
-              "scan", {"multiplexed", "simultaneous"},
-              "Whether the eight readings of a sample are one after the other, or all (of si: those of an image) at one instant.",
-              "the paper's figure 5; simultaneous: to see what the skew does"),
-          integer("average", "5", {.min = 1.0, .max = 100.0, .open_min = false},
-                  "Images over which si is averaged, fewer while there are fewer; 1: none.", "the paper: moving average of 5"),
+          choice_spec(
+              "scan", "multiplexed", {"multiplexed", "simultaneous"},
+              "multiplexed: the eight readings of a sample follow one another; simultaneous: they, and those of an image of si, are taken at one instant.",
+              "multiplexed: the paper's figure 5; simultaneous: to see what the skew does"),
+          integer_spec("average", "5", {1.0, 100.0},
+                       "Number of images over which si is averaged, fewer at the start; 1: no average.",
+                       "the paper: moving average of 5"),
           number_spec(
               "k_normal", Quantity::stiffness, "0.83 N/mm", positive, "Normal stiffness of a nib.",
-              "post, nib and rounded tip in series, with 1.15 MPa of Shore A 30; the hardness is assumed: TAP's RTV is not named closer"),
+              "post, nib and rounded tip in series, with 1.15 MPa of Shore A 30. The hardness is assumed: the paper names TAP's RTV no closer"),
           number_spec(
               "k_tangential", Quantity::stiffness, "0.2 N/mm", positive, "Tangential stiffness of a nib's tip without load.",
-              "assumed: 0.03 for the post alone and 0.1 with the fabric's strips could not carry the paper's 3.5 N of shear; 0.1 to 0.4 are possible"),
-          number_spec("height_sd", Quantity::length, "0.03 mm", {.min = 0.0, .max = 1e-3, .open_min = false},
-                      "Scatter of the nibs' heights, normal, drawn for the device.",
-                      "assumed: mould printed in layers of 0.028 mm"),
+              "assumed: 0.1 to 0.4 are possible. Neither 0.03, of the post alone, nor 0.1, with the fabric's strips, could carry the paper's 3.5 N of shear"),
+          number_spec("height_sd", Quantity::length, "0.03 mm", {0.0, 1e-3},
+                      "Standard deviation of the nibs' heights, normal, drawn for the device.",
+                      "assumed: the mould is printed in layers of 0.028 mm"),
           number_spec("post", Quantity::stiffness, "10.4 N/mm", positive,
                       "Stiffness of the post below the fabric, which sets the gap.",
                       "the paper's 1 mm x 0.254 mm, bonded on both sides: E (1 + 2 S^2) A/h, S = 0.98, 1.15 MPa"),
-          number_spec("lever", Quantity::length, "3.65 mm", some_length, "From the hinge below the fabric to the tip.",
+          number_spec("lever", Quantity::length, "3.65 mm", some_length, "Distance from the hinge below the fabric to the tip.",
                       "the paper: nib of 3.4 mm on a gap of 0.254 mm"),
           number_spec("fabric_radius", Quantity::length, "1.4 mm", some_length, "Radius of the fabric that tilts with its nib.",
-                      "the paper: nibs of 2.8 mm; that the fabric is stiff below the nib and no further is assumed"),
+                      "the paper: nibs of 2.8 mm. Assumed: the fabric is stiff below the nib and no further"),
           number_spec("electrode_place", Quantity::length, "1.1 mm", some_length,
-                      "From the nib's axis to the middle of an electrode.", "assumed: between the post and the nib's rim"),
-          number_spec("gap", Quantity::length, "0.254 mm", some_length, "From the fabric to the electrodes without load.",
+                      "Distance from the nib's axis to the middle of an electrode.",
+                      "assumed: between the post and the nib's rim"),
+          number_spec("gap", Quantity::length, "0.254 mm", some_length, "Gap from the fabric to the electrodes without load.",
                       "the paper: thickness of the mask that shapes the posts"),
           number_spec("mask_gap", Quantity::length, "0.03 mm", some_length,
                       "Gap that the solder mask and the coat of silicone leave where the fabric rests on them.", "assumed"),
           number_spec("capacitance", Quantity::none, "0.045", positive, "C0 of one electrode of one nib, in pF.",
                       "assumed: 1.3 mm2 over 0.254 mm of air"),
-          choice("capacitor", {"gap", "linear"},
-                 "1/gap, or its tangent at rest in its place, which no device has: for comparison.", "gap: a plate capacitor"),
+          choice_spec("capacitor", "gap", {"gap", "linear"},
+                      "gap: capacitance goes with 1/gap; linear: with its tangent at rest, which no device has, for comparison.",
+                      "gap: a plate capacitor"),
           number_spec(
               "gain", Quantity::none, "850", positive, "Counts per pF of si, at 13 bit.",
-              "assumed: 6960 counts at 8.2 pF, which is mostly that of the wiring; a taxel's four nibs with their fabric flat on the mask just stay below full scale"),
+              "assumed: 6960 counts at 8.2 pF, most of which is the wiring's. A taxel whose four nibs have their fabric flat on the mask then just stays below full scale"),
           number_spec(
               "cluster_gain", Quantity::none, "300", positive, "Counts per pF of fl and fr, at 13 bit.",
-              "assumed: at the paper's strongest linear grip, 8 N, fl just stays below full scale however far it is pulled"),
-          integer("bits", "13", {.min = 4.0, .max = 16.0, .open_min = false}, "Resolution of the converter.", "the paper"),
-          number_spec("rest", Quantity::none, "85 %", {.min = 0.0, .max = 1.0, .open_min = false},
-                      "Reading of a pad that nothing touches, of full scale.",
+              "assumed: at the paper's strongest linear grip, 8 N, fl then just stays below full scale however far it is pulled"),
+          integer_spec("bits", "13", {4.0, 16.0}, "Resolution of the converter.", "the paper"),
+          number_spec("rest", Quantity::none, "85 %", {0.0, 1.0}, "Reading of an untouched pad, as a share of full scale.",
                       "the maker's tuning guide (Infineon, PSoC 4 CapSense): calibrated to 85 %, 6962 of 8191"),
-          choice("device", {"fixed", "redrawn"},
-                 "Whether all trials of a dataset use one device, or each draws its own heights and gains.",
-                 "fixed: the paper has two pads and calibrates one"),
+          choice_spec("device", "fixed", {"fixed", "redrawn"},
+                      "Whether all trials of a dataset use one device, or each draws its own heights and gains.",
+                      "fixed: the paper has two pads and calibrates one"),
           number_spec(
               "label_distance", Quantity::length, "2 mm", positive,
-              "How far the object has moved over a nib, lean of the nib and slip together, where the paper's rule calls it slip.",
-              "the paper, section IV-B: pull displacements of about 2 mm are its criterion"),
+              "Distance that the object has moved over a nib, lean of the nib and slip together, from which the paper's rule says slip.",
+              "the paper, section IV-B: its criterion is a pull displacement of about 2 mm"),
       }};
 }
 

@@ -23,9 +23,9 @@ PadLayout make_layout(const Parameters& parameters, RandomStream stream) {
   PadLayout layout;
   for (std::size_t nib = 0; nib < nibs; ++nib) {
     const double taller = parameters.number("height_sd") * stream.normal();
-    const double column = static_cast<double>(nib % rows), row = static_cast<double>(nib / rows);
+    const std::size_t column = nib % rows, row = nib / rows;
     Element element;
-    element.tip = {(column - 2.5) * pitch, (2.5 - row) * pitch, -taller};
+    element.tip = {(static_cast<double>(column) - 2.5) * pitch, (2.5 - static_cast<double>(row)) * pitch, -taller};
     element.k_normal = parameters.number("k_normal");
     element.k_tangential = parameters.number("k_tangential");
     layout.units.push_back({nib, 1});

@@ -37,12 +37,12 @@ SignalModel signal_model(double rate, double count) {
 std::vector<Entry> nib_pad_electronics() {
   return electronics_of(
       "nib pad",
-      {{"gain", "assumed: 5 % from electrode to electrode, as gaps and areas are made; of what is above rest"},
+      {{"gain", "assumed: 5 % of what is above rest, from electrode to electrode, as gaps and areas are made"},
        {"offset",
         "assumed: 20 counts of 13 bit, about a third of a step of the 7-bit current source that calibrates the reading at rest"},
-       {"drift", "assumed: 0.02 counts/s of 13 bit, 3 ppm/s of what is at rest; temperature"},
+       {"drift", "assumed: 0.02 counts/s of 13 bit, 3 ppm/s of the reading at rest, by temperature"},
        {"noise",
-        "assumed: 1.5 counts of 13 bit for si, 1.2 for clusters; the maker calls below 10 counts quiet (Infineon's tuning guide), and another capacitive fingertip has 0.8 to 1.3 counts (FabricSlide)",
+        "assumed: 1.5 counts of 13 bit for si, 1.2 for clusters. The maker calls less than 10 counts quiet (Infineon's tuning guide); another capacitive fingertip has 0.8 to 1.3 counts (FabricSlide)",
         {{"corner", "inf", "a converter's noise is white: each reading integrates anew"}}}});
 }
 

@@ -137,45 +137,6 @@ class PapillArray final : public Sensor {
   SensorFrame frame_;
 };
 
-// How much shorter some pillars are: no more than they are high.
-ParameterSpec drop(std::string name, std::string default_text, std::string doc, std::string source) {
-  return {.name = std::move(name),
-          .type = ParameterType::number,
-          .quantity = Quantity::length,
-          .default_text = std::move(default_text),
-          .range = {.min = 0.0, .max = pillar_height, .open_min = false},
-          .choices = {},
-          .size = 1,
-          .doc = std::move(doc),
-          .source = std::move(source)};
-}
-
-ParameterSpec choice(std::string name, std::string default_text, std::vector<std::string> choices, std::string doc,
-                     std::string source) {
-  return {.name = std::move(name),
-          .type = ParameterType::choice,
-          .quantity = Quantity::none,
-          .default_text = std::move(default_text),
-          .range = any_value,
-          .choices = std::move(choices),
-          .size = 1,
-          .doc = std::move(doc),
-          .source = std::move(source)};
-}
-
-ParameterSpec value(std::string name, ParameterType type, Quantity quantity, std::string default_text, Range range,
-                    std::string doc, std::string source) {
-  return {.name = std::move(name),
-          .type = type,
-          .quantity = quantity,
-          .default_text = std::move(default_text),
-          .range = range,
-          .choices = {},
-          .size = 1,
-          .doc = std::move(doc),
-          .source = std::move(source)};
-}
-
 }  // namespace
 }  // namespace papillarray
 
@@ -183,38 +144,42 @@ Entry papillarray_entry() {
   using namespace papillarray;
   return {
       .name = "papillarray",
-      .summary = "Contactile PapillArray: nine silicone pillars of three heights, force and displacement of each tip",
+      .summary = "Contactile PapillArray: nine silicone pillars of three heights; it reports force and displacement of each tip.",
       .law =
-          "force = what the object does to the pillar's tip; displacement = deformed tip minus undeformed tip\n"
-          "n bristles a pillar: k_n,j = k_n/n * w_j, w_j linear from 2-w to w (mean 1), k_t,j = k_t/n",
+          "force: of the object on the pillar's tip; displacement: deformed tip minus undeformed tip\n"
+          "n bristles a pillar: k_n,j = k_n/n * w_j, w_j linear from 2-w to w (mean 1); k_t,j = k_t/n",
       .source =
           "PTS 2.0 and 2.1 data sheets; public recordings (Contactile_Data_Viz, Contactile_Data); label: HD-computing slip paper, section III-A",
       .parameters = {
-          value("rate", ParameterType::number, Quantity::frequency, "1 kHz", positive,
-                "Samples a second: 100, 250, 500 or 1000 Hz.", "selectable on the device; the published sequences have 1000 Hz"),
-          choice("profile", "gripper", {"gripper", "hexapod"},
-                 "Stiffness of a pillar: gripper 7.1 N/mm normal and 3.9 N/mm tangential, hexapod 1.2 and 0.65 N/mm.",
-                 "gripper: fits to public gripper recordings; hexapod: inferred from statistics of the published sequences"),
-          value("bristles", ParameterType::integer, Quantity::none, "1", {.min = 1.0, .max = 64.0, .open_min = false},
-                "Friction points a pillar; with several, a pillar slips in parts before it slips as a whole.",
-                "1: Coulomb's law for the whole pillar; 6 resembles published sequences"),
-          value("bristle_spread", ParameterType::number, Quantity::none, "0.4", {.min = 0.0, .max = 1.0, .open_min = true},
-                "Load share w of the least loaded bristle, as a factor on the mean; the most loaded has 2-w; 1 is equal.",
-                "assumed: resembles the statistics of published sequences"),
-          drop("edge_drop", "0.20 mm", "How much shorter the four edge pillars are than the centre pillar.",
-               "plane fits to public gripper recordings, 0.163 to 0.196 mm; the vendor's drawing scaled, 0.22 mm"),
-          drop("corner_drop", "0.45 mm", "How much shorter the four corner pillars are than the centre pillar.",
-               "plane fits to public gripper recordings, 0.29 to 0.45 mm; the vendor's drawing scaled, 0.52 mm"),
-          value(
-              "stiffness_sd", ParameterType::number, Quantity::none, "0", {.min = 0.0, .max = 1.0, .open_min = false},
+          number_spec("rate", Quantity::frequency, "1 kHz", positive, "Samples a second: 100, 250, 500 or 1000 Hz.",
+                      "selectable on the device; the published sequences have 1000 Hz"),
+          choice_spec("profile", "gripper", {"gripper", "hexapod"},
+                      "Stiffness of a pillar. gripper: 7.1 N/mm normal, 3.9 N/mm tangential; hexapod: 1.2 and 0.65 N/mm.",
+                      "gripper: fits to public gripper recordings; hexapod: inferred from statistics of the published sequences"),
+          integer_spec("bristles", "1", {1.0, 64.0},
+                       "Friction points a pillar. A pillar with several slips in parts before it slips as a whole.",
+                       "1: Coulomb's law for the whole pillar; 6 resembles published sequences"),
+          number_spec(
+              "bristle_spread", Quantity::none, "0.4", positive_up_to(1.0),
+              "Load share w of the least loaded bristle over the mean share. The most loaded bristle has 2-w; 1: all are equal.",
+              "assumed: resembles the statistics of published sequences"),
+          number_spec("edge_drop", Quantity::length, "0.20 mm", {0.0, pillar_height},
+                      "How much shorter the four edge pillars are than the centre pillar.",
+                      "plane fits to public gripper recordings, 0.163 to 0.196 mm; the vendor's drawing scaled, 0.22 mm"),
+          number_spec("corner_drop", Quantity::length, "0.45 mm", {0.0, pillar_height},
+                      "How much shorter the four corner pillars are than the centre pillar.",
+                      "plane fits to public gripper recordings, 0.29 to 0.45 mm; the vendor's drawing scaled, 0.52 mm"),
+          number_spec(
+              "stiffness_sd", Quantity::none, "0", {0.0, 1.0},
               "Scatter of the pillars' stiffness, relative, lognormal with mean 1, normal and tangential alike.",
-              "0: none; the ratio of reported normal force to displacement scatters by 9.3 %, which is attributed to the part gain of the electronics: use one of the two"),
-          choice("device", "fixed", {"fixed", "redrawn"},
-                 "Whether all trials of a dataset use one device, or each draws its own stiffness scatter, gains and coupling.",
-                 "fixed: the published sequences were recorded with one device"),
-          value("label_speed", ParameterType::number, Quantity::speed, "0.1 mm/s", non_negative,
-                "Tip speed above which the paper's labelling rule says that a pillar slips.",
-                "assumed: the paper does not print its threshold"),
+              "0: none. The ratio of reported normal force to displacement scatters by 9.3 %, which part `gain` of the electronics stands for: use one of the two"),
+          choice_spec(
+              "device", "fixed", {"fixed", "redrawn"},
+              "Whether all trials of a dataset use one device, or each draws its own stiffness scatter, gains and coupling.",
+              "fixed: the published sequences were recorded with one device"),
+          number_spec("label_speed", Quantity::speed, "0.1 mm/s", non_negative,
+                      "Tip speed above which the paper's labelling rule says that a pillar slips.",
+                      "assumed: the paper does not print its threshold"),
       }};
 }
 

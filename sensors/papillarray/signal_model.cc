@@ -67,14 +67,14 @@ std::vector<Entry> papillarray_electronics() {
         recorded("FX and FY gain 0 to 0.3 N/mm of DZ, at 7.1 N/mm: limit 0.042 of FZ; sign and distribution assumed")},
        {"gain",
         recorded(
-            "ratio of reported force to reported displacement over the pillars of two devices: sd 9.3 % for FZ, 18 % for FX and FY, which includes the error of the fits and whatever stiffness really differs; displacement has none")},
+            "ratio of reported force to reported displacement over the pillars of two devices: sd 9.3 % for FZ, 18 % for FX and FY. Both include the error of the fits and real differences of stiffness. Displacement has no gain error")},
        {"offset", recorded("at the start of 45 recordings: sd FZ 20 mN, DZ 3 um; x and y assumed in proportion to their noise")},
        {"drift",
         recorded(
             "90 % of slopes within 5 s below 1.5 mN/s FZ and 0.4 um/s DZ: sd 0.91 mN/s, 0.24 um/s; x and y assumed in proportion to their noise")},
        {"noise",
         recorded(
-            "unloaded pillars over 5 s, less a linear trend: sd FX 1.4, FY 2.5, FZ 5.3 mN, DX 0.4, DY 0.7, DZ 1.4 um; the rise below 3 Hz is counted in the sd but has no pole of its own")}});
+            "unloaded pillars over 5 s, less a linear trend: sd FX 1.4, FY 2.5, FZ 5.3 mN, DX 0.4, DY 0.7, DZ 1.4 um. The sd includes the rise below 3 Hz, which has no pole of its own")}});
 }
 
 }  // namespace slipbench

@@ -9,7 +9,7 @@
 
 #include "sensors/electronics/band_pass.h"
 #include "sim/core/error.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 
 namespace slipbench {
 namespace piezo {
@@ -147,55 +147,48 @@ class PiezoSkin final : public Sensor {
 
 Entry piezo_skin_entry() {
   const std::string paper = "FFT-GRU slip detection paper, section II";
-  ParameterSpec elements = number_spec(
-      "elements", Quantity::none, "20", {.min = 1.0, .max = 1000.0, .open_min = false},
-      "Friction points of the contact, on Vogel's spiral, each of the same area.",
-      "assumed: 20 to 100 in a dry run; the spectrum keeps its shape, but more elements even one another out, so that the signal of stick-slip falls, from 20 to 100 by a third");
-  elements.type = ParameterType::integer;
-  ParameterSpec shear = number_spec(
-      "shear", Quantity::none, "[0.35, 0.35]", any_value,
-      "Charge of a newton of tangential force, along X and along Y, against a newton of normal force.",
-      "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. One signal of both is deaf to shear across their sum, here at 135 and 315 deg");
-  shear.type = ParameterType::vector;
-  shear.size = 2;
   return {
       .name = "piezo_skin",
-      .summary =
-          "PVDF-TrFE patch of 20 x 10 mm under a compliant layer: one signal, of the charge that normal and tangential force make",
+      .summary = "PVDF-TrFE patch of 20 x 10 mm under a compliant layer: one signal, the charge of normal and tangential force.",
       .law =
           "charge/d33 = F_z + shear_x F_x + shear_y F_y  (direct effect, of all elements together)\n"
-          "signal = gain * charge/d33 through a high-pass of first order at corner, a low-pass of first order at anti_alias;\n"
-          "both moved exactly for a force that goes straight between samples: well below the corner the signal is\n"
-          "gain/(2 pi corner) d(charge/d33)/dt, the rate of stress\n"
+          "signal = gain * charge/d33 through a high-pass of first order at corner and a low-pass of first order at anti_alias\n"
+          "Both filters are exact for a force that is linear between samples. Well below the corner the signal is the rate of\n"
+          "stress, gain/(2 pi corner) d(charge/d33)/dt.\n"
           "contact: n springs k_normal/n, k_tangential/n on a disc; under a tip of radius R the gap is r^2/2R. The origin is at\n"
-          "their mean height, so that F_z = k_normal * compression once all touch, from k_normal radius^2/4R on",
+          "the springs' mean height: F_z = k_normal * compression once all touch, which is from F_z = k_normal radius^2/4R on",
       .source =
           paper +
           " (layers, size, rate); IEEE Std 176-1987 (direct effect); K. L. Johnson, Contact Mechanics (1985), sec. 4.3 (elastic foundation)",
       .parameters = {
           number_spec("rate", Quantity::frequency, "10 kHz", positive, "Samples a second.", paper + ": 10 kHz"),
-          std::move(elements),
-          number_spec("radius", Quantity::length, "5 mm", {.min = 0.0, .max = piezo::patch_half_width, .open_min = true},
-                      "Radius of the disc on which a tip can touch.", "half the patch's width of 10 mm, " + paper),
-          number_spec("tip_radius", Quantity::length, "inf", positive_or_infinite, "Radius of the tip that touches; inf: flat.",
+          integer_spec(
+              "elements", "20", {1.0, 1000.0}, "Friction points of the contact, on Vogel's spiral, each of the same area.",
+              "assumed: a dry run had 20 to 100. The spectrum keeps its shape, but more elements average out: from 20 to 100 the signal of stick-slip falls by a third"),
+          number_spec("radius", Quantity::length, "5 mm", positive_up_to(piezo::patch_half_width),
+                      "Radius of the disc that a tip can touch.", "half the patch's width of 10 mm, " + paper),
+          number_spec("tip_radius", Quantity::length, "inf", positive_or_infinite, "Radius of the touching tip; inf: flat.",
                       "free"),
           number_spec("k_normal", Quantity::stiffness, "20 N/mm", positive, "Normal stiffness of the whole disc.",
                       "assumed: a layer of 2 mm and 0.5 MPa under a disc of 5 mm radius has E pi r^2/h = 19.6 N/mm"),
           number_spec("k_tangential", Quantity::stiffness, "6 N/mm", positive, "Tangential stiffness of the whole disc.",
-                      "assumed: 4 to 9 N/mm in a dry run; a third of the normal one is G/E of the layer"),
-          std::move(shear),
-          number_spec("gain", Quantity::none, "2000", positive, "Counts of a newton of normal force, far above the corner.",
+                      "assumed: 4 to 9 N/mm in a dry run; G/E of the layer gives a third of the normal stiffness"),
+          vector_spec(
+              2, "shear", Quantity::none, "[0.35, 0.35]", any_value,
+              "Charge of a newton of tangential force, along X and along Y, over that of a newton of normal force.",
+              "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. One signal of X and Y does not see shear at right angles to their sum, here at 135 and 315 deg"),
+          number_spec("gain", Quantity::none, "2000", positive, "Counts for a newton of normal force, far above the corner.",
                       "assumed: the noise is then 3 counts, as in public PVDF recordings (0.19 mV in steps of 62.4 uV)"),
           number_spec("corner", Quantity::frequency, "3 Hz", positive, "Corner of the charge amplifier's high-pass.",
                       "assumed: nothing is published"),
           number_spec("anti_alias", Quantity::frequency, "inf", positive_or_infinite,
                       "Corner of a low-pass before the converter; inf: none.",
-                      "inf: the field has no time between the samples, so that there is nothing to fold"),
+                      "inf: the field has no time between the samples, so nothing folds"),
           number_spec("label_rate", Quantity::frequency, "100 Hz", positive,
-                      "Rate of the bench's position sensor, whose samples the paper labels by.",
+                      "Rate of the bench's position sensor, by whose samples the paper labels.",
                       "FFT-GRU slip detection paper, section III-A"),
           number_spec("label_step", Quantity::length, "10 um", positive,
-                      "Change of that position from which on the paper's rule says slip.",
+                      "Change of the bench's position between two samples from which on the paper's rule says slip.",
                       "assumed: 1 mm/s; the slowest published slide makes 33 um between two samples"),
       }};
 }
@@ -203,13 +196,13 @@ Entry piezo_skin_entry() {
 std::vector<Entry> piezo_skin_electronics() {
   return electronics_of(
       "piezo_skin",
-      {{"offset", "sd as the noise's, 3 counts: assumed", {}},
+      {{"offset", "sd 3 counts, that of the noise: assumed", {}},
        {"noise",
         "1.5 mN rms, which is 3 counts: assumed; public PVDF recordings (cosmiclab-unige) have 0.19 mV",
         {{"corner", "inf",
           "idle PVDF channels are nearly white: 7 % of their power lies below 100 Hz of 1 kHz (cosmiclab-unige)"}}},
        {"quantisation",
-        "over -32768 to 32767 counts, 16 N either way: assumed, so that pressing does not reach the ends",
+        "over -32768 to 32767 counts, 16 N either way: assumed; pressing does not reach the ends",
         {{"bits", "16", "assumed: with 12 either the steps are coarser than the noise or pressing reaches the ends"}}}});
 }
 

@@ -1,8 +1,11 @@
 #include "sim/core/parameters.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/core/error.h"
 
@@ -100,7 +103,62 @@ Parameters::Value default_vector(const ParameterSpec& spec) {
   return entries;
 }
 
+ParameterSpec spec_of(ParameterType type, std::string name, std::string default_text, std::string doc, std::string source) {
+  ParameterSpec spec;
+  spec.name = std::move(name);
+  spec.type = type;
+  spec.default_text = std::move(default_text);
+  spec.doc = std::move(doc);
+  spec.source = std::move(source);
+  return spec;
+}
+
 }  // namespace
+
+ParameterSpec number_spec(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
+                          std::string source) {
+  ParameterSpec spec =
+      spec_of(ParameterType::number, std::move(name), std::move(default_text), std::move(doc), std::move(source));
+  spec.quantity = quantity;
+  spec.range = range;
+  return spec;
+}
+
+ParameterSpec vector_spec(std::size_t size, std::string name, Quantity quantity, std::string default_text, Range range,
+                          std::string doc, std::string source) {
+  ParameterSpec spec = number_spec(std::move(name), quantity, std::move(default_text), range, std::move(doc), std::move(source));
+  spec.type = ParameterType::vector;
+  spec.size = size;
+  return spec;
+}
+
+ParameterSpec integer_spec(std::string name, std::string default_text, Range range, std::string doc, std::string source) {
+  ParameterSpec spec =
+      spec_of(ParameterType::integer, std::move(name), std::move(default_text), std::move(doc), std::move(source));
+  spec.range = range;
+  return spec;
+}
+
+ParameterSpec flag_spec(std::string name, std::string default_text, std::string doc, std::string source) {
+  return spec_of(ParameterType::flag, std::move(name), std::move(default_text), std::move(doc), std::move(source));
+}
+
+ParameterSpec choice_spec(std::string name, std::string default_text, std::vector<std::string> choices, std::string doc,
+                          std::string source) {
+  ParameterSpec spec =
+      spec_of(ParameterType::choice, std::move(name), std::move(default_text), std::move(doc), std::move(source));
+  spec.choices = std::move(choices);
+  return spec;
+}
+
+ParameterSpec path_spec(std::string name, std::string default_text, std::string doc, std::string source) {
+  return spec_of(ParameterType::path, std::move(name), std::move(default_text), std::move(doc), std::move(source));
+}
+
+std::vector<ParameterSpec> joined(std::vector<ParameterSpec> first, std::vector<ParameterSpec> second) {
+  std::ranges::move(second, std::back_inserter(first));
+  return first;
+}
 
 double Parameters::number(std::string_view name) const { return value_of<double>(values_, name, ParameterType::number); }
 

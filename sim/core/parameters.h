@@ -37,6 +37,7 @@ inline constexpr Range positive{0.0, std::numeric_limits<double>::infinity(), tr
 inline constexpr Range positive_or_infinite{0.0, std::numeric_limits<double>::infinity(), true, true};
 inline constexpr Range non_negative{0.0, std::numeric_limits<double>::infinity(), false};
 inline constexpr Range fraction{0.0, 1.0, false};
+constexpr Range positive_up_to(double max) { return {0.0, max, true}; }
 
 // The declaration of one parameter.
 struct ParameterSpec {
@@ -50,6 +51,21 @@ struct ParameterSpec {
   std::string doc;                   // one sentence, what it does
   std::string source;                // where the default comes from, or "assumed"
 };
+
+// One function a type, whose arguments are the members of ParameterSpec: a list of them reads as a table. The entries of a vector share
+// quantity and range.
+ParameterSpec number_spec(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
+                          std::string source);
+ParameterSpec vector_spec(std::size_t size, std::string name, Quantity quantity, std::string default_text, Range range,
+                          std::string doc, std::string source);
+ParameterSpec integer_spec(std::string name, std::string default_text, Range range, std::string doc, std::string source);
+ParameterSpec flag_spec(std::string name, std::string default_text, std::string doc, std::string source);
+ParameterSpec choice_spec(std::string name, std::string default_text, std::vector<std::string> choices, std::string doc,
+                          std::string source);
+ParameterSpec path_spec(std::string name, std::string default_text, std::string doc, std::string source);
+
+// Two tables, one after the other.
+std::vector<ParameterSpec> joined(std::vector<ParameterSpec> first, std::vector<ParameterSpec> second);
 
 // Values of a set of parameters, every one present: defaults are filled in by the reader.
 // An accessor asked for a name or type that was not declared throws std::logic_error: that is a bug, not bad input.

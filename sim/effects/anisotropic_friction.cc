@@ -94,27 +94,15 @@ EffectKind anisotropic_friction() {
   return {
       {"anisotropic_friction",
        "Friction depends on the direction of sliding (felt, brushed metal, fabric): an elliptic cone.",
-       "(t_1/mu)^2 + (t_2/(ratio mu))^2 <= f_n^2, t_1 along the grain; slip is normal to the ellipse (maximum dissipation), so a slide along d meets\n"
+       "(t_1/mu)^2 + (t_2/(ratio mu))^2 <= f_n^2, t_1 along the grain. Slip is normal to the ellipse (maximum dissipation), so a slide along d meets\n"
        "f = -f_n (mu_1^2 d_1, mu_2^2 d_2)/sqrt(mu_1^2 d_1^2 + mu_2^2 d_2^2), mu_1 = mu, mu_2 = ratio mu",
        "Zmitrowicz, Int. J. Solids Struct. 43 (2006) 4407; associated flow",
-       {{"ratio",
-         ParameterType::number,
-         Quantity::none,
-         "0.6",
-         {0.01, 100.0, false},
-         {},
-         1,
-         "friction across the grain over friction along it",
-         "assumed: felt, +-25 %"},
-        {"angle",
-         ParameterType::number,
-         Quantity::angle,
-         "0 deg",
-         any_value,
-         {},
-         1,
-         "direction of the grain in the surface, from its X axis; on the side faces of a box it is horizontal",
-         "assumed"}}},
+       {number_spec("ratio", Quantity::none, "0.6", {0.01, 100.0}, "Friction across the grain over friction along it.",
+                    "assumed: felt, +-25 %"),
+        number_spec(
+            "angle", Quantity::angle, "0 deg", any_value,
+            "Direction of the grain in the surface, from the surface's X axis; on the side faces of a box the grain is horizontal.",
+            "assumed")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         // On a curved surface the grain's direction would jump where the normal turns through it.
         if (!context.flat_surface)

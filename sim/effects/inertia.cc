@@ -214,38 +214,19 @@ EffectKind inertia() {
   return {
       {"inertia",
        "The tips have mass: elements ring, and stick and slip by themselves.",
-       "m a'' = k u + c u' - F in the plane; a: place of the tip on the surface, u = r - a: stretch, r: root, k: the sensor's tangential stiffness,\n"
-       "m = k/(2 pi f)^2, c = 2 damping sqrt(k m), f = frequency exp(scatter g), g normal, one an element\n"
-       "stick: a stands, F = k u + c r' up to mu_s f_n; slip: F = mu_k f_n along a', until a' is zero; moved exactly at any step\n"
-       "felt: k u + c u', also of the free tip; it is in no contact force that the friction would limit. Mass counts in the surface's frame, and along the surface only",
+       "m a'' = k u + c u' - F in the plane; a: position of the tip on the surface, u = r - a: stretch, r: root, k: the sensor's tangential stiffness,\n"
+       "m = k/(2 pi f)^2, c = 2 damping sqrt(k m), f = frequency exp(scatter g), g normal, drawn for each element\n"
+       "stick: a is constant, F = k u + c r' up to mu_s f_n; slip: F = mu_k f_n along a', until a' is zero; integrated exactly at any step\n"
+       "felt force: k u + c u', also of a free tip. Friction limits the contact force, not the felt force.\n"
+       "The mass acts in the surface's frame, and only along the surface.",
        "K. L. Johnson, Contact Mechanics (1985), ch. 7; stick-slip of a driven mass: J. P. Den Hartog, Mechanical Vibrations (1956), ch. 7",
-       {{"frequency",
-         ParameterType::number,
-         Quantity::frequency,
-         "180 Hz",
-         {1.0, 1e5, false},
-         {},
-         1,
-         "natural frequency of an element, undamped, its median",
-         "assumed: a stroked PVDF finger rings at 148 to 180 Hz"},
-        {"scatter",
-         ParameterType::number,
-         Quantity::none,
-         "0.1",
-         {0.0, 1.0, false},
-         {},
-         1,
-         "standard deviation of ln f over the elements",
-         "assumed: elements of one skin differ, or they would ring as one"},
-        {"damping",
-         ParameterType::number,
-         Quantity::none,
-         "0.1",
-         {0.0, 10.0, false},
-         {},
-         1,
-         "damping ratio; below 1 an element rings",
-         "assumed: a stroked PVDF finger has 0.06"}}},
+       {number_spec("frequency", Quantity::frequency, "180 Hz", {1.0, 1e5},
+                    "Median of the elements' undamped natural frequencies.",
+                    "assumed: a stroked PVDF finger rings at 148 to 180 Hz"),
+        number_spec("scatter", Quantity::none, "0.1", {0.0, 1.0}, "Standard deviation of ln f over the elements.",
+                    "assumed: elements of one skin differ; with equal frequencies they would ring as one"),
+        number_spec("damping", Quantity::none, "0.1", {0.0, 10.0}, "Damping ratio; an element rings below 1.",
+                    "assumed: a stroked PVDF finger has 0.06")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!context.plane) throw SceneValueError("effects", "inertia needs a plane; allowed shapes: plane");
         if (context.dashpots) {

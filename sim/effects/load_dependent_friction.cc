@@ -28,32 +28,18 @@ class LoadDependentFriction final : public FrictionEffect {
 }  // namespace
 
 EffectKind load_dependent_friction() {
-  return {{"load_dependent_friction",
-           "Friction coefficients fall with load, as elastomers' do: the true contact area grows slower than the load.",
-           "mu(f_n) = mu (f_n/reference)^(-exponent)\n"
-           "f_n: normal force of the unit; a bristle is measured against its share of the reference",
-           "exponent 1/3: smooth sphere, area ~ f_n^(2/3) (Hertz; Schallamach, Wear 1 (1958) 384)",
-           {{"reference",
-             ParameterType::number,
-             Quantity::force,
-             "1 N",
-             positive,
-             {},
-             1,
-             "normal force of a unit at which mu is the scene's",
-             "assumed"},
-            {"exponent",
-             ParameterType::number,
-             Quantity::none,
-             "0.3333333333333333",
-             {0.0, 1.0, false},
-             {},
-             1,
-             "power of the fall",
-             "Schallamach 1958"}}},
-          [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
-            effects.friction.push_back(std::make_unique<LoadDependentFriction>(p, context));
-          }};
+  return {
+      {"load_dependent_friction",
+       "Friction coefficients fall with load, as elastomers' do: the true contact area grows slower than the load.",
+       "mu(f_n) = mu (f_n/reference)^(-exponent)\n"
+       "f_n: normal force of the unit. A bristle's force is compared with its share of `reference`.",
+       "exponent 1/3: smooth sphere, area ~ f_n^(2/3) (Hertz; Schallamach, Wear 1 (1958) 384)",
+       {number_spec("reference", Quantity::force, "1 N", positive, "Normal force of a unit at which mu is the scene's.",
+                    "assumed"),
+        number_spec("exponent", Quantity::none, "0.3333333333333333", {0.0, 1.0}, "Exponent of the fall.", "Schallamach 1958")}},
+      [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
+        effects.friction.push_back(std::make_unique<LoadDependentFriction>(p, context));
+      }};
 }
 
 }  // namespace slipbench

@@ -112,33 +112,27 @@ class PatchyFriction final : public FrictionEffect {
 }  // namespace
 
 EffectKind patchy_friction() {
-  return {
-      {"patchy_friction",
-       "Friction varies over the surface in patches that are fixed to it.",
-       "mu(x, y) = mu exp(sd g(x, y) - sd^2/2); g: 24 random plane waves of wavelengths between shortest and longest, mean 0, variance 1; mean of mu kept; x, y: the two coordinates along the face of a box that is touched, each face with its own g",
-       "assumed: patches of 2 to 5 mm give a pad in slow slip the published energy below 8 Hz",
-       {{"sd", ParameterType::number, Quantity::none, "0.2", {0.0, 2.0, false}, {}, 1, "standard deviation of ln mu", "assumed"},
-        {"shortest", ParameterType::number, Quantity::length, "2 mm", positive, {}, 1, "shortest wavelength", "assumed"},
-        {"longest",
-         ParameterType::number,
-         Quantity::length,
-         "5 mm",
-         positive,
-         {},
-         1,
-         "longest wavelength, from `shortest` to ten times that",
-         "assumed"}}},
-      [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
-        if (!context.flat_surface)
-          throw SceneValueError("effects", "patchy_friction needs a flat surface; allowed shapes: plane, box");
-        const double shortest = p.number("shortest"), longest = p.number("longest");
-        if (longest < shortest || longest > 10.0 * shortest) {
-          throw SceneValueError("effects", "longest of patchy_friction is " + format_quantity(longest, Quantity::length) +
-                                               "; allowed is shortest (" + format_quantity(shortest, Quantity::length) +
-                                               ") to ten times that");
-        }
-        effects.friction.push_back(std::make_unique<PatchyFriction>(p, context));
-      }};
+  return {{"patchy_friction",
+           "Friction varies over the surface in patches that are fixed to it.",
+           "mu(x, y) = mu exp(sd g(x, y) - sd^2/2): the mean of mu is kept\n"
+           "g: 24 random plane waves with wavelengths from `shortest` to `longest`, mean 0, variance 1\n"
+           "x, y: coordinates along the touched face; each face of a box has its own g",
+           "assumed: patches of 2 to 5 mm give a pad in slow slip the published energy below 8 Hz",
+           {number_spec("sd", Quantity::none, "0.2", {0.0, 2.0}, "Standard deviation of ln mu.", "assumed"),
+            number_spec("shortest", Quantity::length, "2 mm", positive, "Shortest wavelength.", "assumed"),
+            number_spec("longest", Quantity::length, "5 mm", positive, "Longest wavelength, from `shortest` to ten times that.",
+                        "assumed")}},
+          [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
+            if (!context.flat_surface)
+              throw SceneValueError("effects", "patchy_friction needs a flat surface; allowed shapes: plane, box");
+            const double shortest = p.number("shortest"), longest = p.number("longest");
+            if (longest < shortest || longest > 10.0 * shortest) {
+              throw SceneValueError("effects", "longest of patchy_friction is " + format_quantity(longest, Quantity::length) +
+                                                   "; allowed is shortest (" + format_quantity(shortest, Quantity::length) +
+                                                   ") to ten times that");
+            }
+            effects.friction.push_back(std::make_unique<PatchyFriction>(p, context));
+          }};
 }
 
 }  // namespace slipbench

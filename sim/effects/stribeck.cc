@@ -25,34 +25,18 @@ class Stribeck final : public FrictionEffect {
 }  // namespace
 
 EffectKind stribeck() {
-  return {
-      {"stribeck",
-       "Kinetic friction falls with sliding speed (Stribeck weakening).",
-       "mu_k(v) = mu_k (1 - weakening (1 - exp(-(v/speed)^exponent)))\n"
-       "v: speed at which the element's root moves over the surface, as in the LuGre model: a tip without mass has no speed of its own",
-       "Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419, eq. 3",
-       {{"weakening",
-         ParameterType::number,
-         Quantity::none,
-         "0.3",
-         fraction,
-         {},
-         1,
-         "share of mu_k lost at high speed",
-         "assumed"},
-        {"speed", ParameterType::number, Quantity::speed, "2 mm/s", positive, {}, 1, "Stribeck speed", "assumed"},
-        {"exponent",
-         ParameterType::number,
-         Quantity::none,
-         "1",
-         positive,
-         {},
-         1,
-         "shape of the fall; 2 in the LuGre paper, 0.5 to 2 in use",
-         "assumed"}}},
-      [](const Parameters& p, const EffectContext&, FieldEffects& effects) {
-        effects.friction.push_back(std::make_unique<Stribeck>(p));
-      }};
+  return {{"stribeck",
+           "Kinetic friction falls with sliding speed (Stribeck weakening).",
+           "mu_k(v) = mu_k (1 - weakening (1 - exp(-(v/speed)^exponent)))\n"
+           "v: speed of the element's root over the surface, as in the LuGre model; a tip without mass has no speed of its own",
+           "Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419, eq. 3",
+           {number_spec("weakening", Quantity::none, "0.3", fraction, "Share of mu_k lost at high speed.", "assumed"),
+            number_spec("speed", Quantity::speed, "2 mm/s", positive, "Stribeck speed.", "assumed"),
+            number_spec("exponent", Quantity::none, "1", positive, "Shape of the fall; 2 in the LuGre paper, 0.5 to 2 in use.",
+                        "assumed")}},
+          [](const Parameters& p, const EffectContext&, FieldEffects& effects) {
+            effects.friction.push_back(std::make_unique<Stribeck>(p));
+          }};
 }
 
 }  // namespace slipbench

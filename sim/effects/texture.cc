@@ -30,42 +30,21 @@ class Texture final : public SurfaceEffect {
 }  // namespace
 
 EffectKind texture() {
-  return {
-      {"texture",
-       "Ridges on the surface, so that sliding at speed v makes every unit vibrate at v/wavelength.",
-       "h(x) = height sin(2 pi (x cos angle + y sin angle)/wavelength); the gap shrinks by h. Slopes are taken as small: the normal stays the plane's",
-       "recordings of a ridged board (github.com/wngfra/FabricSlide): peak at speed/3.97 mm, at any force",
-       {{"wavelength",
-         ParameterType::number,
-         Quantity::length,
-         "4 mm",
-         positive,
-         {},
-         1,
-         "distance of the ridges",
-         "FabricSlide: 2 mm bars, 2 mm apart"},
-        {"height",
-         ParameterType::number,
-         Quantity::length,
-         "20 um",
-         {0.0, 5e-3, false},
-         {},
-         1,
-         "amplitude, up to 5 mm",
-         "assumed"},
-        {"angle",
-         ParameterType::number,
-         Quantity::angle,
-         "0 deg",
-         any_value,
-         {},
-         1,
-         "direction across the ridges, from the surface's X axis",
-         "assumed"}}},
-      [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
-        if (!context.flat_surface) throw SceneValueError("effects", "texture needs a flat surface; allowed shapes: plane, box");
-        effects.surface.push_back(std::make_unique<Texture>(p));
-      }};
+  return {{"texture",
+           "The surface has ridges: sliding at speed v makes every unit vibrate at v/wavelength.",
+           "h(x) = height sin(2 pi (x cos angle + y sin angle)/wavelength); the gap shrinks by h\n"
+           "Slopes are taken as small: the normal is the plane's.",
+           "recordings of a ridged board (github.com/wngfra/FabricSlide): peak at speed/3.97 mm, at any force",
+           {number_spec("wavelength", Quantity::length, "4 mm", positive, "Distance of the ridges.",
+                        "FabricSlide: 2 mm bars, 2 mm apart"),
+            number_spec("height", Quantity::length, "20 um", {0.0, 5e-3}, "Amplitude, up to 5 mm.", "assumed"),
+            number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction across the ridges, from the surface's X axis.",
+                        "assumed")}},
+          [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
+            if (!context.flat_surface)
+              throw SceneValueError("effects", "texture needs a flat surface; allowed shapes: plane, box");
+            effects.surface.push_back(std::make_unique<Texture>(p));
+          }};
 }
 
 }  // namespace slipbench

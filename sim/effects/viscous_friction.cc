@@ -66,26 +66,13 @@ EffectKind viscous_friction() {
       {"viscous_friction",
        "Friction grows with the speed of slip (velocity strengthening), as that of rubber does far below its peak.",
        "mu_k g(w), g = 1 + gain log10(1 + w/speed)\n"
-       "w: speed at which the tip itself slips, solved for in every step: |trial force| - k_t dt w = mu_k f_n g(w). Slip begins at mu_s f_n; a held pad relaxes, k_t^-1 dF/dt = -w(F), and its tips are in slip while they creep",
+       "w: speed at which the tip itself slips, solved for in every step: |trial force| - k_t dt w = mu_k f_n g(w). Slip begins at mu_s f_n.\n"
+       "A held pad relaxes, k_t^-1 dF/dt = -w(F). Its tips count as slipping while they creep.",
        "the logarithm: Grosch, Proc. R. Soc. Lond. A 274 (1963) 21, rubber below its peak; the figures are assumed",
-       {{"gain",
-         ParameterType::number,
-         Quantity::none,
-         "0.1",
-         {0.0, 10.0, false},
-         {},
-         1,
-         "growth of friction for every ten times the speed, far above `speed`",
-         "assumed: the gradual slip of the published PTFE trials asks for some strengthening"},
-        {"speed",
-         ParameterType::number,
-         Quantity::speed,
-         "1 mm/s",
-         positive,
-         {},
-         1,
-         "speed of slip from which on it counts",
-         "assumed"}}},
+       {number_spec("gain", Quantity::none, "0.1", {0.0, 10.0},
+                    "Growth of friction for every factor 10 of the speed, far above `speed`.",
+                    "assumed: the gradual slip of the published PTFE trials asks for some strengthening"),
+        number_spec("speed", Quantity::speed, "1 mm/s", positive, "Speed of slip from which on friction grows.", "assumed")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         effects.rate = std::make_unique<ViscousFriction>(p, context);
       }};

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/parameter_specs.h"
+#include "sim/core/parameters.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench {
@@ -46,12 +46,13 @@ MotionKind guided_motion() {
   return {
       {"guided",
        "The arm of a grasp moves at the speed that the controller commands, sideways and up.",
-       "from a write's time + latency on: each velocity changes to the commanded one at `top_acceleration`, then stays; at rest before the first command",
+       "from `latency` after a write on, each velocity changes at `top_acceleration` to the commanded one and stays there\nbefore the first command the arm is at rest",
        "a robot's velocity interface; integrated exactly",
-       {number_spec("top_speed", Quantity::speed, "100 mm/s", {0.0, 10.0, true},
-                    "the most that may be commanded: more is refused", "assumed"),
-        number_spec("top_acceleration", Quantity::acceleration, "200 mm/s2", positive, "of either axis", "assumed"),
-        number_spec("latency", Quantity::time, "8 ms", non_negative, "from a write of the loop until the arm begins to obey",
+       {number_spec("top_speed", Quantity::speed, "100 mm/s", positive_up_to(10.0),
+                    "Highest speed that a controller may command; a higher one is refused.", "assumed"),
+        number_spec("top_acceleration", Quantity::acceleration, "200 mm/s2", positive, "Acceleration of either axis.", "assumed"),
+        number_spec("latency", Quantity::time, "8 ms", non_negative,
+                    "Time from a write of the loop until the arm begins to obey.",
                     "assumed: one period of the 125 Hz at which a UR5-CB2 takes commands")}},
       [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Guided>(p); }};
 }

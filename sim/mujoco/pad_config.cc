@@ -20,31 +20,12 @@ namespace {
 // The type by which the scene reader knows the pad of an element table.
 constexpr const char* table_type = "elements";
 
-const ParameterSpec trial_spec{.name = "trial",
-                               .type = ParameterType::integer,
-                               .default_text = "0",
-                               .range = non_negative,
-                               .choices = {},
-                               .doc = "key of the random draws",
-                               .source = "free"};
-const ParameterSpec truth_spec{.name = "truth",
-                               .type = ParameterType::flag,
-                               .default_text = "false",
-                               .choices = {},
-                               .doc = "whether the truth follows the sensor's values",
-                               .source = "free"};
-const ParameterSpec element_truth_spec{.name = "element_truth",
-                                       .type = ParameterType::flag,
-                                       .default_text = "false",
-                                       .choices = {},
-                                       .doc = "whether the truth tells of each element, too",
-                                       .source = "free"};
-const ParameterSpec solver_spec{.name = "solver",
-                                .type = ParameterType::choice,
-                                .default_text = "explicit",
-                                .choices = {"explicit", "implicit"},
-                                .doc = "how the springs enter the step",
-                                .source = "free"};
+const ParameterSpec trial_spec = integer_spec("trial", "0", non_negative, "Key of the random draws.", "free");
+const ParameterSpec truth_spec = flag_spec("truth", "false", "Whether the truth follows the sensor's values.", "free");
+const ParameterSpec element_truth_spec =
+    flag_spec("element_truth", "false", "Whether the truth lists each element, too.", "free");
+const ParameterSpec solver_spec =
+    choice_spec("solver", "explicit", {"explicit", "implicit"}, "How the springs enter the step.", "free");
 
 // The attributes of one instance.
 class Attributes {

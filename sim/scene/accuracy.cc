@@ -9,7 +9,7 @@ namespace slipbench {
 namespace {
 
 ParameterSpec share(const char* name, const char* doc) {
-  return {.name = name, .default_text = "1 %", .range = {0.0, 1.0, true}, .choices = {}, .doc = doc, .source = "free"};
+  return number_spec(name, Quantity::none, "1 %", positive_up_to(1.0), doc, "free");
 }
 
 // Keys of a scene that say how it is computed. With a wish that is what is looked for.
@@ -19,19 +19,14 @@ constexpr std::array<std::string_view, 3> settings{"field_solver", "integrator",
 
 const std::vector<ParameterSpec>& accuracy_specs() {
   static const std::vector<ParameterSpec> specs{
-      share("onset", "how wrong the onset of a unit's slip may be, as a share of its loading time"),
-      share("micro_onset", "the same of the first part of a unit that slips"),
-      share("slip_distance", "how wrong a unit's slipped distance may be, as a share of the largest"),
-      share("force", "how wrong the units' forces may be, root mean square"),
-      share("label", "share of the units' states that may differ"),
-      share("label_micro", "share of the pad's states that may differ"),
-      {.name = "creep",
-       .quantity = Quantity::speed,
-       .default_text = "1 um/s",
-       .range = positive,
-       .choices = {},
-       .doc = "how wrong the drift of a held body over its pad may be",
-       .source = "free"}};
+      share("onset", "Largest error of the onset of a unit's slip, as a share of its loading time."),
+      share("micro_onset", "Largest error of the onset of a unit's first micro-slip, as a share of its loading time."),
+      share("slip_distance", "Largest error of a unit's slipped distance, as a share of the largest distance."),
+      share("force", "Largest error of the units' forces, root mean square."),
+      share("label", "Share of the units' states that may differ."),
+      share("label_micro", "Share of the pad's states that may differ."),
+      number_spec("creep", Quantity::speed, "1 um/s", positive, "Largest error of the drift of a held body over its pad.",
+                  "free")};
   return specs;
 }
 

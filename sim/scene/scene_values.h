@@ -8,186 +8,68 @@ namespace slipbench {
 // Of a coefficient and of its scale: far beyond any dry pair, so likely a slip of the pen.
 inline constexpr double max_friction = 100.0;
 
-inline const ParameterSpec duration_spec{.name = "duration",
-                                         .quantity = Quantity::time,
-                                         .default_text = "4 s",
-                                         .range = {0.0, 86400.0, true},
-                                         .choices = {},
-                                         .doc = "length of a trial",
-                                         .source = "the published sequences"};
-inline const ParameterSpec time_step_spec{.name = "time_step",
-                                          .quantity = Quantity::time,
-                                          .default_text = "1 ms",
-                                          .range = positive,
-                                          .choices = {},
-                                          .doc = "step of the simulation",
-                                          .source = "assumed"};
-inline const ParameterSpec fidelity_spec{.name = "fidelity",
-                                         .type = ParameterType::choice,
-                                         .default_text = "field",
-                                         .choices = {"field", "articulated", "mujoco_contact"},
-                                         .doc = "model of the pad",
-                                         .source = "assumed"};
-inline const ParameterSpec coefficient_spec{.name = "coefficient",
-                                            .default_text = "0.5",
-                                            .range = {0.0, max_friction},
-                                            .choices = {},
-                                            .doc = "friction coefficient",
-                                            .source = "the material's"};
-inline const ParameterSpec scale_spec{.name = "scale",
-                                      .default_text = "1",
-                                      .range = {0.0, max_friction, true},
-                                      .choices = {},
-                                      .doc = "multiplies both coefficients",
-                                      .source = "assumed"};
+inline const ParameterSpec duration_spec =
+    number_spec("duration", Quantity::time, "4 s", positive_up_to(86400.0), "Length of a trial.", "the published sequences");
+inline const ParameterSpec time_step_spec =
+    number_spec("time_step", Quantity::time, "1 ms", positive, "Step of the simulation.", "assumed");
+inline const ParameterSpec fidelity_spec =
+    choice_spec("fidelity", "field", {"field", "articulated", "mujoco_contact"}, "Model of the pad.", "assumed");
+inline const ParameterSpec coefficient_spec =
+    number_spec("coefficient", Quantity::none, "0.5", {0.0, max_friction}, "Friction coefficient.", "the material's");
+inline const ParameterSpec scale_spec =
+    number_spec("scale", Quantity::none, "1", positive_up_to(max_friction), "Factor on both coefficients.", "assumed");
 
-inline const ParameterSpec gravity_spec{.name = "gravity",
-                                        .quantity = Quantity::acceleration,
-                                        .default_text = "9.81 m/s2",
-                                        .range = {0.0, 1000.0},
-                                        .choices = {},
-                                        .doc = "weight of a unit of mass, downwards",
-                                        .source = "the Earth's"};
-inline const ParameterSpec field_solver_spec{.name = "field_solver",
-                                             .type = ParameterType::choice,
-                                             .default_text = "explicit",
-                                             .choices = {"explicit", "implicit"},
-                                             .doc = "how the pads' springs enter a step",
-                                             .source = "free"};
-inline const ParameterSpec integrator_spec{.name = "integrator",
-                                           .type = ParameterType::choice,
-                                           .default_text = "auto",
-                                           .choices = {"auto", "Euler", "implicit", "implicitfast", "discrete", "RK4"},
-                                           .doc = "how MuJoCo steps the bodies; auto: as the model or the simulation says",
-                                           .source = "free"};
-inline const ParameterSpec damping_spec{.name = "damping",
-                                        .quantity = Quantity::time,
-                                        .default_text = "1 ms",
-                                        .range = non_negative,
-                                        .choices = {},
-                                        .doc = "time of a dashpot beside each spring",
-                                        .source = "assumed"};
-inline const ParameterSpec control_time_spec{.name = "time",
-                                             .quantity = Quantity::time,
-                                             .default_text = "0 s",
-                                             .range = non_negative,
-                                             .choices = {},
-                                             .doc = "when a control has a value",
-                                             .source = "free"};
+inline const ParameterSpec gravity_spec = number_spec("gravity", Quantity::acceleration, "9.81 m/s2", {0.0, 1000.0},
+                                                      "Acceleration of gravity, downwards.", "the Earth's");
+inline const ParameterSpec field_solver_spec =
+    choice_spec("field_solver", "explicit", {"explicit", "implicit"}, "How the pads' springs enter a step.", "free");
+inline const ParameterSpec integrator_spec =
+    choice_spec("integrator", "auto", {"auto", "Euler", "implicit", "implicitfast", "discrete", "RK4"},
+                "How MuJoCo steps the bodies; auto: as the model or the simulation says.", "free");
+inline const ParameterSpec damping_spec =
+    number_spec("damping", Quantity::time, "1 ms", non_negative, "Time constant of a dashpot beside each spring.", "assumed");
+inline const ParameterSpec control_time_spec =
+    number_spec("time", Quantity::time, "0 s", non_negative, "Time at which a control has a value.", "free");
+
+inline constexpr double mujoco_min_value = 1e-15;  // mjMINVAL
 
 // The scene's key `contact`: MuJoCo's own contact between tips and what they touch, with fidelity mujoco_contact. Names and
 // defaults are MuJoCo's but where the source says otherwise; numbers are bare, as MuJoCo writes them. Where MuJoCo would clip a
 // value it is refused.
 inline const Entry contact_entry{
     .name = "contact",
-    .summary = "MuJoCo's own contact friction, with fidelity: mujoco_contact",
+    .summary = "MuJoCo's own contact friction, with fidelity: mujoco_contact.",
     .law = "",
     .source = "MuJoCo 4.0.1",
     .parameters = {
-        {.name = "integrator",
-         .type = ParameterType::choice,
-         .default_text = "implicitfast",
-         .choices = {"Euler", "implicit", "implicitfast", "discrete", "RK4"},
-         .doc = "how MuJoCo steps bodies and tips",
-         .source = "what MuJoCo's documentation recommends; its default is Euler"},
-        {.name = "cone",
-         .type = ParameterType::choice,
-         .default_text = "pyramidal",
-         .choices = {"elliptic", "pyramidal"},
-         .doc = "type of friction cone",
-         .source = "MuJoCo"},
-        {.name = "solver",
-         .type = ParameterType::choice,
-         .default_text = "Newton",
-         .choices = {"Newton", "CG", "PGS"},
-         .doc = "solver of the constraints",
-         .source = "MuJoCo"},
-        {.name = "impratio",
-         .default_text = "1",
-         .range = {1e-15},  // mjMINVAL
-         .choices = {},
-         .doc = "friction's impedance over the normal one",
-         .source = "MuJoCo"},
-        {.name = "noslip",
-         .type = ParameterType::integer,
-         .default_text = "0",
-         .range = {0.0, 100000.0},
-         .choices = {},
-         .doc = "iterations of the noslip solver, at most",
-         .source = "MuJoCo"},
-        {.name = "iterations",
-         .type = ParameterType::integer,
-         .default_text = "100",
-         .range = {1.0, 100000.0},
-         .choices = {},
-         .doc = "iterations of the solver, at most",
-         .source = "MuJoCo"},
-        {.name = "tolerance",
-         .default_text = "1e-8",
-         .range = non_negative,
-         .choices = {},
-         .doc = "at which the solver stops",
-         .source = "MuJoCo"},
-        {.name = "noslip_tolerance",
-         .default_text = "1e-6",
-         .range = non_negative,
-         .choices = {},
-         .doc = "at which the noslip solver stops",
-         .source = "MuJoCo"},
-        {.name = "solref",
-         .type = ParameterType::vector,
-         .default_text = "[0.02, 1]",
-         .choices = {},
-         .size = 2,
-         .doc =
-             "time constant [s] and damping ratio of a contact, both above 0, or -stiffness [1/s2] and -damping [1/s], both below",
-         .source = "MuJoCo"},
-        {.name = "solreffriction",
-         .type = ParameterType::vector,
-         .default_text = "[0, 0]",
-         .choices = {},
-         .size = 2,
-         .doc = "the same of a tip's friction under elliptic cones; 0, 0: as solref",
-         .source = "MuJoCo"},
-        {.name = "solimp",
-         .type = ParameterType::vector,
-         .default_text = "[0.9, 0.95, 0.001]",
-         .range = non_negative,
-         .choices = {},
-         .size = 3,
-         .doc = "impedance at the surface and at depth, 1e-4 to 0.9999 each, and that depth [m], above 0",
-         .source = "MuJoCo"},
-        {.name = "refsafe",
-         .type = ParameterType::flag,
-         .default_text = "true",
-         .choices = {},
-         .doc = "whether MuJoCo lengthens time constants under two steps",
-         .source = "MuJoCo"},
-        {.name = "tip_mass",
-         .quantity = Quantity::mass,
-         .default_text = "0.1 g",
-         .range = positive,
-         .choices = {},
-         .doc = "of one element's tip",
-         .source = "assumed"},
-        {.name = "tip_damping",
-         .default_text = "0.3",
-         .range = non_negative,
-         .choices = {},
-         .doc = "damping ratio of a free tip on its springs",
-         .source = "assumed"}}};
+        choice_spec("integrator", "implicitfast", {"Euler", "implicit", "implicitfast", "discrete", "RK4"},
+                    "How MuJoCo steps bodies and tips.", "what MuJoCo's documentation recommends; its default is Euler"),
+        choice_spec("cone", "pyramidal", {"elliptic", "pyramidal"}, "Type of friction cone.", "MuJoCo"),
+        choice_spec("solver", "Newton", {"Newton", "CG", "PGS"}, "Solver of the constraints.", "MuJoCo"),
+        number_spec("impratio", Quantity::none, "1", {mujoco_min_value}, "Ratio of the frictional to the normal impedance.",
+                    "MuJoCo"),
+        integer_spec("noslip", "0", {0.0, 100000.0}, "Largest number of iterations of the noslip solver.", "MuJoCo"),
+        integer_spec("iterations", "100", {1.0, 100000.0}, "Largest number of iterations of the solver.", "MuJoCo"),
+        number_spec("tolerance", Quantity::none, "1e-8", non_negative, "Tolerance at which the solver stops.", "MuJoCo"),
+        number_spec("noslip_tolerance", Quantity::none, "1e-6", non_negative, "Tolerance at which the noslip solver stops.",
+                    "MuJoCo"),
+        vector_spec(
+            2, "solref", Quantity::none, "[0.02, 1]", any_value,
+            "Time constant [s] and damping ratio of a contact, both above 0; or -stiffness [1/s2] and -damping [1/s], both below 0.",
+            "MuJoCo"),
+        vector_spec(2, "solreffriction", Quantity::none, "[0, 0]", any_value,
+                    "The same for a tip's friction under elliptic cones; 0, 0: as solref.", "MuJoCo"),
+        vector_spec(3, "solimp", Quantity::none, "[0.9, 0.95, 0.001]", non_negative,
+                    "Impedance at the surface and at depth, 1e-4 to 0.9999 each, and that depth [m], above 0.", "MuJoCo"),
+        flag_spec("refsafe", "true", "Whether MuJoCo lengthens time constants below two steps.", "MuJoCo"),
+        number_spec("tip_mass", Quantity::mass, "0.1 g", positive, "Mass of one element's tip.", "assumed"),
+        number_spec("tip_damping", Quantity::none, "0.3", non_negative, "Damping ratio of a free tip on its springs.",
+                    "assumed")}};
 
-inline const ParameterSpec confidence_spec{.name = "confidence",
-                                           .default_text = "0.95",
-                                           .range = {0.5, 0.999999},
-                                           .choices = {},
-                                           .doc = "of the interval of the rate of trials that keep an expectation",
-                                           .source = "free"};
-inline const ParameterSpec control_spec{.name = "control",
-                                        .type = ParameterType::choice,
-                                        .default_text = "hold_preset",
-                                        .choices = {"hold_preset", "none"},
-                                        .doc = "controller that must not meet all expectations",
-                                        .source = "free"};
+inline const ParameterSpec confidence_spec =
+    number_spec("confidence", Quantity::none, "0.95", {0.5, 0.999999},
+                "Confidence of the interval of the rate of trials that keep an expectation.", "free");
+inline const ParameterSpec control_spec =
+    choice_spec("control", "hold_preset", {"hold_preset", "none"}, "Controller that must not meet all expectations.", "free");
 
 }  // namespace slipbench

@@ -6,15 +6,8 @@ namespace slipbench {
 namespace {
 
 ParameterSpec position() {
-  return {"position",
-          ParameterType::vector,
-          Quantity::length,
-          "[0 mm, 0 mm]",
-          any_value,
-          {},
-          2,
-          "where its middle is, along the world's X and Y",
-          "free"};
+  return vector_spec(2, "position", Quantity::length, "[0 mm, 0 mm]", any_value,
+                     "Position of the surface's middle along the world's X and Y.", "free");
 }
 
 Pose placed(const Parameters& p, double z) {
@@ -34,15 +27,7 @@ SurfaceKind box() {
            "A box whose top face is z = 0.",
            "gap = distance to the face through which the element entered",
            "",
-           {{"size",
-             ParameterType::vector,
-             Quantity::length,
-             "[60 mm, 60 mm, 100 mm]",
-             positive,
-             {},
-             3,
-             "extent along X, Y, Z",
-             "assumed"},
+           {vector_spec(3, "size", Quantity::length, "[60 mm, 60 mm, 100 mm]", positive, "Extent along X, Y, Z.", "assumed"),
             position()}},
           [](const Parameters& p) {
             const Eigen::Vector3d half = 0.5 * Eigen::Vector3d(p.vector("size")[0], p.vector("size")[1], p.vector("size")[2]);
@@ -51,15 +36,7 @@ SurfaceKind box() {
 }
 
 ParameterSpec angle() {
-  return {"angle",
-          ParameterType::number,
-          Quantity::angle,
-          "0 deg",
-          any_value,
-          {},
-          1,
-          "direction of its axis, from the world's X axis",
-          "free"};
+  return number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction of the axis, from the world's X axis.", "free");
 }
 
 // With the shape's z axis along the angle, and its highest line at z = 0.
@@ -76,10 +53,8 @@ SurfaceKind cylinder() {
            "A lying cylinder whose highest line is z = 0.",
            "gap = distance to its axis - radius",
            "",
-           {{"radius", ParameterType::number, Quantity::length, "30 mm", positive, {}, 1, "radius", "assumed"},
-            {"length", ParameterType::number, Quantity::length, "100 mm", positive, {}, 1, "length", "assumed"},
-            angle(),
-            position()}},
+           {number_spec("radius", Quantity::length, "30 mm", positive, "Radius.", "assumed"),
+            number_spec("length", Quantity::length, "100 mm", positive, "Length.", "assumed"), angle(), position()}},
           [](const Parameters& p) {
             return PlacedSurface{Cylinder{p.number("radius"), 0.5 * p.number("length")}, lying(p)};
           }};
@@ -90,9 +65,8 @@ SurfaceKind upright_cylinder() {
            "An upright cylinder whose upper end face is z = 0.",
            "gap = distance to the face through which the element entered",
            "",
-           {{"radius", ParameterType::number, Quantity::length, "30 mm", positive, {}, 1, "radius", "assumed"},
-            {"length", ParameterType::number, Quantity::length, "100 mm", positive, {}, 1, "length", "assumed"},
-            position()}},
+           {number_spec("radius", Quantity::length, "30 mm", positive, "Radius.", "assumed"),
+            number_spec("length", Quantity::length, "100 mm", positive, "Length.", "assumed"), position()}},
           [](const Parameters& p) {
             const double half_length = 0.5 * p.number("length");
             return PlacedSurface{Cylinder{p.number("radius"), half_length}, placed(p, -half_length)};
@@ -100,18 +74,16 @@ SurfaceKind upright_cylinder() {
 }
 
 SurfaceKind capsule() {
-  return {
-      {"capsule",
-       "A lying cylinder with half a ball at either end, whose highest line is z = 0.",
-       "gap = distance to the straight part of its axis - radius",
-       "",
-       {{"radius", ParameterType::number, Quantity::length, "30 mm", positive, {}, 1, "radius", "assumed"},
-        {"length", ParameterType::number, Quantity::length, "100 mm", positive, {}, 1, "length of the straight part", "assumed"},
-        angle(),
-        position()}},
-      [](const Parameters& p) {
-        return PlacedSurface{Capsule{p.number("radius"), 0.5 * p.number("length")}, lying(p)};
-      }};
+  return {{"capsule",
+           "A lying cylinder with half a ball at either end, whose highest line is z = 0.",
+           "gap = distance to the straight part of its axis - radius",
+           "",
+           {number_spec("radius", Quantity::length, "30 mm", positive, "Radius.", "assumed"),
+            number_spec("length", Quantity::length, "100 mm", positive, "Length of the straight part.", "assumed"), angle(),
+            position()}},
+          [](const Parameters& p) {
+            return PlacedSurface{Capsule{p.number("radius"), 0.5 * p.number("length")}, lying(p)};
+          }};
 }
 
 SurfaceKind sphere() {
@@ -119,7 +91,7 @@ SurfaceKind sphere() {
            "A sphere whose highest point is z = 0.",
            "gap = distance to its centre - radius",
            "",
-           {{"radius", ParameterType::number, Quantity::length, "30 mm", positive, {}, 1, "radius", "assumed"}, position()}},
+           {number_spec("radius", Quantity::length, "30 mm", positive, "Radius.", "assumed"), position()}},
           [](const Parameters& p) {
             return PlacedSurface{Sphere{p.number("radius")}, placed(p, -p.number("radius"))};
           }};

@@ -15,19 +15,12 @@ using Comparison = ExpectationKind::Comparison;
 std::vector<ParameterSpec> parameters_of(ParameterSpec limit) {
   return {
       std::move(limit),
-      {.name = "pass",
-       .default_text = "1",
-       .range = {0.0, 1.0, true},
-       .choices = {},
-       .doc = "share of the trials that must keep it: k of n, k rounded up",
-       .source = "free"},
-      {.name = "reliability",
-       .default_text = "0",
-       .range = {0.0, 0.999999},
-       .choices = {},
-       .doc =
-           "rate at which trials keep it that the run must demonstrate: the interval of expect.confidence must not begin below. Too few trials for it are refused",
-       .source = "free"}};
+      number_spec("pass", Quantity::none, "1", positive_up_to(1.0),
+                  "Share of the trials that must keep the expectation: k of n, k rounded up.", "free"),
+      number_spec(
+          "reliability", Quantity::none, "0", {0.0, 0.999999},
+          "Rate of keeping the expectation that the run must demonstrate: the interval of expect.confidence must not begin below it. A run with too few trials is refused.",
+          "free")};
 }
 
 // `field`: of the outcome in a dataset.
@@ -35,16 +28,11 @@ ExpectationKind number(std::string name, Comparison comparison, Quantity quantit
                        const std::string& field, double (*observed)(const TrialOutcome&)) {
   const bool at_most = comparison == Comparison::at_most;
   return {{{std::move(name), std::move(summary),
-            at_most ? "observed <= limit; a trial in which it never happened, or has no value, fails"
-                    : "observed >= limit; a trial in which it never happened keeps it",
+            at_most ? "observed <= limit; a trial without an observed value fails"
+                    : "observed >= limit; a trial without an observed value keeps the expectation",
             "the trial's outcome: " + field,
-            parameters_of({.name = "limit",
-                           .quantity = quantity,
-                           .default_text = std::move(example),
-                           .range = non_negative,
-                           .choices = {},
-                           .doc = at_most ? "the largest value that is good" : "the smallest value that is good",
-                           .source = "free"})},
+            parameters_of(number_spec("limit", quantity, std::move(example), non_negative,
+                                      at_most ? "Largest value that is good." : "Smallest value that is good.", "free"))},
            false,
            false},
           comparison,
@@ -53,12 +41,7 @@ ExpectationKind number(std::string name, Comparison comparison, Quantity quantit
 
 ExpectationKind flag(std::string name, std::string summary, const std::string& field, double (*observed)(const TrialOutcome&)) {
   return {{{std::move(name), std::move(summary), "observed = limit", "the trial's outcome: " + field,
-            parameters_of({.name = "limit",
-                           .type = ParameterType::flag,
-                           .default_text = "false",
-                           .choices = {},
-                           .doc = "what must come out",
-                           .source = "free"})},
+            parameters_of(flag_spec("limit", "false", "Value that must come out.", "free"))},
            false,
            false},
           Comparison::equal,
@@ -113,36 +96,38 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
       number("no_slip_before", at_least, time, "1 s", "No unit slips as a whole before this time of the trial.",
              "first_slip_time_s", [](const TrialOutcome& o) { return o.first_slip_time; }),
       number("max_unit_slip", at_most, length, "1 mm",
-             "Largest distance that any unit slips over the surface; with fidelity mujoco_contact its creep counts.",
+             "Largest distance that any unit slips over the surface; with fidelity mujoco_contact the unit's creep counts.",
              "max_slip_distance_m", [](const TrialOutcome& o) { return o.max_slip_distance; }),
 
       of_detector(flag("false_alarm", "Whether the detector says slip before any unit of its sensor slips as a whole.",
                        "false_alarm_time_s", [](const TrialOutcome& o) { return std::isnan(o.false_alarm_time) ? 0.0 : 1.0; })),
-      of_detector(number("max_detection_delay", at_most, time, "50 ms",
-                         "From the first slip of a whole unit to the detector's first word of it. A trial without slip fails.",
-                         "detection_delay_s", [](const TrialOutcome& o) { return o.detection_delay; })),
+      of_detector(
+          number("max_detection_delay", at_most, time, "50 ms",
+                 "Time from the first slip of a whole unit until the detector first reports slip. A trial without slip fails.",
+                 "detection_delay_s", [](const TrialOutcome& o) { return o.detection_delay; })),
 
       of_box(flag("dropped", "Whether the box falls.", "dropped",
                   [](const TrialOutcome& o) { return grasp_of(o).dropped ? 1.0 : 0.0; })),
       of_box(number(
           "max_slip", at_most, length, "3 mm",
-          "Slip displacement: of the box's middle in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
+          "Slip displacement of the box's middle in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
           "slip_translation_m", [](const TrialOutcome& o) { return grasp_of(o).slip_translation; })),
       of_box(number("max_rotation", at_most, angle, "5 deg",
-                    "Slip rotation: of the box in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
+                    "Slip rotation of the box in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
                     "slip_rotation_rad", [](const TrialOutcome& o) { return grasp_of(o).slip_rotation; })),
-      of_grasp(number("max_grip_force", at_most, force, "12 N",
-                      "Peak grip force at any tick, the mean of both pads' normal forces: what the object is not damaged by.",
-                      "max_grip_force_N", [](const TrialOutcome& o) { return grasp_of(o).max_grip_force; })),
+      of_grasp(number(
+          "max_grip_force", at_most, force, "12 N",
+          "Peak grip force at any tick, which the object must stand. The grip force is the mean of both pads' normal forces.",
+          "max_grip_force_N", [](const TrialOutcome& o) { return grasp_of(o).max_grip_force; })),
       of_grasp(number("max_final_grip_force", at_most, force, "8 N", "Grip force at the trial's end.", "final_grip_force_N",
                       [](const TrialOutcome& o) { return grasp_of(o).final_grip_force; })),
       of_grasp(number("max_force_ratio", at_most, none, "2.5",
-                      "Peak grip force over the ideal one, the least that could hold the box.",
+                      "Peak grip force over the ideal grip force, the least that could hold the box.",
                       "max_grip_force_N / ideal_grip_force_N",
                       [](const TrialOutcome& o) { return grasp_of(o).max_grip_force / grasp_of(o).ideal_grip_force; })),
       of_grasp(number(
           "max_reaction_time", at_most, time, "150 ms",
-          "From the first true slip of a unit in the lift until the fingers close. A trial in which nothing slips fails: it shows no reaction.",
+          "Time from the first true slip of a unit in the lift until the fingers close. A trial without slip fails: it shows no reaction.",
           "reaction_time_s", [](const TrialOutcome& o) { return grasp_of(o).reaction_time; })),
   };
   return kinds;

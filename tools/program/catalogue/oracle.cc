@@ -24,19 +24,12 @@ class Oracle final : public Detector {
 Entry oracle_entry() {
   return {
       .name = std::string(oracle_type),
-      .summary = "ORACLE, no detector: the true class of the pad, to tell a detector's faults from a controller's",
+      .summary = "ORACLE, no detector: the true class of the pad, to tell a detector's faults from a controller's.",
       .law =
-          "at each of the sensor's samples the true class, by the rule strict (a pillar slips when all of it slips), and the true stuck fraction, which is that of the pad's elements",
-      .source = "the bench's own contact, which no detector sees",
-      .parameters = {{.name = "latency",
-                      .type = ParameterType::number,
-                      .quantity = Quantity::time,
-                      .default_text = "0 s",
-                      .range = non_negative,
-                      .choices = {},
-                      .size = 1,
-                      .doc = "Time from the sample until the class is there.",
-                      .source = "free"}}};
+          "at each sample of the sensor: the true class by the rule strict (a pillar slips when all of it slips), and the true stuck fraction of the pad's elements",
+      .source = "the simulation's own contact, which no detector sees",
+      .parameters = {
+          number_spec("latency", Quantity::time, "0 s", non_negative, "Time from the sample until the class is there.", "free")}};
 }
 
 std::unique_ptr<Detector> make_oracle(const Parameters& parameters, const Simulation& simulation, std::size_t pad) {

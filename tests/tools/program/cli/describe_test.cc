@@ -14,23 +14,6 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-ParameterSpec spec(const std::string& name, ParameterType type, const std::string& default_text, const std::string& doc) {
-  ParameterSpec result;
-  result.name = name;
-  result.type = type;
-  result.default_text = default_text;
-  result.doc = doc;
-  return result;
-}
-
-ParameterSpec number(const std::string& name, Quantity quantity, const std::string& default_text, const Range& range,
-                     const std::string& doc) {
-  ParameterSpec result = spec(name, ParameterType::number, default_text, doc);
-  result.quantity = quantity;
-  result.range = range;
-  return result;
-}
-
 // A small catalogue with one parameter of each type. Two kinds share the name "pad".
 Catalogues small_catalogues() {
   Catalogues catalogues;
@@ -39,18 +22,13 @@ Catalogues small_catalogues() {
   creep.summary = "The tip creeps under load.";
   creep.law = "du/dt = f_t / c\n  c  damping";
   creep.source = "A. Author 2020";
-  creep.parameters = {number("damping", Quantity::damping, "2 N s/m", positive, "How slowly it creeps."),
-                      number("share", Quantity::none, "0.5", fraction, "Share that creeps."),
-                      spec("steps", ParameterType::integer, "3", "How many."),
-                      spec("shift", ParameterType::vector, "[0 mm, 1 mm]", "Where to."),
-                      spec("mode", ParameterType::choice, "soft", "Which."),
-                      spec("twice", ParameterType::flag, "false", "Whether twice."),
-                      spec("table", ParameterType::path, "own", "Which table.")};
-  creep.parameters[0].source = "assumed";
-  creep.parameters[2].range = {1.0, 8.0, false};
-  creep.parameters[3].quantity = Quantity::length;
-  creep.parameters[3].size = 2;
-  creep.parameters[4].choices = {"soft", "hard"};
+  creep.parameters = {number_spec("damping", Quantity::damping, "2 N s/m", positive, "How slowly it creeps.", "assumed"),
+                      number_spec("share", Quantity::none, "0.5", fraction, "Share that creeps.", ""),
+                      integer_spec("steps", "3", {1.0, 8.0}, "How many.", ""),
+                      vector_spec(2, "shift", Quantity::length, "[0 mm, 1 mm]", any_value, "Where to.", ""),
+                      choice_spec("mode", "soft", {"soft", "hard"}, "Which.", ""),
+                      flag_spec("twice", "false", "Whether twice.", ""),
+                      path_spec("table", "own", "Which table.", "")};
   catalogues.effects = {creep};
   Entry pad;
   pad.name = "pad";
@@ -65,7 +43,7 @@ Catalogues small_catalogues() {
   Entry threshold;
   threshold.name = "limit";
   threshold.summary = "A threshold.";
-  threshold.parameters = {number("ratio", Quantity::none, "0.4", positive, "Above which it slips.")};
+  threshold.parameters = {number_spec("ratio", Quantity::none, "0.4", positive, "Above which it slips.", "")};
   catalogues.detectors = {threshold};
   return catalogues;
 }
@@ -178,7 +156,7 @@ TEST(Describe, ContactIsTheScenesOwnKey) {
   EXPECT_THAT(
       text,
       HasSubstr(
-          "  solref  2 numbers\n      time constant [s] and damping ratio of a contact, both above 0, or -stiffness [1/s2] and\n      -damping [1/s], both below\n"));
+          "  solref  2 numbers\n      Time constant [s] and damping ratio of a contact, both above 0; or -stiffness [1/s2] and\n      -damping [1/s], both below 0.\n"));
   EXPECT_THAT(text, HasSubstr("      default: [0.02, 1]\n"));
   EXPECT_THAT(text, HasSubstr("      unit:    kg (also g)\n      default: 0.1 g\n"));
   EXPECT_THAT(text,

@@ -230,14 +230,13 @@ TEST(Summary, UnitsThatSlipTogetherShareARank) {
 }
 
 TEST(Summary, SceneShowsWhatIsMoved) {
-  ParameterSpec speed;
-  speed.name = "speed";
-  speed.quantity = Quantity::speed;
-  ParameterSpec stop;
-  stop.name = "stop";
-  stop.quantity = Quantity::time;
   Catalogues catalogues;
-  catalogues.motions = {{"stage", "", "", "", {speed, stop}}};
+  catalogues.motions = {{"stage",
+                         "",
+                         "",
+                         "",
+                         {number_spec("speed", Quantity::speed, "0 mm/s", any_value, "", ""),
+                          number_spec("stop", Quantity::time, "inf", positive_or_infinite, "", "")}}};
   Scene scene;
   scene.description = "A test";
   scene.material = "glass";
