@@ -20,6 +20,8 @@
 #define SLIPBENCH_VECTORISE _Pragma("GCC ivdep")
 #endif
 #define SLIPBENCH_INLINE inline __attribute__((always_inline))
+// The same of a lambda, after its parameters.
+#define SLIPBENCH_INLINE_BODY __attribute__((always_inline))
 
 namespace slipbench {
 

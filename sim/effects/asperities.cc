@@ -33,8 +33,8 @@ SLIPBENCH_DISPATCHED void turn(const Mode& mode, const TipColumns& tips) {
     kernel::put_lanes(mode.y_re + i, c * y_re - s * y_im);
     kernel::put_lanes(mode.x_im + i, force_x);
     kernel::put_lanes(mode.y_im + i, force_y);
-    kernel::put_lanes(tips.felt_x + i, kernel::lanes_at(tips.felt_x + i) + force_x);
-    kernel::put_lanes(tips.felt_y + i, kernel::lanes_at(tips.felt_y + i) + force_y);
+    kernel::put_lanes(tips.transmitted_x + i, kernel::lanes_at(tips.transmitted_x + i) + force_x);
+    kernel::put_lanes(tips.transmitted_y + i, kernel::lanes_at(tips.transmitted_y + i) + force_y);
   }
 }
 
@@ -110,7 +110,7 @@ class Asperities final : public RingingEffect {
     if (number > 0.0) {  // the first of all is not there: it is where the path begins
       const double slip = std::sqrt(tips.slip_x[i] * tips.slip_x[i] + tips.slip_y[i] * tips.slip_y[i]);
       const double since = slip > 0.0 ? std::min(1.0, (tips.path[i] - place) / slip) * tips.dt : 0.0;
-      const double hardness = std::sqrt(std::max(0.0, tips.press[i]) / (share_[i] * load_) * slip / (tips.dt * speed_));
+      const double hardness = std::sqrt(std::max(0.0, tips.f_normal[i]) / (share_[i] * load_) * slip / (tips.dt * speed_));
       const double push = slip > 0.0 ? sign * amplitude_ * hardness * std::exp(scatter_ * spread) / slip : 0.0;
       for (const std::size_t mode : {0U, 1U}) {
         const auto [re, im] = turned(oscillators_[2 * i + mode], since);
@@ -120,8 +120,8 @@ class Asperities final : public RingingEffect {
         rings.x_im[i] += im * force * tips.slip_x[i];
         rings.y_re[i] += re * force * tips.slip_y[i];
         rings.y_im[i] += im * force * tips.slip_y[i];
-        tips.felt_x[i] += im * force * tips.slip_x[i];
-        tips.felt_y[i] += im * force * tips.slip_y[i];
+        tips.transmitted_x[i] += im * force * tips.slip_x[i];
+        tips.transmitted_y[i] += im * force * tips.slip_y[i];
       }
     }
     place += way;

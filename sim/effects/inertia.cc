@@ -38,7 +38,7 @@ SLIPBENCH_DISPATCHED bool swing(const Swing& s, const TipColumns& t) {
     };
     const Lanes mode = at(t.mode_before);
     const Mask sticks = mode == sticking, slips = mode == slipping;
-    const Lanes raw = at(t.press), raw_before = at(t.press_before);
+    const Lanes raw = at(t.f_normal), raw_before = at(t.f_normal_before);
     const Lanes f_n = raw > 0.0 ? raw : none, f_n_before = raw_before > 0.0 ? raw_before : none;
     const Lanes x = at(t.x), y = at(t.y), x_before = at(t.x_before), y_before = at(t.y_before);
     const Lanes tip_x = at(t.tip_x), tip_y = at(t.tip_y), k = at(s.k), dashpot = at(s.dashpot);
@@ -83,8 +83,8 @@ SLIPBENCH_DISPATCHED bool swing(const Swing& s, const TipColumns& t) {
     put(s.speed_y, changes ? speed_y : kept_y);
     put(t.friction_x, sticks ? held_x : mu * f_n * along_x);
     put(t.friction_y, sticks ? held_y : mu * f_n * along_y);
-    put(t.felt_x, k * (x - place_x) + dashpot * (vx - kept_x));
-    put(t.felt_y, k * (y - place_y) + dashpot * (vy - kept_y));
+    put(t.transmitted_x, k * (x - place_x) + dashpot * (vx - kept_x));
+    put(t.transmitted_y, k * (y - place_y) + dashpot * (vy - kept_y));
     put(t.mode, changes ? none + undecided : mode);
     any_changes |= changes;
   }
@@ -145,9 +145,9 @@ class Inertia final : public TipEffect {
     for (std::size_t i = 0; i < padded_; ++i) {
       tips.tip_x[i] = tips.x[i];
       tips.tip_y[i] = tips.y[i];
-      for (double* column : {tips.slip_x, tips.slip_y, tips.friction_x, tips.friction_y, tips.felt_x, tips.felt_y})
+      for (double* column : {tips.slip_x, tips.slip_y, tips.friction_x, tips.friction_y, tips.transmitted_x, tips.transmitted_y})
         column[i] = 0.0;
-      tips.mode[i] = tips.press[i] > 0.0 ? sticking : 0.0;
+      tips.mode[i] = tips.f_normal[i] > 0.0 ? sticking : 0.0;
       if (tips.mode[i] == sticking) {
         events.push_back({1.0, static_cast<std::uint32_t>(i), ElementState::detached, ElementState::stick});
       }
@@ -171,20 +171,22 @@ class Inertia final : public TipEffect {
     TipDrive drive{{t.x_before[i], t.y_before[i]},
                    Eigen::Vector2d(t.x[i] - t.x_before[i], t.y[i] - t.y_before[i]) / t.dt,
                    t.dt,
-                   {t.press_before[i], t.press[i]},
+                   {t.f_normal_before[i], t.f_normal[i]},
                    {t.limit_before[i], t.limit[i]},
                    t.mu_kinetic[i],
                    longest_swing / (omega_[i] * t.dt)};
     // While apart it has no limit; the line of the part that it touches goes on below zero.
-    if (drive.press[0] <= 0.0 && drive.press[1] > 0.0) drive.limit[0] = drive.limit[1] * drive.press[0] / drive.press[1];
-    if (drive.press[1] <= 0.0 && drive.press[0] > 0.0) drive.limit[1] = drive.limit[0] * drive.press[1] / drive.press[0];
+    if (drive.f_normal[0] <= 0.0 && drive.f_normal[1] > 0.0)
+      drive.limit[0] = drive.limit[1] * drive.f_normal[0] / drive.f_normal[1];
+    if (drive.f_normal[1] <= 0.0 && drive.f_normal[0] > 0.0)
+      drive.limit[1] = drive.limit[0] * drive.f_normal[1] / drive.f_normal[0];
     Tip tip{{t.tip_x[i], t.tip_y[i]},
             {speed_[i], speed_[padded_ + i]},
             static_cast<ElementState>(static_cast<int>(t.mode_before[i]))};
     TipTrace trace;
     move_tip(law(i), drive, static_cast<std::uint32_t>(i), tip, trace, events);
     const Eigen::Vector2d root(t.x[i], t.y[i]);
-    const Eigen::Vector2d felt = k_[i] * (root - tip.place) + dashpot_[i] * (drive.speed - tip.speed);
+    const Eigen::Vector2d transmitted = k_[i] * (root - tip.place) + dashpot_[i] * (drive.speed - tip.speed);
     t.tip_x[i] = tip.place.x();
     t.tip_y[i] = tip.place.y();
     t.slip_x[i] = trace.slip.x();
@@ -192,8 +194,8 @@ class Inertia final : public TipEffect {
     t.path[i] += trace.path;
     t.friction_x[i] = trace.friction.x();
     t.friction_y[i] = trace.friction.y();
-    t.felt_x[i] = felt.x();
-    t.felt_y[i] = felt.y();
+    t.transmitted_x[i] = transmitted.x();
+    t.transmitted_y[i] = transmitted.y();
     t.mode[i] = static_cast<double>(tip.state);
     speed_[i] = tip.speed.x();
     speed_[padded_ + i] = tip.speed.y();

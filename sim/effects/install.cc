@@ -62,13 +62,7 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
 
 double longest_step(const FieldEffects& effects, double speed) {
   double longest = std::numeric_limits<double>::infinity();
-  for (const auto& effect : effects.surface) longest = std::min(longest, effect->longest_step(speed));
-  for (const auto& effect : effects.friction) longest = std::min(longest, effect->longest_step(speed));
-  for (const auto& effect : effects.rheology) longest = std::min(longest, effect->longest_step(speed));
-  if (effects.rate) longest = std::min(longest, effects.rate->longest_step(speed));
-  if (effects.cone) longest = std::min(longest, effects.cone->longest_step(speed));
-  if (effects.tip) longest = std::min(longest, effects.tip->longest_step(speed));
-  for (const auto& effect : effects.ringing) longest = std::min(longest, effect->longest_step(speed));
+  effects.for_each([&](const Effect& effect) { longest = std::min(longest, effect.longest_step(speed)); });
   return longest;
 }
 

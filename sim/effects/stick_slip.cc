@@ -86,10 +86,10 @@ class Step {
       : law_(law), drive_(drive), element_(element), tip_(tip), trace_(trace), events_(events) {}
 
   void run() {
-    const bool touched = tip_.state != ElementState::detached, touches = drive_.press[1] > 0.0;
+    const bool touched = tip_.state != ElementState::detached, touches = drive_.f_normal[1] > 0.0;
     double change = 1.0;
     if (touched != touches) {
-      change = std::clamp(drive_.press[0] / (drive_.press[0] - drive_.press[1]), 0.0, 1.0);
+      change = std::clamp(drive_.f_normal[0] / (drive_.f_normal[0] - drive_.f_normal[1]), 0.0, 1.0);
     }
     touched ? rub(change) : fly(change);
     if (touched == touches) return;
@@ -100,7 +100,7 @@ class Step {
  private:
   [[nodiscard]] Vector stretch() const { return drive_.root_at(now_) - tip_.place; }
   [[nodiscard]] Vector force_of_stick() const { return law_.k * stretch() + law_.dashpot() * drive_.speed; }
-  [[nodiscard]] double load(double fraction) const { return std::max(0.0, between(drive_.press, fraction)); }
+  [[nodiscard]] double load(double fraction) const { return std::max(0.0, between(drive_.f_normal, fraction)); }
   [[nodiscard]] double limit(double fraction) const { return std::max(0.0, between(drive_.limit, fraction)); }
   [[nodiscard]] bool holds() const { return force_of_stick().norm() <= limit(now_) + law_.k * shortest_slip; }
   [[nodiscard]] double floor() const {

@@ -24,7 +24,7 @@ struct TipLaw {
 struct TipDrive {
   Eigen::Vector2d root, speed;  // m, m/s
   double dt;                    // s, > 0
-  double press[2];              // raw normal force [N] at the start and at the end; negative while apart
+  double f_normal[2];           // raw normal force [N] at the start and at the end; negative while apart
   double limit[2];              // mu_s f_n [N]
   double mu_kinetic;
   double longest;  // share of the step for which the direction of friction is kept at the most

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// Columns of summed units: sums over all surfaces up to `summed`, then what they are on the one that presses hardest.
+// Columns of summed units: sums over all surfaces up to `summed`, then what they are on the one where the normal force is greatest.
 namespace unit {
 enum Column : std::size_t {
   force,  // kernel::UnitColumns
@@ -23,7 +23,7 @@ enum Column : std::size_t {
   tangential = summed,
   normal = tangential + 3,
   limit = normal + 3,
-  press,  // [N]
+  normal_force,  // [N]
   columns
 };
 }  // namespace unit
@@ -67,10 +67,7 @@ const ContactFrame& ContactLabels::update(std::span<Field> fields, double time, 
 const ContactFrame& ContactLabels::judge(std::span<Field> fields, double time, double dt) {
   frame_.time = time;
   label_units(fields, dt);
-  if (frame_.element_depth.size() > 0) tell_elements(fields);
-  for (Field& field : fields) {
-    if (field.sparse()) field.labels_have_read();
-  }
+  if (frame_.element_depth.size() > 0) label_elements(fields);
   if (single_ && fields.size() == 1) {
     unit_rules::judge_pad_of_elements(frame_, elements_);
   } else {
@@ -95,8 +92,12 @@ void ContactLabels::settle(std::span<const Field> fields, double dt) {
 
 void ContactLabels::label_units(std::span<Field> fields, double dt) {
   elements_ = {};
-  for (Field& field : fields) {
-    field.view_from_pad();
+  seen_.resize(fields.size());
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    Field& field = fields[k];
+    // All of a field that is another, or that has not stepped.
+    viewed_ = field.view_from_pad(field.steps() > seen_[k] ? seen_[k] : 0);
+    seen_[k] = field.steps();
     elements_.touching += static_cast<std::uint32_t>(field.touching());
     elements_.slipping += static_cast<std::uint32_t>(field.slipping());
   }
@@ -107,56 +108,55 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
   if (one_field && single_ && fields.front().sparse()) {
     const Field& field = fields.front();
     if (shaken_) frame_.force.row(2).setZero();  // of the units that touch nothing too
-    kernel::label_groups(units, field.pad_in_surface().rotation.transpose(), rate, field.viewed(), count, frame_);
+    kernel::label_groups(units, field.pad_in_surface().rotation.transpose(), rate, viewed_, count, frame_);
     return;
   }
-  const auto hardest = [&](std::size_t u) { return one_field ? &fields.front() : hardest_[u]; };
+  const auto most_loaded = [&](std::size_t u) { return one_field ? &fields.front() : most_loaded_[u]; };
   const auto normal = [&](std::size_t u) { return Eigen::Vector3d(units.normal[0][u], units.normal[1][u], units.normal[2][u]); };
   // Units that meet the same normal are turned together, and with them those that touch nothing: all of theirs is 0, unless their tips ring.
   const bool rings = std::ranges::any_of(fields, &Field::has_tips);
   const auto apart = [&](std::size_t u) { return !rings && units.touching[u] == 0.0; };
   for (std::size_t first = 0, end = 0; first < count; first = end) {
     while (end + 1 < count && apart(end)) ++end;
-    const Field& field = *hardest(end);
+    const Field& field = *most_loaded(end);
     const Eigen::Vector3d met = normal(end);
     end = one_field && field.on_plane() ? count : end + 1;
-    while (end < count && (apart(end) || (hardest(end) == &field && normal(end) == met))) ++end;
+    while (end < count && (apart(end) || (most_loaded(end) == &field && normal(end) == met))) ++end;
     contact_plane_.face(field.pad_in_surface().rotation.transpose() * met);
     kernel::label_units(units, contact_plane_.turn(), rate, field.effect_cone(), first, end, frame_);
   }
 }
 
-void ContactLabels::tell_elements(std::span<const Field> fields) {
+void ContactLabels::label_elements(std::span<const Field> fields) {
   double* const depth = frame_.element_depth.data();
   const std::array<double*, 3> shear{frame_.element_shear.col(0).data(), frame_.element_shear.col(1).data(),
                                      frame_.element_shear.col(2).data()};
-  if (fields.size() == 1 && fields.front().sparse()) {
-    fields.front().tell_elements(depth, shear);
-    return;
+  const bool sparse = fields.size() == 1 && fields.front().sparse();
+  if (sparse) {
+    for_each_viewed([&](std::size_t first, std::size_t end) {
+      for (double* const column : {depth, shear[0], shear[1], shear[2]}) std::fill(column + first, column + end, 0.0);
+    });
+  } else {
+    frame_.element_depth.setZero();
+    frame_.element_shear.setZero();
   }
-  frame_.element_depth.setZero();
-  frame_.element_shear.setZero();
-  for (const Field& field : fields) field.add_elements(depth, shear);
+  for (const Field& field : fields) field.add_elements(sparse ? viewed_ : field.all(), depth, shear);
 }
 
-// Calls visit(first, end) for the elements of each group of a sparse field's viewed().
+// Calls visit(first, end) for the elements of each group that the last field's view has worked out.
 template <class Visit>
-void ContactLabels::for_each_viewed(const Field& field, Visit&& visit) {
-  const kernel::Groups viewed = field.viewed();
-  for (std::size_t k = 0; k < viewed.count; ++k) visit(viewed[k], std::min(field.size(), viewed[k] + kernel::lanes));
+void ContactLabels::for_each_viewed(Visit&& visit) const {
+  for (std::size_t k = 0; k < viewed_.count; ++k) {
+    visit(viewed_[k], std::min(unit_of_element_.size(), viewed_[k] + kernel::lanes));
+  }
 }
 
 // Units of one element on one surface are what their elements are.
 kernel::UnitColumns ContactLabels::elements_as_units(const Field& field) {
   const double* const mode = field.column(kernel::mode);
-  const auto state = [mode](std::size_t u) { return static_cast<UnitState>(static_cast<int>(mode[u])); };
-  if (field.sparse()) {
-    for_each_viewed(field, [&](std::size_t first, std::size_t end) {
-      for (std::size_t u = first; u < end; ++u) frame_.unit_state[u] = state(u);
-    });
-  } else {
-    for (std::size_t u = 0; u < units_.size(); ++u) frame_.unit_state[u] = state(u);
-  }
+  for_each_viewed([&](std::size_t first, std::size_t end) {
+    for (std::size_t u = first; u < end; ++u) frame_.unit_state[u] = static_cast<UnitState>(static_cast<int>(mode[u]));
+  });
   const auto vector = [&](kernel::Column x) {
     const auto component = [&](std::size_t k) { return field.column(static_cast<kernel::Column>(x + k)); };
     return std::array{component(0), component(1), component(2)};
@@ -183,7 +183,7 @@ kernel::UnitColumns ContactLabels::sum_fields(std::span<Field> fields) {
     sum_elements(fields.front(), 0, units_.size(), sums_);
   } else {
     const auto own = static_cast<Eigen::Index>(unit::columns - unit::summed);
-    hardest_.assign(units_.size(), &fields.front());
+    most_loaded_.assign(units_.size(), &fields.front());
     sums_.setZero();
     sums_.col(unit::normal + 2).setOnes();
     on_one_.resize(count, unit::columns);
@@ -191,9 +191,9 @@ kernel::UnitColumns ContactLabels::sum_fields(std::span<Field> fields) {
       sum_elements(field, 0, units_.size(), on_one_);
       sums_.leftCols(unit::summed) += on_one_.leftCols(unit::summed);
       for (Eigen::Index u = 0; u < count; ++u) {
-        if (!(on_one_(u, unit::press) > sums_(u, unit::press))) continue;
+        if (!(on_one_(u, unit::normal_force) > sums_(u, unit::normal_force))) continue;
         sums_.row(u).tail(own) = on_one_.row(u).tail(own);
-        hardest_[static_cast<std::size_t>(u)] = &field;
+        most_loaded_[static_cast<std::size_t>(u)] = &field;
       }
     }
   }
@@ -212,7 +212,7 @@ kernel::UnitColumns ContactLabels::sum_fields(std::span<Field> fields) {
 // nothing touches any more, and then the last unit's stands for all (label_units).
 void ContactLabels::sum_viewed(Field& field) {
   std::size_t next = 0;  // unit that has not been summed
-  for_each_viewed(field, [&](std::size_t first, std::size_t end) {
+  for_each_viewed([&](std::size_t first, std::size_t end) {
     const std::size_t last = unit_of_element_[end - 1] + std::size_t{1};
     next = std::max(next, std::size_t{unit_of_element_[first]});
     if (next < last) sum_elements(field, next, last, sums_);
@@ -220,12 +220,12 @@ void ContactLabels::sum_viewed(Field& field) {
   });
   if (sums_(sums_.rows() - 1, unit::touching) != 0.0) return;
   const std::size_t last = units_.back().first;
-  field.look_at(last);
+  field.update_contact_point(last);
   sums_.row(sums_.rows() - 1).segment<3>(unit::normal) = field.normal(last).transpose();
 }
 
 // Sums the elements of the units from `begin` to before `end_unit` on one surface, in the pad frame but for the tangential force and the normal. That is the one of the element
-// that is pressed hardest: one beside the surface meets another face.
+// with the greatest normal force: one beside the surface meets another face.
 void ContactLabels::sum_elements(const Field& field, std::size_t begin, std::size_t end_unit, Eigen::ArrayXXd& sums) const {
   // The vectors among the columns, and where in `sums` they go.
   constexpr std::size_t vectors = 4;
@@ -234,17 +234,18 @@ void ContactLabels::sum_elements(const Field& field, std::size_t begin, std::siz
                                                                                 {kernel::pad_slip_x, unit::slip},
                                                                                 {kernel::force_x, unit::tangential}}};
   const auto element = [&](std::size_t c) { return field.column(static_cast<kernel::Column>(c)); };
-  kernel::UnitSum::Summed from{{}, element(kernel::path), element(kernel::limit), element(kernel::press), element(kernel::mode)};
+  kernel::UnitSum::Summed from{
+      {}, element(kernel::path), element(kernel::limit), element(kernel::f_normal), element(kernel::mode)};
   for (std::size_t v = 0; v < from.vectors.size(); ++v) from.vectors[v] = element(summed[v / 3].first + v % 3);
   const bool curved = !field.on_plane();
   for (std::size_t u = begin; u < end_unit; ++u) {
     const std::size_t first = units_[u].first, end = first + units_[u].count;
     const kernel::UnitSum sum = kernel::sum_unit(from, first, units_[u].count);
-    std::size_t hardest = first;
-    if (curved && sum.press > 0.0) {
-      double most = std::max(0.0, from.press[first]);
+    std::size_t most_loaded = first;
+    if (curved && sum.normal_force > 0.0) {
+      double most = std::max(0.0, from.f_normal[first]);
       for (std::size_t i = first + 1; i < end; ++i) {
-        if (from.press[i] > most) most = from.press[hardest = i];
+        if (from.f_normal[i] > most) most = from.f_normal[most_loaded = i];
       }
     }
     const auto row = static_cast<Eigen::Index>(u);
@@ -254,8 +255,8 @@ void ContactLabels::sum_elements(const Field& field, std::size_t begin, std::siz
     set(unit::limit, sum.limit);
     set(unit::touching, sum.touching);
     set(unit::slipping, sum.slipping);
-    set(unit::press, sum.press);
-    for (const std::size_t k : {0U, 1U, 2U}) set(unit::normal + k, element(kernel::normal_x + k)[hardest]);
+    set(unit::normal_force, sum.normal_force);
+    for (const std::size_t k : {0U, 1U, 2U}) set(unit::normal + k, element(kernel::normal_x + k)[most_loaded]);
   }
 }
 

@@ -14,7 +14,7 @@ namespace slipbench {
 // elements; nothing is thresholded. The translation, centre and angle of the slip are the rigid motion that fits the slipping units'
 // velocities best (least squares, equal weights).
 // A pad has one field for each surface that it may touch, all of the same layout. Forces, deflections, slip and counts of friction points
-// are sums over them; the contact plane and the margin of a unit are those on the surface that presses it hardest.
+// are sums over them; the contact plane and the margin of a unit are those on the surface where its normal force is greatest.
 class ContactLabels {
  public:
   explicit ContactLabels(const PadLayout& layout);
@@ -38,10 +38,10 @@ class ContactLabels {
 
  private:
   void label_units(std::span<Field> fields, double dt);
-  void tell_elements(std::span<const Field> fields);
+  void label_elements(std::span<const Field> fields);
   kernel::UnitColumns elements_as_units(const Field& field);
   template <class Visit>
-  static void for_each_viewed(const Field& field, Visit&& visit);
+  void for_each_viewed(Visit&& visit) const;
   kernel::UnitColumns sum_fields(std::span<Field> fields);
   void sum_viewed(Field& field);
   void sum_elements(const Field& field, std::size_t begin, std::size_t end_unit, Eigen::ArrayXXd& sums) const;
@@ -50,12 +50,14 @@ class ContactLabels {
   std::vector<UnitRange> units_;
   std::vector<double> shares_;  // 1/elements of the unit
   std::vector<std::uint32_t> unit_of_element_;
-  bool single_ = false;                // every unit is one element
-  bool shaken_ = false;                // ride() has added to all forces
-  Eigen::ArrayXXd sums_;               // [N, columns] units of several elements, or on several surfaces
-  Eigen::ArrayXXd on_one_;             // the same on one of several surfaces
-  std::vector<const Field*> hardest_;  // [N] of several fields: the one that presses the unit hardest
-  Eigen::Array3Xd undeformed_;         // [3,N] m, mean of a unit's undeformed tips in P
+  bool single_ = false;                    // every unit is one element
+  bool shaken_ = false;                    // ride() has added to all forces
+  Eigen::ArrayXXd sums_;                   // [N, columns] units of several elements, or on several surfaces
+  Eigen::ArrayXXd on_one_;                 // the same on one of several surfaces
+  std::vector<const Field*> most_loaded_;  // [N] of several fields: the one with the greatest normal force on the unit
+  Eigen::Array3Xd undeformed_;             // [3,N] m, mean of a unit's undeformed tips in P
+  std::vector<std::uint64_t> seen_;        // of each field: its steps() when it was read last
+  kernel::Groups viewed_{};                // what has been read of the last field in this step
   std::vector<unit_rules::UnitEvent> changes_;
   unit_rules::ContactPlane contact_plane_;
   unit_rules::Count elements_;  // of the whole pad

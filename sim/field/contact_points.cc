@@ -1,56 +1,56 @@
-// Field: where the elements meet the surface.
+#include "sim/field/contact_points.h"
+
 #include <algorithm>
 #include <cmath>
-#include <variant>
-
-#include "sim/field/field.h"
 
 namespace slipbench {
+namespace {
 
-// Whether the axes of a flat pad look at the plane.
-bool Field::looks_at_plane() const { return pose_.rotation.row(2).dot(layout_.elements.front().axis) < 0.0; }
+bool outside(const Plane& /*shape*/, const Eigen::Vector3d& p) { return p.z() > 0.0; }
+bool outside(const Sphere& shape, const Eigen::Vector3d& p) { return p.norm() > shape.radius; }
+bool outside(const Box& shape, const Eigen::Vector3d& p) { return (p.cwiseAbs() - shape.half).maxCoeff() > 0.0; }
+bool outside(const Cylinder& shape, const Eigen::Vector3d& p) {
+  return std::hypot(p.x(), p.y()) > shape.radius || std::abs(p.z()) > shape.half_length;
+}
+bool outside(const Capsule& shape, const Eigen::Vector3d& p) {
+  return (p - Eigen::Vector3d(0.0, 0.0, std::clamp(p.z(), -shape.half_length, shape.half_length))).norm() > shape.radius;
+}
+bool outside(const Ellipsoid& shape, const Eigen::Vector3d& p) { return p.cwiseQuotient(shape.half).norm() > 1.0; }
+bool outside(const DistanceGrid& /*shape*/, const Eigen::Vector3d& /*p*/) { return false; }
 
-void Field::find_contact_points() {
+}  // namespace
+
+ContactPoints::ContactPoints(const PadLayout& layout, const Surface& surface)
+    : surface_(surface), count_(layout.elements.size()), axis_(layout.elements.front().axis) {
+  flat_pad_ = std::ranges::all_of(layout.elements, [this](const Element& e) { return e.axis == axis_; });
+}
+
+bool ContactPoints::is_outside(const Eigen::Vector3d& p) const {
+  return std::visit([&](const auto& shape) { return outside(shape, p); }, surface_);
+}
+
+void ContactPoints::find(const kernel::Columns& columns, const Pose& pose, const kernel::Groups& groups) const {
   if (on_plane()) {
-    kernel::plane_gap(columns_, pose_, padded_);
-    if (!flat_pad_ || !looks_at_plane()) kernel::turn_away(columns_, pose_, padded_);
-    return;
-  }
-  keep_as_before(faces, faces_before);
-  if (const Box* box = std::get_if<Box>(&surface_)) {
-    kernel::meet_box(columns_, *box, pose_, padded_);
-    return;
-  }
-  if (const Cylinder* cylinder = std::get_if<Cylinder>(&surface_)) {
-    kernel::meet_cylinder(columns_, *cylinder, pose_, padded_);
-    return;
-  }
-  std::visit([this](const auto& shape) { meet(shape, columns_, pose_, kernel::Groups{nullptr, 1}, count_); }, surface_);
-}
-
-void Field::find_contact_points(const kernel::Columns& columns, const Pose& pose, const kernel::Groups& groups) const {
-  if (const Box* box = std::get_if<Box>(&surface_)) {
+    kernel::plane_gap(columns, pose, groups.count * kernel::lanes);
+    if (!flat_pad_ || !looks_at_plane(pose)) kernel::turn_away(columns, pose, groups.count * kernel::lanes);
+  } else if (const Box* box = std::get_if<Box>(&surface_)) {
     kernel::meet_box(columns, *box, pose, groups);
-    return;
-  }
-  if (const Cylinder* cylinder = std::get_if<Cylinder>(&surface_)) {
+  } else if (const Cylinder* cylinder = std::get_if<Cylinder>(&surface_)) {
     kernel::meet_cylinder(columns, *cylinder, pose, groups);
-    return;
+  } else {
+    std::visit([&](const auto& shape) { meet(shape, columns, pose, groups); }, surface_);
   }
-  std::visit([&](const auto& shape) { meet(shape, columns, pose, groups, kernel::lanes); }, surface_);
 }
 
-// Of groups of `entries`.
 template <class Shape>
-void Field::meet(const Shape& shape, const kernel::Columns& columns, const Pose& at, const kernel::Groups& groups,
-                 std::size_t entries) const {
+void ContactPoints::meet(const Shape& shape, const kernel::Columns& columns, const Pose& at, const kernel::Groups& groups) const {
   // Copies: the compiler cannot know that what is written to the columns is none of these.
   const kernel::Columns c = columns;
   const Pose pose = at;
   const Shape met_by = shape;  // NOLINT(performance-unnecessary-copy-initialization)
-  Eigen::Vector3d axis = pose.rotation * vector(kernel::axis_x, 0);
+  Eigen::Vector3d axis = pose.rotation * axis_;
   for (std::size_t k = 0; k < groups.count; ++k) {
-    const std::size_t first = groups[k], end = std::min(count_, first + entries);
+    const std::size_t first = groups[k], end = std::min(count_, first + kernel::lanes);
     for (std::size_t i = first; i < end; ++i) {
       const Eigen::Vector3d tip = pose * Eigen::Vector3d(c[kernel::tip_x][i], c[kernel::tip_y][i], c[kernel::tip_z][i]);
       if (!flat_pad_) axis = pose.rotation * Eigen::Vector3d(c[kernel::axis_x][i], c[kernel::axis_y][i], c[kernel::axis_z][i]);

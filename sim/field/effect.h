@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -116,13 +117,14 @@ struct TipColumns {
   std::size_t count, padded;
   double dt;                                  // s, 0 in the first step
   const double *x, *y, *x_before, *y_before;  // root at the end and at the start of the step [m]
-  const double *press, *press_before;         // raw normal force [N], negative while apart: linear in the step
+  const double *f_normal, *f_normal_before;   // raw normal force [N], negative while apart: linear in the step
   const double *limit, *limit_before;         // mu_s f_n [N]: linear in the step
   const double *mu_kinetic, *mode_before;     // [1]; 0 detached, 1 stick, 2 slip
   double *tip_x, *tip_y;                      // place of the tip [m]: comes from the start of the step, goes to its end
   double *slip_x, *slip_y, *path;  // way of the touching tip over the surface in the step [m]; its length, added up [m]
-  double *friction_x, *friction_y, *felt_x, *felt_y;  // of the tip on the surface; of spring and dashpot on the tip [N]
-  double* mode;                                       // at the end of the step
+  double *friction_x, *friction_y, *transmitted_x,
+      *transmitted_y;  // of the tip on the surface; of spring and dashpot on the tip [N]
+  double* mode;        // at the end of the step
 };
 
 // Gives the tips of the elements mass, in place of the return mapping of massless ones. Only on a plane, with the circular cone and
@@ -137,7 +139,7 @@ class TipEffect : public Effect {
   [[nodiscard]] virtual double damping_ratio() const = 0;
 };
 
-// Adds to the force that is felt of the elements, beside what their tips pass on. Needs a TipEffect, after which it is called.
+// Adds to the force that the pad feels of the elements, beside what their tips transmit. Needs a TipEffect, after which it is called.
 class RingingEffect : public Effect {
  public:
   virtual void ring(const TipColumns& tips) = 0;
@@ -167,6 +169,21 @@ struct FieldEffects {
   std::optional<Lean> lean;                             // not together with a cone
   std::unique_ptr<TipEffect> tip;                       // at most one, without rate, rheology, cone and lean
   std::vector<std::unique_ptr<RingingEffect>> ringing;  // only with a tip
+
+  // Calls visit(effect) for each Effect, always in the same order.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    const auto visit_all = [&](const auto& effects) {
+      for (const auto& effect : effects) visit(*effect);
+    };
+    visit_all(surface);
+    visit_all(friction);
+    visit_all(rheology);
+    for (Effect* effect : std::initializer_list<Effect*>{rate.get(), cone.get(), tip.get()}) {
+      if (effect != nullptr) visit(*effect);
+    }
+    visit_all(ringing);
+  }
 };
 
 }  // namespace slipbench

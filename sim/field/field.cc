@@ -4,31 +4,27 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <limits>
 #include <new>
 #include <stdexcept>
 #include <string>
 
 #include "sim/core/error.h"
+#include "sim/field/cones.h"
 #include "sim/field/dashpot.h"
 #include "sim/field/kernel.h"
-#include "sim/field/lean.h"
 
 namespace slipbench {
 namespace {
 
 constexpr std::size_t alignment = 64;
 
-// From so many elements on a field looks for those that take part.
-constexpr std::size_t least_sparse = 64;
-
 // The columns that outlive a step. What a step calls "before" is filled from them.
-constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_z, kernel::gap,      kernel::press,
+constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_z, kernel::gap,      kernel::f_normal,
                           kernel::limit,     kernel::mode,      kernel::anchor_x,  kernel::anchor_y, kernel::anchor_z,
                           kernel::force_x,   kernel::force_y,   kernel::force_z,   kernel::path};
-constexpr std::array kept_of_faces{kernel::faces, kernel::spent};  // and these, unless all meet the one face of a plane
+constexpr std::array kept_of_faces{kernel::faces, kernel::depth_offset};  // and these, unless all meet the one face of a plane
 
-void check(const PadLayout& layout, const Friction& friction, const FieldEffects& effects) {
+const PadLayout& checked(const PadLayout& layout, const Friction& friction, const FieldEffects& effects) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("field: " + what); };
   if (layout.elements.empty()) refuse("a pad needs at least one element");
   if (layout.elements.size() > Field::max_elements) {
@@ -55,6 +51,7 @@ void check(const PadLayout& layout, const Friction& friction, const FieldEffects
   if (!(friction.mu_kinetic >= 0.0) || !(friction.mu_static >= friction.mu_kinetic) || std::isinf(friction.mu_static)) {
     refuse("friction must satisfy 0 <= mu_kinetic <= mu_static");
   }
+  return layout;
 }
 
 // Where inside a step a quantity that changes linearly from `before` to `now` passes through zero.
@@ -67,35 +64,13 @@ double zero_crossing(double before, double now) {
 
 void Field::Free::operator()(double* block) const { std::free(block); }
 
-// Calls visit(memory) for every effect that has one.
-template <class Visit>
-void Field::for_each_memory(Visit&& visit) {
-  const auto visit_all = [&](auto& effects) {
-    for (const auto& effect : effects) {
-      if (const std::span<double> memory = effect->memory(); !memory.empty()) visit(memory);
-    }
-  };
-  visit_all(effects_.surface);
-  visit_all(effects_.friction);
-  visit_all(effects_.rheology);
-  const auto visit_one = [&](const auto& effect) {
-    if (!effect) return;
-    if (const std::span<double> memory = effect->memory(); !memory.empty()) visit(memory);
-  };
-  visit_one(effects_.rate);
-  visit_one(effects_.cone);
-  visit_one(effects_.tip);
-  visit_all(effects_.ringing);
-}
-
 Field::Field(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects effects)
-    : layout_(layout),
-      surface_(surface),
+    : layout_(checked(layout, friction, effects)),
+      contacts_(layout, surface),
       friction_(friction),
       effects_(std::move(effects)),
       count_(layout.elements.size()),
       padded_((count_ + kernel::lanes - 1) / kernel::lanes * kernel::lanes) {
-  check(layout, friction, effects_);
   if (auto dashpots = make_dashpots(layout_)) effects_.rheology.push_back(std::move(dashpots));
   if (effects_.tip && (!on_plane() || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
     throw std::invalid_argument(
@@ -129,26 +104,27 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     std::copy_n(columns_[k_tangential], count_, columns_[k_tangential_spring]);
     std::copy_n(columns_[mu_static], count_, columns_[mu_static_surface]);
     std::copy_n(columns_[mu_kinetic], count_, columns_[mu_kinetic_surface]);
+  } else {
+    columns_[k_normal_spring] = columns_[k_normal];
+    columns_[k_tangential_spring] = columns_[k_tangential];
   }
-  if (effects_.tip) felt_ = felt_x;
+  if (effects_.tip) transmitted_ = transmitted_x;
   std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
-  flat_pad_ = std::all_of(layout_.elements.begin(), layout_.elements.end(),
-                          [&](const Element& e) { return e.axis == layout_.elements.front().axis; });
   state_size_ = 1 + (kept.size() + (on_plane() ? 0 : kept_of_faces.size())) * count_;
-  for_each_memory([this](std::span<double> memory) { state_size_ += memory.size(); });
-  plain_ = on_plane() && flat_pad_ && !extended_ && !effects_.cone;
-  sparse_ = count_ >= least_sparse && !on_plane() && !extended_ && !effects_.cone;
-  if (sparse_) begin_sparsely();
+  effects_.for_each([this](Effect& effect) { state_size_ += effect.memory().size(); });
+  const bool springs_alone = !extended_ && !effects_.cone;
+  plain_ = springs_alone && on_plane() && contacts_.flat_pad();
+  if (springs_alone && !on_plane() && count_ >= ActiveSet::least_elements) active_set_.emplace(layout_);
 }
 
 void Field::save_state(std::span<double> state) {
-  if (sparse_) look_at_sleeping();
+  if (active_set_) active_set_->update_all(contacts_, columns_);
   state[0] = placed_ ? 1.0 : 0.0;
   auto out = state.begin() + 1;
   const auto save = [&](Column column) { out = std::copy_n(columns_[column], count_, out); };
   std::for_each(kept.begin(), kept.end(), save);
   if (!on_plane()) std::for_each(kept_of_faces.begin(), kept_of_faces.end(), save);
-  for_each_memory([&](std::span<double> memory) { out = std::copy(memory.begin(), memory.end(), out); });
+  effects_.for_each([&](Effect& effect) { out = std::ranges::copy(effect.memory(), out).out; });
 }
 
 void Field::load_state(std::span<const double> state) {
@@ -160,13 +136,13 @@ void Field::load_state(std::span<const double> state) {
   };
   std::for_each(kept.begin(), kept.end(), load);
   if (!on_plane()) std::for_each(kept_of_faces.begin(), kept_of_faces.end(), load);
-  for_each_memory([&](std::span<double> memory) {
+  effects_.for_each([&](Effect& effect) {
+    const std::span<double> memory = effect.memory();
     std::copy_n(in, memory.size(), memory.begin());
     in += static_cast<std::ptrdiff_t>(memory.size());
   });
-  count_states();
-  unsettled_ = 2;
-  std::ranges::fill(near_at_, -std::numeric_limits<double>::infinity());
+  count_states(all());
+  if (active_set_) active_set_->reset();
 }
 
 void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
@@ -176,61 +152,78 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
     std::swap(columns_[contact_x + k], columns_[contact_before_x + k]);
     std::swap(columns_[force_x + k], columns_[force_before_x + k]);
   }
-  keep_as_before(press, press_before);
+  keep_as_before(f_normal, f_normal_before);
   keep_as_before(gap, gap_before);
   keep_as_before(limit, limit_before);
   keep_as_before(mode, mode_before);
 
-  if (plain_ && touching_ == count_ && looks_at_plane()) {
+  if (plain_ && touching_ == count_ && contacts_.looks_at_plane(pose_)) {
     kernel::slide_on_plane(columns_, pose_, padded_);
-  } else if (sparse_) {
-    step_sparsely();
-    placed_ = true;
-    return;
   } else {
     step_in_stages(placed_ ? dt : 0.0, motion);
   }
-  if (std::memcmp(columns_[mode], columns_[mode_before], count_ * sizeof(double)) != 0) resolve_events();
+  if (kernel::any_changes(columns_, active())) resolve_events();
+  if (active_set_) active_set_->end_step(contacts_, columns_);
   placed_ = true;
 }
 
 void Field::step_in_stages(double dt, const Twist* motion) {
-  find_contact_points();
+  if (!on_plane()) keep_as_before(faces, faces_before);
+  kernel::Groups candidates = all();
+  if (active_set_) {
+    candidates = active_set_->begin_step(contacts_, columns_, pose_);
+  } else {
+    contacts_.find(columns_, pose_, candidates);
+  }
   if (extended_) place_tips();
   for (const auto& effect : effects_.surface) {
     effect->displace(count_, columns_[place_x], columns_[place_y], columns_[normal_z], columns_[gap]);
   }
-  if (!on_plane()) keep_energy();
+  if (!on_plane() && !kernel::all_keep_faces(columns_, candidates)) {
+    for_each_element(candidates, [this](std::size_t i) { keep_energy(i); });
+  }
   if (has_memory()) prepare_rheology(dt);
   if (!effects_.friction.empty() || effects_.rate) rate_friction(dt, motion);
   if (effects_.tip) {
     move_tips(dt);
     return;
   }
-  if (touching_ < count_ && kernel::any_touches(columns_, has_memory(), padded_)) anchor_touched();
+  const bool touches =
+      active_set_ ? active_set_->sort(columns_) : touching_ < count_ && kernel::any_touches(columns_, has_memory(), padded_);
+  if (touches) {  // what did not before is anchored where it touched, inside the step
+    for_each_element(active(), [this](std::size_t i) {
+      if (columns_[mode_before][i] == 0.0 && raw_normal_force(i) > 0.0) anchor_touched(i);
+    });
+  }
   step_ = dt;
-  if (effects_.lean) {
-    for (std::size_t i = 0; i < count_; ++i) map_leaning(i);
-    return;
-  }
-  if (effects_.rate && dt > 0.0) {
-    kernel::find_trials(columns_, on_plane(), padded_);
-    if (!effects_.cone) {
-      effects_.rate->strengthen(0, count_, dt, columns_[trial], columns_[k_tangential], columns_[slide], columns_[mu_kinetic]);
-    }
-  }
-  if (effects_.cone) {
-    for (std::size_t i = 0; i < count_; ++i) map_to_effect_cone(i);
-  } else {
-    kernel::map(columns_, on_plane(), extended_, padded_);
-  }
+  map_to_cone();
   if (has_memory()) commit_rheology(dt);
+}
+
+// The return mapping.
+void Field::map_to_cone() {
+  RateEffect* const rate = step_ > 0.0 ? effects_.rate.get() : nullptr;
+  const auto map_each = [&](const auto& cone) {
+    kernel::map_each(columns_, on_plane(), extended_, count_,
+                     [&](std::size_t i, const kernel::Trial& trial) { return map_onto(cone, rate, step_, columns_, i, trial); });
+  };
+  if (effects_.lean) {
+    map_each(*effects_.lean);
+  } else if (effects_.cone) {
+    map_each(*effects_.cone);
+  } else {
+    if (rate != nullptr) {
+      kernel::find_trials(columns_, on_plane(), padded_);
+      rate->strengthen(0, count_, step_, columns_[trial], columns_[k_tangential], columns_[slide], columns_[mu_kinetic]);
+    }
+    kernel::map(columns_, on_plane(), extended_, active());
+  }
 }
 
 // Where the tips meet effects. One that has come to another face will be anchored there anew, under its root (keep_energy).
 void Field::place_tips() {
   kernel::place_tips(columns_, padded_);
-  if (on_plane() || kernel::all_keep_faces(columns_, padded_)) return;
+  if (on_plane() || kernel::all_keep_faces(columns_, all())) return;
   for (std::size_t i = 0; i < count_; ++i) {
     if (share_face(i)) continue;
     for (const std::size_t k : {0U, 1U, 2U}) columns_[place_x + k][i] = columns_[contact_x + k][i];
@@ -244,14 +237,9 @@ bool Field::share_face(std::size_t i) const {
 
 // The s of field.h. k_n delta^2/2 is a function of the tip's position as long as an element meets one face with one s, and does not
 // grow when either changes: a frictionless field gives no work, whatever the way.
-void Field::keep_energy() {
-  if (kernel::all_keep_faces(columns_, padded_)) return;
-  for (std::size_t i = 0; i < count_; ++i) keep_energy(i);
-}
-
 void Field::keep_energy(std::size_t i) {
   const kernel::Columns& c = columns_;
-  double& s = c[kernel::spent][i];
+  double& s = c[kernel::depth_offset][i];
   const double depth = -c[kernel::gap][i], now = c[kernel::faces][i], before = c[kernel::faces_before][i];
   if (s == 0.0 && (!(depth > 0.0) || now == before)) return;
   if (!placed_) {
@@ -289,8 +277,8 @@ void Field::commit_rheology(double dt) {
   }
 }
 
-double Field::raw_press(std::size_t i) const {
-  return kernel::raw_press(columns_[gap][i], columns_[k_normal][i], has_memory() ? columns_[h_normal][i] : 0.0);
+double Field::raw_normal_force(std::size_t i) const {
+  return kernel::raw_normal_force(columns_[gap][i], columns_[k_normal][i], has_memory() ? columns_[h_normal][i] : 0.0);
 }
 
 void Field::rate_friction(double dt, const Twist* motion) {
@@ -312,14 +300,7 @@ void Field::rate_friction(double dt, const Twist* motion) {
 // pushes again.
 double Field::touch_fraction(std::size_t i) const {
   return columns_[gap_before][i] > 0.0 ? zero_crossing(columns_[gap_before][i], columns_[gap][i])
-                                       : zero_crossing(columns_[press_before][i], raw_press(i));
-}
-
-// What touches now and did not before is anchored where it touched, inside the step.
-void Field::anchor_touched() {
-  for (std::size_t i = 0; i < count_; ++i) {
-    if (columns_[mode_before][i] == 0.0 && raw_press(i) > 0.0) anchor_touched(i);
-  }
+                                       : zero_crossing(columns_[f_normal_before][i], raw_normal_force(i));
 }
 
 void Field::anchor_touched(std::size_t i) {
@@ -328,134 +309,6 @@ void Field::anchor_touched(std::size_t i) {
     const double before = columns_[contact_before_x + k][i], now = columns_[contact_x + k][i];
     columns_[anchor_x + k][i] = placed_ ? before + fraction * (now - before) : now;
   }
-}
-
-// What an element is that does not touch; `raw`: its raw normal force.
-void Field::detach(std::size_t i, double raw) {
-  columns_[press][i] = raw;
-  for (const std::size_t c : {0U, 1U, 2U}) {
-    columns_[slip_x + c][i] = columns_[force_x + c][i] = 0.0;
-    columns_[anchor_x + c][i] = columns_[contact_x + c][i];
-  }
-  columns_[limit][i] = columns_[mode][i] = 0.0;
-}
-
-// What an element is that touches: its stretch u before a slip [m], forces and slip.
-void Field::settle(std::size_t i, const Eigen::Vector3d& u, const Eigen::Vector3d& force, const Eigen::Vector3d& slip,
-                   bool slides) {
-  const bool stays = !slides && on_plane();  // c - (c - a) is a up to rounding only
-  const Eigen::Vector3d anchor = stays ? vector(anchor_x, i) : Eigen::Vector3d(vector(contact_x, i) - (u - slip));
-  for (int c = 0; c < 3; ++c) {
-    const auto at = static_cast<std::size_t>(c);
-    columns_[slip_x + at][i] = slip[c];
-    columns_[anchor_x + at][i] = anchor[c];
-    columns_[force_x + at][i] = force[c];
-  }
-  columns_[limit][i] = columns_[mu_static][i] * std::max(0.0, columns_[press][i]);
-  columns_[path][i] += slip.norm();
-  columns_[mode][i] = slides ? 2.0 : 1.0;
-}
-
-// The part of v along the surface where element i meets it.
-Eigen::Vector3d Field::tangential(std::size_t i, const Eigen::Vector3d& v) const {
-  const Eigen::Vector3d n = vector(normal_x, i);
-  return v - n * n.dot(v);
-}
-
-// The same mapping as the kernel's for a leaning column.
-void Field::map_leaning(std::size_t i) {
-  const double upright = raw_press(i);
-  if (!(upright > 0.0)) {
-    detach(i, upright);
-    return;
-  }
-  const Lean& lean = *effects_.lean;
-  const double k = columns_[k_tangential][i];
-  const LeaningElement element{.stretch = tangential(i, vector(contact_x, i) - vector(anchor_x, i)),
-                               .history = has_memory() ? tangential(i, vector(h_x, i)) : Eigen::Vector3d(0.0, 0.0, 0.0),
-                               .k = k,
-                               .k_normal = columns_[k_normal][i],
-                               .depth = -columns_[gap][i],
-                               .history_normal = has_memory() ? columns_[h_normal][i] : 0.0,
-                               .mu_slide = columns_[mu_kinetic][i]};
-  LeaningForce force = leaning_force(lean, element, element.stretch);
-  const double size = force.tangential.norm();
-  columns_[trial][i] = size;
-  columns_[slide][i] = columns_[mu_static][i] * force.normal;
-  const bool slid = columns_[mode_before][i] == 2.0;
-  const double cone = (slid ? columns_[mu_kinetic][i] : columns_[mu_static][i]) * force.normal;
-  double slip = 0.0;
-  Eigen::Vector3d along(0.0, 0.0, 0.0);
-  if (size > cone + k * kernel::shortest_slip) {
-    along = force.tangential / size;
-    const double trailed = element.stretch.norm() - (vector(contact_x, i) - vector(place_x, i)).norm();
-    slip = leaning_slip(lean, element, along, trailed, step_, effects_.rate.get());
-  }
-  const bool slides = slip > kernel::shortest_slip;
-  if (slides) {
-    force.normal = leaning_force(lean, element, element.stretch - slip * along).normal;
-    const double grown = effects_.rate && step_ > 0.0 ? effects_.rate->factor(slip / step_) : 1.0;
-    force.tangential = element.mu_slide * force.normal * grown * along;
-  } else {
-    slip = 0.0;
-  }
-  if (force.normal > (k + lean.stop_stiffness) * lean.length) {
-    throw SceneValueError("effects", "lean: element " + std::to_string(i) + " carries " + std::to_string(force.normal) +
-                                         " N, and its stop holds a column up to (k_t + stop stiffness) length = " +
-                                         std::to_string((k + lean.stop_stiffness) * lean.length) +
-                                         " N; press less, or give the column a stiffer stop");
-  }
-  columns_[press][i] = force.normal;
-  settle(i, element.stretch, force.tangential, slip * along, slides);
-}
-
-// The same mapping as the kernel's, with the projection left to the effect.
-void Field::map_to_effect_cone(std::size_t i) {
-  const double raw = raw_press(i), f_n = std::max(0.0, raw);
-  if (f_n == 0.0) {
-    detach(i, raw);
-    return;
-  }
-  columns_[press][i] = raw;
-  const Eigen::Vector3d n = vector(normal_x, i);
-  const Eigen::Vector3d u = tangential(i, vector(contact_x, i) - vector(anchor_x, i));
-  const double k = columns_[k_tangential][i];
-  // The history was made in an earlier tangent plane.
-  const Eigen::Vector3d history = has_memory() ? tangential(i, vector(h_x, i)) : Eigen::Vector3d(0.0, 0.0, 0.0);
-  const Eigen::Vector3d tried = k * u + history;
-  const double limit_stick = columns_[mu_static][i] * f_n;
-  const double limit_slide = effects_.rate && step_ > 0.0 ? strengthened(i, tried, n) : columns_[mu_kinetic][i] * f_n;
-  const bool slid = columns_[mode_before][i] == 2.0;
-  const double cone = slid ? limit_slide : std::max(limit_stick, limit_slide);
-  const auto mapped = effects_.cone->project(tried.data(), n.data(), cone + k * kernel::shortest_slip, limit_slide);
-  const Eigen::Vector3d force(mapped.fx, mapped.fy, mapped.fz);
-  Eigen::Vector3d slip(0.0, 0.0, 0.0);
-  if (mapped.slides) slip = (tried - force) * columns_[compliance][i];
-  settle(i, u, force, slip, mapped.slides);
-}
-
-// L g(w) [N] of the rate law for a trial force t that slides by associated flow on the effect's cone of that size: the slip s(L) is the
-// distance over k of t from the cone of L, a convex function of the slope -h/k with h = f.e/L, e the direction of the slip. So each L from
-// the tangent at the one before is too small, and they converge from below, quadratically.
-double Field::strengthened(std::size_t i, const Eigen::Vector3d& t, const Eigen::Vector3d& n) {
-  const double at_rest = columns_[slide][i], k = columns_[k_tangential][i];
-  double sliding = at_rest;
-  if (!(at_rest > 0.0) || !(cone_gauge(t, n, at_rest) > 1.0)) return sliding;
-  for (int iteration = 0; iteration < 50; ++iteration) {
-    const auto on_cone = effects_.cone->project(t.data(), n.data(), 0.0, sliding);
-    const Eigen::Vector3d f(on_cone.fx, on_cone.fy, on_cone.fz);
-    const double left = (t - f).norm();
-    const double h = f.dot(t - f) / (left * sliding);
-    if (!(left > 0.0) || !(h > 0.0)) break;
-    const double along = sliding + left / h, softer = k / h;
-    double factor = 1.0;
-    effects_.rate->strengthen(i, 1, step_, &along, &softer, &at_rest, &factor);
-    const double next = at_rest * factor;
-    const bool done = !(std::abs(next - sliding) > 1e-14 * next);
-    sliding = next;
-    if (done) break;
-  }
-  return sliding;
 }
 
 // Where inside the step the trial force leaves the stick cone. Force and limit are linear in the step, so their difference is
@@ -484,13 +337,31 @@ double Field::onset_fraction(std::size_t i) const {
 }
 
 void Field::move_tips(double dt) {
-  kernel::press_tips(columns_, padded_);
+  kernel::load_tips(columns_, padded_);
   const kernel::Columns& c = columns_;
-  const TipColumns tips{
-      count_,      padded_,         dt,        c[contact_x],    c[contact_y],  c[contact_before_x], c[contact_before_y],
-      c[press],    c[press_before], c[limit],  c[limit_before], c[mu_kinetic], c[mode_before],      c[anchor_x],
-      c[anchor_y], c[slip_x],       c[slip_y], c[path],         c[force_x],    c[force_y],          c[felt_x],
-      c[felt_y],   c[mode]};
+  const TipColumns tips{count_,
+                        padded_,
+                        dt,
+                        c[contact_x],
+                        c[contact_y],
+                        c[contact_before_x],
+                        c[contact_before_y],
+                        c[f_normal],
+                        c[f_normal_before],
+                        c[limit],
+                        c[limit_before],
+                        c[mu_kinetic],
+                        c[mode_before],
+                        c[anchor_x],
+                        c[anchor_y],
+                        c[slip_x],
+                        c[slip_y],
+                        c[path],
+                        c[force_x],
+                        c[force_y],
+                        c[transmitted_x],
+                        c[transmitted_y],
+                        c[mode]};
   effects_.tip->move(tips, events_);
   for (const auto& effect : effects_.ringing) effect->ring(tips);
 }
@@ -501,20 +372,20 @@ double Field::sliding_share(std::size_t i) const {
   return resists / (columns_[k_tangential][i] + resists);
 }
 
-void Field::count_states() {
+void Field::count_states(const kernel::Groups& groups) {
   touching_ = slipping_ = 0;
-  for (std::size_t i = 0; i < count_; ++i) {
+  for_each_element(groups, [this](std::size_t i) {
     touching_ += state(i) != ElementState::detached ? 1 : 0;
     slipping_ += state(i) == ElementState::slip ? 1 : 0;
-  }
+  });
 }
 
 void Field::resolve_events() {
-  count_states();
-  if (effects_.tip) return;  // which has told them
-  for (std::size_t i = 0; i < count_; ++i) {
+  count_states(active());
+  if (effects_.tip) return;  // which has reported them
+  for_each_element(active(), [this](std::size_t i) {
     if (state_before(i) != state(i)) resolve_event(i);
-  }
+  });
 }
 
 void Field::resolve_event(std::size_t i) {
@@ -525,7 +396,7 @@ void Field::resolve_event(std::size_t i) {
   } else if (from == ElementState::detached) {
     fraction = touch_fraction(i);
   } else if (to == ElementState::detached) {
-    fraction = zero_crossing(columns_[press_before][i], columns_[press][i]);
+    fraction = zero_crossing(columns_[f_normal_before][i], columns_[f_normal][i]);
   } else if (to == ElementState::slip) {
     fraction = onset_fraction(i);
   }
@@ -549,8 +420,10 @@ ElementColumns Field::view(double dt) const {
           columns_[mode_before]};
 }
 
-void Field::view_from_pad() {
-  sparse_ ? view_sparsely() : kernel::view_from_pad(columns_, pose_.rotation.transpose(), felt_, padded_);
+kernel::Groups Field::view_from_pad(std::uint64_t since) {
+  const kernel::Groups groups = active_set_ ? active_set_->active_since(since, contacts_, columns_) : all();
+  kernel::view_from_pad(columns_, pose_.rotation.transpose(), transmitted_, groups);
+  return groups;
 }
 
 Wrench Field::wrench_on_surface() const {
@@ -566,7 +439,7 @@ Wrench Field::wrench_on_surface() const {
 Wrench Field::wrench_on_pad() const {
   Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (std::size_t i = 0; i < count_; ++i) {
-    const Eigen::Vector3d force = vector(normal_x, i) * normal_force(i) - vector(felt_, i);
+    const Eigen::Vector3d force = vector(normal_x, i) * normal_force(i) - vector(transmitted_, i);
     total.force += force;
     total.torque += (vector(contact_x, i) - pose_.position).cross(force);
   }
@@ -575,7 +448,7 @@ Wrench Field::wrench_on_pad() const {
 
 Wrench Field::damped_wrench_on_pad(const Twist& motion, double tau) const {
   if (touching_ == 0) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  return kernel::damped_wrench_on_pad(columns_, pose_.position, motion, tau, effects_.cone.get(), busy());
+  return kernel::damped_wrench_on_pad(columns_, pose_.position, motion, tau, effects_.cone.get(), active());
 }
 
 }  // namespace slipbench

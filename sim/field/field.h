@@ -26,8 +26,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -35,6 +35,8 @@
 
 #include "sim/core/pad_layout.h"
 #include "sim/core/pose.h"
+#include "sim/field/active_set.h"
+#include "sim/field/contact_points.h"
 #include "sim/field/effect.h"
 #include "sim/field/kernel.h"
 #include "sim/field/surface.h"
@@ -80,8 +82,8 @@ class Field {
   [[nodiscard]] std::span<const ElementEvent> events() const { return events_; }
 
   // Of element i, in the surface frame S: normal force [N], penetration [m], path slipped since the start [m]. Where it met the surface (normal,
-  // contact_point), and the gap of what does not touch, may be of an earlier step in a sparse field: save_state() brings all up to date.
-  [[nodiscard]] double normal_force(std::size_t i) const { return std::max(0.0, columns_[press][i]); }
+  // contact_point), and the gap of what does not touch, may be of an earlier step in a sparse field: view_from_pad() brings all up to date.
+  [[nodiscard]] double normal_force(std::size_t i) const { return std::max(0.0, columns_[f_normal][i]); }
   [[nodiscard]] double penetration(std::size_t i) const { return std::max(0.0, -columns_[gap][i]); }
   [[nodiscard]] double slip_path(std::size_t i) const { return columns_[path][i]; }
 
@@ -93,21 +95,22 @@ class Field {
   [[nodiscard]] Eigen::Vector3d normal(std::size_t i) const { return vector(normal_x, i); }
   [[nodiscard]] Eigen::Vector3d contact_point(std::size_t i) const { return vector(contact_x, i); }
 
-  // Works out the three below for all elements; to be called after step() by whoever reads them, as often as wanted.
-  void view_from_pad();
+  // Works out the three below, and where the elements meet the surface, for all elements that may have touched in a step after the first
+  // `since`, and returns their groups, which hold until the next call. Of all others nothing has changed since then but the gap. A reader that
+  // looks after every step passes the steps() of its last look; any number of readers may look, as often as they want.
+  kernel::Groups view_from_pad(std::uint64_t since = 0);
+  // How many steps the field has taken; what load_state() brings back does not take them back. Only a sparse field counts.
+  [[nodiscard]] std::uint64_t steps() const { return active_set_ ? active_set_->steps() : 0; }
   // Of element i, in the pad frame P: force of the surface on the pad, as the element passes it on [N], deformed tip minus undeformed
   // tip [m], and slip of the tip over the surface in the last step [m].
   [[nodiscard]] Eigen::Vector3d force_on_pad(std::size_t i) const { return vector(pad_force_x, i); }
   [[nodiscard]] Eigen::Vector3d deflection(std::size_t i) const { return vector(deflection_x, i); }
   [[nodiscard]] Eigen::Vector3d slip_in_pad(std::size_t i) const { return vector(pad_slip_x, i); }
 
-  // Adds to `depth` [m] how deep each element is in the surface, and to the three of `shear` [m] its tip's deflection along the surface, in P.
-  void add_elements(double* depth, const std::array<double*, 3>& shear) const {
-    kernel::add_elements(columns_, pose_.rotation.transpose(), depth, shear, count_);
-  }
-  // Of a sparse field: writes the same over what add_elements() has been told of the groups of viewed(); of all others nothing has changed.
-  void tell_elements(double* depth, const std::array<double*, 3>& shear) const {
-    kernel::tell_elements(columns_, pose_.rotation.transpose(), viewed(), depth, shear, count_);
+  // Of the groups' elements: adds to `depth` [m] how deep they are in the surface, and to the three of `shear` [m] their tips' deflections along
+  // the surface, in P.
+  void add_elements(const kernel::Groups& groups, double* depth, const std::array<double*, 3>& shear) const {
+    kernel::add_elements(columns_, pose_.rotation.transpose(), groups, depth, shear, count_);
   }
 
   // How far a tangential force t [N] reaches towards the friction cone of `limit` [N] around the normal n: |t|/limit for the
@@ -133,8 +136,10 @@ class Field {
 
   // What the springs of all elements together do to the pad, hold, and have lost by slip in the last step. Where a rheology takes
   // part or columns lean the energy is not what is held.
-  [[nodiscard]] kernel::SpringSums spring_sums() const { return kernel::sum_springs(columns_, busy()); }
+  [[nodiscard]] kernel::SpringSums spring_sums() const { return kernel::sum_springs(columns_, active()); }
 
+  // The groups of all elements.
+  [[nodiscard]] kernel::Groups all() const { return {nullptr, padded_ / kernel::lanes}; }
   // Of all elements, where entries come in the order of elements: a column of the structure of arrays.
   [[nodiscard]] const double* column(kernel::Column c) const { return columns_[c]; }
   // How many elements touch after the last step, and how many of them slip.
@@ -147,17 +152,15 @@ class Field {
   // Whether tips have mass: what touches nothing then goes on swinging, and its root feels that.
   [[nodiscard]] bool has_tips() const { return effects_.tip != nullptr; }
 
-  // Where there are many elements of which few touch (sparse.cc): the groups of them that the last view_from_pad() worked out: those whose
-  // labels may differ from the labels' last view. All others touch nothing, and nothing of theirs has changed but the gap. Empty: not such a field.
-  [[nodiscard]] kernel::Groups viewed() const { return shown_.groups(); }
-  [[nodiscard]] bool sparse() const { return sparse_; }
+  // Whether the field has many elements of which few touch, and works out those alone (active_set.h).
+  [[nodiscard]] bool sparse() const { return active_set_.has_value(); }
   // Brings up to date where element i met the surface in the last step.
-  void look_at(std::size_t i);
-  // Of a sparse field: its labels, which are the only ones, have read the view of this step. Other views, whenever taken, take nothing from them.
-  void labels_have_read();
+  void update_contact_point(std::size_t i) {
+    if (active_set_) active_set_->update_element(i, contacts_, columns_);
+  }
 
   // Whether the surface is a plane, so that all elements meet one normal.
-  [[nodiscard]] bool on_plane() const { return std::holds_alternative<Plane>(surface_); }
+  [[nodiscard]] bool on_plane() const { return contacts_.on_plane(); }
   // The pose of the last step.
   [[nodiscard]] const Pose& pad_in_surface() const { return pose_; }
 
@@ -167,47 +170,28 @@ class Field {
 
   [[nodiscard]] static ElementState state_in(double mode) { return static_cast<ElementState>(static_cast<int>(mode)); }
   void step_in_stages(double dt, const Twist* motion);
-  void find_contact_points();
-  void find_contact_points(const kernel::Columns& columns, const Pose& pose, const kernel::Groups& groups) const;
-  template <class Shape>
-  void meet(const Shape& shape, const kernel::Columns& columns, const Pose& at, const kernel::Groups& groups,
-            std::size_t entries) const;
-  void begin_sparsely();
-  void step_sparsely();
-  void view_sparsely();
-  void wake(double way);
-  void let_sleep(double way);
-  void list_near();
-  [[nodiscard]] double room_of(std::size_t first) const;
-  [[nodiscard]] bool sleeps(std::size_t group) const { return near_at_[group] > -std::numeric_limits<double>::infinity(); }
-  void look_at_sleeping();
-  void look_at_woken();
-  // The groups that may touch.
-  [[nodiscard]] kernel::Groups busy() const {
-    return sparse_ ? busy_.groups() : kernel::Groups{nullptr, padded_ / kernel::lanes};
+  // Calls visit(i) for each element of the groups, in order.
+  template <class Visit>
+  void for_each_element(const kernel::Groups& groups, Visit&& visit) {
+    for (std::size_t k = 0; k < groups.count; ++k) {
+      const std::size_t first = groups[k], end = std::min(count_, first + kernel::lanes);
+      for (std::size_t i = first; i < end; ++i) visit(i);
+    }
   }
+  // The groups that may touch.
+  [[nodiscard]] kernel::Groups active() const { return active_set_ ? active_set_->active() : all(); }
   void place_tips();
   [[nodiscard]] bool share_face(std::size_t i) const;
-  void keep_energy();
   void keep_energy(std::size_t i);
-  [[nodiscard]] bool looks_at_plane() const;
   void prepare_rheology(double dt);
   void commit_rheology(double dt);
   void rate_friction(double dt, const Twist* motion);
-  template <class Visit>
-  void for_each_memory(Visit&& visit);
-  [[nodiscard]] double raw_press(std::size_t i) const;
+  [[nodiscard]] double raw_normal_force(std::size_t i) const;
   [[nodiscard]] double touch_fraction(std::size_t i) const;
-  void anchor_touched();
   void anchor_touched(std::size_t i);
-  void detach(std::size_t i, double raw);
-  void settle(std::size_t i, const Eigen::Vector3d& u, const Eigen::Vector3d& force, const Eigen::Vector3d& slip, bool slides);
-  [[nodiscard]] Eigen::Vector3d tangential(std::size_t i, const Eigen::Vector3d& v) const;
-  void map_leaning(std::size_t i);
-  void map_to_effect_cone(std::size_t i);
+  void map_to_cone();
   void move_tips(double dt);
-  [[nodiscard]] double strengthened(std::size_t i, const Eigen::Vector3d& t, const Eigen::Vector3d& n);
-  void count_states();
+  void count_states(const kernel::Groups& groups);
   void resolve_events();
   void resolve_event(std::size_t i);
   [[nodiscard]] double onset_fraction(std::size_t i) const;
@@ -219,7 +203,7 @@ class Field {
     return {columns_[x][i], columns_[x + 1][i], columns_[x + 2][i]};
   }
   PadLayout layout_;
-  Surface surface_;
+  ContactPoints contacts_;
   Friction friction_;
   FieldEffects effects_;
   std::size_t count_;
@@ -232,29 +216,10 @@ class Field {
   kernel::Columns columns_{};  // into block_; "now" and "before" swap places instead of being copied
   std::vector<ElementEvent> events_;
   Pose pose_;
-  Column felt_ = force_x;  // where the tangential force that the pad feels is: of a spring with a massless tip it is the friction
-  bool flat_pad_;
-  bool extended_;  // the columns from plain_columns on are there
-  bool plain_;     // springs on a plane, and no effect: one pass does it all
-  bool sparse_;    // plain springs on no plane, and many of them
-
-  // Of a sparse field: some of its groups, told by their first element, in order.
-  struct GroupList {
-    std::vector<std::uint32_t> first;  // [groups], of which `count` hold
-    std::size_t count = 0;
-    void add(std::size_t element) { first[count++] = static_cast<std::uint32_t>(element); }
-    [[nodiscard]] kernel::Groups groups() const { return {first.data(), count}; }
-  };
-  GroupList near_, busy_, quiet_;  // what may touch; of these, what takes part in the step, and what does not
-  GroupList shown_;                // what was viewed last
-  GroupList woken_;                // what is looked at out of turn
-  std::vector<std::uint8_t> lit_;  // of each group, whether its labels may differ from those of what touches nothing
-  std::vector<double> near_at_;    // m, of each group: how far the pad has travelled when it may touch; -infinity: it is near
-  double travelled_ = 0.0;         // m, what no tip has outdone
-  double next_near_ = 0.0;         // m, when the first of those that sleep may touch
-  double reach_ = 0.0;             // m, of the farthest tip from the pad's origin
-  Pose met_at_;                    // of the step before
-  int unsettled_ = 2;              // steps for which what the columns hold from before is not known of all groups
+  Column transmitted_ = force_x;         // the tangential force that the pad feels: of a spring with a massless tip the friction
+  bool extended_;                        // the columns from plain_columns on are there
+  bool plain_;                           // springs on a plane, and no effect: one pass does it all
+  std::optional<ActiveSet> active_set_;  // of many plain springs on no plane
   bool placed_ = false;
   double step_ = 0.0;  // s, the last one in stages
   std::size_t touching_ = 0, slipping_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim/field/return_mapping.h"
 #include "sim/field/vectorise.h"
 
 namespace slipbench::kernel {
@@ -19,101 +20,36 @@ SLIPBENCH_INLINE Lanes turned(const Eigen::Matrix3d& r, int row, const Lanes& x,
   return row < 2 ? r(row, 0) * x + r(row, 1) * y + r(row, 2) * z : r(row, 0) * x + (r(row, 1) * y + r(row, 2) * z);
 }
 
-// What the return mapping begins with: the force while the anchor stays.
-struct Trial {
-  double raw, f_n;    // N
-  double ux, uy, uz;  // stretch [m]
-  double tx, ty, tz;  // tangential [N]
-};
-
-template <bool kPlane, bool kExtended>
-SLIPBENCH_INLINE Trial trial_of(const Columns& c, std::size_t i) {
-  const double raw = raw_press(c[gap][i], c[k_normal][i], kExtended ? c[h_normal][i] : 0.0);
-  const double f_n = 0.5 * (raw + std::abs(raw));  // max(0, raw), exactly; a select here would be threaded into jumps
-  const double k = c[k_tangential][i];
-  double ux = c[contact_x][i] - c[anchor_x][i];
-  double uy = c[contact_y][i] - c[anchor_y][i];
-  double uz = 0.0;
-  if constexpr (!kPlane) {
-    uz = c[contact_z][i] - c[anchor_z][i];
-    const double along = ux * c[normal_x][i] + uy * c[normal_y][i] + uz * c[normal_z][i];
-    ux -= along * c[normal_x][i];
-    uy -= along * c[normal_y][i];
-    uz -= along * c[normal_z][i];
+// Calls body(i) for each entry i of the groups, as vector code.
+template <class Body>
+SLIPBENCH_INLINE void for_each_entry(const Groups& groups, const Body& body) {
+  if (groups.first == nullptr) {
+    SLIPBENCH_VECTORISE
+    for (std::size_t i = 0; i < groups.count * lanes; ++i) body(i);
+    return;
   }
-  double tx = k * ux, ty = k * uy, tz = kPlane ? 0.0 : k * uz;
-  if constexpr (kExtended) {
-    double hx = c[h_x][i], hy = c[h_y][i];
-    if constexpr (!kPlane) {  // the history was made in an earlier tangent plane
-      double hz = c[h_z][i];
-      const double along = hx * c[normal_x][i] + hy * c[normal_y][i] + hz * c[normal_z][i];
-      hx -= along * c[normal_x][i];
-      hy -= along * c[normal_y][i];
-      hz -= along * c[normal_z][i];
-      tz += hz;
-    }
-    tx += hx;
-    ty += hy;
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t first = groups.first[k];
+    SLIPBENCH_VECTORISE
+    for (std::size_t i = first; i < first + lanes; ++i) body(i);
   }
-  return {raw, f_n, ux, uy, uz, tx, ty, tz};
 }
 
 template <bool kPlane, bool kExtended>
 SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
-  const auto [raw, f_n, ux, uy, uz, tx, ty, tz] = trial_of<kPlane, kExtended>(c, i);
-  const double k = c[k_tangential][i], softness = c[compliance][i];
-  const bool touches = f_n > 0.0;
-  const bool slid = c[mode_before][i] == 2.0;
-  const double limit_stick = c[mu_static][i] * f_n;
-  const double limit_slide = c[mu_kinetic][i] * f_n;
-  // By a rate law mu_k may be the larger one, and slip is no slip while it is shorter than what counts.
-  const double lets_go = kExtended && limit_slide > limit_stick ? limit_slide : limit_stick;
-  const double cone = slid ? limit_slide : lets_go;
-  const double t2 = tx * tx + ty * ty + (kPlane ? 0.0 : tz * tz);
-  const double size = std::sqrt(t2);
-  const bool slides = touches & (size > cone + k * shortest_slip);
-  const double ratio = limit_slide / size;
-  const double scale = slides ? ratio : 1.0;
-  const double loss = (size - limit_slide) * softness;
-
-  // Of what does not touch every zero has the same sign, whatever it has come from: it is part of the state.
-  const double fx = touches ? scale * tx : 0.0, fy = touches ? scale * ty : 0.0, fz = touches ? scale * tz : 0.0;
-  // With u = (f - h) / k the anchor lies at c - u; the slip of this step is what the stretch lost.
-  const double lost = slides ? (1.0 - scale) * softness : 0.0;
-  const double sx = lost * tx, sy = lost * ty, sz = kPlane ? 0.0 : lost * tz;
-  const double vx = touches ? ux - sx : 0.0;
-  const double vy = touches ? uy - sy : 0.0;
-
-  c[press][i] = raw;
-  c[slip_x][i] = sx;
-  c[slip_y][i] = sy;
-  const bool stays = kPlane && kExtended && touches && !slides;  // c - (c - a) is a up to rounding only
-  c[anchor_x][i] = stays ? c[anchor_x][i] : c[contact_x][i] - vx;
-  c[anchor_y][i] = stays ? c[anchor_y][i] : c[contact_y][i] - vy;
-  c[force_x][i] = fx;
-  c[force_y][i] = fy;
-  if constexpr (!kPlane) {
-    const double vz = touches ? uz - sz : 0.0;
-    c[slip_z][i] = sz;
-    c[anchor_z][i] = c[contact_z][i] - vz;
-    c[force_z][i] = fz;
-  }
-  c[limit][i] = limit_stick;
-  c[path][i] += slides ? loss : 0.0;
-  const double moving = slides ? 2.0 : 1.0;
-  c[mode][i] = touches ? moving : 0.0;
+  const Trial t = trial_of<kPlane, kExtended>(c, i);
+  take_over<kPlane, kPlane && kExtended>(c, i, t, map_onto_circle<kPlane, kExtended>(c, i, t));
 }
 
 template <bool kPlane, bool kExtended>
-SLIPBENCH_INLINE void map_all(const Columns& c, std::size_t count) {
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) map_element<kPlane, kExtended>(c, i);
+SLIPBENCH_INLINE void map_all(const Columns& c, const Groups& groups) {
+  for_each_entry(groups, [&c](std::size_t i) SLIPBENCH_INLINE_BODY { map_element<kPlane, kExtended>(c, i); });
 }
 
-SLIPBENCH_DISPATCHED void map_on_plane(const Columns& c, std::size_t count) { map_all<true, false>(c, count); }
-SLIPBENCH_DISPATCHED void map_on_plane_extended(const Columns& c, std::size_t count) { map_all<true, true>(c, count); }
-SLIPBENCH_DISPATCHED void map_on_curve(const Columns& c, std::size_t count) { map_all<false, false>(c, count); }
-SLIPBENCH_DISPATCHED void map_on_curve_extended(const Columns& c, std::size_t count) { map_all<false, true>(c, count); }
+SLIPBENCH_DISPATCHED void map_on_plane(const Columns& c, const Groups& groups) { map_all<true, false>(c, groups); }
+SLIPBENCH_DISPATCHED void map_on_plane_extended(const Columns& c, const Groups& groups) { map_all<true, true>(c, groups); }
+SLIPBENCH_DISPATCHED void map_on_curve(const Columns& c, const Groups& groups) { map_all<false, false>(c, groups); }
+SLIPBENCH_DISPATCHED void map_on_curve_extended(const Columns& c, const Groups& groups) { map_all<false, true>(c, groups); }
 
 template <bool kPlane>
 SLIPBENCH_INLINE void find_all_trials(const Columns& c, std::size_t count) {
@@ -155,16 +91,8 @@ SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::siz
 
 namespace {
 
-// All groups of columns of `entries`, where it is known that all are meant.
-struct AllGroups {
-  explicit AllGroups(std::size_t entries) : count(entries / lanes) {}
-  std::size_t count;
-
-  std::size_t operator[](std::size_t k) const { return k * lanes; }
-};
-
-template <class Shape, class Which>
-SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose& pose, const Which& groups) {
+template <class Shape>
+SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose& pose, const Groups& groups) {
   const Eigen::Matrix3d& r = pose.rotation;
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
@@ -187,36 +115,30 @@ SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose&
 
 }  // namespace
 
-SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose& pose, std::size_t count) {
-  meet_all(c, box, pose, AllGroups(count));
-}
 SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose& pose, const Groups& groups) {
   meet_all(c, box, pose, groups);
 }
 
-SLIPBENCH_DISPATCHED void meet_cylinder(const Columns& c, const Cylinder& cylinder, const Pose& pose, std::size_t count) {
-  meet_all(c, cylinder, pose, AllGroups(count));
-}
 SLIPBENCH_DISPATCHED void meet_cylinder(const Columns& c, const Cylinder& cylinder, const Pose& pose, const Groups& groups) {
   meet_all(c, cylinder, pose, groups);
 }
 
-SLIPBENCH_DISPATCHED Sorted sort_groups(const Columns& c, const Groups& near, std::uint32_t* busy, std::uint32_t* quiet) {
+SLIPBENCH_DISPATCHED Sorted sort_groups(const Columns& c, const Groups& candidates, std::uint32_t* active, std::uint32_t* idle) {
   const Lanes none{};
   Sorted found{};
   Mask touches{};
-  for (std::size_t k = 0; k < near.count; ++k) {
-    const std::size_t i = near[k];
-    const Lanes raw = raw_press(at(c, gap, i), at(c, k_normal, i), none), before = at(c, mode_before, i);
+  for (std::size_t k = 0; k < candidates.count; ++k) {
+    const std::size_t i = candidates[k];
+    const Lanes raw = raw_normal_force(at(c, gap, i), at(c, k_normal, i), none), before = at(c, mode_before, i);
     const Mask pressed = raw > 0.0, apart = before == 0.0;
     touches |= pressed & apart;
     // The column of modes that this step will write still has those of two steps ago.
     if (any(pressed | ~apart | (at(c, mode, i) != 0.0))) {
-      busy[found.busy++] = static_cast<std::uint32_t>(i);
+      active[found.active++] = static_cast<std::uint32_t>(i);
       continue;
     }
-    quiet[found.quiet++] = static_cast<std::uint32_t>(i);
-    put(c, press, i, raw);
+    idle[found.idle++] = static_cast<std::uint32_t>(i);
+    put(c, f_normal, i, raw);
     put(c, anchor_x, i, at(c, contact_x, i));
     put(c, anchor_y, i, at(c, contact_y, i));
     put(c, anchor_z, i, at(c, contact_z, i));
@@ -228,9 +150,9 @@ SLIPBENCH_DISPATCHED Sorted sort_groups(const Columns& c, const Groups& near, st
 SLIPBENCH_DISPATCHED void rest(const Columns& c, const Groups& groups) {
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
-    const Lanes raw = raw_press(at(c, gap, i), at(c, k_normal, i), Lanes{});
-    put(c, press, i, raw);
-    put(c, press_before, i, raw);
+    const Lanes raw = raw_normal_force(at(c, gap, i), at(c, k_normal, i), Lanes{});
+    put(c, f_normal, i, raw);
+    put(c, f_normal_before, i, raw);
     put(c, gap_before, i, at(c, gap, i));
     put(c, faces_before, i, at(c, faces, i));
     for (const std::size_t axis : {0U, 1U, 2U}) {
@@ -238,14 +160,6 @@ SLIPBENCH_DISPATCHED void rest(const Columns& c, const Groups& groups) {
       put_lanes(c[contact_before_x + axis] + i, place);
       put_lanes(c[anchor_x + axis] + i, place);
     }
-  }
-}
-
-SLIPBENCH_DISPATCHED void map_active(const Columns& c, const Groups& groups) {
-  for (std::size_t k = 0; k < groups.count; ++k) {
-    const std::size_t first = groups[k];
-    SLIPBENCH_VECTORISE
-    for (std::size_t i = first; i < first + lanes; ++i) map_element<false, false>(c, i);
   }
 }
 
@@ -278,28 +192,20 @@ SLIPBENCH_DISPATCHED void place_tips(const Columns& c, std::size_t count) {
   }
 }
 
-namespace {
-
-template <class Which>
-SLIPBENCH_INLINE bool all_keep(const Columns& c, const Which& groups) {
+SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, const Groups& groups) {
   Mask changed{};
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
-    changed |= (at(c, spent, i) != 0.0) | ((at(c, gap, i) < 0.0) & (at(c, faces, i) != at(c, faces_before, i)));
+    changed |= (at(c, depth_offset, i) != 0.0) | ((at(c, gap, i) < 0.0) & (at(c, faces, i) != at(c, faces_before, i)));
   }
   return !any(changed);
 }
-
-}  // namespace
-
-SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, std::size_t count) { return all_keep(c, AllGroups(count)); }
-SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, const Groups& groups) { return all_keep(c, groups); }
 
 SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t count) {
   Mask touched{};
   for (std::size_t i = 0; i < count; i += lanes) {
     const Lanes history = memory ? at(c, h_normal, i) : Lanes{};
-    touched |= (at(c, mode_before, i) == 0.0) & (raw_press(at(c, gap, i), at(c, k_normal, i), history) > 0.0);
+    touched |= (at(c, mode_before, i) == 0.0) & (raw_normal_force(at(c, gap, i), at(c, k_normal, i), history) > 0.0);
   }
   return any(touched);
 }
@@ -312,11 +218,11 @@ SLIPBENCH_DISPATCHED void slide_on_plane(const Columns& c, const Pose& pose, std
   }
 }
 
-SLIPBENCH_DISPATCHED void press_tips(const Columns& c, std::size_t count) {
+SLIPBENCH_DISPATCHED void load_tips(const Columns& c, std::size_t count) {
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
-    const double raw = raw_press(c[gap][i], c[k_normal][i], 0.0);
-    c[press][i] = raw;
+    const double raw = raw_normal_force(c[gap][i], c[k_normal][i], 0.0);
+    c[f_normal][i] = raw;
     c[limit][i] = c[mu_static][i] * (0.5 * (raw + std::abs(raw)));
   }
 }
@@ -326,7 +232,7 @@ namespace {
 SLIPBENCH_INLINE void view_element(const Columns& c, const double* tx, const double* ty, const double* tz, const Rotation& r,
                                    std::size_t i) {
   const double nx = c[normal_x][i], ny = c[normal_y][i], nz = c[normal_z][i];
-  const double f_n = 0.5 * (c[press][i] + std::abs(c[press][i]));
+  const double f_n = 0.5 * (c[f_normal][i] + std::abs(c[f_normal][i]));
   const double indentation = 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
   const double fx = f_n * nx - tx[i], fy = f_n * ny - ty[i], fz = f_n * nz - tz[i];
   const double dx = indentation * nx - (c[contact_x][i] - c[anchor_x][i]);
@@ -345,58 +251,33 @@ SLIPBENCH_INLINE void view_element(const Columns& c, const double* tx, const dou
 
 }  // namespace
 
-SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, Column felt, std::size_t count) {
-  const double *const tx = c[felt], *const ty = c[felt + 1], *const tz = c[felt + 2];
+SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, Column transmitted,
+                                        const Groups& groups) {
+  const double *const tx = c[transmitted], *const ty = c[transmitted + 1], *const tz = c[transmitted + 2];
   const Rotation r = entries_of(to_pad);
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) view_element(c, tx, ty, tz, r, i);
+  for_each_entry(groups, [&](std::size_t i) SLIPBENCH_INLINE_BODY { view_element(c, tx, ty, tz, r, i); });
 }
 
-namespace {
-
-// Of element i: how deep it is, and its tip's deflection along the surface, in P, on top of what it already is.
-SLIPBENCH_INLINE void add_element(const Columns& c, const Rotation& r, std::size_t i, double& depth, double& sx, double& sy,
-                                  double& sz) {
-  // The anchor lies in the surface's tangent plane through the contact point: there is nothing along the normal to take off.
-  const double dx = c[anchor_x][i] - c[contact_x][i], dy = c[anchor_y][i] - c[contact_y][i],
-               dz = c[anchor_z][i] - c[contact_z][i];
-  depth += 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
-  sx += r.r00 * dx + r.r01 * dy + r.r02 * dz;
-  sy += r.r10 * dx + r.r11 * dy + r.r12 * dz;
-  sz += r.r20 * dx + r.r21 * dy + r.r22 * dz;
-}
-
-}  // namespace
-
-SLIPBENCH_DISPATCHED void add_elements(const Columns& c, const Eigen::Matrix3d& to_pad, double* depth,
+SLIPBENCH_DISPATCHED void add_elements(const Columns& c, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,
                                        const std::array<double*, 3>& shear, std::size_t count) {
   const Rotation r = entries_of(to_pad);
   double *const sx = shear[0], *const sy = shear[1], *const sz = shear[2];
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) add_element(c, r, i, depth[i], sx[i], sy[i], sz[i]);
-}
-
-SLIPBENCH_DISPATCHED void tell_elements(const Columns& c, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,
-                                        const std::array<double*, 3>& shear, std::size_t count) {
-  const Rotation r = entries_of(to_pad);
-  double *const sx = shear[0], *const sy = shear[1], *const sz = shear[2];
-  for (std::size_t k = 0; k < groups.count; ++k) {
-    const std::size_t end = std::min(count, groups[k] + lanes);
+  const auto add = [&](std::size_t first, std::size_t end) SLIPBENCH_INLINE_BODY {
     SLIPBENCH_VECTORISE
-    for (std::size_t i = groups[k]; i < end; ++i) {
-      depth[i] = sx[i] = sy[i] = sz[i] = 0.0;
-      add_element(c, r, i, depth[i], sx[i], sy[i], sz[i]);
+    for (std::size_t i = first; i < end; ++i) {
+      // The anchor lies in the surface's tangent plane through the contact point: there is nothing along the normal to take off.
+      const double dx = c[anchor_x][i] - c[contact_x][i], dy = c[anchor_y][i] - c[contact_y][i],
+                   dz = c[anchor_z][i] - c[contact_z][i];
+      depth[i] += 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
+      sx[i] += r.r00 * dx + r.r01 * dy + r.r02 * dz;
+      sy[i] += r.r10 * dx + r.r11 * dy + r.r12 * dz;
+      sz[i] += r.r20 * dx + r.r21 * dy + r.r22 * dz;
     }
-  }
-}
-
-SLIPBENCH_DISPATCHED void view_active(const Columns& c, const Eigen::Matrix3d& to_pad, const Groups& groups) {
-  const double *const tx = c[force_x], *const ty = c[force_y], *const tz = c[force_z];
-  const Rotation r = entries_of(to_pad);
-  for (std::size_t k = 0; k < groups.count; ++k) {
-    const std::size_t first = groups[k];
-    SLIPBENCH_VECTORISE
-    for (std::size_t i = first; i < first + lanes; ++i) view_element(c, tx, ty, tz, r, i);
+  };
+  if (groups.first == nullptr) {
+    add(0, count);
+  } else {
+    for (std::size_t k = 0; k < groups.count; ++k) add(groups.first[k], std::min(count, groups.first[k] + lanes));
   }
 }
 
@@ -424,27 +305,24 @@ SLIPBENCH_DISPATCHED void rate(const Columns& c, const Pose& pose, const Twist* 
     put(c, velocity_y, i, vy - ny * away);
     put(c, velocity_z, i, vz - nz * away);
     const Lanes history = memory ? at(c, h_normal, i) : none;
-    const Lanes inward = -at(c, gap, i), raw = raw_press(at(c, gap, i), at(c, k_normal, i), history);
+    const Lanes inward = -at(c, gap, i), raw = raw_normal_force(at(c, gap, i), at(c, k_normal, i), history);
     put(c, depth, i, inward > 0.0 ? inward : none);
     put(c, load, i, raw > 0.0 ? raw : none);
   }
 }
 
 SLIPBENCH_DISPATCHED SpringSums sum_springs(const Columns& c, const Groups& groups) {
-  const bool extended = c[k_normal_spring] != nullptr;
-  const Column normal_spring = extended ? k_normal_spring : k_normal,
-               tangential_spring = extended ? k_tangential_spring : k_tangential;
   const Lanes none{};
   Lanes x{}, y{}, z{}, elastic{}, loss{};
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
-    const Lanes raw = at(c, press, i), pressed = raw > 0.0 ? raw : none;
+    const Lanes raw = at(c, f_normal, i), pressed = raw > 0.0 ? raw : none;
     const Lanes tx = at(c, force_x, i), ty = at(c, force_y, i), tz = at(c, force_z, i);
     x += pressed * at(c, normal_x, i) - tx;
     y += pressed * at(c, normal_y, i) - ty;
     z += pressed * at(c, normal_z, i) - tz;
     const Lanes stored =
-        pressed * pressed / at(c, normal_spring, i) + (tx * tx + ty * ty + tz * tz) / at(c, tangential_spring, i);
+        pressed * pressed / at(c, k_normal_spring, i) + (tx * tx + ty * ty + tz * tz) / at(c, k_tangential_spring, i);
     elastic += at(c, mode, i) != 0.0 ? stored : none;
     loss += tx * at(c, slip_x, i) + ty * at(c, slip_y, i) + tz * at(c, slip_z, i);
   }
@@ -453,9 +331,6 @@ SLIPBENCH_DISPATCHED SpringSums sum_springs(const Columns& c, const Groups& grou
 
 SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::Vector3d& origin, const Twist& motion, double tau,
                                                  const ConeEffect* cone, const Groups& groups) {
-  const bool extended = c[k_normal_spring] != nullptr;
-  const Column normal_spring = extended ? k_normal_spring : k_normal,
-               tangential_spring = extended ? k_tangential_spring : k_tangential;
   const Eigen::Vector3d &v = motion.linear, &w = motion.angular;
   const Lanes none{};
   Lanes force_sum_x{}, force_sum_y{}, force_sum_z{}, torque_sum_x{}, torque_sum_y{}, torque_sum_z{};
@@ -467,7 +342,7 @@ SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::
     const Lanes vx = v.x() + w.y() * az - w.z() * ay, vy = v.y() + w.z() * ax - w.x() * az, vz = v.z() + w.x() * ay - w.y() * ax;
     const Lanes approach = -(nx * vx + ny * vy + nz * vz);
     const Lanes state = at(c, mode, i);
-    const Lanes viscous = state == 1.0 ? tau * at(c, tangential_spring, i) : none;
+    const Lanes viscous = state == 1.0 ? tau * at(c, k_tangential_spring, i) : none;
     const Lanes tx = at(c, force_x, i) + viscous * (vx + approach * nx);
     const Lanes ty = at(c, force_y, i) + viscous * (vy + approach * ny);
     const Lanes tz = at(c, force_z, i) + viscous * (vz + approach * nz);
@@ -484,8 +359,8 @@ SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::
       const Lanes size = root(tx * tx + ty * ty + tz * tz);
       held = ((viscous > 0.0) & (size > reach)) ? reach / size : held;
     }
-    const Lanes raw = at(c, press, i);
-    const Lanes stopped = (raw > 0.0 ? raw : none) + tau * at(c, normal_spring, i) * approach;
+    const Lanes raw = at(c, f_normal, i);
+    const Lanes stopped = (raw > 0.0 ? raw : none) + tau * at(c, k_normal_spring, i) * approach;
     const Lanes pressed = ((state != 0.0) & (stopped > 0.0)) ? stopped : none;
     const Lanes fx = pressed * nx - held * tx, fy = pressed * ny - held * ty, fz = pressed * nz - held * tz;
     force_sum_x += fx;
@@ -503,11 +378,11 @@ void find_trials(const Columns& columns, bool plane, std::size_t count) {
   plane ? find_trials_on_plane(columns, count) : find_trials_on_curve(columns, count);
 }
 
-void map(const Columns& columns, bool plane, bool extended, std::size_t count) {
+void map(const Columns& columns, bool plane, bool extended, const Groups& groups) {
   if (plane) {
-    extended ? map_on_plane_extended(columns, count) : map_on_plane(columns, count);
+    extended ? map_on_plane_extended(columns, groups) : map_on_plane(columns, groups);
   } else {
-    extended ? map_on_curve_extended(columns, count) : map_on_curve(columns, count);
+    extended ? map_on_curve_extended(columns, groups) : map_on_curve(columns, groups);
   }
 }
 

@@ -25,7 +25,7 @@ enum Column : std::size_t {
   contact_x, contact_y, contact_z, contact_before_x, contact_before_y, contact_before_z,  // [m]
   normal_x, normal_y, normal_z,                             // of the surface
   gap, gap_before,                                          // [m], negative: penetration
-  press, press_before,                                      // raw normal force [N], negative while apart
+  f_normal, f_normal_before,                                   // raw normal force [N], negative while apart
   limit, limit_before,                                      // mu_s f_n [N]
   anchor_x, anchor_y, anchor_z,                             // [m]
   slip_x, slip_y, slip_z,                                   // of the tip over the surface in the last step [m]
@@ -33,17 +33,17 @@ enum Column : std::size_t {
   mode, mode_before,                                        // 0 detached, 1 stick, 2 slip; a double so that the loops vectorise
   path,                                                     // slipped since the start [m]
   faces, faces_before,                                      // SurfacePoint::faces; 0 on a plane
-  spent,                                                    // depth that presses on nothing (Field::keep_energy) [m]
+  depth_offset,                                             // s of field.h: depth without normal force [m]
   pad_force_x, pad_force_y, pad_force_z,                    // of the surface on the pad, in P [N]
   deflection_x, deflection_y, deflection_z,                 // deformed tip minus undeformed tip, in P [m]
   pad_slip_x, pad_slip_y, pad_slip_z,                       // slip in P [m]
   plain_columns,
-  // only where effects or dashpots ask for them
+  // only where effects or dashpots ask for them; without them the first two are the springs themselves
   k_normal_spring = plain_columns, k_tangential_spring, mu_static_surface, mu_kinetic_surface,  // before effects
   h_normal, h_x, h_y, h_z,                                  // history of the rheology: f = k u + h [N]
   velocity_x, velocity_y, velocity_z, depth, load, stretch_x, stretch_y, stretch_z,     // what effects look at
   place_x, place_y, place_z,                                // where the tip meets effects (SurfaceEffect) [m]
-  felt_x, felt_y, felt_z,                                   // of spring and dashpot on a tip with mass [N]
+  transmitted_x, transmitted_y, transmitted_z,                                   // of spring and dashpot on a tip with mass [N]
   trial, slide,                                             // of the trial: size of the force, mu_k f_n (mu_s f_n where columns lean) [N]
   all_columns
 };
@@ -68,7 +68,7 @@ struct Groups {
 // Raw normal force [N] at a gap [m]: negative while apart, so that its zero is the instant of touch. `h` is the history of a rheology.
 // `Real`: double, or several at once.
 template <class Real>
-[[gnu::always_inline]] inline Real raw_press(const Real& gap_now, const Real& k, const Real& h) {
+[[gnu::always_inline]] inline Real raw_normal_force(const Real& gap_now, const Real& k, const Real& h) {
   const Real none{};
   return k * -gap_now + (gap_now < 0.0 ? h : none);
 }
@@ -79,13 +79,10 @@ void plane_gap(const Columns& columns, const Pose& pose, std::size_t count);
 void turn_away(const Columns& columns, const Pose& pose, std::size_t count);
 
 // Pass 1 against a box and a cylinder: contact points, gaps, normals and faces. `pose`: of the pad in the surface.
-void meet_box(const Columns& columns, const Box& box, const Pose& pose, std::size_t count);
 void meet_box(const Columns& columns, const Box& box, const Pose& pose, const Groups& groups);
-void meet_cylinder(const Columns& columns, const Cylinder& cylinder, const Pose& pose, std::size_t count);
 void meet_cylinder(const Columns& columns, const Cylinder& cylinder, const Pose& pose, const Groups& groups);
 
 // Whether nothing is for Field::keep_energy() to do, and whether an element touches that did not before: nearly always, and nearly never.
-bool all_keep_faces(const Columns& columns, std::size_t count);
 bool all_keep_faces(const Columns& columns, const Groups& groups);
 bool any_touches(const Columns& columns, bool memory, std::size_t count);
 
@@ -97,24 +94,21 @@ void find_trials(const Columns& columns, bool plane, std::size_t count);
 
 // Pass 2: normal force, and return mapping onto the friction cone (field.h). `extended`: the columns from plain_columns on are there; then the
 // rheology's history counts, and on a plane an anchor that sticks stays to the bit. Without them it does up to rounding.
-void map(const Columns& columns, bool plane, bool extended, std::size_t count);
+void map(const Columns& columns, bool plane, bool extended, const Groups& groups);
 
 // Passes 1 and 2 at once, for springs on the plane.
 void slide_on_plane(const Columns& columns, const Pose& pose, std::size_t count);
 
 // Pass 2 up to where tips with mass take over: normal force and mu_s f_n.
-void press_tips(const Columns& columns, std::size_t count);
+void load_tips(const Columns& columns, std::size_t count);
 
-// After the passes: forces, deflections and slip as the pad sees them. `to_pad`: rotation of the surface in the pad. `felt`: the tangential
+// After the passes: forces, deflections and slip as the pad sees them. `to_pad`: rotation of the surface in the pad. `transmitted`: the tangential
 // force that the pad feels.
-void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, Column felt, std::size_t count);
+void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, Column transmitted, const Groups& groups);
 
-// Field::add_elements(). `to_pad`: rotation of the surface in the pad; `count`: of elements.
-void add_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, double* depth, const std::array<double*, 3>& shear,
-                  std::size_t count);
-// The same of groups of them, in place of what was there; `count`: of all elements.
-void tell_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,
-                   const std::array<double*, 3>& shear, std::size_t count);
+// Field::add_elements(). `to_pad`: rotation of the surface in the pad; `count`: of all elements.
+void add_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,
+                  const std::array<double*, 3>& shear, std::size_t count);
 
 // What friction effects look at: tangential velocity of the undeformed tips, depth and load. `motion`: of the pad in the surface, null for
 // the mean one of a step of `dt`, 0: none. `memory`: there is a history of the rheology.
@@ -132,20 +126,18 @@ SpringSums sum_springs(const Columns& columns, const Groups& groups);
 Wrench damped_wrench_on_pad(const Columns& columns, const Eigen::Vector3d& origin, const Twist& motion, double tau,
                             const ConeEffect* cone, const Groups& groups);
 
-// For fields of which few elements touch (sparse.cc), plain springs on a surface that is no plane; after pass 1.
-// Of those that are `near` it writes to `busy` where those groups begin that touch, or have touched in the last two steps, whose columns are among
-// those before: for them there are map_active() and view_active(). To `quiet` go the others, and for them this leaves what map() would.
+// For an active set (active_set.h), after pass 1 of the `candidates`: writes to `active` and `idle` where those groups begin that are. Idle ones
+// are left as map() would leave them.
 struct Sorted {
-  std::size_t busy, quiet;  // how many they are
-  bool touches;             // an element touches that did not before
+  std::size_t active, idle;  // how many they are
+  bool touches;              // an element touches that did not before
 };
-Sorted sort_groups(const Columns& columns, const Groups& near, std::uint32_t* busy, std::uint32_t* quiet);
-// Of groups of which no element touches: what sort_groups() leaves, in the columns of the step before too.
+Sorted sort_groups(const Columns& columns, const Groups& candidates, std::uint32_t* active, std::uint32_t* idle);
+// Of groups of which no element touches: what sort_groups() leaves of idle ones, in the columns of the step before too.
 void rest(const Columns& columns, const Groups& groups);
-void map_active(const Columns& columns, const Groups& groups);
+
 // Whether a state is another than before.
 bool any_changes(const Columns& columns, const Groups& groups);
-void view_active(const Columns& columns, const Eigen::Matrix3d& to_pad, const Groups& groups);
 
 // What the elements of a unit add up to, each column one after the other from the first element on.
 struct UnitSum {
@@ -153,11 +145,11 @@ struct UnitSum {
   // The columns that are added up: `vectors` as they come, and what the others say.
   struct Summed {
     std::array<const double*, vector_columns> vectors;
-    const double *path, *limit, *press, *mode;
+    const double *path, *limit, *f_normal, *mode;
   };
   std::array<double, vector_columns> vectors;
   double path, limit;
-  double press;               // N, of what presses
+  double normal_force;        // N, of the elements that touch
   double touching, slipping;  // elements
 };
 UnitSum sum_unit(const UnitSum::Summed& columns, std::size_t first, std::size_t count);

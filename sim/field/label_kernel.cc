@@ -18,9 +18,7 @@ SLIPBENCH_INLINE void label_all(const UnitColumns& c, const Eigen::Matrix3d& tur
   double* const slip_velocity = frame.slip_velocity.data();
   double* const slip_distance = frame.slip_distance.data();
   double* const margin = frame.margin.data();
-  const double r00 = turn(0, 0), r01 = turn(0, 1), r02 = turn(0, 2);
-  const double r10 = turn(1, 0), r11 = turn(1, 1), r12 = turn(1, 2);
-  const double r20 = turn(2, 0), r21 = turn(2, 1), r22 = turn(2, 2);
+  const auto [r00, r01, r02, r10, r11, r12, r20, r21, r22] = entries_of(turn);
   SLIPBENCH_VECTORISE
   for (std::size_t u = first; u < end; ++u) {
     const double share = c.share[u], pace = share * rate;
@@ -77,7 +75,7 @@ SLIPBENCH_DISPATCHED UnitSum sum_unit(const UnitSum::Summed& columns, std::size_
     for (std::size_t k = 0; k < lanes; ++k) total[q][k] = from[lanes * q + k][first];
   }
   const auto of_own = [&columns](std::size_t i) {
-    return Lanes{columns.path[i], columns.limit[i], std::max(0.0, columns.press[i]), 0.0};
+    return Lanes{columns.path[i], columns.limit[i], std::max(0.0, columns.f_normal[i]), 0.0};
   };
   Lanes own = none + of_own(first);
   double mode = columns.mode[first], square = mode * mode;
@@ -93,7 +91,7 @@ SLIPBENCH_DISPATCHED UnitSum sum_unit(const UnitSum::Summed& columns, std::size_
       total[q] += c;
       total[q] += d;
     }
-    const Lanes raw = lanes_at(columns.press + i);
+    const Lanes raw = lanes_at(columns.f_normal + i);
     Lanes a = lanes_at(columns.path + i), b = lanes_at(columns.limit + i), c = raw > 0.0 ? raw : none, d = none;
     turn_round(a, b, c, d);
     own += a;
@@ -118,7 +116,7 @@ SLIPBENCH_DISPATCHED UnitSum sum_unit(const UnitSum::Summed& columns, std::size_
   for (std::size_t q = 0; q < quads; ++q) put_lanes(sum.vectors.data() + lanes * q, total[q]);
   sum.path = own[0];
   sum.limit = own[1];
-  sum.press = own[2];
+  sum.normal_force = own[2];
   // Of the modes 0, 1 and 2, whole numbers, in whatever order they are added.
   for (std::size_t k = 0; k < lanes; ++k) {
     mode += modes[k];

@@ -1,24 +1,45 @@
-#include "sim/field/lean.h"
+#include "sim/field/cones.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "sim/core/error.h"
 
 namespace slipbench {
 namespace {
+
+// One element in one step, in the surface frame. Springs and rheology give k u + `history` tangentially and k_normal depth + history_normal
+// along the normal of an upright column.
+struct LeaningElement {
+  Eigen::Vector3d stretch, history;           // m, N: tangential, of the trial
+  double k, k_normal, depth, history_normal;  // N/m, N/m, m, N
+  double mu_slide;                            // before a rate law
+};
+
+struct LeaningForce {
+  double normal;               // N, >= 0
+  Eigen::Vector3d tangential;  // N, of the pad on the surface
+};
 
 double normal_force(const Lean& lean, const LeaningElement& element, double q) {
   return std::max(0.0, element.k_normal * (element.depth - lean.drop(q)) + element.history_normal);
 }
 
-}  // namespace
-
+// Force at the stretch u [m], by effect.h's Lean.
 LeaningForce leaning_force(const Lean& lean, const LeaningElement& element, const Eigen::Vector3d& u) {
   const double q = u.norm(), normal = normal_force(lean, element, q);
   const double stopped = q > lean.stop_deflection ? lean.stop_stiffness * (1.0 - lean.stop_deflection / q) : 0.0;
   return {normal, (element.k - normal / lean.length + stopped) * u + element.history};
 }
 
+// The slip s >= 0 [m] of the tip along the unit vector e of its trial force, which is beyond mu_slide f_n: the first root of
+//   e.f_t(u - s e) = mu_slide f_n(u - s e) g(s/dt),
+// g = 1 without a `rate` law. Where the column's stiffness is negative the tip slides outwards, up to the stop: a tip without mass snaps there
+// within the step. `guess`: a slip near the root [m].
 double leaning_slip(const Lean& lean, const LeaningElement& element, const Eigen::Vector3d& e, double guess, double dt,
                     const RateEffect* rate) {
   const double kept = element.history.dot(e), ahead = element.stretch.dot(e);
@@ -59,6 +80,48 @@ double leaning_slip(const Lean& lean, const LeaningElement& element, const Eigen
     }
   }
   return s;
+}
+
+}  // namespace
+
+kernel::Mapped map_onto(const Lean& lean, const RateEffect* rate, double dt, const kernel::Columns& c, std::size_t i,
+                        const kernel::Trial& trial) {
+  const auto vector = [&c, i](kernel::Column x) { return Eigen::Vector3d(c[x][i], c[x + 1][i], c[x + 2][i]); };
+  const double k = c[kernel::k_tangential][i];
+  const LeaningElement element{.stretch = {trial.ux, trial.uy, trial.uz},
+                               .history = {trial.hx, trial.hy, trial.hz},
+                               .k = k,
+                               .k_normal = c[kernel::k_normal][i],
+                               .depth = -c[kernel::gap][i],
+                               .history_normal = c[kernel::h_normal][i],
+                               .mu_slide = c[kernel::mu_kinetic][i]};
+  LeaningForce force = leaning_force(lean, element, element.stretch);
+  const double size = force.tangential.norm(), limit_stick = c[kernel::mu_static][i] * force.normal;
+  c[kernel::trial][i] = size;
+  c[kernel::slide][i] = limit_stick;
+  double slip = 0.0;
+  Eigen::Vector3d along(0.0, 0.0, 0.0);
+  if (size > kernel::slips_beyond<true>(c, i, limit_stick, element.mu_slide * force.normal)) {
+    along = force.tangential / size;
+    const double trailed = element.stretch.norm() - (vector(kernel::contact_x) - vector(kernel::place_x)).norm();
+    slip = leaning_slip(lean, element, along, trailed, dt, rate);
+  }
+  const bool slides = slip > kernel::shortest_slip;
+  if (slides) {
+    force.normal = leaning_force(lean, element, element.stretch - slip * along).normal;
+    const double strengthened = rate != nullptr ? rate->factor(slip / dt) : 1.0;
+    force.tangential = element.mu_slide * force.normal * strengthened * along;
+  } else {
+    slip = 0.0;
+  }
+  if (force.normal > (k + lean.stop_stiffness) * lean.length) {
+    throw SceneValueError("effects", "lean: element " + std::to_string(i) + " carries " + std::to_string(force.normal) +
+                                         " N, and its stop holds a column up to (k_t + stop stiffness) length = " +
+                                         std::to_string((k + lean.stop_stiffness) * lean.length) +
+                                         " N; press less, or give the column a stiffer stop");
+  }
+  const Eigen::Vector3d f = force.tangential, s = slip * along;
+  return {force.normal, f.x(), f.y(), f.z(), s.x(), s.y(), s.z(), s.norm(), slides};
 }
 
 }  // namespace slipbench

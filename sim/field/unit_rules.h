@@ -97,15 +97,15 @@ void report_unit_events(std::vector<UnitEvent>& changes, CountBefore&& count_bef
       now.remove(changes[k].event.from);
       now.add(changes[k].event.to);
     }
-    const auto tell = [&](EventKind kind) { report.push_back({time - (1.0 - fraction) * dt, unit, kind}); };
+    const auto report_event = [&](EventKind kind) { report.push_back({time - (1.0 - fraction) * dt, unit, kind}); };
     const bool slipped = before.touching > 0 && before.slipping == before.touching;
     const bool slips = now.touching > 0 && now.slipping == now.touching;
-    if (before.touching == 0 && now.touching > 0) tell(EventKind::touch);
-    if (now.slipping > 0 && before.slipping == 0) tell(EventKind::micro);
-    if (now.slipping > 0 && slipped && !slips) tell(EventKind::part_sticks);
-    if (slips && !slipped) tell(EventKind::slip);
-    if (before.slipping > 0 && now.slipping == 0 && now.touching > 0) tell(EventKind::stick);
-    if (before.touching > 0 && now.touching == 0) tell(EventKind::detach);
+    if (before.touching == 0 && now.touching > 0) report_event(EventKind::touch);
+    if (now.slipping > 0 && before.slipping == 0) report_event(EventKind::micro);
+    if (now.slipping > 0 && slipped && !slips) report_event(EventKind::part_sticks);
+    if (slips && !slipped) report_event(EventKind::slip);
+    if (before.slipping > 0 && now.slipping == 0 && now.touching > 0) report_event(EventKind::stick);
+    if (before.touching > 0 && now.touching == 0) report_event(EventKind::detach);
   }
   sort_stably(report.begin() + static_cast<std::ptrdiff_t>(reported), report.end(),
               [](const ContactEvent& a, const ContactEvent& b) { return a.time < b.time; });

@@ -246,7 +246,7 @@ void ArticulatedContact::suit_to_held(mjModel* held) const {
   }
 }
 
-void ArticulatedContact::take_presses(const mjModel* model, mjData* data, const mjModel* held, const mjData* settled) const {
+void ArticulatedContact::take_tip_loads(const mjModel* model, mjData* data, const mjModel* held, const mjData* settled) const {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const int slide = model->body_jntadr[bodies_[i]] + 2;
     std::copy_n(settled->qpos + qpos_[i], 3, data->qpos + qpos_[i]);
@@ -259,22 +259,22 @@ const ContactFrame& ArticulatedContact::read(const mjModel* model, const mjData*
   gather(model, data);
   average(dt);
   for (std::size_t i = 0; i < tips_.size(); ++i) {
-    tips_[i].fall = before_[i].press - tips_[i].press;
+    tips_[i].fall = before_[i].normal_force - tips_[i].normal_force;
     tips_[i].state = judge(i);
     if (settings_.counts_creep || tips_[i].state == ElementState::slip) path_[i] += dt * tips_[i].velocity.norm();
   }
   frame_.time = time;
   sum_units(data);
   unit_rules::judge_pad(frame_, elements_);
-  frame_.slip_angle += unit_rules::fit_slip_motion(frame_, undeformed_, hardest_plane_) * dt;
+  frame_.slip_angle += unit_rules::fit_slip_motion(frame_, undeformed_, most_loaded_plane_) * dt;
 
   report_events(time, dt);
   return frame_;
 }
 
-double ArticulatedContact::press() const {
+double ArticulatedContact::normal_force() const {
   double force = 0.0;
-  for (const Tip& tip : tips_) force += tip.press;
+  for (const Tip& tip : tips_) force += tip.normal_force;
   return force;
 }
 
@@ -332,8 +332,8 @@ void ArticulatedContact::gather(const mjModel* model, const mjData* data) {
     if (!(force[0] > 0.0)) continue;
     const Eigen::Matrix3d axes = side * pad_from_world * Eigen::Map<const Rows>(contact.frame).transpose();
     tip.force += axes * vector3(force);
-    if (!(force[0] > tip.press)) continue;
-    tip.press = force[0];
+    if (!(force[0] > tip.normal_force)) continue;
+    tip.normal_force = force[0];
     tip.limit = contact.friction[0] * force[0];
     tip.normal = axes.col(0);
     tip.tangential = axes.col(1) * force[1] + axes.col(2) * force[2];
@@ -347,7 +347,7 @@ void ArticulatedContact::gather(const mjModel* model, const mjData* data) {
 void ArticulatedContact::average(double dt) {
   const double kept = std::exp(-dt / settings_.creep_time);
   for (std::size_t i = 0; i < mean_.size(); ++i) {
-    if (tips_[i].press > 0.0) {
+    if (tips_[i].normal_force > 0.0) {
       mean_[i] = kept * mean_[i] + (1.0 - kept) * tips_[i].velocity;
     } else {
       mean_[i].setZero();
@@ -357,7 +357,7 @@ void ArticulatedContact::average(double dt) {
 
 ElementState ArticulatedContact::judge(std::size_t i) const {
   const Tip& tip = tips_[i];
-  if (!(tip.press > 0.0)) return ElementState::detached;
+  if (!(tip.normal_force > 0.0)) return ElementState::detached;
   const double speed = tip.velocity.norm();
   if (speed > settings_.creep_speed && mean_[i].norm() > settings_.creep_speed) return ElementState::slip;
   const bool on_cone = tip.drawn >= (1.0 - settings_.cone_share) * tip.limit;
@@ -370,9 +370,9 @@ double ArticulatedContact::fraction_of_change(std::size_t i, double dt) const {
   const Element& element = layout_.elements[i];
   const auto share = [](double part, double whole) { return whole > 0.0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0; };
   // Touch: the force at the end of the step has grown at k_n times the speed at which the tip came.
-  if (before.state == ElementState::detached) return 1.0 - share(now.press, element.k_normal * now.approach * dt);
-  // Detach: the press went on falling as in the step before.
-  if (now.state == ElementState::detached) return share(before.press, before.fall);
+  if (before.state == ElementState::detached) return 1.0 - share(now.normal_force, element.k_normal * now.approach * dt);
+  // Detach: the normal force went on falling as in the step before.
+  if (now.state == ElementState::detached) return share(before.normal_force, before.fall);
   // Onset: the drive is shared by the spring, before it, and the slip, after it.
   if (now.state == ElementState::slip) {
     const double stretched = (now.tangential - before.tangential).norm();
@@ -384,7 +384,7 @@ double ArticulatedContact::fraction_of_change(std::size_t i, double dt) const {
 
 void ArticulatedContact::sum_units(const mjData* data) {
   elements_ = {};
-  double hardest_press = 0.0;
+  double greatest_force = 0.0;
   for (std::size_t u = 0; u < layout_.units.size(); ++u) {
     const UnitRange& range = layout_.units[u];
     const double share = 1.0 / static_cast<double>(range.count);
@@ -392,10 +392,10 @@ void ArticulatedContact::sum_units(const mjData* data) {
     unit_rules::Count count;
     Eigen::Vector3d force = Eigen::Vector3d::Zero(), displacement = force, tangential = force, slip = force;
     double limit = 0.0, path = 0.0;
-    const Tip* hardest = &tips_[range.first];
+    const Tip* most_loaded = &tips_[range.first];
     for (std::size_t i = range.first; i < range.first + range.count; ++i) {
       const Tip& tip = tips_[i];
-      if (tip.press > hardest->press) hardest = &tip;
+      if (tip.normal_force > most_loaded->normal_force) most_loaded = &tip;
       count.add(tip.state);
       force += tip.force;
       tangential += tip.tangential;
@@ -405,10 +405,10 @@ void ArticulatedContact::sum_units(const mjData* data) {
       path += share * path_[i];
     }
     unit_rules::ContactPlane plane;
-    plane.face(hardest->normal);
-    if (hardest->press > hardest_press) {
-      hardest_press = hardest->press;
-      hardest_plane_ = plane;
+    plane.face(most_loaded->normal);
+    if (most_loaded->normal_force > greatest_force) {
+      greatest_force = most_loaded->normal_force;
+      most_loaded_plane_ = plane;
     }
     frame_.force.col(c) = force.array();
     frame_.contact_force.col(c) = plane.turned(force).array();

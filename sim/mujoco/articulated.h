@@ -59,26 +59,26 @@ void leave_out_of_scale(mjModel* model, const mjData* data, int dof);
 // f_t in the cone's own norm, see user_pillars(); in the recipe the cone is all. A slide slower than least_speed reads as stick.
 // The slip distance adds up the tip's way over the surface in slip, and with counts_creep in stick too.
 // Touch, onset, stop and detach are located inside the step along straight lines (articulated.cc). Like that of a Field, a
-// unit's margin and contact plane are those on the surface that presses it hardest.
+// unit's margin and contact plane are those on the surface where its normal force is greatest.
 class ArticulatedContact {
  public:
   // The pad that add_articulated_pad() added as `prefix`. Throws std::invalid_argument where the model has no such pad.
   ArticulatedContact(const mjModel* model, const std::string& prefix, const PadLayout& layout, const PillarSettings& settings);
 
-  // Presses the tips in that stand inside the surface, each along its axis: slide and contact share the depth as in a press that
+  // Presses the tips in that stand inside the surface, each along its axis: slide and contact share the depth as in an indentation that
   // has come to rest, sideways nothing is strained. For data as mj_makeData() leaves it; of several surfaces the deepest counts.
   // Returns whether there are any.
   bool begin_on(const mjModel* model, mjData* data, const Surface& surface, const Pose& pad_in_surface) const;
 
   // See pillar_settings.h.
-  [[nodiscard]] int steps_to_settle(bool pressed_in) const { return slipbench::steps_to_settle(settings_, pressed_in); }
+  [[nodiscard]] int steps_to_settle(bool indented) const { return slipbench::steps_to_settle(settings_, indented); }
 
   // Makes of `held`, a copy of the model in which nothing but tips can give way, one whose slides suit that: there is no inverse
   // mass to make up for, and dashpots, which at rest do nothing, would only delay the rest.
   void suit_to_held(mjModel* held) const;
 
   // Puts the tips where they press as they do in `settled`, data of `held`. Only their positions change.
-  void take_presses(const mjModel* model, mjData* data, const mjModel* held, const mjData* settled) const;
+  void take_tip_loads(const mjModel* model, mjData* data, const mjModel* held, const mjData* settled) const;
 
   // Reads the contact after mj_step() of `dt` that ended at `time` [s]; to be called once after every step, before anything else
   // changes the data.
@@ -89,8 +89,8 @@ class ArticulatedContact {
   void begin_run(double time);
 
   [[nodiscard]] const ContactFrame& frame() const { return frame_; }
-  // The sum of the normal forces on the tips, each of the contact that presses it hardest [N].
-  [[nodiscard]] double press() const;
+  // The sum of the normal forces on the tips, each of the contact with the greatest normal force [N].
+  [[nodiscard]] double normal_force() const;
   // The tips' bodies, by element.
   [[nodiscard]] const std::vector<int>& bodies() const { return bodies_; }
 
@@ -98,15 +98,15 @@ class ArticulatedContact {
   // What one element's tip did in a step. Vectors in the pad frame P.
   struct Tip {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on the pad
-    // Of the contact that presses hardest:
-    double press = 0.0;                                    // N
+    // Of the contact with the greatest normal force:
+    double normal_force = 0.0;                             // N
     double limit = 0.0;                                    // mu f_n [N]
     double approach = 0.0;                                 // m/s, at which it came to the surface, at the start of the step
     Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();     // of the surface
     Eigen::Vector3d tangential = Eigen::Vector3d::Zero();  // N, on the pad
     double drawn = 0.0;                                    // N, the same in the norm of the contact's cone
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();    // m/s, of the tip over the surface, tangential
-    double fall = 0.0;                                     // N, by which the press fell in this step
+    double fall = 0.0;                                     // N, by which the normal force fell in this step
     ElementState state = ElementState::detached;
   };
 
@@ -124,8 +124,8 @@ class ArticulatedContact {
   std::vector<int> qpos_;                    // address of an element's three joints
   std::vector<Eigen::Matrix3d> tip_in_pad_;  // rotation of its body in P
   std::vector<std::uint32_t> unit_of_element_;
-  Eigen::Array3Xd undeformed_;              // [3,N] m, mean of a unit's undeformed tips in P
-  unit_rules::ContactPlane hardest_plane_;  // of the unit that presses hardest
+  Eigen::Array3Xd undeformed_;                  // [3,N] m, mean of a unit's undeformed tips in P
+  unit_rules::ContactPlane most_loaded_plane_;  // of the unit with the greatest normal force
   std::vector<Tip> tips_, before_;
   std::vector<double> path_;           // m
   std::vector<Eigen::Vector3d> mean_;  // m/s, of a tip's velocity; empty: the cone is all

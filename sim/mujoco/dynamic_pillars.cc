@@ -28,7 +28,7 @@ void DynamicSimulation::State::find_pillars(const Scene& scene) {
 }
 
 // Tips that stand inside what they touch at the start. Returns whether there are any.
-bool DynamicSimulation::State::press_tips_in(const mjModel* held, mjData* settled) const {
+bool DynamicSimulation::State::indent_tips(const mjModel* held, mjData* settled) const {
   bool any = false;
   call_mujoco([&] { mj_kinematics(held, settled); });
   for (const Pad& pad : pads) {
@@ -71,7 +71,7 @@ void DynamicSimulation::State::settle_tips() {
   for (const Pad& pad : pads) pad.pillars->suit_to_held(held.get());
 
   std::copy_n(d()->qpos, m()->nq, settled->qpos);
-  const int steps = pads.front().pillars->steps_to_settle(press_tips_in(held.get(), settled.get()));
+  const int steps = pads.front().pillars->steps_to_settle(indent_tips(held.get(), settled.get()));
   std::vector<mjtNum> qpos(settled->qpos, settled->qpos + m()->nq), qvel(static_cast<std::size_t>(m()->nv), 0.0);
   for (int k = 0; k < steps; ++k) {
     std::ranges::copy(qpos, settled->qpos);
@@ -92,7 +92,7 @@ void DynamicSimulation::State::settle_tips() {
     }
   }
   for (const Pad& pad : pads) {
-    pad.pillars->take_presses(m(), d(), held.get(), settled.get());
+    pad.pillars->take_tip_loads(m(), d(), held.get(), settled.get());
     pad.pillars->begin_run(0.0);
   }
 }

@@ -415,16 +415,16 @@ const ContactFrame& DynamicSimulation::contact(std::size_t pad) const {
   const State& s = *state_;
   return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->contact() : State::truth_of(s.pads[s.sensors[pad].index]);
 }
-double DynamicSimulation::press(std::size_t carrying) const {
+double DynamicSimulation::normal_force(std::size_t carrying) const {
   const State::Pad& pad = state_->pads[carrying];
-  if (pad.pillars) return pad.pillars->press();
+  if (pad.pillars) return pad.pillars->normal_force();
   double force = 0.0;
   for (const Field& field : pad.instance->fields()) {
-    for (const double press : std::span(field.column(kernel::press), field.size())) force += std::max(0.0, press);
+    for (const double f_normal : std::span(field.column(kernel::f_normal), field.size())) force += std::max(0.0, f_normal);
   }
   return force;
 }
-double DynamicSimulation::contact_press(const std::string& body, const std::string& other) const {
+double DynamicSimulation::contact_normal_force(const std::string& body, const std::string& other) const {
   const mjModel* m = state_->m();
   const mjData* d = data();
   const int one = mj_name2id(m, mjOBJ_BODY, body.c_str()), two = mj_name2id(m, mjOBJ_BODY, other.c_str());

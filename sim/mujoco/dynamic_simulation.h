@@ -76,9 +76,9 @@ class DynamicSimulation final : public Simulation {
 
   // The sum of the normal forces on a pad at its latest tick [N]. `carrying`: counted among the pads that press, in the scene's
   // order, those that nobody reads included.
-  [[nodiscard]] double press(std::size_t carrying) const;
+  [[nodiscard]] double normal_force(std::size_t carrying) const;
   // The same of MuJoCo's own contacts between two bodies of the model; 0 where they do not touch.
-  [[nodiscard]] double contact_press(const std::string& body, const std::string& other) const;
+  [[nodiscard]] double contact_normal_force(const std::string& body, const std::string& other) const;
 
   // What MuJoCo has.
   [[nodiscard]] const mjModel_* model() const;

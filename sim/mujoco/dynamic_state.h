@@ -130,7 +130,7 @@ struct DynamicSimulation::State {
   void find_pads(const Scene& scene);
   void find_fields(const Scene& scene);
   void find_pillars(const Scene& scene);
-  bool press_tips_in(const mjModel* held, mjData* settled) const;
+  bool indent_tips(const mjModel* held, mjData* settled) const;
   void settle_tips();
   void refuse_other_contacts(double time) const;
   [[nodiscard]] bool is_tip(int body) const {

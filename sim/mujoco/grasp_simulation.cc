@@ -247,7 +247,7 @@ void GraspSimulation::State::observe(double time) {
   truth.time = time;
   for (std::size_t k = 0; k < 2; ++k) {
     const Finger& finger = fingers[k];
-    truth.pad_force[k] = simulation->press(finger.pad);
+    truth.pad_force[k] = simulation->normal_force(finger.pad);
     const double allowed = 2.0 * finger.most + finger.impact;
     if (truth.pad_force[k] > allowed) {
       throw InputError(fmt::format(
@@ -257,7 +257,8 @@ void GraspSimulation::State::observe(double time) {
   }
   truth.grip_force = 0.5 * (truth.pad_force[0] + truth.pad_force[1]);
   truth.box_height = held.position.z() - start_height;
-  truth.table_force = own_contact ? simulation->contact_press(box_name, table_name) : simulation->press(corners_index);
+  truth.table_force =
+      own_contact ? simulation->contact_normal_force(box_name, table_name) : simulation->normal_force(corners_index);
   truth.tilt = std::acos(std::min(1.0, std::abs(held.rotation(2, 1))));
   if (time < lift_start()) return;
   const Pose in_arm = arm.inverse() * held;

@@ -122,9 +122,9 @@ PillarSettings pillars_of_scene(const Scene& scene, double dt) {
   return scene.contact ? user_pillars(*scene.contact, dt) : articulated_pillars(ArticulatedSettings{}, dt);
 }
 
-int steps_to_settle(const PillarSettings& settings, bool pressed_in) {
+int steps_to_settle(const PillarSettings& settings, bool indented) {
   if (settings.settling_steps <= most_settling_steps) return static_cast<int>(settings.settling_steps);
-  if (!pressed_in) return 1;
+  if (!indented) return 1;
   const double longest = most_settling_steps / settling_times * settings.dt;
   const auto [time, damping] = settings.solref;
   const bool direct = damping < 0.0;
@@ -168,7 +168,7 @@ double longest_articulated_step(const PadLayout& layout, std::span<const Inverse
     const double r = recipe.contact_stiffness / (1.0 - recipe.impedance), k_n = layout.elements[i].k_normal;
     // Compliance of the contact by an inverse mass w: w dt^2/r (normal_slide()). By nothing, any step will do.
     longest = std::min({longest, std::sqrt(recipe.compliance_share * r / (k_n * most)),
-                        std::sqrt(recipe.press_share * r / (k_n * (most - least)))});
+                        std::sqrt(recipe.force_share * r / (k_n * (most - least)))});
   }
   return longest;
 }

@@ -48,7 +48,7 @@ struct PillarSettings {
   // carrier in it.
   bool carrier_in_scale = false;
 
-  double settling_steps = 0.0;  // whole; in which tips that begin pressed in come to rest before the run, see steps_to_settle()
+  double settling_steps = 0.0;  // whole; in which indented tips come to rest before the run, see steps_to_settle()
 
   // The state rule, see ArticulatedContact.
   double cone_share = 0.0;
@@ -90,7 +90,7 @@ struct ArticulatedSettings {
   // ones).
   int settling_steps = 30;
   double compliance_share = 0.25;  // of an element's compliance, that the bodies' inverse masses may make its contact
-  double press_share = 0.01;       // by which a press may be wrong on the body that moves least easily of those touched
+  double force_share = 0.01;       // by which a normal force may be wrong on the body that moves least easily of those touched
 
   double cone_share = 1e-6;   // of the state rule
   double least_speed = 1e-6;  // m/s
@@ -117,10 +117,10 @@ PillarSettings user_pillars(const Parameters& contact, double dt);
 // As the scene's fidelity says.
 PillarSettings pillars_of_scene(const Scene& scene, double dt);
 
-// How many steps to take before the run. `pressed_in`: a tip begins inside what it touches. Throws SceneValueError at contact.solref
+// How many steps to take before the run. `indented`: a tip begins inside what it touches. Throws SceneValueError at contact.solref
 // where one does and would take more than 100,000 of them to come to rest. Where none does nothing moves in them, and so long a contact
 // gets one.
-int steps_to_settle(const PillarSettings& settings, bool pressed_in);
+int steps_to_settle(const PillarSettings& settings, bool indented);
 
 // Sets the model-wide options, the step among them, and takes the flag autoreset off.
 void set_pillar_options(mjSpec* spec, const PillarSettings& settings);
@@ -134,7 +134,7 @@ struct InverseMass {
 
 // The longest step [s] for a pad on bodies with the given inverse masses: the recipe's, or that at which the contact itself is so
 // soft, by compliance_share, that a slide could no longer make up for it, or that at which the slide, which can do so for one
-// body only, makes a press on another wrong by press_share.
+// body only, makes the normal force on another wrong by force_share.
 double longest_articulated_step(const PadLayout& layout, std::span<const InverseMass> inverse_mass,
                                 const ArticulatedSettings& recipe);
 

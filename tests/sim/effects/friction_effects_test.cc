@@ -38,10 +38,10 @@ TEST(Stribeck, SteadyForceAtAnySpeed) {
 TEST(LoadDependence, SteadyForceFollowsThePowerOfTheLoad) {
   // f_t = mu (f_n/reference)^(-1/3) f_n
   const double mu = 0.5, reference = 2.0;
-  for (const double press : {0.01e-3, 0.3e-3, 2e-3}) {
-    const double f_n = k_n * press;
+  for (const double indentation : {0.01e-3, 0.3e-3, 2e-3}) {
+    const double f_n = k_n * indentation;
     Field field = field_with(one_unit(k_n, k_t), {mu, mu}, {{"load_dependent_friction", {{"reference", reference}}}});
-    for (int tick = 0; tick <= 500; ++tick) field.step(at(20e-6 * tick, 0.0, -press), 1e-3);
+    for (int tick = 0; tick <= 500; ++tick) field.step(at(20e-6 * tick, 0.0, -indentation), 1e-3);
     const double exact = mu * std::pow(f_n / reference, -1.0 / 3.0) * f_n;
     EXPECT_NEAR(field.wrench_on_surface().force.x(), exact, 1e-12 * exact);
   }

@@ -188,6 +188,13 @@ TEST(Lean, GoesWithEveryOtherEffectInItsCone) {
   EXPECT_GT(stuck, 1000);
 }
 
+TEST(Lean, RelaxesByItsRheology) {
+  // Held upright for 20 relaxation times: of what relaxes, 0.4 k_n d = 0.1 N, e^-20 = 2e-9 is left.
+  Field field = field_with(one_unit(k_n, k_t), {0.5, 0.5}, {leaning, {"viscoelastic", {{"relaxation", 0.4}, {"time", 10e-3}}}});
+  for (int tick = 0; tick <= 200; ++tick) field.step(at(0.0, 0.0, -shallow), 1e-3);
+  EXPECT_NEAR(field.normal_force(0), 0.6 * k_n * shallow, 1e-9);
+}
+
 TEST(Lean, RefusesALoadThatItsStopDoesNotHold) {
   // (k_t + k_s) L = 4.38 N.
   Field field = field_with(one_unit(k_n, k_t), {0.5, 0.5}, {leaning});

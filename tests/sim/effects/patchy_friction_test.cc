@@ -155,7 +155,7 @@ TEST(PatchyFriction, RefusesCurvedSurfacesAndWavesOutOfOrder) {
 TEST(PatchyFriction, EveryFaceOfABoxHasPatchesAlongBothItsDirections) {
   // One element that stands on a face of a box of 40 mm and steps along it by 1 mm: friction changes along either direction, and not alike on
   // two faces. On the top it is the plane's.
-  const double half = 0.02, press = 1e-4;
+  const double half = 0.02, indentation = 1e-4;
   PadLayout pad = oracle::square_grid(1, 1e-3, 1000.0, 600.0);
   pad.elements[0].tip.setZero();
   const Wanted patches{"patchy_friction", {{"sd", sd}, {"shortest", shortest}, {"longest", longest}}};
@@ -163,9 +163,9 @@ TEST(PatchyFriction, EveryFaceOfABoxHasPatchesAlongBothItsDirections) {
     Field field(pad, Box{Eigen::Vector3d::Constant(half)}, {0.5, 0.5}, installed(pad, {patches}));
     Pose pose;
     pose.rotation = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
-    pose.position = (half - press) * normal + along;
+    pose.position = (half - indentation) * normal + along;
     field.step(pose, 1e-3);
-    return field.stick_limit(0) / (0.5 * 1000.0 * press);
+    return field.stick_limit(0) / (0.5 * 1000.0 * indentation);
   };
   std::vector<double> seen;
   for (int axis = 0; axis < 3; ++axis) {
@@ -180,8 +180,8 @@ TEST(PatchyFriction, EveryFaceOfABoxHasPatchesAlongBothItsDirections) {
     }
   }
   Field plane = field_with(pad, {0.5, 0.5}, {patches});
-  plane.step(at(1e-3, 2e-3, -press), 1e-3);
-  EXPECT_NEAR(factor(Eigen::Vector3d::UnitZ(), {1e-3, 2e-3, 0.0}), plane.stick_limit(0) / (0.5 * 1000.0 * press), 1e-9);
+  plane.step(at(1e-3, 2e-3, -indentation), 1e-3);
+  EXPECT_NEAR(factor(Eigen::Vector3d::UnitZ(), {1e-3, 2e-3, 0.0}), plane.stick_limit(0) / (0.5 * 1000.0 * indentation), 1e-9);
 }
 
 }  // namespace

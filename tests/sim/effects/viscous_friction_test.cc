@@ -157,14 +157,14 @@ TEST(ViscousFriction, StaticFrictionIsALatch) {
 TEST(ViscousFriction, LightPlateDrivenByAForceSettlesAtItsTerminalSpeed) {
   // 20 g on 36 elements of 200 N/m, pulled by 1 N against mu N = 0.9 N: 0.9 g(v) = 1, v = v0 (10^((1/0.9 - 1)/gain) - 1) = 1.17 mm/s. The slope
   // of friction there, L c/(v0 + v) = 26 N s/m, over the mass times dt is 0.5; at v0 it would be 13. The plate is stepped as MuJoCo does.
-  const double gain = 0.08, v0 = 0.05e-3, mass = 0.02, dt = 1.0 / 2400.0, press = 1e-3;
+  const double gain = 0.08, v0 = 0.05e-3, mass = 0.02, dt = 1.0 / 2400.0, indentation = 1e-3;
   PadLayout pad = one_unit(36.0 * 100.0, 36.0 * 200.0, 36);
-  const double mu = 0.9 / (36.0 * 100.0 * press);
+  const double mu = 0.9 / (36.0 * 100.0 * indentation);
   Field field = field_with(pad, {mu, mu}, {law(gain, v0)});
   const double terminal = v0 * (std::pow(10.0, (1.0 / 0.9 - 1.0) / gain) - 1.0);
   double x = 0.0, v = 0.0, lowest = 1.0, highest = 0.0;
   for (int tick = 0; tick < 2400; ++tick) {
-    field.step(at(x, 0.0, -press), dt);
+    field.step(at(x, 0.0, -indentation), dt);
     v += dt * (1.0 - field.wrench_on_surface().force.x()) / mass;
     x += dt * v;
     if (tick < 1200) continue;

@@ -195,14 +195,18 @@ TEST(SparseField, WakesInTimeHoweverItComes) {
   }
 }
 
-// Drawn or not, every unit of what has been lifted off reads 0, and touches nothing.
+// Drawn or not, and whoever else reads the field, every unit of what has been lifted off reads 0, and touches nothing.
 TEST(SparseField, LooksChangeNoLabel) {
   const Target met = target(Shape::cylinder);
   for (const int looks : {0, 1, 2}) {
     Bench simulation(part_of_pad(0, rows), met.surface, {0.5, 0.4});
+    ContactLabels others(part_of_pad(0, rows));
     const auto step = [&](double height, double time) {
       simulation.field.step(met.facing * at(0.0, 0.0, height), 1e-3);
-      for (int look = 0; look < looks; ++look) simulation.field.view_from_pad();
+      for (int look = 0; look < looks; ++look) {
+        simulation.field.view_from_pad();
+        others.judge({&simulation.field, 1}, time, 1e-3);
+      }
       simulation.labels.update({&simulation.field, 1}, time, 1e-3);
     };
     for (int tick = 0; tick < 5; ++tick) step(-1e-3, 1e-3 * tick);

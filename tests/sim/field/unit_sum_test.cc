@@ -30,7 +30,7 @@ TEST(UnitSum, EveryColumnIsAddedUpInTheOrderOfTheElements) {
   for (std::size_t v = 0; v < UnitSum::vector_columns; ++v) summed.vectors[v] = columns[v].data();
   const double* const path = summed.path = columns[UnitSum::vector_columns].data();
   const double* const limit = summed.limit = columns[UnitSum::vector_columns + 1].data();
-  const double* const press = summed.press = columns[UnitSum::vector_columns + 2].data();
+  const double* const f_normal = summed.f_normal = columns[UnitSum::vector_columns + 2].data();
   summed.mode = mode.data();
   std::fill_n(columns[0].begin(), 3, -0.0);  // of which alone the sum is -0
 
@@ -47,13 +47,13 @@ TEST(UnitSum, EveryColumnIsAddedUpInTheOrderOfTheElements) {
       for (std::size_t i = first; i < first + count; ++i) {
         slipped += path[i];
         reach += limit[i];
-        pressed += std::max(0.0, press[i]);
+        pressed += std::max(0.0, f_normal[i]);
         touching += mode[i] > 0.0 ? 1.0 : 0.0;
         slipping += mode[i] > 1.0 ? 1.0 : 0.0;
       }
       EXPECT_EQ(bits(sum.path), bits(slipped));
       EXPECT_EQ(bits(sum.limit), bits(reach));
-      EXPECT_EQ(bits(sum.press), bits(pressed));
+      EXPECT_EQ(bits(sum.normal_force), bits(pressed));
       EXPECT_EQ(sum.touching, touching);
       EXPECT_EQ(sum.slipping, slipping);
     }

@@ -76,7 +76,7 @@ Pose at(double x, double z) {
 }
 
 // Pressed at 20 mm/s for 80 ms from 0.113 mm above, then at rest until 0.1 s: the pillars touch at 5.65, 15.65 and 28.15 ms.
-double press(double t) { return 0.113e-3 - std::min(1.6e-3, 20e-3 * t); }
+double height(double t) { return 0.113e-3 - std::min(1.6e-3, 20e-3 * t); }
 
 void expect_agreement(const PadLayout& pad, const std::function<Pose(double)>& pose, std::size_t events) {
   const Agreement agreement = compare(pad, Plane{}, 1.5, pose);
@@ -95,13 +95,13 @@ void expect_agreement(const PadLayout& pad, const std::function<Pose(double)>& p
 // Touch, micro and slip of nine pillars each.
 TEST(ArticulatedAgainstField, PressAndSlide) {
   expect_agreement(
-      oracle::nine_pillars(1, k_n, k_t), [](double t) { return at(4e-3 * std::max(0.0, t - 0.1), press(t)); }, 27);
+      oracle::nine_pillars(1, k_n, k_t), [](double t) { return at(4e-3 * std::max(0.0, t - 0.1), height(t)); }, 27);
 }
 
 // Pressed in from the start: all touch at 0 s in both, and no pillar has a press to take up.
 TEST(ArticulatedAgainstField, ASlideThatBeginsInContact) {
   const Agreement agreement = compare(oracle::nine_pillars(1, k_n, k_t), Plane{}, 1.5,
-                                      [](double t) { return at(4e-3 * std::max(0.0, t - 0.1), press(1.0)); });
+                                      [](double t) { return at(4e-3 * std::max(0.0, t - 0.1), height(1.0)); });
   EXPECT_LT(agreement.worst_force, 1e-3);
   EXPECT_LT(agreement.worst_time, 0.3 * dt);
   EXPECT_EQ(agreement.events, 27U);
@@ -113,7 +113,8 @@ TEST(ArticulatedAgainstField, ASlideThatBeginsInContact) {
 // 0.965 s.
 TEST(ArticulatedAgainstField, Stop) {
   expect_agreement(
-      oracle::nine_pillars(1, k_n, k_t), [](double t) { return at(4e-3 * std::clamp(t - 0.1, 0.0, 0.88), press(t)); }, 9 + 3 * 4);
+      oracle::nine_pillars(1, k_n, k_t), [](double t) { return at(4e-3 * std::clamp(t - 0.1, 0.0, 0.88), height(t)); },
+      9 + 3 * 4);
 }
 
 // Touches of all; micro and slip of all but the middle.
@@ -121,7 +122,7 @@ TEST(ArticulatedAgainstField, Turn) {
   expect_agreement(
       oracle::nine_pillars(1, k_n, k_t),
       [](double t) {
-        return oracle::turned(0.5 * std::max(0.0, t - 0.1), {0.0, 0.0, press(t)});
+        return oracle::turned(0.5 * std::max(0.0, t - 0.1), {0.0, 0.0, height(t)});
       },
       9 + 2 * 8);
 }
@@ -160,8 +161,8 @@ TEST_F(HeldBox, IsCarriedByTheSamePillarsAndCreepsInNeither) {
   // A slide makes up for the softer contact between light bodies (articulated.cc): by k_n dt^2 w/15, 1.5 % here. What turning box
   // and damped fingers add to w, some 1/kg each, would be 5e-4.
   for (const std::size_t pad : {0, 1}) {
-    const auto press = [pad](DynamicRig& of) -> Eigen::ArrayXd { return of->contact(pad).contact_force.row(2); };
-    EXPECT_LT((press(pillars) - press(field)).abs().maxCoeff(), 1e-4 * press(field).maxCoeff());
+    const auto normal_forces = [pad](DynamicRig& of) -> Eigen::ArrayXd { return of->contact(pad).contact_force.row(2); };
+    EXPECT_LT((normal_forces(pillars) - normal_forces(field)).abs().maxCoeff(), 1e-4 * normal_forces(field).maxCoeff());
   }
   // At most 0.05 um/s, a tenth of the bar, and the same sag of m g/(10 k_t) = 25 um as exactly as k_t is known.
   EXPECT_LT((field.body("box").pose.position - of_field).norm(), 0.2 * 0.05e-6);

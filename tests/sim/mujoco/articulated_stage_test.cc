@@ -32,7 +32,7 @@ struct Stiffness {
 };
 constexpr Stiffness soft{3000.0, 500.0}, real{7100.0, 3900.0};
 
-double press(const PadLayout& pad, std::size_t u, double k_n) { return k_n * (depth - pad.elements[u].tip.z()); }
+double normal_force(const PadLayout& pad, std::size_t u, double k_n) { return k_n * (depth - pad.elements[u].tip.z()); }
 
 // Steps a bench through `pose(t)` for t = 0, dt, ..., duration and hands every frame to `look`.
 void drive(ArticulatedStage& simulation, double dt, double duration, const std::function<Pose(double)>& pose,
@@ -63,7 +63,7 @@ TEST_P(ArticulatedSlide, EveryPillarSlipsAtTheClosedFormsTimeAndGoesOnAtCoulombs
   const auto [stiffness, v, dt] = GetParam();
   const double recruited = 3e-3 * v / 0.1 + 1e-4;
   const PadLayout pad = oracle::nine_pillars(1, stiffness.k_n, stiffness.k_t);
-  const auto onset = [&](std::size_t u) { return mu * press(pad, u, stiffness.k_n) / (stiffness.k_t * v); };
+  const auto onset = [&](std::size_t u) { return mu * normal_force(pad, u, stiffness.k_n) / (stiffness.k_t * v); };
   ArticulatedStage simulation(pad, Plane{}, {mu, mu}, dt);
   oracle::FirstTimes slips(9, EventKind::slip);
   std::size_t changes = 0;
@@ -74,7 +74,7 @@ TEST_P(ArticulatedSlide, EveryPillarSlipsAtTheClosedFormsTimeAndGoesOnAtCoulombs
         changes += frame.events.size();
         for (std::size_t u = 0; u < 9; ++u) {
           const auto c = static_cast<Eigen::Index>(u);
-          const double f_n = press(pad, u, stiffness.k_n);
+          const double f_n = normal_force(pad, u, stiffness.k_n);
           ASSERT_NEAR(frame.contact_force(2, c), f_n, recruited * f_n) << frame.time;
           if (frame.time < onset(u) + ringing + 8.0 * dt) continue;  // the tip runs up to the pad's speed
           ASSERT_EQ(frame.unit_state[u], UnitState::slip) << frame.time;
@@ -107,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(Speeds, ArticulatedSlide,
 TEST(ArticulatedStage, APadHeldUnderShearDoesNotCreep) {
   // Drawn to 60 % of the corners' way to slip and held: the tips' deflection is the way, and stays. Bar: 0.5 um/s.
   const PadLayout pad = oracle::nine_pillars(1, soft.k_n, soft.k_t);
-  const double dt = 1e-3, v = 4e-3, way = 0.6 * mu * press(pad, 0, soft.k_n) / soft.k_t, arrived = way / v;
+  const double dt = 1e-3, v = 4e-3, way = 0.6 * mu * normal_force(pad, 0, soft.k_n) / soft.k_t, arrived = way / v;
   ArticulatedStage simulation(pad, Plane{}, {mu, mu}, dt);
   Eigen::ArrayXd before;
   drive(
@@ -127,7 +127,8 @@ TEST(ArticulatedStage, ASlideThatStopsStopsSlipping) {
   // Stopped when the corners slip and the others do not: the corners stick from the stop on, at the force with which they slid.
   const PadLayout pad = oracle::nine_pillars(1, soft.k_n, soft.k_t);
   const double dt = 1e-3, v = 4e-3;
-  const double corner = mu * press(pad, 0, soft.k_n) / (soft.k_t * v), edge = mu * press(pad, 1, soft.k_n) / (soft.k_t * v);
+  const double corner = mu * normal_force(pad, 0, soft.k_n) / (soft.k_t * v),
+               edge = mu * normal_force(pad, 1, soft.k_n) / (soft.k_t * v);
   const double stop = std::round(0.5 * (corner + edge) / dt) * dt;
   ArticulatedStage simulation(pad, Plane{}, {mu, mu}, dt);
   oracle::FirstTimes sticks(9, EventKind::stick), slips(9, EventKind::slip);
@@ -146,7 +147,7 @@ TEST(ArticulatedStage, ASlideThatStopsStopsSlipping) {
     EXPECT_EQ(std::isnan(slips.times()[u]), !at_corner) << u;
     if (!at_corner) continue;
     EXPECT_NEAR(sticks.times()[u], stop, 2.0 * dt) << u;
-    const double f_n = press(pad, u, soft.k_n);
+    const double f_n = normal_force(pad, u, soft.k_n);
     // Damping lets go of c v when the tip stops (0.1 mN), the spring of nothing.
     EXPECT_NEAR(simulation.frame().contact_force(0, static_cast<Eigen::Index>(u)), -mu * f_n, 1e-3 * mu * f_n) << u;
   }

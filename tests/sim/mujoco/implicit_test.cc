@@ -159,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(Stiffness, StiffPads, testing::Values(10.0, 100.0),
 // Mean forces on a pad [N] that presses with 1 N and slides at 20 mm/s over a 5 g box, which lies on a table of MuJoCo's own
 // contact.
 struct Drag {
-  double press, pull;
+  double normal_force, pull;
 };
 Drag drag(double stiffer, double dt, bool implicit) {
   const Spec spec = parse(
@@ -175,7 +175,7 @@ Drag drag(double stiffer, double dt, bool implicit) {
     rig.d()->ctrl[0] = i * dt > 0.4 ? 0.02 : 0.0;
     rig.step();
     if (i < settled) continue;
-    mean.press += rig.wrench(0).force.z() / (steps - settled);
+    mean.normal_force += rig.wrench(0).force.z() / (steps - settled);
     mean.pull += rig.wrench(0).force.x() / (steps - settled);
   }
   return mean;
@@ -187,7 +187,7 @@ TEST(Implicit, SlidesOverABoxOnATable) {
   const Drag reference = drag(1.0, 1e-4, false);
   for (const double stiffer : {10.0, 100.0}) {
     const Drag found = drag(stiffer, 1e-3, true);
-    EXPECT_NEAR(found.press / reference.press, 1.0, 5e-3) << stiffer;
+    EXPECT_NEAR(found.normal_force / reference.normal_force, 1.0, 5e-3) << stiffer;
     EXPECT_NEAR(found.pull / reference.pull, 1.0, 1e-2) << stiffer;
   }
 }

@@ -55,7 +55,7 @@ TEST(MujocoContactScene, OtherContactsAreAllowed) {
   rig.run_to(0.9);
   EXPECT_NEAR(rig.body("box").pose.position.z(), -0.01, 1e-4);
   EXPECT_NE(rig->contact(0).state, PadState::no_contact);
-  EXPECT_GT(rig->contact_press("box", "table"), weight_of_100_g) << "its weight and the pad's press";
+  EXPECT_GT(rig->contact_normal_force("box", "table"), weight_of_100_g) << "its weight and the pad's press";
 }
 
 // RK4 leaves the bodies where its last stage saw them, which the watch must not take for a leap: pads that hold, and one that comes

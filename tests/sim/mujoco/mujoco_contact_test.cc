@@ -140,19 +140,19 @@ TEST_P(NoslipOnset, IsThatOfThePress) {
   const auto& [integrator, noslip] = GetParam();
   const double early = 0.6 * std::sqrt(tip_mass / k_t);
   oracle::FirstTimes slips(9, EventKind::slip);
-  Eigen::ArrayXd press;
+  Eigen::ArrayXd normal_force;
   ContactFrame last;
   run(plain(integrator, "elliptic", 1.0, noslip), 10.0, start + 1.5, [&](const ContactFrame& frame) {
     slips(frame);
-    if (press.size() == 0) press = frame.contact_force.row(2);
+    if (normal_force.size() == 0) normal_force = frame.contact_force.row(2);
     last = frame;
   });
   for (std::size_t u = 0; u < 9; ++u) {
     const auto c = static_cast<Eigen::Index>(u);
-    const double onset = mu * press[c] / (k_t * speed);
+    const double onset = mu * normal_force[c] / (k_t * speed);
     EXPECT_NEAR(slips.times()[u] - start, onset - early, 2.0 * dt) << u;
     EXPECT_NEAR(slips.times()[u] - start, onset, 0.03 * onset) << u;
-    EXPECT_NEAR(drawn(last, c), mu * last.contact_force(2, c), 1e-6 * press[c]) << u;
+    EXPECT_NEAR(drawn(last, c), mu * last.contact_force(2, c), 1e-6 * normal_force[c]) << u;
     EXPECT_EQ(last.unit_state[u], UnitState::slip) << u;
   }
 }
@@ -206,8 +206,8 @@ TEST_F(ContactScene, StageRunsToItsEndWithASetting) {
 
 // 10 time constants, of two steps at least, and of any length where nothing is pressed in; a minute's steps are refused where something is.
 TEST(MujocoContact, SettlesForTenTimeConstants) {
-  const auto steps = [](double time_constant, double step, bool pressed_in) {
-    return steps_to_settle(user_pillars(contact({{"solref", std::vector<double>{time_constant, 1.0}}}), step), pressed_in);
+  const auto steps = [](double time_constant, double step, bool indented) {
+    return steps_to_settle(user_pillars(contact({{"solref", std::vector<double>{time_constant, 1.0}}}), step), indented);
   };
   EXPECT_EQ(steps(0.02, 1e-3, true), 200);
   EXPECT_EQ(steps(0.02, 0.1, true), 20);

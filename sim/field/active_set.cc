@@ -1,0 +1,168 @@
+#include "sim/field/active_set.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace slipbench {
+namespace {
+
+using kernel::lanes;
+
+// What distances and sums of ways are short by [m]: far more than they are rounded by, far less than what it costs to look too early.
+constexpr double slack = 1e-9;
+
+// A group that would wake within so many steps does not fall asleep.
+constexpr double least_sleep = 8.0;
+
+// How far a point within `reach` [m] of the pad's origin may have come from one pose to the other [m].
+double farthest_way(const Pose& from, const Pose& to, double reach) {
+  return (to.position - from.position).norm() + (to.rotation - from.rotation).norm() * reach;
+}
+
+}  // namespace
+
+ActiveSet::ActiveSet(const PadLayout& layout) : count_(layout.elements.size()) {
+  const std::size_t groups = (count_ + lanes - 1) / lanes;
+  for (List* list : {&candidates_, &active_, &idle_, &listed_, &selected_}) list->first.resize(groups);
+  last_active_.assign(groups, 0);
+  wakes_at_.assign(groups, awake);
+  for (const Element& element : layout.elements) reach_ = std::max(reach_, element.tip.norm());
+}
+
+void ActiveSet::reset() {
+  all_active_ = 2;
+  std::ranges::fill(wakes_at_, awake);
+}
+
+kernel::Groups ActiveSet::begin_step(const ContactPoints& contacts, const kernel::Columns& columns, const Pose& pose) {
+  ++steps_;
+  step_travel_ = farthest_way(pose_, pose, reach_);
+  if (all_active_ > 0) {
+    list_candidates();
+  } else {
+    wake(contacts, columns);
+  }
+  pose_ = pose;
+  contacts.find(columns, pose_, candidates_.groups());
+  return candidates_.groups();
+}
+
+bool ActiveSet::sort(const kernel::Columns& columns) {
+  bool touches;
+  if (all_active_ > 0) {
+    --all_active_;
+    active_ = candidates_;
+    idle_.count = 0;
+    touches = kernel::any_touches(columns, false, active_.count * lanes);
+  } else {
+    const kernel::Sorted sorted = kernel::sort_groups(columns, candidates_.groups(), active_.first.data(), idle_.first.data());
+    active_.count = sorted.active;
+    idle_.count = sorted.idle;
+    touches = sorted.touches;
+  }
+  for (std::size_t k = 0; k < active_.count; ++k) last_active_[active_.first[k] / lanes] = steps_;
+  return touches;
+}
+
+void ActiveSet::end_step(const ContactPoints& contacts, const kernel::Columns& columns) {
+  selected_.count = 0;
+  for (std::size_t k = 0; k < idle_.count; ++k) {
+    const std::size_t first = idle_.first[k], end = std::min(count_, first + lanes);
+    const double room = clearance(columns, first);
+    if (!(room > least_sleep * step_travel_ + slack)) continue;
+    bool outside = true;
+    for (std::size_t i = first; i < end && outside; ++i) {
+      outside = contacts.is_outside(
+          pose_ * Eigen::Vector3d(columns[kernel::tip_x][i], columns[kernel::tip_y][i], columns[kernel::tip_z][i]));
+    }
+    if (!outside) continue;
+    wakes_at_[first / lanes] = travel_ + room;
+    selected_.add(first);
+  }
+  if (selected_.count == 0) return;
+  kernel::rest(columns, selected_.groups());
+  list_candidates();
+}
+
+kernel::Groups ActiveSet::active_since(std::uint64_t since, const ContactPoints& contacts, const kernel::Columns& columns) {
+  listed_.count = selected_.count = 0;
+  for (std::size_t g = 0; g < last_active_.size(); ++g) {
+    if (last_active_[g] <= since) continue;
+    listed_.add(g * lanes);
+    if (sleeps(g)) selected_.add(g * lanes);
+  }
+  update(contacts, columns);
+  return listed_.groups();
+}
+
+void ActiveSet::update_all(const ContactPoints& contacts, const kernel::Columns& columns) {
+  selected_.count = 0;
+  for (std::size_t g = 0; g < wakes_at_.size(); ++g) {
+    if (sleeps(g)) selected_.add(g * lanes);
+  }
+  update(contacts, columns);
+}
+
+void ActiveSet::update_element(std::size_t i, const ContactPoints& contacts, const kernel::Columns& columns) {
+  selected_.count = 0;
+  if (sleeps(i / lanes)) selected_.add(i / lanes * lanes);
+  update(contacts, columns);
+}
+
+// Works out where the selected groups, which sleep, met the surface in the last step.
+void ActiveSet::update(const ContactPoints& contacts, const kernel::Columns& columns) {
+  if (selected_.count == 0) return;
+  contacts.find(columns, pose_, selected_.groups());
+  kernel::rest(columns, selected_.groups());
+}
+
+void ActiveSet::list_candidates() {
+  candidates_.count = 0;
+  next_wake_ = std::numeric_limits<double>::infinity();
+  for (std::size_t g = 0; g < wakes_at_.size(); ++g) {
+    if (sleeps(g)) {
+      next_wake_ = std::min(next_wake_, wakes_at_[g]);
+    } else {
+      candidates_.add(g * lanes);
+    }
+  }
+}
+
+// Wakes what may touch after the travel of this step. `pose_` is still that of the step before.
+void ActiveSet::wake(const ContactPoints& contacts, const kernel::Columns& columns) {
+  const double before = travel_;
+  // Of many small ways that are added to a long one each loses what the sum is rounded by.
+  travel_ += step_travel_ + std::numeric_limits<double>::epsilon() * travel_;
+  if (travel_ < next_wake_) return;
+  selected_.count = 0;
+  for (std::size_t g = 0; g < wakes_at_.size(); ++g) {
+    if (sleeps(g) && wakes_at_[g] <= travel_) selected_.add(g * lanes);
+  }
+  // The step before is written to the columns of "before"; rest() makes those of "now" the same, which this step then writes.
+  kernel::Columns then = columns;
+  for (const std::size_t k : {0U, 1U, 2U}) std::swap(then[kernel::contact_x + k], then[kernel::contact_before_x + k]);
+  std::swap(then[kernel::gap], then[kernel::gap_before]);
+  std::swap(then[kernel::faces], then[kernel::faces_before]);
+  std::swap(then[kernel::f_normal], then[kernel::f_normal_before]);
+  update(contacts, then);
+  for (std::size_t k = 0; k < selected_.count; ++k) {
+    const std::size_t first = selected_.first[k];
+    const double* const gaps = columns[kernel::gap_before] + first;
+    const double wakes_at = before + *std::min_element(gaps, gaps + std::min(lanes, count_ - first)) - slack;
+    wakes_at_[first / lanes] = wakes_at > travel_ ? wakes_at : awake;
+  }
+  list_candidates();
+}
+
+// How far the tips of a group must come at least before one touches [m]; `first`: its first element. 0 where that is not known.
+double ActiveSet::clearance(const kernel::Columns& columns, std::size_t first) const {
+  double least = std::numeric_limits<double>::infinity();
+  const std::size_t end = std::min(count_, first + lanes);
+  for (std::size_t i = first; i < end; ++i) {
+    if (columns[kernel::depth_offset][i] != 0.0) return 0.0;
+    least = std::min(least, columns[kernel::gap][i]);
+  }
+  return least - slack;
+}
+
+}  // namespace slipbench
