@@ -1,6 +1,8 @@
+#include "sensors/biotac_sp/entry.h"
+
 #include <utility>
 
-#include "sensors/biotac_sp/biotac_sp.h"
+#include "sensors/electronics/electronics.h"
 #include "sim/core/parameter_specs.h"
 
 namespace slipbench {
@@ -27,10 +29,8 @@ ParameterSpec element_count() {
 }
 
 }  // namespace
-}  // namespace biotac_sp
 
-Entry biotac_sp_entry() {
-  using namespace biotac_sp;
+Entry about() {
   constexpr Range some_length{0.0, 0.1, true};
   constexpr Range some_rate{
       .min = 1.0, .max = 10e3, .open_min = false};  // the device's own converter makes 4.4 k readings a second
@@ -95,7 +95,7 @@ Entry biotac_sp_entry() {
       }};
 }
 
-std::vector<Entry> biotac_sp_electronics() {
+std::vector<Entry> electronics_parts() {
   const std::string recordings = "44 public recordings of a touch (yayaneath/BioTacSP-DoS)";
   return electronics_of(
       "BioTac SP",
@@ -112,4 +112,5 @@ std::vector<Entry> biotac_sp_electronics() {
         {{"corner", "inf", "the legacy recording is nearly white from 2 to 1100 Hz, with no line of the mains"}}}});
 }
 
+}  // namespace biotac_sp
 }  // namespace slipbench
