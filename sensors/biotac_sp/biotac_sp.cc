@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <span>
 #include <utility>
 
 #include "sensors/biotac_sp/electrodes.h"
+#include "sensors/biotac_sp/entry.h"
 #include "sensors/biotac_sp/skin.h"
 #include "sensors/biotac_sp/transduction.h"
 #include "sensors/electronics/band_pass.h"
+#include "sensors/electronics/electronics.h"
 #include "sim/core/error.h"
+#include "sim/core/sensor.h"
 
 namespace slipbench {
 namespace biotac_sp {
@@ -111,10 +115,9 @@ SignalModel vibration_model(double rate) {
 }
 
 // The parts among `all` that are, or are not, one of `named`.
-std::vector<ElectronicsPart> parts(const std::vector<ElectronicsPart>& all, std::initializer_list<std::string_view> named,
-                                   bool are) {
-  std::vector<ElectronicsPart> found;
-  for (const ElectronicsPart& part : all) {
+std::vector<Named> parts(const std::vector<Named>& all, std::initializer_list<std::string_view> named, bool are) {
+  std::vector<Named> found;
+  for (const Named& part : all) {
     if ((std::ranges::find(named, part.name) != named.end()) == are) found.push_back(part);
   }
   return found;
@@ -122,7 +125,7 @@ std::vector<ElectronicsPart> parts(const std::vector<ElectronicsPart>& all, std:
 
 class BioTacSp final : public Sensor {
  public:
-  BioTacSp(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
+  BioTacSp(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
       : rate_(parameters.number("rate")),
         cycles_(cycles_a_sample(parameters, key.sensor_name)),
         device_scan_(parameters.choice("scan") == "device"),
@@ -319,13 +322,21 @@ class BioTacSp final : public Sensor {
   std::uint64_t saturated_ = 0;
 };
 
+std::unique_ptr<Sensor> make(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
+                             std::uint64_t trial, const std::string& sensor_name) {
+  const std::uint64_t device = parameters.choice("device") == "fixed" ? 0 : trial;
+  return std::make_unique<BioTacSp>(parameters, electronics, ElectronicsKey{seed, trial, device, sensor_name});
+}
+
 }  // namespace
 }  // namespace biotac_sp
 
-std::unique_ptr<Sensor> make_biotac_sp(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
-                                       std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
-  const std::uint64_t device = parameters.choice("device") == "fixed" ? 0 : trial;
-  return std::make_unique<biotac_sp::BioTacSp>(parameters, electronics, ElectronicsKey{seed, trial, device, sensor_name});
+SensorKind biotac_sp_sensor() {
+  using namespace biotac_sp;
+  return {.about = about(),
+          .electronics = electronics_parts(),
+          .create = make,
+          .view = {.unit = "electrode", .units = "electrodes", .letter = "E", .first = 1}};
 }
 
 }  // namespace slipbench

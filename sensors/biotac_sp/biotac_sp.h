@@ -1,32 +1,18 @@
 // The BioTac SP fingertip: 24 electrodes on a rigid core, under a conducting fluid and a curved elastomer skin.
 #pragma once
 
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "sensors/electronics/electronics.h"
-#include "sim/core/parameters.h"
-#include "sim/core/sensor.h"
+#include "sim/core/sensor_kind.h"
 
 namespace slipbench {
 
-// The catalogue's entry: the parameters of a biotac_sp.
-Entry biotac_sp_entry();
-
-// The parts of its electronics. `gain` and `offset` are those of the electrodes' sensitivity and of their impedance at rest.
-std::vector<Entry> biotac_sp_electronics();
-
-// A biotac_sp with channels "electrodes" {24}, "pdc" {} and "pac" {P}, P = 2 cycle_rate/rate, raw counts. Pad frame P: origin at the skin's
-// outermost point, +X along the finger to its tip as the device's x, +Z into the finger (the device's y), so +Y is the device's -z. Unit e is the
-// part of the skin nearest to electrode E(e+1). A sample is cycle_rate/rate cycles, Sensor::scans(), each of which is two
-// readings of pac and, with `scan: device`, of the two slots whose turn it is: 24 electrodes, pdc, and three that are not modelled; electrodes and
-// pdc hold what was read last, before their first turn what the first reading's contact gives with the noise of that round. With `scan: ideal` all electrodes and pdc are read in the last cycle of a sample.
-// `parameters`: those of biotac_sp_entry(), all present. `electronics`: applied in this order; empty: ideal, which still rounds to counts.
-// `seed` of the dataset and `trial` key the random streams, together with `sensor_name`, the scene's name for the sensor.
-// Throws SceneValueError where cycle_rate is no whole multiple of the rate and where radii, near or far leave an electrode without skin, InputError for unknown or repeated electronics.
-std::unique_ptr<Sensor> make_biotac_sp(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
-                                       std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name);
+// A biotac_sp with channels "electrodes" {24}, "pdc" {} and "pac" {P}, P = 2 cycle_rate/rate, raw counts. Pad frame P: origin at
+// the skin's outermost point, +X along the finger to its tip as the device's x, +Z into the finger (the device's y), so +Y is the
+// device's -z. Unit e is the part of the skin nearest to electrode E(e+1). A sample is cycle_rate/rate cycles, Sensor::scans(),
+// each of which is two readings of pac and, with `scan: device`, of the two slots whose turn it is: 24 electrodes, pdc, and three
+// that are not modelled; electrodes and pdc hold what was read last, before their first turn what the first reading's contact
+// gives with the noise of that round. With `scan: ideal` all electrodes and pdc are read in the last cycle of a sample. Without
+// electronics it still rounds to counts. create() throws SceneValueError where cycle_rate is no whole multiple of the rate and
+// where radii, near or far leave an electrode without skin, InputError for unknown or repeated electronics.
+SensorKind biotac_sp_sensor();
 
 }  // namespace slipbench

@@ -1,6 +1,8 @@
+#include "sensors/biotac_sp/entry.h"
+
 #include <utility>
 
-#include "sensors/biotac_sp/biotac_sp.h"
+#include "sensors/electronics/electronics.h"
 #include "sim/core/parameters.h"
 
 namespace slipbench {
@@ -10,10 +12,8 @@ namespace {
 const std::string recordings = "111 public recordings (yayaneath/BioTacSP-DoS)";
 
 }  // namespace
-}  // namespace biotac_sp
 
-Entry biotac_sp_entry() {
-  using namespace biotac_sp;
+Entry about() {
   constexpr Range some_length = positive_up_to(0.1);
   constexpr Range some_rate{1.0, 10e3};  // the device's own converter makes 4.4 k readings a second
   return {
@@ -83,7 +83,7 @@ Entry biotac_sp_entry() {
       }};
 }
 
-std::vector<Entry> biotac_sp_electronics() {
+std::vector<Entry> electronics_parts() {
   const std::string recordings = "44 public recordings of a touch (yayaneath/BioTacSP-DoS)";
   return electronics_of(
       "BioTac SP",
@@ -101,4 +101,5 @@ std::vector<Entry> biotac_sp_electronics() {
         {{"corner", "inf", "the legacy recording is nearly white from 2 to 1100 Hz, with no line of the mains"}}}});
 }
 
+}  // namespace biotac_sp
 }  // namespace slipbench

@@ -43,11 +43,11 @@ ParameterSpec scale_parameter() {
   return number_spec("scale", Quantity::none, "1", non_negative, "Factor on the device's own figure.", "1: as measured");
 }
 
-Electronics::Electronics(const std::vector<ElectronicsPart>& parts, const SignalModel& model, const ElectronicsKey& key) {
+Electronics::Electronics(const std::vector<Named>& parts, const SignalModel& model, const ElectronicsKey& key) {
   const std::string path = "sensors." + key.sensor_name + ".electronics";
   for (auto part = parts.begin(); part != parts.end(); ++part) {
     const PartKind& kind = kind_of(part->name, path);
-    if (std::any_of(parts.begin(), part, [&](const ElectronicsPart& earlier) { return earlier.name == part->name; })) {
+    if (std::any_of(parts.begin(), part, [&](const Named& earlier) { return earlier.name == part->name; })) {
       throw SceneValueError(path, "part '" + part->name + "' is listed twice; name it once and use its scale");
     }
     if (kind.check != nullptr) kind.check(part->parameters, model, path + "." + part->name);

@@ -13,12 +13,6 @@
 
 namespace slipbench {
 
-// A part named by a scene, with the values of its parameters.
-struct ElectronicsPart {
-  std::string name;
-  Parameters parameters;
-};
-
 // Crosstalk between two values of a sample: `to` gains c times `from`, with c uniform in [-limit, limit].
 struct Coupling {
   std::size_t to;
@@ -71,7 +65,7 @@ class ElectronicsStage {
 class Electronics {
  public:
   // Throws SceneValueError for an unknown part, a part that is listed twice, and parameters that do not go together or with the sensor.
-  Electronics(const std::vector<ElectronicsPart>& parts, const SignalModel& model, const ElectronicsKey& key);
+  Electronics(const std::vector<Named>& parts, const SignalModel& model, const ElectronicsKey& key);
 
   void apply(std::span<float> values, double time) {
     for (const auto& stage : stages_) stage->apply(values, time);

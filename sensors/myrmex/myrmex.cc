@@ -6,8 +6,10 @@
 #include <span>
 #include <utility>
 
+#include "sensors/electronics/electronics.h"
 #include "sensors/myrmex/foam_cell.h"
 #include "sim/core/parameters.h"
+#include "sim/core/sensor.h"
 #include "sim/core/vectorise.h"
 
 namespace slipbench {
@@ -95,7 +97,7 @@ SLIPBENCH_DISPATCHED bool any_loaded_out(std::size_t taxels, const float* values
 
 class Myrmex final : public Sensor {
  public:
-  Myrmex(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
+  Myrmex(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
       : rate_(parameters.number("rate")),
         layout_(make_layout(parameters)),
         channels_{make_channel(parameters)},
@@ -154,6 +156,8 @@ class Myrmex final : public Sensor {
 }  // namespace
 }  // namespace myrmex
 
+namespace {
+
 Entry myrmex_entry() {
   const std::string paper = "Tactile Convolutional Networks paper, section 2";
   const std::string cell = "fit to a comparable piezoresistive cell, bare (TAMS-Group/tams_tactile_sensor_array_hardware)";
@@ -205,9 +209,28 @@ std::vector<Entry> myrmex_electronics() {
        {"quantisation", "over 0 to 4095 counts", {{"bits", "12", "the paper, section 2"}}}});
 }
 
-std::unique_ptr<Sensor> make_myrmex(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
-                                    std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
+std::unique_ptr<Sensor> make_myrmex(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
+                                    std::uint64_t trial, const std::string& sensor_name) {
   return std::make_unique<myrmex::Myrmex>(parameters, electronics, ElectronicsKey{seed, trial, 0, sensor_name});
+}
+
+}  // namespace
+
+SensorKind myrmex_sensor() {
+  return {.about = myrmex_entry(),
+          .electronics = myrmex_electronics(),
+          .create = make_myrmex,
+          .view = {.unit = "taxel",
+                   .units = "taxels",
+                   .letter = "T",
+                   .from_behind = true,
+                   .orientation = "row 0 of its image at the top",
+                   .channels = {{"taxels", "Taxels"}},
+                   .picture = PadPicture{.channel = "taxels",
+                                         .width = 0.98,
+                                         .rest = myrmex::full_scale,
+                                         .falls = true,
+                                         .note = "Behind each taxel a square: counts missing of those at rest."}}};
 }
 
 }  // namespace slipbench

@@ -1,6 +1,9 @@
-#include <utility>
+#include "sensors/nib_pad/entry.h"
 
-#include "sensors/nib_pad/nib_pad.h"
+#include <utility>
+#include <vector>
+
+#include "sensors/nib_pad/electrodes.h"
 #include "sim/core/parameters.h"
 
 namespace slipbench {
@@ -10,10 +13,8 @@ namespace {
 constexpr Range some_length = positive_up_to(0.1);
 
 }  // namespace
-}  // namespace nib_pad
 
-Entry nib_pad_entry() {
-  using namespace nib_pad;
+Entry about() {
   return {
       .name = "nib_pad",
       .summary = "Capacitive nib pad: 6x6 silicone nibs, 9 taxels of four electrodes, clusters for fast shear and torsion.",
@@ -85,4 +86,31 @@ Entry nib_pad_entry() {
       }};
 }
 
+SensorView view() {
+  std::vector<std::vector<std::size_t>> nibs_of(taxels);
+  for (std::size_t nib = 0; nib < nibs; ++nib) nibs_of[taxel_of(nib)].push_back(nib);
+  // Differences: north less south electrodes, one sense of rotation less the other (the paper, section II).
+  return {.unit = "nib",
+          .units = "nibs",
+          .letter = "N",
+          .from_behind = true,
+          .orientation = "so that east is right and north is up",
+          .channels = {{.channel = "fl",
+                        .name = "FL: clusters N and S",
+                        .note = "all nine north electrodes and all nine south electrodes together, 300 Hz",
+                        .difference = "FL",
+                        .spectrum = SpectrumView{"FL, north minus south", 0.5, 0.1, 20.0}},
+                       {.channel = "fr",
+                        .name = "FR: clusters + and −",
+                        .note = "tangential electrodes of the eight outer taxels, counter-clockwise and clockwise, 300 Hz",
+                        .difference = "FR",
+                        .spectrum = SpectrumView{"FR, counter-clockwise minus clockwise", 0.5, 0.1, 20.0}},
+                       {.channel = "si", .name = "SI: electrodes of one taxel", .note = "one image is read within nine samples"}},
+          .picture = PadPicture{.channel = "si",
+                                .cells = std::move(nibs_of),
+                                .width = 1.88,
+                                .note = "Behind each taxel its four electrodes: what SI reads there above its first image."}};
+}
+
+}  // namespace nib_pad
 }  // namespace slipbench

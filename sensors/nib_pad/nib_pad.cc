@@ -4,13 +4,16 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "sensors/nib_pad/electrodes.h"
+#include "sensors/nib_pad/entry.h"
 #include "sensors/nib_pad/nib_capacitor.h"
 #include "sensors/nib_pad/signal_model.h"
 #include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "sim/core/sensor.h"
 
 namespace slipbench {
 namespace nib_pad {
@@ -79,7 +82,7 @@ std::vector<Channel> make_channels(double rate, double scan) {
 
 class NibPad final : public Sensor {
  public:
-  NibPad(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
+  NibPad(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
       : rate_(parameters.number("rate")),
         multiplexed_(parameters.choice("scan") == "multiplexed"),
         average_(static_cast<std::size_t>(parameters.integer("average"))),
@@ -221,13 +224,18 @@ class NibPad final : public Sensor {
   std::uint64_t saturated_ = 0;
 };
 
+std::unique_ptr<Sensor> make(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
+                             std::uint64_t trial, const std::string& sensor_name) {
+  const std::uint64_t device = parameters.choice("device") == "fixed" ? 0 : trial;
+  return std::make_unique<NibPad>(parameters, electronics, ElectronicsKey{seed, trial, device, sensor_name});
+}
+
 }  // namespace
 }  // namespace nib_pad
 
-std::unique_ptr<Sensor> make_nib_pad(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
-                                     std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
-  const std::uint64_t device = parameters.choice("device") == "fixed" ? 0 : trial;
-  return std::make_unique<nib_pad::NibPad>(parameters, electronics, ElectronicsKey{seed, trial, device, sensor_name});
+SensorKind nib_pad_sensor() {
+  using namespace nib_pad;
+  return {.about = about(), .electronics = electronics_parts(), .create = make, .view = view()};
 }
 
 }  // namespace slipbench

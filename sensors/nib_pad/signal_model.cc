@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "sensors/nib_pad/electrodes.h"
-#include "sensors/nib_pad/nib_pad.h"
 
 namespace slipbench {
 namespace nib_pad {
@@ -32,9 +31,7 @@ SignalModel signal_model(double rate, double count) {
   return model;
 }
 
-}  // namespace nib_pad
-
-std::vector<Entry> nib_pad_electronics() {
+std::vector<Entry> electronics_parts() {
   return electronics_of(
       "nib pad",
       {{"gain", "assumed: 5 % of what is above rest, from electrode to electrode, as gaps and areas are made"},
@@ -46,4 +43,5 @@ std::vector<Entry> nib_pad_electronics() {
         {{"corner", "inf", "a converter's noise is white: each reading integrates anew"}}}});
 }
 
+}  // namespace nib_pad
 }  // namespace slipbench

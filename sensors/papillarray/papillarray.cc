@@ -5,11 +5,14 @@
 #include <cassert>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "sensors/papillarray/signal_model.h"
 #include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "sim/core/sensor.h"
 
 namespace slipbench {
 namespace papillarray {
@@ -81,7 +84,7 @@ Channel make_channel(const std::string& name, const std::string& unit, char symb
 
 class PapillArray final : public Sensor {
  public:
-  PapillArray(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
+  PapillArray(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
       : rate_(checked_rate(parameters, key.sensor_name)),
         label_speed_(parameters.number("label_speed")),
         layout_(make_layout(parameters, RandomStream(key.seed, key.device, "papillarray." + key.sensor_name + ".stiffness"))),
@@ -140,6 +143,8 @@ class PapillArray final : public Sensor {
 }  // namespace
 }  // namespace papillarray
 
+namespace {
+
 Entry papillarray_entry() {
   using namespace papillarray;
   return {
@@ -183,10 +188,22 @@ Entry papillarray_entry() {
       }};
 }
 
-std::unique_ptr<Sensor> make_papillarray(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
-                                         std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
+std::unique_ptr<Sensor> make_papillarray(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
+                                         std::uint64_t trial, const std::string& sensor_name) {
   const std::uint64_t device = parameters.choice("device") == "fixed" ? 0 : trial;
   return std::make_unique<papillarray::PapillArray>(parameters, electronics, ElectronicsKey{seed, trial, device, sensor_name});
+}
+
+}  // namespace
+
+SensorKind papillarray_sensor() {
+  return {.about = papillarray_entry(),
+          .electronics = papillarray::electronics_parts(),
+          .create = make_papillarray,
+          .view = {.unit = "pillar",
+                   .units = "pillars",
+                   .letter = "P",
+                   .channels = {{"force", "Force"}, {"displacement", "Displacement"}}}};
 }
 
 }  // namespace slipbench

@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "sensors/papillarray/papillarray.h"
-
 namespace slipbench {
 namespace papillarray {
 namespace {
@@ -57,10 +55,7 @@ SignalModel signal_model(const PillarStiffness& stiffness, double rate) {
   return model;
 }
 
-}  // namespace papillarray
-
-std::vector<Entry> papillarray_electronics() {
-  using papillarray::recorded;
+std::vector<Entry> electronics_parts() {
   return electronics_of(
       "PapillArray",
       {{"coupling",
@@ -77,4 +72,5 @@ std::vector<Entry> papillarray_electronics() {
             "unloaded pillars over 5 s, less a linear trend: sd FX 1.4, FY 2.5, FZ 5.3 mN, DX 0.4, DY 0.7, DZ 1.4 um. The sd includes the rise below 3 Hz, which has no pole of its own")}});
 }
 
+}  // namespace papillarray
 }  // namespace slipbench

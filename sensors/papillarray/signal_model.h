@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "sensors/electronics/electronics.h"
 
@@ -23,5 +24,8 @@ inline constexpr PillarStiffness hexapod_stiffness{1.2e3, 0.65e3};
 // displacement of that axis share a source. The force figures were measured at the gripper's stiffness and go in proportion to
 // it.
 SignalModel signal_model(const PillarStiffness& stiffness, double rate);
+
+// The parts of its electronics, with the figures that were measured on a PapillArray.
+std::vector<Entry> electronics_parts();
 
 }  // namespace slipbench::papillarray

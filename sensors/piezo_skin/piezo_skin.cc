@@ -8,8 +8,10 @@
 #include <utility>
 
 #include "sensors/electronics/band_pass.h"
+#include "sensors/electronics/electronics.h"
 #include "sim/core/error.h"
 #include "sim/core/parameters.h"
+#include "sim/core/sensor.h"
 
 namespace slipbench {
 namespace piezo {
@@ -69,7 +71,7 @@ SignalModel signal_model(double rate, double gain) {
 
 class PiezoSkin final : public Sensor {
  public:
-  PiezoSkin(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics, const ElectronicsKey& key)
+  PiezoSkin(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
       : rate_(parameters.number("rate")),
         gain_(parameters.number("gain")),
         shear_x_(parameters.vector("shear")[0]),
@@ -145,6 +147,8 @@ class PiezoSkin final : public Sensor {
 }  // namespace
 }  // namespace piezo
 
+namespace {
+
 Entry piezo_skin_entry() {
   const std::string paper = "FFT-GRU slip detection paper, section II";
   return {
@@ -206,9 +210,24 @@ std::vector<Entry> piezo_skin_electronics() {
         {{"bits", "16", "assumed: with 12 either the steps are coarser than the noise or pressing reaches the ends"}}}});
 }
 
-std::unique_ptr<Sensor> make_piezo_skin(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
-                                        std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
+std::unique_ptr<Sensor> make_piezo_skin(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
+                                        std::uint64_t trial, const std::string& sensor_name) {
   return std::make_unique<piezo::PiezoSkin>(parameters, electronics, ElectronicsKey{seed, trial, 0, sensor_name});
+}
+
+}  // namespace
+
+SensorKind piezo_skin_sensor() {
+  return {.about = piezo_skin_entry(),
+          .electronics = piezo_skin_electronics(),
+          .create = make_piezo_skin,
+          .view = {.unit = "patch",
+                   .units = "patches",
+                   .letter = "S",
+                   .channels = {{.channel = "signal",
+                                 .name = "Signal",
+                                 .note = "charge of the patch through its amplifier: the rate of its force",
+                                 .spectrum = SpectrumView{"the signal", 0.02, 0.01, 1000.0}}}}};
 }
 
 }  // namespace slipbench

@@ -16,7 +16,7 @@ namespace slipbench::myrmex_test {
 namespace {
 
 void image(benchmark::State& state, const std::vector<std::string>& names) {
-  std::vector<ElectronicsPart> parts;
+  std::vector<Named> parts;
   for (const std::string& name : names) parts.push_back(part(name));
   const auto sensor = array({}, parts);
   ContactFrame truth = pressed(256, 10.0);

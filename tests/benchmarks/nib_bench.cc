@@ -7,13 +7,13 @@ namespace slipbench::nib_pad_test {
 namespace {
 
 void reading(benchmark::State& state, const std::string& scan, bool typical) {
-  Parameters parameters = defaults_of(nib_pad_entry().parameters);
+  Parameters parameters = defaults_of(nib_pad_sensor().about.parameters);
   parameters.set("scan", scan);
-  std::vector<ElectronicsPart> parts;
-  for (const Entry& entry : nib_pad_electronics()) {
+  std::vector<Named> parts;
+  for (const Entry& entry : nib_pad_sensor().electronics) {
     if (typical) parts.push_back({entry.name, defaults_of(entry.parameters)});
   }
-  const auto sensor = make_nib_pad(parameters, parts, 1, 0, "pad");
+  const auto sensor = nib_pad_sensor().create(parameters, parts, 1, 0, "pad");
   const ContactFrame truth = contact(0.3, 0.2e-3, -0.1e-3);
   for (auto _ : state) benchmark::DoNotOptimize(sensor->measure(truth).values.data());
 }

@@ -135,7 +135,7 @@ TEST(BioTacSp, RefusesAKernelThatReachesNoElement) {
 }
 
 TEST(BioTacSp, SamplesAtRatesThatItsConverterCouldServe) {
-  for (const ParameterSpec& spec : biotac_sp_entry().parameters) {
+  for (const ParameterSpec& spec : biotac_sp_sensor().about.parameters) {
     if (spec.name != "rate" && spec.name != "cycle_rate") continue;
     EXPECT_EQ(spec.range.min, 1.0) << spec.name;
     EXPECT_EQ(spec.range.max, 10e3) << spec.name;

@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "sensors/biotac_sp/biotac_sp.h"
+#include "sim/core/sensor.h"
 #include "sim/field/contact_labels.h"
 #include "sim/field/field.h"
 
@@ -28,15 +29,15 @@ using Changes = std::vector<std::pair<std::string, Parameters::Value>>;
 
 inline std::unique_ptr<Sensor> make(const Changes& changes = {}, const std::vector<std::string>& electronics = {},
                                     std::uint64_t trial = 0, const std::string& name = "finger") {
-  Parameters parameters = defaults_of(biotac_sp_entry().parameters);
+  Parameters parameters = defaults_of(biotac_sp_sensor().about.parameters);
   for (const auto& [key, value] : changes) parameters.set(key, value);
-  std::vector<ElectronicsPart> parts;
-  for (const Entry& entry : biotac_sp_electronics()) {
+  std::vector<Named> parts;
+  for (const Entry& entry : biotac_sp_sensor().electronics) {
     for (const std::string& part : electronics) {
       if (part == entry.name || part == "typical") parts.push_back({entry.name, defaults_of(entry.parameters)});
     }
   }
-  return make_biotac_sp(parameters, parts, 7, trial, name);
+  return biotac_sp_sensor().create(parameters, parts, 7, trial, name);
 }
 
 // All electrodes in every reading, nothing but the dent itself.

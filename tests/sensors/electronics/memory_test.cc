@@ -22,7 +22,7 @@ void copy_memory(const Electronics& from, const Electronics& to) {
 
 TEST(ElectronicsMemory, CopiedIntoAnotherChainItGoesOnToTheSameBits) {
   const SignalModel model = two_values_a_source(7);  // an odd number of sources
-  std::vector<ElectronicsPart> every_part;
+  std::vector<Named> every_part;
   for (const Entry& entry : electronics_entries()) every_part.push_back(part(entry.name));
   for (const int saved_at : {0, 1, 50}) {
     Electronics lasting(every_part, model, default_key), fresh(every_part, model, default_key),

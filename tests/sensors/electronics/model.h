@@ -33,10 +33,10 @@ inline SignalModel two_values_a_source(std::size_t sources, double rate = 1000.0
 }
 
 // A part at its defaults, but for `scale` where it has one.
-inline ElectronicsPart part(const std::string& name, double scale = 1.0) {
+inline Named part(const std::string& name, double scale = 1.0) {
   const std::vector<Entry> entries = electronics_entries();
   const auto entry = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.name == name; });
-  ElectronicsPart result{name, entry == entries.end() ? Parameters{} : defaults_of(entry->parameters)};
+  Named result{name, entry == entries.end() ? Parameters{} : defaults_of(entry->parameters)};
   if (result.parameters.values().contains("scale")) result.parameters.set("scale", scale);
   return result;
 }
@@ -44,7 +44,7 @@ inline ElectronicsPart part(const std::string& name, double scale = 1.0) {
 inline const ElectronicsKey default_key{.seed = 11, .trial = 3, .device = 0, .sensor_name = "pad"};
 
 // What a chain makes of the constant sample `input` at each of `times`.
-inline std::vector<std::vector<float>> outputs(const std::vector<ElectronicsPart>& parts, const SignalModel& model, float input,
+inline std::vector<std::vector<float>> outputs(const std::vector<Named>& parts, const SignalModel& model, float input,
                                                const std::vector<double>& times, const ElectronicsKey& key = default_key) {
   Electronics electronics(parts, model, key);
   std::vector<std::vector<float>> result;

@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Rates, NoiseAtRate, testing::Values(100.0, 250.0, 500.0
 
 TEST(Noise, FollowsItsCorner) {
   // With the corner at 32 Hz the correlation at 10 ms is that of 16 Hz at 20 ms.
-  ElectronicsPart fast = part("noise");
+  Named fast = part("noise");
   fast.parameters.set("corner", 2.0 * corner);
   const auto x = outputs({fast}, two_values_a_source(many, 100.0), 0.0F, times_at(100.0, 2));
   const double rho = correlation_of_law(0.02);

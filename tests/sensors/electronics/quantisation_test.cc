@@ -10,8 +10,8 @@
 namespace slipbench {
 namespace {
 
-ElectronicsPart converter(std::int64_t bits) {
-  ElectronicsPart result = part("quantisation");
+Named converter(std::int64_t bits) {
+  Named result = part("quantisation");
   result.parameters.set("bits", bits);
   return result;
 }
@@ -92,7 +92,7 @@ TEST(Quantisation, AddsAnErrorOfATwelfthOfASquaredStep) {
 }
 
 TEST(WhiteNoise, ForgetsBetweenTwoSamples) {
-  ElectronicsPart white = part("noise");
+  Named white = part("noise");
   white.parameters.set("corner", std::numeric_limits<double>::infinity());
   const auto y = outputs({white}, two_values_a_source(many), 0.0F, {0.0, 0.001});
   double square = 0.0, lag = 0.0;

@@ -43,7 +43,7 @@ TEST(SkewedNoise, HasTheMomentsAndTheSpikesOfItsLaw) {
 }
 
 TEST(SkewedNoise, NeedsTheLeastDepthOfASpikeFirst) {
-  ElectronicsPart reversed = part("skewed_noise"), even = part("skewed_noise");
+  Named reversed = part("skewed_noise"), even = part("skewed_noise");
   reversed.parameters.set("spike", std::vector{11.6, 3.2});
   even.parameters.set("spike", std::vector{5.0, 5.0});
   EXPECT_NO_THROW(Electronics({even}, two_values_a_source(1), default_key));

@@ -17,7 +17,7 @@ namespace {
 constexpr double full = 4095.0;
 
 // One taxel without memory.
-std::unique_ptr<Sensor> cell(const Changes& changes = {}, const std::vector<ElectronicsPart>& parts = {}) {
+std::unique_ptr<Sensor> cell(const Changes& changes = {}, const std::vector<Named>& parts = {}) {
   Changes all{{"rows", std::int64_t{1}}, {"columns", std::int64_t{1}}};
   all.insert(all.end(), changes.begin(), changes.end());
   return array(all, parts);
@@ -181,7 +181,7 @@ TEST(MyrmexElectronics, ScanReadsOneTaxelAfterTheOther) {
     const double lag = 0.526 * (255.0 - static_cast<double>(v)) / 256.0;
     ASSERT_NEAR(static_cast<double>(ramp[v]), full - (4.0 - lag) * a_sample, full * 0x1p-23) << v;
   }
-  ElectronicsPart slow = part("scan");
+  Named slow = part("scan");
   slow.parameters.set("duration", 1.5e-3);
   try {
     array({}, {slow});
@@ -210,7 +210,7 @@ TEST(MyrmexElectronics, NoiseIsThatOfTheComparableCell) {
 }
 
 TEST(MyrmexElectronics, SaturationIsCountedOfWhatIsReadAtTheLoadedEndAlone) {
-  const std::vector<ElectronicsPart> parts{part("white_noise"), part("quantisation")};
+  const std::vector<Named> parts{part("white_noise"), part("quantisation")};
   const auto sensor = array({{"hysteresis", 0.0}}, parts);
   for (int k = 0; k < 10; ++k) sensor->measure(pressed(256, 0.0));
   EXPECT_EQ(sensor->saturated(), 0u) << "at rest half of the noise is cut off at 4095";

@@ -7,23 +7,23 @@
 #include <vector>
 
 #include "sensors/myrmex/myrmex.h"
+#include "sim/core/sensor.h"
 
 namespace slipbench::myrmex_test {
 
 using Changes = std::vector<std::pair<std::string, Parameters::Value>>;
 
-inline ElectronicsPart part(const std::string& name) {
-  for (const Entry& entry : myrmex_electronics()) {
+inline Named part(const std::string& name) {
+  for (const Entry& entry : myrmex_sensor().electronics) {
     if (entry.name == name) return {name, defaults_of(entry.parameters)};
   }
   return {};
 }
 
-inline std::unique_ptr<Sensor> array(const Changes& changes = {}, const std::vector<ElectronicsPart>& parts = {},
-                                     std::uint64_t trial = 0) {
-  Parameters parameters = defaults_of(myrmex_entry().parameters);
+inline std::unique_ptr<Sensor> array(const Changes& changes = {}, const std::vector<Named>& parts = {}, std::uint64_t trial = 0) {
+  Parameters parameters = defaults_of(myrmex_sensor().about.parameters);
   for (const auto& [name, value] : changes) parameters.set(name, value);
-  return make_myrmex(parameters, parts, 7, trial, "pad");
+  return myrmex_sensor().create(parameters, parts, 7, trial, "pad");
 }
 
 // All taxels under one force [N], each pressed by the same share.

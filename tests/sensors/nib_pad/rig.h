@@ -9,15 +9,16 @@
 #include <vector>
 
 #include "sensors/nib_pad/nib_pad.h"
+#include "sim/core/sensor.h"
 
 namespace slipbench::nib_pad_test {
 
 using Changes = std::vector<std::pair<std::string, Parameters::Value>>;
 
 inline std::unique_ptr<Sensor> make(const Changes& changes = {}, std::uint64_t trial = 0) {
-  Parameters parameters = defaults_of(nib_pad_entry().parameters);
+  Parameters parameters = defaults_of(nib_pad_sensor().about.parameters);
   for (const auto& [name, value] : changes) parameters.set(name, value);
-  return make_nib_pad(parameters, {}, 7, trial, "pad");
+  return nib_pad_sensor().create(parameters, {}, 7, trial, "pad");
 }
 
 // All read at one instant, unaveraged: what a closed form of one contact gives.

@@ -121,14 +121,14 @@ TEST(NibPadScan, MemoryIsAllThatIsCarried) {
 // and 500 images of 36 values: relative standard errors of an sd are 1/sqrt(2 n) = 0.75 % and 0.53 %, of a correlation from one reading to
 // the next 1/sqrt(n) = 1.1 % and 0.75 %; five of each.
 TEST(NibPadScan, NoiseIsWhiteAndOfItsSize) {
-  std::vector<ElectronicsPart> parts;
-  for (const Entry& entry : nib_pad_electronics()) {
+  std::vector<Named> parts;
+  for (const Entry& entry : nib_pad_sensor().electronics) {
     if (entry.name == "noise") parts.push_back({entry.name, defaults_of(entry.parameters)});
   }
   ASSERT_EQ(parts.size(), 1U);
-  Parameters parameters = defaults_of(nib_pad_entry().parameters);
+  Parameters parameters = defaults_of(nib_pad_sensor().about.parameters);
   parameters.set("average", std::int64_t{1});
-  const auto sensor = make_nib_pad(parameters, parts, 7, 0, "pad");
+  const auto sensor = nib_pad_sensor().create(parameters, parts, 7, 0, "pad");
   struct Sums {
     double square = 0.0, product = 0.0;
     int count = 0;

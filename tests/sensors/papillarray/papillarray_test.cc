@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim/core/error.h"
+#include "sim/core/sensor.h"
 
 namespace slipbench {
 namespace {
@@ -14,22 +15,21 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-Parameters defaults() { return defaults_of(papillarray_entry().parameters); }
+Parameters defaults() { return defaults_of(papillarray_sensor().about.parameters); }
 
-std::vector<ElectronicsPart> typical() {
-  std::vector<ElectronicsPart> parts;
-  for (const Entry& entry : papillarray_electronics()) parts.push_back({entry.name, defaults_of(entry.parameters)});
+std::vector<Named> typical() {
+  std::vector<Named> parts;
+  for (const Entry& entry : papillarray_sensor().electronics) parts.push_back({entry.name, defaults_of(entry.parameters)});
   return parts;
 }
 
-ElectronicsPart only(const std::string& name) {
+Named only(const std::string& name) {
   const auto parts = typical();
-  return *std::find_if(parts.begin(), parts.end(), [&](const ElectronicsPart& part) { return part.name == name; });
+  return *std::find_if(parts.begin(), parts.end(), [&](const Named& part) { return part.name == name; });
 }
 
-std::unique_ptr<Sensor> make(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics = {},
-                             std::uint64_t trial = 0) {
-  return make_papillarray(parameters, electronics, 7, trial, "pad");
+std::unique_ptr<Sensor> make(const Parameters& parameters, const std::vector<Named>& electronics = {}, std::uint64_t trial = 0) {
+  return papillarray_sensor().create(parameters, electronics, 7, trial, "pad");
 }
 
 // Nine detached pillars without load.
@@ -304,7 +304,7 @@ TEST(PapillArray, GainChangesTheForceOnly) {
 }
 
 TEST(PapillArray, EveryPartStatesWhatWasMeasured) {
-  for (const Entry& entry : papillarray_electronics())
+  for (const Entry& entry : papillarray_sensor().electronics)
     EXPECT_THAT(entry.source, testing::StartsWith("PapillArray: ")) << entry.name;
 }
 
@@ -340,7 +340,7 @@ TEST(PaperLabel, LeavesOutTheCentrePillarInRotation) {
 
 // A pillar is 4.2 mm high: none can be shorter by more.
 TEST(PapillArray, NoPillarIsShorterThanNothing) {
-  for (const ParameterSpec& spec : papillarray_entry().parameters) {
+  for (const ParameterSpec& spec : papillarray_sensor().about.parameters) {
     if (spec.name != "edge_drop" && spec.name != "corner_drop") continue;
     EXPECT_NO_THROW(parse_scalar(spec, "4.2 mm"));
     EXPECT_THROW(parse_scalar(spec, "4.21 mm"), std::invalid_argument);

@@ -12,6 +12,7 @@
 
 #include "sensors/electronics/band_pass.h"
 #include "sim/core/error.h"
+#include "sim/core/sensor.h"
 
 namespace slipbench::piezo_skin_test {
 namespace {
@@ -21,13 +22,13 @@ constexpr double pi = std::numbers::pi, inf = std::numeric_limits<double>::infin
 using Changes = std::vector<std::pair<std::string, Parameters::Value>>;
 
 std::unique_ptr<Sensor> skin(const Changes& changes = {}, bool typical = false, std::uint64_t trial = 0) {
-  Parameters parameters = defaults_of(piezo_skin_entry().parameters);
+  Parameters parameters = defaults_of(piezo_skin_sensor().about.parameters);
   for (const auto& [name, value] : changes) parameters.set(name, value);
-  std::vector<ElectronicsPart> parts;
-  for (const Entry& entry : piezo_skin_electronics()) {
+  std::vector<Named> parts;
+  for (const Entry& entry : piezo_skin_sensor().electronics) {
     if (typical) parts.push_back({entry.name, defaults_of(entry.parameters)});
   }
-  return make_piezo_skin(parameters, parts, 7, trial, "pad");
+  return piezo_skin_sensor().create(parameters, parts, 7, trial, "pad");
 }
 
 // One unit that sticks under this force [N], on a stage at x [m].

@@ -22,7 +22,7 @@ Scene simulation() {
   SensorScene sensor;
   sensor.name = "pad";
   sensor.type = "piezo_skin";
-  sensor.parameters = defaults_of(piezo_skin_entry().parameters);
+  sensor.parameters = defaults_of(piezo_skin_sensor().about.parameters);
   scene.sensors.push_back(sensor);
   scene.motion.parameters.set("compression", 0.25e-3);
   scene.motion.parameters.set("speed", 20e-3);

@@ -1,42 +1,30 @@
 #include "tools/program/catalogue/sensor_catalogue.h"
 
-#include <string>
 #include <vector>
 
-#include "sensors/biotac_sp/biotac_sp.h"
-#include "sensors/myrmex/myrmex.h"
-#include "sensors/nib_pad/nib_pad.h"
-#include "sensors/papillarray/papillarray.h"
-#include "sensors/piezo_skin/piezo_skin.h"
 #include "sim/core/error.h"
+#include "sim/core/sensor_kind.h"
 #include "sim/simulation/stage_simulation.h"
 
+// All sensors in the order of `slipbench list`, a line each: the name of its folder in sensors/, where SensorKind NAME_sensor() is
+// defined.
+#define SLIPBENCH_SENSORS(SENSOR) \
+  SENSOR(papillarray)             \
+  SENSOR(nib_pad)                 \
+  SENSOR(piezo_skin)              \
+  SENSOR(biotac_sp)               \
+  SENSOR(myrmex)
+
 namespace slipbench {
+
+#define SLIPBENCH_DECLARED(name) SensorKind name##_sensor();
+SLIPBENCH_SENSORS(SLIPBENCH_DECLARED)
+
 namespace {
 
-std::vector<ElectronicsPart> parts_of(const SensorScene& scene) {
-  std::vector<ElectronicsPart> parts;
-  for (const Named& part : scene.electronics) parts.push_back({part.name, part.parameters});
-  return parts;
-}
-
-// A sensor that a scene may name.
-struct SensorKind {
-  Entry about;
-  std::vector<Entry> electronics;  // the parts that it has
-  std::unique_ptr<Sensor> (*create)(const Parameters& parameters, const std::vector<ElectronicsPart>& electronics,
-                                    std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name);
-};
-
-// All sensors, one line each.
 const std::vector<SensorKind>& sensor_catalogue() {
-  static const std::vector<SensorKind> kinds{
-      {papillarray_entry(), papillarray_electronics(), make_papillarray},
-      {nib_pad_entry(), nib_pad_electronics(), make_nib_pad},
-      {piezo_skin_entry(), piezo_skin_electronics(), make_piezo_skin},
-      {biotac_sp_entry(), biotac_sp_electronics(), make_biotac_sp},
-      {myrmex_entry(), myrmex_electronics(), make_myrmex},
-  };
+#define SLIPBENCH_LISTED(name) name##_sensor(),
+  static const std::vector<SensorKind> kinds{SLIPBENCH_SENSORS(SLIPBENCH_LISTED)};
   return kinds;
 }
 
@@ -54,9 +42,16 @@ Catalogues pad_catalogues() {
 
 std::unique_ptr<Sensor> make_sensor(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
   for (const SensorKind& kind : sensor_catalogue()) {
-    if (kind.about.name == scene.type) return kind.create(scene.parameters, parts_of(scene), seed, trial, scene.name);
+    if (kind.about.name == scene.type) return kind.create(scene.parameters, scene.electronics, seed, trial, scene.name);
   }
   throw InputError("sensor " + scene.name + ": unknown type " + quote(scene.type));
+}
+
+SensorView sensor_view(const std::string& type) {
+  for (const SensorKind& kind : sensor_catalogue()) {
+    if (kind.about.name == type) return kind.view;
+  }
+  return {};
 }
 
 }  // namespace slipbench

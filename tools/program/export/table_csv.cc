@@ -1,7 +1,6 @@
 #include "tools/program/export/table_csv.h"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <numeric>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/export/samples.h"
 
 namespace slipbench {
@@ -18,18 +18,11 @@ namespace {
 constexpr std::string_view first_column = "t [s]";
 constexpr std::string_view label_columns = ",state,state_micro,state_paper";
 
-// A column that a sensor's paper forms of a channel: its first value less its second.
-struct Difference {
-  std::string_view type, channel, name;
-};
-// North less south electrodes, and one sense of rotation less the other (papers/nib-reconfigurable, section II).
-constexpr std::array<Difference, 2> differences{{{"nib_pad", "fl", "FL"}, {"nib_pad", "fr", "FR"}}};
-
 // A channel, the names of its values and the column formed of them.
 struct NamedColumn {
   const SensorColumn* column = nullptr;
   std::span<const std::string> names;
-  std::string_view difference;  // empty: none
+  std::string difference;  // first value less the second; empty: none
 
   [[nodiscard]] std::span<const float> row(std::size_t index) const {
     return std::span(column->values).subspan(index * names.size(), names.size());
@@ -47,17 +40,16 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
     throw InputError(
         fmt::format("sensor {}: {} names for {} values a sample", sensor.name, sensor.channel_names.size(), expected));
   }
+  const SensorView view = sensor_view(sensor.type);
   std::vector<NamedColumn> columns;
   std::span<const std::string> names = sensor.channel_names;
   for (const SensorColumn& column : sensor.channels) {
     const std::size_t count = values_a_row(column);
-    const auto formed = std::find_if(differences.begin(), differences.end(), [&](const Difference& candidate) {
-      return candidate.type == sensor.type && candidate.channel == column.name;
-    });
-    if (formed != differences.end() && count != 2) {
+    const std::string difference = view.of(column.name).difference;
+    if (!difference.empty() && count != 2) {
       throw InputError(fmt::format("sensor {}: channel '{}' has {} values, expected 2", sensor.name, column.name, count));
     }
-    columns.push_back({&column, names.first(count), formed != differences.end() ? formed->name : ""});
+    columns.push_back({&column, names.first(count), difference});
     names = names.subspan(count);
   }
   return columns;

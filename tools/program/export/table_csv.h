@@ -15,7 +15,7 @@ struct CsvTable {
 };
 
 // The tables of a sensor, that of its own samples first (README.md says which columns). Throws InputError when the channels do not fit the
-// names of their values, or those of a nib_pad are not what it emits.
+// names of their values, or a channel with a column of its difference has not two values.
 std::vector<CsvTable> table_csv(const SensorRecord& sensor);
 
 // Whether a file that begins so is one.

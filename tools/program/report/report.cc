@@ -151,6 +151,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   Json rows = Json::array();
   Json curves = Json::object();
   Json grasps = Json::object();
+  Json types = Json::object();
   std::vector<Json> drawn;
   ContentCheck check(dataset);
   for (const std::size_t trial : trials) {
@@ -159,10 +160,12 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
     check.add(record);
     rows.push_back(trial_row(record, dataset_path, embed ? curve_values : 0, curves, grasps));
     drawn.push_back(rows.back()["params"]);
+    for (const SensorRecord& sensor : record.sensors) types[sensor.type] = report::view_payload(sensor.type);
   }
   check.finish();
   page["trials"] = std::move(rows);
   page["curves"] = std::move(curves);
+  page["sensor_types"] = std::move(types);
   page["axes"] = report::axes(drawn);
   if (!grasps.empty()) page["grasps"] = std::move(grasps);
   if (of_grasps) {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/report/pack.h"
 #include "tools/program/report/report_summary.h"
 #include "tools/program/report/spectra.h"
@@ -138,6 +139,27 @@ Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std
                        {"micro", pack_bytes(labels.state_micro, 1)},
                        {"paper", pack_bytes(labels.state_paper, 1)}};
   if (control != nullptr && control->sensor == sensor.name) payload["states"]["seen"] = pack_bytes(control->detector_class, 1);
+  return payload;
+}
+
+Json view_payload(const std::string& type) {
+  const SensorView view = sensor_view(type);
+  Json payload = {{"unit", view.unit},
+                  {"units", view.units},
+                  {"letter", view.letter},
+                  {"first", view.first},
+                  {"from_behind", view.from_behind},
+                  {"orientation", view.orientation},
+                  {"channels", Json::object()},
+                  {"picture", nullptr}};
+  for (const ChannelView& channel : view.channels) {
+    payload["channels"][channel.channel] = {{"name", channel.name}, {"note", channel.note}};
+  }
+  if (const auto& picture = view.picture) {
+    payload["picture"] = {{"channel", picture->channel}, {"cells", picture->cells},
+                          {"width", picture->width},     {"rest", picture->rest ? Json(*picture->rest) : Json(nullptr)},
+                          {"falls", picture->falls},     {"note", picture->note}};
+  }
   return payload;
 }
 

@@ -1,7 +1,8 @@
-// Everything that the page draws of one sensor in one trial.
+// Everything that the page draws of one sensor in one trial, and how it draws sensors of that type.
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 #include "tools/base/dataset/trial_record.h"
 #include "tools/program/report/json.h"
@@ -20,5 +21,9 @@ namespace slipbench::report {
 // own, of which every so many-th is kept where a channel has more than `curve_values` values.
 // States are kept in full. When the curves have more than `curve_values` values in all, every stride-th row is kept.
 Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std::size_t curve_values);
+
+// SensorView of a type as the page reads it: {"unit", "units", "letter", "first", "from_behind", "orientation",
+//  "channels": {key: {"name", "note"}}, "picture": null or {"channel", "cells", "width", "rest": null or a number, "falls", "note"}}.
+Json view_payload(const std::string& type);
 
 }  // namespace slipbench::report

@@ -2,32 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "detectors/nib/stft.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/report/pack.h"
 
 namespace slipbench::report {
 namespace {
 
-// How a kind of sensor is looked at.
-struct View {
-  std::string type, channel, name;
-  double window, hop;  // s
-  double top;          // Hz, of the highest bin
-};
-
-const std::vector<View>& views() {
-  static const std::vector<View> all{
-      {"nib_pad", "fl", "FL, north minus south", 0.5, 0.1, 20.0},
-      {"nib_pad", "fr", "FR, counter-clockwise minus clockwise", 0.5, 0.1, 20.0},
-      {"piezo_skin", "signal", "the signal", 0.02, 0.01, 1000.0},
-  };
-  return all;
-}
-
-// One value a row: the difference of a channel of two clusters, or its only value.
+// One value a row: the difference of a channel's first two values, or its only one.
 std::vector<double> signal_of(const SensorColumn& channel) {
   const std::size_t values = channel.shape.empty() ? 1 : channel.shape.front();
   std::vector<double> signal;
@@ -37,7 +22,7 @@ std::vector<double> signal_of(const SensorColumn& channel) {
   return signal;
 }
 
-Json spectrogram(const View& view, const SensorColumn& channel, const SensorRecord& sensor, std::size_t most_values) {
+Json spectrogram(const SpectrumView& view, const SensorColumn& channel, const SensorRecord& sensor, std::size_t most_values) {
   const std::vector<double> signal = signal_of(channel);
   const std::vector<double>& time = channel.time ? *channel.time : sensor.time;
   const auto window = static_cast<std::size_t>(std::lround(view.window * sensor.rate));
@@ -54,7 +39,7 @@ Json spectrogram(const View& view, const SensorColumn& channel, const SensorReco
     rows.insert(rows.end(), magnitudes.begin(), magnitudes.begin() + static_cast<std::ptrdiff_t>(bins));
     ends.push_back(time[end - 1]);
   }
-  return {{"name", view.name},        {"unit", channel.unit},
+  return {{"name", view.of},          {"unit", channel.unit},
           {"window_s", view.window},  {"bin_hz", spectrum.bin_width()},
           {"time", pack_times(ends)}, {"data", pack_curves(rows, bins, 1)}};
 }
@@ -62,13 +47,12 @@ Json spectrogram(const View& view, const SensorColumn& channel, const SensorReco
 }  // namespace
 
 Json spectra_of(const SensorRecord& sensor, std::size_t most_values) {
+  const SensorView view = sensor_view(sensor.type);
   Json spectra = Json::array();
-  for (const View& view : views()) {
-    if (view.type != sensor.type) continue;
-    for (const SensorColumn& channel : sensor.channels) {
-      if (channel.name != view.channel) continue;
-      if (Json one = spectrogram(view, channel, sensor, most_values); !one.is_null()) spectra.push_back(std::move(one));
-    }
+  for (const SensorColumn& channel : sensor.channels) {
+    const std::optional<SpectrumView> spectrum = view.of(channel.name).spectrum;
+    if (!spectrum) continue;
+    if (Json one = spectrogram(*spectrum, channel, sensor, most_values); !one.is_null()) spectra.push_back(std::move(one));
   }
   return spectra;
 }

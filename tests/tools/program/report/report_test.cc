@@ -12,6 +12,7 @@
 #include "tests/tools/program/report/sample.h"
 #include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/writer.h"
+#include "tools/program/report/report_trial.h"
 
 namespace slipbench::report {
 namespace {
@@ -113,6 +114,34 @@ TEST(Report, HoldsEverySampleOfATrial) {
       EXPECT_NEAR(columns[column][row], labels.force[6 * row + column], 0.5 * 1.25 / 32767.0 + 1e-12);
     }
   }
+}
+
+// The page asks the sensor's entry what its units are called; a type that is not in the catalogue has units.
+TEST(Report, SaysHowItsSensorsAreShown) {
+  TrialRecord trial = sample_trial(0, "{}");
+  SensorRecord other = trial.sensors[0];
+  other.name = "zother";
+  other.type = "of_a_later_version";
+  trial.sensors.push_back(other);
+  write_report(write_dataset("report_types.h5", scene, {trial}), page_path("report_types.html"));
+  const Json types = data_of(page_path("report_types.html")).at("sensor_types");
+  ASSERT_EQ(types.size(), 2U);
+  EXPECT_EQ(types.at("papillarray").at("units"), "pillars");
+  EXPECT_EQ(types.at("papillarray").at("channels").at("force").at("name"), "Force");
+  EXPECT_TRUE(types.at("papillarray").at("picture").is_null());
+  EXPECT_EQ(types.at("of_a_later_version").at("units"), "units");
+}
+
+// Of a channel of one value a unit: a cell on each. Of one of four values: the units around each.
+TEST(Report, HoldsThePictureOfAPad) {
+  const Json taxels = view_payload("myrmex").at("picture");
+  EXPECT_EQ(taxels.at("channel"), "taxels");
+  EXPECT_TRUE(taxels.at("cells").empty());
+  EXPECT_EQ(taxels.at("rest"), 4095.0);
+  const Json electrodes = view_payload("nib_pad").at("picture");
+  EXPECT_EQ(electrodes.at("cells").size(), 9U);
+  EXPECT_EQ(electrodes.at("cells").at(4), Json::parse("[14, 15, 20, 21]"));
+  EXPECT_TRUE(electrodes.at("rest").is_null());
 }
 
 TEST(Report, HoldsWhatTheLoopSaw) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/program/report/web_files.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench::report {
 namespace {
@@ -28,6 +29,14 @@ TEST(Scripts, UseOnlyWhatSomeScriptDefines) {
   ASSERT_GE(used.size(), 8U);
   for (const auto& [name, names] : used) {
     for (const std::string& member : names) EXPECT_TRUE(defined.contains(member)) << name << " uses sb." << member;
+  }
+}
+
+// What is particular about a sensor is its entry's to say.
+TEST(Scripts, NameNoSensor) {
+  for (const Entry& sensor : pad_catalogues().sensors) {
+    for (const auto& [name, text] : web_files(".js"))
+      EXPECT_EQ(text.find(sensor.name), std::string::npos) << name << ": " << sensor.name;
   }
 }
 

@@ -109,9 +109,13 @@ class Recording {
     return rowAt(this.time, t);
   }
 
-  // A channel that is no unit's curve, by its name; undefined where there is none.
-  channel(key) {
-    return this.channels.find(channel => channel.key === key);
+  // A channel of the sensor by its key, {time, unit, columns, names}; undefined where there is none.
+  emitted(key) {
+    const curve = this.curves['sensor/' + key];
+    if (!curve) return this.channels.find(channel => channel.key === key);
+    const {unit, columns, components} = curve, each = components.length;
+    const name = (_, i) => sb.unitName(this.type, Math.floor(i / each)) + (each > 1 ? ' ' + components[i % each] : '');
+    return {time: this.curveTime, unit, columns, names: columns.map(name)};
   }
 
   largest(key, from, to) {

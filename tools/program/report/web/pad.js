@@ -1,4 +1,4 @@
-// The pad seen from the surface it touches: units coloured by state, force and slip arrows, the slip centre.
+// The pad: units coloured by state, force and slip arrows, the slip centre.
 (function(sb) {
 'use strict';
 
@@ -39,22 +39,22 @@ class Pad {
     const xs = positions.map(this.x), ys = positions.map(this.y);
     // The picture is stretched to its card: a pad of one unit gets a wide frame, so that its text is no larger than others'.
     const margin = (places, least) => Math.max(30, 0.67 * pitch, 0.5 * (least - (Math.max(...places) - Math.min(...places))));
-    const beside = recording.type === 'nib_pad' ? 18 : 0;  // px, so that its electrodes leave the axes their corner
+    const picture = sb.padPicture(recording);
+    const beside = picture ? 18 : 0;  // px, so that the picture leaves the axes their corner
     const left = Math.min(...xs) - margin(xs, 300) - beside, right = Math.max(...xs) + margin(xs, 300);
     const top = Math.min(...ys) - margin(ys, 160), bottom = Math.max(...ys) + margin(ys, 160) + beside;
     this.box = {left, right, top, bottom};
     this.labels = recording.units <= 25;
-    this.radius = (this.labels || recording.type === 'myrmex' ? 0.27 : 0.4) * pitch;
+    this.radius = (this.labels || (picture && picture.cells.length === recording.units) ? 0.27 : 0.4) * pitch;  // no unit hides its cell
 
     const svg = d3.select(parent)
                     .append('svg')
                     .attr('viewBox', [left, top, right - left, bottom - top + 30].join(' '))
                     .attr('role', 'img')
-                    .attr('aria-label', 'The pad at the cursor, seen from the surface it touches');
+                    .attr('aria-label', 'The pad at the cursor, ' + this.view.note);
     this.arrowHeads(svg.append('defs'), Math.min(8, 0.4 * pitch));
     this.drawFrame(svg);
-    this.electrodes = recording.type === 'nib_pad' && recording.channel('si') && new sb.NibElectrodes(svg, this, pitch);
-    this.image = recording.type === 'myrmex' && recording.channel('taxels') && new sb.TaxelImage(svg, this, pitch);
+    this.picture = picture && new sb.PadPicture(svg, this, pitch);
     const unit = svg.selectAll('g.unit')
                      .data(d3.range(recording.units))
                      .enter()
@@ -190,8 +190,7 @@ class Pad {
     if (this.labels) {
       this.loads.text(i => key(i) === 'detached' ? '' : sb.fixed(recording.at('labels/force', i, 2, sample), 2) + ' N');
     }
-    if (this.electrodes) this.electrodes.update(recording.time[sample]);
-    if (this.image) this.image.update(recording.time[sample]);
+    if (this.picture) this.picture.update(recording.time[sample]);
     this.placeArrows(this.forces, 'labels/force', this.forceLength, sample);
     this.placeArrows(this.slips, 'labels/slip_velocity', this.slipLength, sample);
     this.placeLabels(sample);

@@ -160,9 +160,7 @@ function onsetOrder(recording) {
   });
 }
 
-const curveNames = {
-  'sensor/force': 'Force',
-  'sensor/displacement': 'Displacement',
+const labelNames = {
   'labels/force': 'True force',
   'labels/slip_speed': 'Slip speed',
   'labels/slip_distance': 'Slipped distance',
@@ -192,10 +190,9 @@ class UnitCharts {
     this.timeline = timeline;
     const per_unit =
         Object.keys(recording.curves).filter(key => recording.curves[key].per_unit && key !== 'labels/slip_velocity');
-    const rank = key => {
-      const i = Object.keys(curveNames).indexOf(key);
-      return i < 0 ? 99 : i;
-    };
+    // What the sensor emits first.
+    const rank = key => Object.keys(labelNames).indexOf(key);
+    const name = key => labelNames[key] || sb.channelWord(recording.type, key.split('/')[1]).name;
     this.keys = per_unit.sort((a, b) => rank(a) - rank(b));
     this.key = this.keys[0];
     this.grid = gridOf(recording);
@@ -212,7 +209,7 @@ class UnitCharts {
                        this.draw();
                      }
                    },
-                      curveNames[key] || key.split('/')[1])));
+                      name(key))));
     this.select =
         el('select', {
           onchange: event => {
@@ -420,7 +417,7 @@ sb.showTrial = async (host, index, sensorName) => {
       el('p.note', {},
          'The pad ' + sb.padView(recording.type).note + '. ' +
              (pad.labels ? 'Above each ' + word + ': its name and normal force. ' : '') +
-             (pad.electrodes ? 'Behind each taxel its four electrodes: what SI reads there above its first image. ' : '') + 'Arrows: true tangential force of the object on the ' + word +
+             (pad.picture && pad.picture.note ? pad.picture.note + ' ' : '') + 'Arrows: true tangential force of the object on the ' + word +
              ' (solid) and slip velocity of its tip (dashed). ⊕ marks the slip centre where it lies within the picture.'));
   const whole = wholeSensor(trial, recording, timeline);
   const channels = sb.channelSection(recording, timeline);

@@ -25,39 +25,22 @@ sb.rules = [
   {key: 'paper', name: 'paper', note: "the label rule of the sensor's paper"},
 ];
 
-// What a unit is called: the word, its letter, and the number of the first where that is not 0.
-const unitWords = {
-  papillarray: ['pillar', 'P'],
-  nib_pad: ['nib', 'N'],
-  piezo_skin: ['patch', 'S'],
-  myrmex: ['taxel', 'T'],
-  biotac_sp: ['electrode', 'E', 1],
-};
-sb.unitWord = type => (unitWords[type] || ['unit', 'U'])[0];
-sb.unitWords = type => sb.unitWord(type) + (/(ch|s|x)$/.test(sb.unitWord(type)) ? 'es' : 's');
-sb.unitName = (type, index) => {
-  const [, letter, first = 0] = unitWords[type] || ['unit', 'U'];
-  return letter + (index + first);
-};
+// How sensors of a type are shown: what their entry in the catalogue says (view_payload() in report_trial.h).
+sb.sensorView = type => sb.page.sensor_types[type];
+sb.unitWord = type => sb.sensorView(type).unit;
+sb.unitWords = type => sb.sensorView(type).units;
+sb.unitName = (type, index) => sb.sensorView(type).letter + (index + sb.sensorView(type).first);
+sb.channelWord = (type, key) => sb.sensorView(type).channels[key] || {name: key, note: ''};
 
 // How a pad is drawn: which axis points right and which up, and where the eye is.
-const fromBelow = {right: 1, up: 0, note: 'seen from the surface it touches; +Z points away from the reader, into the sensor'};
-const padViews = {
-  nib_pad: {right: 0, up: 1, note: 'seen through the sensor from behind, so that east is right and north is up; +Z points towards the reader'},
-  myrmex: {right: 0, up: 1, note: 'seen through the sensor from behind, row 0 of its image at the top; +Z points towards the reader. Squares: counts'},
+sb.padView = type => {
+  const {from_behind, orientation} = sb.sensorView(type);
+  return from_behind ? {
+    right: 0,
+    up: 1,
+    note: ['seen through the sensor from behind', ...(orientation ? [orientation] : [])].join(', ') + '; +Z points towards the reader'
+  } : {right: 1, up: 0, note: 'seen from the surface it touches; +Z points away from the reader, into the sensor'};
 };
-sb.padView = type => padViews[type] || fromBelow;
-
-// Channels of a sensor as a whole.
-const channelWords = {
-  nib_pad: {
-    fl: {name: 'FL: clusters N and S', note: 'all nine north electrodes and all nine south electrodes together, 300 Hz'},
-    fr: {name: 'FR: clusters + and −', note: 'tangential electrodes of the eight outer taxels, counter-clockwise and clockwise, 300 Hz'},
-    si: {name: 'SI: electrodes of one taxel', note: 'one image is read within nine samples'},
-  },
-  piezo_skin: {signal: {name: 'Signal', note: 'charge of the patch through its amplifier: the rate of its force'}},
-};
-sb.channelWord = (type, key) => (channelWords[type] || {})[key] || {name: key, note: ''};
 
 // SI symbol -> factor and symbol shown.
 const shown = {

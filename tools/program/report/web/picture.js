@@ -1,0 +1,57 @@
+// What a sensor reads, drawn behind the units of its pad.
+(function(sb) {
+'use strict';
+
+// The outlines of a cell's parts around its middle: the cell, or the triangles W, N, E and S.
+function outlines(parts, half) {
+  const corners = [[-half, half], [-half, -half], [half, -half], [half, half]];  // sw, nw, ne, se
+  if (parts === 1) return ['M' + corners.join('L') + 'Z'];
+  return corners.map((corner, i) => 'M0,0L' + corner + 'L' + corners[(i + 1) % 4] + 'Z');
+}
+
+// The darker a part, the more it reads beyond what it reads at rest, against the most of the trial.
+class PadPicture {
+  // `pad`: sb.Pad, whose sensor type says what is drawn. `pitch`: px.
+  constructor(svg, pad, pitch) {
+    const {recording} = pad, {channel, cells, width, rest, falls, note} = sb.padPicture(recording);
+    const {time, unit, columns, names} = recording.emitted(channel);
+    Object.assign(this, {time, note});
+    const places = cells.map(
+        cell => [pad.x, pad.y].map(along => d3.mean(cell, i => along(recording.positions[i]))));
+    const paths = outlines(columns.length / cells.length, 0.5 * width * pitch);
+    this.parts = columns.map((column, i) => {
+      const at_rest = rest === null ? column[0] : rest;
+      const path = svg.append('path')
+                       .attr('transform', 'translate(' + places[Math.floor(i / paths.length)] + ')')
+                       .attr('d', paths[i % paths.length])
+                       .style('stroke', 'var(--line)')
+                       .attr('stroke-width', Math.min(0.8, 0.05 * pitch));
+      const title = path.append('title');
+      const text = value => names[i] + ': ' + sb.quantity(value, unit, 5) + ', ' + sb.quantity(value - at_rest, unit, 5) +
+          (rest === null ? ' from its first reading' : ' from rest');
+      return {path, title, text, column, change: row => (column[row] - at_rest) * (falls ? -1 : 1)};
+    });
+    this.largest = Math.max(1e-9, d3.max(this.parts, ({column, change}) => d3.max(column, (_, row) => Math.abs(change(row)))));
+  }
+
+  update(t) {
+    const row = sb.rowAt(this.time, t);
+    for (const {path, title, text, column, change} of this.parts) {
+      path.style('fill', change(row) < 0 ? 'var(--partial)' : 'var(--accent)').style('fill-opacity', 0.75 * Math.abs(change(row)) / this.largest);
+      title.text(text(column[row]));
+    }
+  }
+}
+
+// What is drawn behind the units of a recording: its type's picture with a cell for each unit where it names none. Null: nothing is, or the
+// channel is not there or has neither one value a cell nor four.
+sb.padPicture = recording => {
+  const {picture} = sb.sensorView(recording.type);
+  const emitted = picture && recording.emitted(picture.channel);
+  if (!emitted) return null;
+  const cells = picture.cells.length ? picture.cells : d3.range(recording.units).map(unit => [unit]);
+  return [1, 4].includes(emitted.columns.length / cells.length) ? Object.assign({}, picture, {cells}) : null;
+};
+
+sb.PadPicture = PadPicture;
+})(window.slipbench);
