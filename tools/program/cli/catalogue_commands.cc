@@ -1,3 +1,5 @@
+#include "tools/program/cli/catalogue_commands.h"
+
 #include <cstdio>
 #include <vector>
 
@@ -5,18 +7,27 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/cli/commands.h"
+#include "tools/program/cli/arguments.h"
 #include "tools/program/cli/describe.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/doctor/build_info.h"
 
 namespace slipbench {
 
-int list_command(const Options& options) {
+void ListCommand::declare(Arguments& arguments) {
+  arguments.about("list", "List what a scene may name", R"(
+Examples:
+  slipbench list
+  slipbench list effects)");
+  arguments.text(
+      "CATALOGUE", catalogue,
+      "effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers or expectations (default: all)");
+}
+
+int ListCommand::run() {
   const std::vector<CatalogueItem> items = catalogue_items(program_catalogues());
   std::vector<CatalogueKind> kinds(catalogue_kinds().begin(), catalogue_kinds().end());
-  if (!options.name.empty()) kinds = {find_kind(options.name)};
-  if (options.json) {
+  if (!catalogue.empty()) kinds = {find_kind(catalogue)};
+  if (json) {
     fmt::print("{}\n", list_json(items, kinds).dump());
   } else {
     fmt::print("{}", list_text(items, kinds, style_for(stdout), terminal_width(stdout)));
@@ -24,31 +35,28 @@ int list_command(const Options& options) {
   return exit_good;
 }
 
-int describe_command(const Options& options) {
+void DescribeCommand::declare(Arguments& arguments) {
+  arguments.about("describe", "Explain one name: parameters, units, defaults, law, source", R"(
+Generated from the declarations that the scene parser reads.
+
+Examples:
+  slipbench describe papillarray
+  slipbench describe stage
+  slipbench describe acrylic --json)");
+  arguments.text("NAME", name, "A name that `slipbench list` shows").required();
+}
+
+int DescribeCommand::run() {
   const Catalogues catalogues = program_catalogues();
-  const std::vector<CatalogueItem> found = find_items(catalogue_items(catalogues), options.name);
-  if (options.json) {
+  const std::vector<CatalogueItem> found = find_items(catalogue_items(catalogues), name);
+  if (json) {
     nlohmann::ordered_json entries = nlohmann::ordered_json::array();
     for (const CatalogueItem& item : found) entries.push_back(describe_json(item, catalogues));
-    fmt::print("{}\n", nlohmann::ordered_json{{"name", options.name}, {"entries", entries}}.dump());
+    fmt::print("{}\n", nlohmann::ordered_json{{"name", name}, {"entries", entries}}.dump());
     return exit_good;
   }
   for (std::size_t i = 0; i < found.size(); ++i) {
     fmt::print("{}{}", i == 0 ? "" : "\n", describe_text(found[i], catalogues, style_for(stdout), terminal_width(stdout)));
-  }
-  return exit_good;
-}
-
-int version_command(const Options& options) {
-  const BuildInfo& info = build_info();
-  if (options.json) {
-    fmt::print(
-        "{}\n",
-        nlohmann::ordered_json{
-            {"version", info.version}, {"commit", info.commit}, {"compiler", info.compiler}, {"build_type", info.build_type}}
-            .dump());
-  } else {
-    fmt::print("slipbench {} (commit {}, {}, {})\n", info.version, info.commit, info.compiler, info.build_type);
   }
   return exit_good;
 }

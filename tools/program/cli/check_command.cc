@@ -1,3 +1,5 @@
+#include "tools/program/cli/check_command.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -15,10 +17,9 @@
 #include "tools/base/dataset/output_file.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/check/check.h"
 #include "tools/program/check/junit.h"
 #include "tools/program/cli/accuracy_setting.h"
-#include "tools/program/cli/commands.h"
+#include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
@@ -109,21 +110,16 @@ void print_total(const std::vector<SceneCheck>& checks, const Style& style) {
 
 // What to check, with a folder of its own for each scene. Throws InputError before anything runs: for a scene that cannot be read, where none
 // expects anything, and for a JUnit file that cannot be written.
-std::vector<CheckOptions> plan_checks(const Options& options, const Catalogues& catalogues) {
-  if (!options.junit.empty()) check_text_target(options.junit, options.scenes, junit_kind);
-  const std::string parent = options.output.empty() ? "slipbench-check" : options.output;
+std::vector<CheckOptions> plan_checks(const CheckCommand& command, const Catalogues& catalogues) {
+  if (!command.junit.empty()) check_text_target(command.junit, command.scenes, junit_kind);
   std::set<std::string> taken;
   std::vector<CheckOptions> planned;
   bool any = false;
-  for (const std::string& scene : options.scenes) {
-    planned.push_back({.scene_path = scene,
-                       .overrides = options.overrides,
-                       .seed = options.seed,
-                       .trials = options.trials.value_or(0),
-                       .jobs = options.jobs.value_or(0),
-                       .folder = folder_of(scene, parent, taken),
-                       .interrupt = &InterruptGuard::flag(),
-                       .on_start = {}});
+  for (const std::string& scene : command.scenes) {
+    planned.push_back(command.options);
+    planned.back().scene_path = scene;
+    planned.back().folder = folder_of(scene, command.output, taken);
+    planned.back().interrupt = &InterruptGuard::flag();
     any = expects_anything(planned.back(), catalogues) || any;
   }
   if (!any) {
@@ -133,27 +129,41 @@ std::vector<CheckOptions> plan_checks(const Options& options, const Catalogues& 
   return planned;
 }
 
-SceneCheck check_with_progress(const CheckOptions& check, const Catalogues& catalogues, bool quiet) {
-  Progress progress = Progress::for_stream(stderr, quiet);
-  try {
-    SceneCheck result = check_scene(check, catalogues, [&progress](const SweepProgress& state) {
-      progress.update(state.done, state.total, state.simulated);
-    });
-    progress.clear();
-    return result;
-  } catch (...) {
-    progress.clear();  // the message that follows starts on a line of its own
-    throw;
-  }
+SceneCheck check_with_progress(const CheckOptions& check, const Catalogues& catalogues, bool silent) {
+  Progress progress = Progress::for_stream(stderr, silent);
+  return check_scene(check, catalogues,
+                     [&progress](const SweepProgress& state) { progress.update(state.done, state.total, state.simulated); });
 }
 
 }  // namespace
 
-int check_command(const Options& options) {
+void CheckCommand::declare(Arguments& arguments) {
+  arguments.about("check", "Hold the trials of scenes against what they expect", R"(
+A scene says under `expect` what must come out of its trials, and under `sweep` how many there are; `slipbench list expectations` shows
+what can be asked. An expectation passes where enough trials keep it (`pass`, `reliability`); beside the count stands the exact
+(Clopper-Pearson) interval of the rate. Then all trials run again with the negative control, a controller that never tightens on slip: where it
+passes as well, the scene tests nothing, which is a failure. A scene without `expect` is not checked.
+
+A scene that fails leaves the trial that shows most of it as DIR/SCENE/trial_K.h5 and .html, and the command that replays it. To put a
+controller of one's own to the test: --set "controller={type: plugin, library: /path/to/mine.so}".
+
+Examples:
+  slipbench check scenes/grasp/*.yaml --junit check.xml
+  slipbench check scenes/grasp/check_ptfe.yaml --set controller.debounce=2 --trials 5 -o check)");
+  arguments.texts("SCENE ...", scenes, "Scene files (YAML)").required();
+  arguments.overrides(options.overrides, options.seed);
+  arguments.flag("--quiet", quiet, "No progress and no summary");
+  arguments.number("--trials N", options.trials, "Number of random draws of each cell of the grid", 1);
+  arguments.jobs(options.jobs);
+  arguments.file("--junit FILE.xml", junit, "Write what was found as JUnit XML");
+  arguments.folder("-o,--output DIR", output, "Folder for the trials of failed checks (default: slipbench-check)");
+}
+
+int CheckCommand::run() {
   const Catalogues catalogues = program_catalogues();
   const Style style = style_for(stdout);
-  const bool prints = !options.json && !options.quiet;
-  std::vector<CheckOptions> planned = plan_checks(options, catalogues);
+  const bool prints = !silent();
+  std::vector<CheckOptions> planned = plan_checks(*this, catalogues);
   // Until the first scene is checked there is nothing to keep: a signal ends the program as usual.
   std::optional<InterruptGuard> guard;
   std::vector<SceneCheck> checks;
@@ -163,10 +173,10 @@ int check_command(const Options& options) {
     };
     if (expects_anything(check, catalogues)) {
       SweepOptions sweep = sweep_of(check);
-      settle_accuracy(sweep, catalogues, options.quiet || options.json);
+      settle_accuracy(sweep, catalogues, *this);
       check.overrides = std::move(sweep.overrides);
     }
-    checks.push_back(check_with_progress(check, catalogues, options.quiet || options.json));
+    checks.push_back(check_with_progress(check, catalogues, silent()));
     if (checks.back().interrupted) {
       say(stderr, fmt::format("slipbench: interrupted: {} of {} scenes checked\n", checks.size() - 1, planned.size()));
       return exit_interrupted;
@@ -176,9 +186,9 @@ int check_command(const Options& options) {
       std::fflush(stdout);
     }
   }
-  if (!options.junit.empty()) write_text_file(options.junit, junit_xml(checks));
+  if (!junit.empty()) write_text_file(junit, junit_xml(checks));
   const bool passed = std::ranges::all_of(checks, good);
-  if (options.json) {
+  if (json) {
     Json scenes = Json::array();
     for (const SceneCheck& check : checks) scenes.push_back(check_json(check));
     fmt::print("{}\n", Json{{"passed", passed}, {"scenes", std::move(scenes)}}.dump());

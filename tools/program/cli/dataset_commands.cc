@@ -1,25 +1,33 @@
+#include "tools/program/cli/dataset_commands.h"
+
 #include <cstdio>
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/program/cli/commands.h"
+#include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/export/export.h"
-#include "tools/program/report/report.h"
 
 namespace slipbench {
 
-int report_command(const Options& options) {
-  const std::string page =
-      options.output.empty() ? std::filesystem::path(options.dataset).replace_extension(".html").string() : options.output;
-  ReportOptions report;
-  report.trial = options.trial;
-  write_report(options.dataset, page, report);
-  if (options.json) {
+void ReportCommand::declare(Arguments& arguments) {
+  arguments.about("report", "Turn a dataset into an HTML page", R"(
+One self-contained HTML file that opens in any browser, without a network.
+
+Examples:
+  slipbench report hexapod.h5
+  slipbench report hexapod.h5 --trial 17 -o trial17.html)");
+  arguments.text("FILE", dataset, "Dataset (HDF5)").required();
+  arguments.file("-o,--output FILE.html", output, "Page to write (default: the dataset's name with .html)");
+  arguments.number("--trial K", options.trial, "Trial to show in full (default: the first)", 0);
+}
+
+int ReportCommand::run() {
+  const std::string page = output.empty() ? std::filesystem::path(dataset).replace_extension(".html").string() : output;
+  write_report(dataset, page, options);
+  if (json) {
     fmt::print("{}\n", nlohmann::ordered_json{{"report", page}}.dump());
   } else {
     fmt::print("{} {}\n{} open it in a browser\n", style_for(stdout).good("written:"), page, style_for(stdout).dim("next:"));
@@ -27,16 +35,44 @@ int report_command(const Options& options) {
   return exit_good;
 }
 
-int export_command(const Options& options) {
-  ExportOptions exporting;
-  exporting.format = options.format;
-  exporting.slip_rule = options.slip_rule;
-  exporting.label_speed = options.label_speed;
-  exporting.sensor = options.sensor;
-  exporting.trial = options.trial;
-  exporting.rate = options.rate;
-  const std::vector<std::string> files = export_dataset(options.dataset, options.output, exporting);
-  if (options.json) {
+void ExportCommand::declare(Arguments& arguments) {
+  arguments.about("export", "Write a dataset in another format", R"(
+Formats of any sensor:
+  csv           one table a trial and sensor, with a header: time, every channel, the true state by each rule
+  npz           one numpy archive a trial, with every array of the dataset under its path there
+  robomimic     one HDF5 file of demonstrations at one rate: observations, actions, rewards, masks
+Formats of the PapillArray:
+  vendor-csv    the log layout of the sensor vendor's own software, one file a trial
+  training-csv  73 columns, no header, 1000 Hz, one file a trial: time, then contact, slip, displacement, force of each pillar
+Format of grasps with three BioTac SP:
+  grasp-csv     one file, a row a grasp: object, whether it slipped, the 72 electrodes before the lift
+Format of a BioTac SP that slides, turns or rests:
+  slip-csv      the layout of the public recordings, CLASS/OBJECT<trial>.csv: 24 electrodes, no time, 100 rows a second
+
+Examples:
+  slipbench export hexapod.h5 --format npz --trial 3 -o arrays
+  slipbench export hexapod.h5 --format training-csv -o training
+  slipbench export hexapod.h5 --format vendor-csv --slip paper -o logs)");
+  arguments.text("FILE", dataset, "Dataset (HDF5)").required();
+  arguments
+      .read("--format NAME", fmt::format("{}, see below", fmt::join(export_format_names(), " or ")),
+            [this](const std::string& name) { options.format = parse_export_format(name); })
+      .required();
+  arguments.folder("-o,--output DIR", output, "Folder to write into; always needed").required();
+  arguments.read("--slip RULE",
+                 fmt::format("When a pillar counts as slipping: {} (default: strict)", fmt::join(slip_rule_names(), ", ")),
+                 [this](const std::string& name) { options.slip_rule = parse_slip_rule(name); });
+  arguments.quantity("--label-speed SPEED", options.label_speed,
+                     "Tip speed above which paper and has_slipped say slip (default: 0.1 mm/s)", Quantity::speed);
+  arguments.text("--sensor NAME", options.sensor, "The scene's name of the sensor (default: all, or the only one)");
+  arguments.quantity("--rate RATE", options.rate,
+                     "Rate of robomimic's demonstrations, e.g. '100 Hz' (default: the slowest sensor's)", Quantity::frequency);
+  arguments.number("--trial K", options.trial, "Trial to export (default: all)", 0);
+}
+
+int ExportCommand::run() {
+  const std::vector<std::string> files = export_dataset(dataset, output, options);
+  if (json) {
     fmt::print("{}\n", nlohmann::ordered_json{{"files", files}}.dump());
   } else {
     for (const std::string& file : files) fmt::print("{} {}\n", style_for(stdout).good("written:"), file);

@@ -7,53 +7,40 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <functional>
-#include <map>
 #include <new>
 #include <system_error>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "tools/program/cli/commands.h"
-#include "tools/program/cli/options.h"
+#include "tools/program/cli/command.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/doctor/doctor.h"
+#include "tools/program/doctor/build_info.h"
 
 namespace slipbench {
 namespace {
 
-using Command = std::function<int(const Options&)>;
-
-const std::map<std::string, Command>& commands() {
-  static const std::map<std::string, Command> table{
-      {"run", run_command},
-      {"sweep", sweep_command},
-      {"check", check_command},
-      {"report", report_command},
-      {"export", export_command},
-      {"hd replay", hd_replay_command},
-      {"train", train_command},
-      {"eval", eval_command},
-      {"reproduce", reproduce_command},
-      {"cost", cost_command},
-      {"bench", bench_command},
-      {"list", list_command},
-      {"describe", describe_command},
-      {"doctor", [](const Options& options) { return doctor_main(options.json); }},
-      {"plugin-path", plugin_path_command},
-      {"--version", version_command},
-  };
-  return table;
+int print_version(bool json) {
+  const BuildInfo& info = build_info();
+  if (json) {
+    fmt::print(
+        "{}\n",
+        nlohmann::ordered_json{
+            {"version", info.version}, {"commit", info.commit}, {"compiler", info.compiler}, {"build_type", info.build_type}}
+            .dump());
+  } else {
+    fmt::print("slipbench {} (commit {}, {}, {})\n", info.version, info.commit, info.compiler, info.build_type);
+  }
+  return exit_good;
 }
 
-int dispatch(const std::vector<std::string>& arguments) {
-  const Options options = parse_options(arguments);
-  if (!options.help.empty()) {
-    fmt::print("{}", options.help);
-    return exit_good;
-  }
-  return commands().at(options.command)(options);
+int dispatch(const Commands& commands, const std::vector<std::string>& words) {
+  const Request request = parse_command_line(commands, words);
+  if (request.command != nullptr) return request.command->run();
+  if (request.version) return print_version(request.json);
+  fmt::print("{}", request.help);
+  return exit_good;
 }
 
 // `message` and `detail` in one line on stderr. It is called where nothing catches any more, so it must not throw.
@@ -80,10 +67,10 @@ void occupy_standard_streams() {
 
 }  // namespace
 
-int run_program(const std::vector<std::string>& arguments) {
+int run_program(const Commands& commands, const std::vector<std::string>& words) {
   try {
     occupy_standard_streams();
-    const int status = dispatch(arguments);
+    const int status = dispatch(commands, words);
     // A full disk behind stdout shows here, unless the output is longer than the buffer.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::system_error(errno, std::generic_category());
     return status;

@@ -28,7 +28,7 @@ std::string progress_bar_text(const ProgressState& state, std::size_t width);
 // "100/200 trials (50 %), 3.1k x real time, 24 trials/s, ETA 4 s"
 std::string progress_line_text(const ProgressState& state);
 
-// Draws the progress of one sweep. Not thread-safe: the sweep calls it from one thread at a time.
+// Draws the progress of one sweep; an unfinished bar goes with the object, so that what follows, a message too, starts on an empty line. Not thread-safe: the sweep calls it from one thread at a time.
 class Progress {
  public:
   enum class Mode {
@@ -42,6 +42,9 @@ class Progress {
 
   // `clock` gives seconds from any origin. The stream must outlive the object.
   Progress(Mode mode, std::FILE* stream, std::function<double()> clock);
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
   // Bar on a terminal, lines otherwise, nothing when `quiet`; the clock is the machine's monotonic one.
   static Progress for_stream(std::FILE* stream, bool quiet);
 

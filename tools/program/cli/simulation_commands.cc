@@ -1,3 +1,6 @@
+#include "tools/program/cli/simulation_commands.h"
+
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <optional>
@@ -5,17 +8,21 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "detectors/hd/words.h"
+#include "sim/core/error.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/accuracy_setting.h"
-#include "tools/program/cli/commands.h"
+#include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/sweep_text.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/run/run_sweep.h"
 
 namespace slipbench {
 namespace {
+
+constexpr std::array record_words{hd::Word<Recording>{"full", Recording::full},
+                                  hd::Word<Recording>{"outcome", Recording::outcome}};
 
 // What a sweep gave, and how long it took on the clock.
 struct Finished {
@@ -23,35 +30,16 @@ struct Finished {
   double elapsed = 0.0;  // s
 };
 
-SweepOptions sweep_options(const Options& options) {
-  SweepOptions sweep;
-  sweep.verb = options.command;
-  sweep.scene_path = options.scene;
-  sweep.overrides = options.overrides;
-  sweep.seed = options.seed;
-  sweep.jobs = options.jobs.value_or(0);
-  sweep.output = options.output;
-  sweep.recording = options.record;
-  return sweep;
-}
-
-Finished simulate(SweepOptions sweep, const Options& options, const Catalogues& catalogues) {
+Finished simulate(SweepOptions sweep, const Catalogues& catalogues, bool silent) {
   // Until the scene is checked there is nothing to keep: a signal ends the program as usual.
   std::optional<InterruptGuard> guard;
   sweep.on_start = [&guard] { guard.emplace(); };
   sweep.interrupt = &InterruptGuard::flag();
-  Progress progress = Progress::for_stream(stderr, options.quiet || options.json);
+  Progress progress = Progress::for_stream(stderr, silent);
   const auto start = std::chrono::steady_clock::now();
-  try {
-    SweepSummary summary = run_sweep(sweep, catalogues, [&progress](const SweepProgress& state) {
-      progress.update(state.done, state.total, state.simulated);
-    });
-    progress.clear();
-    return {std::move(summary), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
-  } catch (...) {
-    progress.clear();  // the message that follows starts on a line of its own
-    throw;
-  }
+  SweepSummary summary = run_sweep(
+      sweep, catalogues, [&progress](const SweepProgress& state) { progress.update(state.done, state.total, state.simulated); });
+  return {std::move(summary), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
 }
 
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
@@ -66,25 +54,26 @@ void print_json(const Finished& finished) {
   fmt::print("{}\n", json.dump());
 }
 
-void print_only_trial(const Options& options, const SweepSummary& summary, const Catalogues& catalogues, const Style& style) {
+void print_only_trial(const SweepOptions& options, const SweepSummary& summary, const Catalogues& catalogues,
+                      const Style& style) {
   fmt::print("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
              trial_text(summary.trials.front(), sensors_of(summary.scene), style));
   if (summary.available > 1) {
     fmt::print("  this is trial {} of the {} of the scene's sweep; all of them: slipbench sweep {}\n",
-               summary.trials.front().trial, summary.available, options.scene);
+               summary.trials.front().trial, summary.available, options.scene_path);
   }
 }
 
-void print_next(const Options& options, const SweepSummary& summary, const Style& style) {
+void print_next(const SweepOptions& options, const SweepSummary& summary, const Style& style) {
   if (summary.files.empty()) {
-    fmt::print("{} slipbench {} {} -o FILE.h5 keeps the recordings\n", style.dim("next:"), options.command, options.scene);
+    fmt::print("{} slipbench {} {} -o FILE.h5 keeps the recordings\n", style.dim("next:"), options.verb, options.scene_path);
   } else {
     fmt::print("{} {}\n{} slipbench report {}\n", style.good("written:"), joined(summary.files), style.dim("next:"),
                summary.files.front());
   }
 }
 
-void print_summary(const Options& options, const Finished& finished, const Catalogues& catalogues) {
+void print_summary(const SweepOptions& options, const Finished& finished, const Catalogues& catalogues) {
   const SweepSummary& summary = finished.summary;
   const Style style = style_for(stdout);
   if (summary.trials.size() == 1) {
@@ -103,31 +92,69 @@ int report_interrupted(const SweepSummary& summary) {
   return exit_interrupted;
 }
 
-int simulate_and_print(SweepOptions sweep, const Options& options) {
+}  // namespace
+
+void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help) {
+  sweep.verb = arguments.name();
+  arguments.text("SCENE", sweep.scene_path, "Scene file (YAML)").required();
+  arguments.overrides(sweep.overrides, sweep.seed);
+  arguments.flag("--quiet", quiet, "No progress and no summary");
+  arguments.number("--trials N", trials, trials_help, 1);
+  arguments.jobs(sweep.jobs);
+  arguments.file("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5)");
+  arguments.word("--record NAME", sweep.recording, "What -o writes: everything (full, the default), or outcomes alone (outcome)",
+                 record_words);
+  arguments.then([this] {
+    if (sweep.recording != Recording::full && sweep.output.empty()) {
+      throw InputError(sweep.verb + ": --record says what -o writes; allowed: with -o");
+    }
+  });
+}
+
+int SimulationCommand::run() {
   const Catalogues catalogues = program_catalogues();
-  settle_accuracy(sweep, catalogues, options.quiet || options.json);
-  const Finished finished = simulate(sweep, options, catalogues);
-  if (options.json) {
+  settle_accuracy(sweep, catalogues, *this);
+  const Finished finished = simulate(sweep, catalogues, silent());
+  if (json) {
     print_json(finished);
-  } else if (!options.quiet && !finished.summary.interrupted) {
-    print_summary(options, finished, catalogues);
+  } else if (!quiet && !finished.summary.interrupted) {
+    print_summary(sweep, finished, catalogues);
   }
   return finished.summary.interrupted ? report_interrupted(finished.summary) : exit_good;
 }
 
-}  // namespace
+void RunCommand::declare(Arguments& arguments) {
+  arguments.about("run", "Simulate one trial of a scene", R"(
+One trial, the first of the scene's sweep where it has one. With --trials N: the first N trials of the sweep; a scene with
+fewer trials is repeated with fresh random draws until there are N. With --trial K: trial K of these alone, byte for byte as it is
+among them. The same command and seed give the same bytes in FILE.h5,
+whatever --jobs is.
 
-int run_command(const Options& options) {
-  SweepOptions sweep = sweep_options(options);
-  sweep.only = options.trial;
-  sweep.limit = options.trials.value_or(options.trial ? 0 : 1);
-  return simulate_and_print(sweep, options);
+Examples:
+  slipbench run scenes/papillarray/stage.yaml
+  slipbench run scenes/papillarray/stage.yaml --set motion.speed="8 mm/s" friction.scale=0.8 -o slide.h5
+  slipbench run scenes/papillarray/stage.yaml --set "effects=[stribeck, {ageing: {}}]" --json)");
+  declare_both(arguments, sweep.limit, "Simulate N trials instead of one");
+  arguments.number("--trial K", sweep.only, "Simulate trial K alone", 0);
+  arguments.then([this] {
+    if (sweep.limit == 0 && !sweep.only) sweep.limit = 1;
+  });
 }
 
-int sweep_command(const Options& options) {
-  SweepOptions sweep = sweep_options(options);
-  sweep.trials = options.trials.value_or(0);
-  return simulate_and_print(sweep, options);
+void SweepCommand::declare(Arguments& arguments) {
+  arguments.about("sweep", "Simulate all trials of a scene's sweep", R"(
+All trials of the scene's sweep: every cell of its grid, times the number of random draws of each cell. --trials N sets the number
+of draws of each cell (otherwise the scene's sweep.trials, or 1). Without -o the trials are simulated and summed up, and nothing is written. With --record outcome FILE.h5 holds what was swept and how each
+trial ended, a few kB a trial: enough for the report's maps and curves, not for training.
+
+FILE.h5 is written under a temporary name and renamed at the end; a file of that name is replaced. Above 1 GB it is split into
+FILE.h5, FILE-0001.h5, ... Ctrl-C: running trials finish, all finished ones are kept in FILE.partial.h5, the exit status is 130;
+a second Ctrl-C stops at once.
+
+Examples:
+  slipbench sweep scenes/papillarray/hexapod.yaml -o hexapod.h5
+  slipbench sweep scenes/papillarray/stage.yaml --set "sweep={motion.speed: [1 mm/s, 4 mm/s]}" -o speeds.h5)");
+  declare_both(arguments, sweep.trials, "Number of random draws of each cell of the grid");
 }
 
 }  // namespace slipbench

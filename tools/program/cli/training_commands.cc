@@ -1,3 +1,5 @@
+#include "tools/program/cli/training_commands.h"
+
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -8,13 +10,11 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/program/cli/commands.h"
+#include "tools/program/cli/arguments.h"
 #include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/train/train.h"
 #include "tools/program/train/training_text.h"
 #include "tools/program/train/training_words.h"
-#include "tools/studies/study_catalogue.h"
 
 namespace slipbench {
 namespace {
@@ -59,91 +59,86 @@ std::string delays_text(const Delays& delays) {
       delays.false_alarms, delays.sequences);
 }
 
-std::string result_text(const reproduce::Result& result, const Style& style, std::size_t width) {
-  std::string text = style.bold(result.title) + '\n' + wrap_text(result.source, width, 2);
-  for (const reproduce::ResultTable& part : result.tables) {
-    text += fmt::format("\n{}\n", style.heading(part.title));
-    Table table(part.head);
-    for (const std::vector<std::string>& row : part.rows) table.add(row);
-    text += table.text(style);
-    if (!part.note.empty()) text += wrap_text(part.note, width, 2);
-  }
-  for (const auto& [title, lines] :
-       {std::pair{"What differs, and why", &result.remarks}, {"How it was measured", &result.setup}}) {
-    if (lines->empty()) continue;
-    text += fmt::format("\n{}\n", style.heading(title));
-    for (const std::string& line : *lines) text += wrap_text(line, width, 2);
-  }
-  return text;
-}
-
-int list_reproductions(const Options& options) {
-  const std::vector<reproduce::Reproduction>& all = reproduce::reproductions();
-  if (options.json) {
-    nlohmann::ordered_json entries = nlohmann::ordered_json::array();
-    for (const reproduce::Reproduction& one : all) entries.push_back({{"name", one.name}, {"summary", one.summary}});
-    fmt::print("{}\n", nlohmann::ordered_json{{"reproductions", entries}}.dump());
-    return exit_good;
-  }
-  for (const reproduce::Reproduction& one : all) fmt::print("{:<26}  {}\n", one.name, one.summary);
-  return exit_good;
-}
-
-// An option that this reproduction has no use for would be a misunderstanding.
-void check_reproduce_options(const Options& options, const reproduce::Reproduction& reproduction) {
-  const std::array<std::pair<const char*, bool>, 7> given{{{"--data", !options.data.empty()},
-                                                           {"--seed", options.seed.has_value()},
-                                                           {"--jobs", options.jobs.has_value()},
-                                                           {"--synthesise", options.synthesise},
-                                                           {"--trials", options.trials.has_value()},
-                                                           {"--only", !options.only.empty()},
-                                                           {"--memories", !options.memories.empty()}}};
-  for (const auto& [name, there] : given) {
-    const std::vector<std::string>& takes = reproduction.options;
-    if (!there || std::find(takes.begin(), takes.end(), name) != takes.end()) continue;
-    throw InputError(fmt::format("reproduce: {} does not take {}; allowed: {}", reproduction.name, name,
-                                 takes.empty() ? "--output, --json, --quiet" : fmt::format("{}", fmt::join(takes, ", "))));
-  }
+// How both read a dataset.
+void declare_sequences(Arguments& arguments, SequenceOptions& options) {
+  arguments.read("--labels RULE", fmt::format("Truth to learn: {} (default: paper)", fmt::join(slip_rule_names(), ", ")),
+                 [&options](const std::string& name) { options.labels = parse_slip_rule(name); });
+  arguments.text("--sensor NAME", options.sensor, "The scene's name of the sensor (default: the only one)");
 }
 
 }  // namespace
 
-int train_command(const Options& options) {
-  TrainOptions training;
-  training.dataset = options.dataset;
-  training.sequences = {options.slip_rule, options.sensor};
-  training.model = options.model;
-  training.model.compat = options.hd_compat.value_or(training.model.compat);
-  training.model.ties = options.hd_ties.value_or(training.model.ties);
-  training.quantiser = options.quantiser;
-  training.seed = options.seed.value_or(training.seed);
-  training.jobs = options.jobs.value_or(0);
-  training.output = options.output;
-  const TrainSummary summary = train_dataset(training);
-  if (options.json) {
-    fmt::print("{}\n", train_json(summary, training).dump());
+void TrainCommand::declare(Arguments& arguments) {
+  arguments.about("train", "Train a slip detector on a dataset", R"(
+Trains the hyperdimensional slip detector in a single pass. Six draws are made first, by sequence and, to compare, by frame: within each
+compression and speed as many sequences are drawn with replacement as there are; those never drawn are the test. Draw 0 is for
+choosing options, the other five make the figures. Then all sequences train the classifier that is saved.
+
+Encoders: shdc (pillars of one frame), sthdc (over a window), gsthdc (with graphs, over a window). --context is gsthdc's default only.
+Bundles: paper starts afresh with every frame, published_core keeps the counts of the pillars over a window, as the gripper's core does.
+Labels: strict and micro are the truth (a pillar slips as a whole, or in part), paper is the published rule of tip speed;
+with has_slipped a pillar that slipped so counts until it loses contact, whether it still moves or not.
+
+Examples:
+  slipbench train hexapod.h5 -o memories
+  slipbench train hexapod.h5 --encoder shdc --labels strict -o plain)");
+  hd::Model& model = options.model;
+  arguments.text("FILE", options.dataset, "Dataset (HDF5) with a PapillArray on a stage").required();
+  arguments.folder("-o,--output DIR", options.output, "Folder for the memories; always needed").required();
+  arguments.word("--encoder NAME", model.encoding, "{} (default: gsthdc)", encoder_words);
+  arguments.flag("--context", context, "Bind with the context of the centre pillar's compression (default with gsthdc)");
+  arguments.flag("--no-context", no_context, "Do not (default with shdc and sthdc)");
+  arguments.number("--dimension D", model.dimension, "Bits of a hypervector, 8 to 65535 (default: 1000)", 8, 65535);
+  arguments.number("--window N", model.window, "Frames at 100 Hz, 1 to 1000 (default: 15)", 1, 1000);
+  arguments.word("--compat NAME", model.compat, "Whose bundle: {} (default: paper)", hd::compat_words);
+  arguments.word("--ties RULE", model.ties, "What an even bundle gives: {} (default: one)", hd::ties_words);
+  arguments.word("--quantiser NAME", options.quantiser, "How displacements become levels: {} (default: fixed_point)",
+                 hd::quantiser_words);
+  arguments.number("--seed N", options.seed, "Seed of item memories and draws (default: 1)", 0);
+  declare_sequences(arguments, options.sequences);
+  arguments.jobs(options.jobs);
+  arguments.then([this, &model] {
+    if (context && no_context) throw InputError("train: --context and --no-context exclude each other");
+    model.context_driven = context || (model.encoding == hd::Encoding::graph_spatial_temporal && !no_context);
+  });
+}
+
+int TrainCommand::run() {
+  const TrainSummary summary = train_dataset(options);
+  if (json) {
+    fmt::print("{}\n", train_json(summary, options).dump());
     return exit_good;
   }
   const Style style = style_for(stdout);
   const Evaluation sum = pooled(std::span(summary.by_sequence).subspan(1));
   fmt::print("{}\n{}\n{}\n{}{}\n{} {}\n{} slipbench eval {} --memories {}\n",
-             style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(training.model),
-                                       slip_rule_name(training.sequences.labels), summary.sequences, summary.samples)),
+             style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(options.model),
+                                       slip_rule_name(options.sequences.labels), summary.sequences, summary.samples)),
              draws_text(summary, style), style.heading("by sequence, the tests of the five draws together"),
-             confusion_text(sum.all, style), delays_text(sum.delays), style.good("written:"), training.output, style.dim("next:"),
-             training.dataset, training.output);
+             confusion_text(sum.all, style), delays_text(sum.delays), style.good("written:"), options.output, style.dim("next:"),
+             options.dataset, options.output);
   return exit_good;
 }
 
-int eval_command(const Options& options) {
-  EvalOptions judging;
-  judging.dataset = options.dataset;
-  judging.sequences = {options.slip_rule, options.sensor};
-  judging.memories = options.memories;
-  judging.jobs = options.jobs.value_or(0);
-  const EvalSummary summary = eval_dataset(judging);
-  if (options.json) {
-    fmt::print("{}\n", eval_json(summary, judging).dump());
+void EvalCommand::declare(Arguments& arguments) {
+  arguments.about("eval", "Judge a trained slip detector on a dataset", R"(
+Judges a trained classifier on every sequence of a dataset, also those that it was trained on, if they are there.
+DIR is what `slipbench train` wrote; cl_gst_hd, where no folder has that name, is the classifier that ships with the program.
+
+Examples:
+  slipbench eval hexapod.h5 --memories memories
+  slipbench eval hexapod.h5 --memories cl_gst_hd
+  slipbench eval hexapod.h5 --memories memories --labels strict --json)");
+  arguments.text("FILE", options.dataset, "Dataset (HDF5) with a PapillArray on a stage").required();
+  arguments.text("--memories DIR", options.memories, "Folder of the classifier, or cl_gst_hd").required();
+  declare_sequences(arguments, options.sequences);
+  arguments.jobs(options.jobs);
+}
+
+int EvalCommand::run() {
+  const EvalSummary summary = eval_dataset(options);
+  if (json) {
+    fmt::print("{}\n", eval_json(summary, options).dump());
     return exit_good;
   }
   const Style style = style_for(stdout);
@@ -153,43 +148,8 @@ int eval_command(const Options& options) {
   table.add({"balanced", percent(result.all.balanced_accuracy()), percent(result.moving.balanced_accuracy())});
   fmt::print("{}\n  trained on: {}\n{}\n{}{}",
              style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(summary.model.model),
-                                       slip_rule_name(judging.sequences.labels), summary.sequences, result.all.total())),
+                                       slip_rule_name(options.sequences.labels), summary.sequences, result.all.total())),
              summary.model.trained, table.text(style), confusion_text(result.all, style), delays_text(result.delays));
-  return exit_good;
-}
-
-int reproduce_command(const Options& options) {
-  if (options.name.empty() || options.name == "list") return list_reproductions(options);
-  const reproduce::Reproduction& reproduction = reproduce::find_reproduction(options.name);
-  check_reproduce_options(options, reproduction);
-  if (!options.output.empty()) reproduce::check_result_target(options.output);
-  reproduce::ReproduceOptions reproducing;
-  reproducing.data = options.data;
-  reproducing.seed = options.seed;
-  reproducing.jobs = options.jobs.value_or(0);
-  reproducing.synthesise = options.synthesise;
-  reproducing.trials = options.trials.value_or(0);
-  reproducing.only = options.only;
-  reproducing.memories = options.memories;
-  if (!options.quiet && !options.json) {
-    reproducing.say = [](const std::string& what) { say(stderr, fmt::format("slipbench: {}\n", what)); };
-  }
-  reproduce::Result result;
-  try {
-    result = reproduction.run(reproducing);
-  } catch (const reproduce::Interrupted&) {
-    say(stderr, "slipbench: interrupted; nothing is kept\n");
-    return exit_interrupted;
-  }
-  std::vector<std::string> files;
-  if (!options.output.empty()) files = reproduce::write_result(options.output, reproduction.name, result);
-  if (options.json) {
-    fmt::print("{}\n", reproduce::result_json(reproduction.name, result).dump());
-    return exit_good;
-  }
-  const Style style = style_for(stdout);
-  fmt::print("{}", result_text(result, style, terminal_width(stdout)));
-  for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);
   return exit_good;
 }
 

@@ -1,3 +1,5 @@
+#include "tools/studies/counts/bench_command.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -16,7 +18,7 @@
 #include "tools/base/project/project_file.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/cli/commands.h"
+#include "tools/program/cli/arguments.h"
 #include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/studies/counts/compare.h"
@@ -24,7 +26,7 @@
 #include "tools/studies/counts/drawing.h"
 #include "tools/studies/counts/results.h"
 
-namespace slipbench {
+namespace slipbench::counts {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -45,19 +47,19 @@ std::string grouped(std::int64_t value) {
 }
 std::string grouped(std::uint64_t value) { return grouped(static_cast<std::int64_t>(value)); }
 
-std::string counts_text(const counts::Results& results, const Style& style) {
+std::string counts_text(const Results& results, const Style& style) {
   Table table({"scene", "simulated s", "steps", "instructions", "a simulated s", "a step", "x real time"});
-  for (const counts::SceneCount& scene : results.scenes) {
-    table.add({counts::scene_name(scene.scene), fmt::format("{:g}", scene.simulated), grouped(scene.steps),
-               grouped(scene.instructions), grouped(std::lround(scene.instructions_per_second())),
-               grouped(std::lround(scene.instructions_per_step())), fmt::format("{:.3g}", scene.times_real_time())});
+  for (const SceneCount& scene : results.scenes) {
+    table.add({scene_name(scene.scene), fmt::format("{:g}", scene.simulated), grouped(scene.steps), grouped(scene.instructions),
+               grouped(std::lround(scene.instructions_per_second())), grouped(std::lround(scene.instructions_per_step())),
+               fmt::format("{:.3g}", scene.times_real_time())});
   }
   return table.text(style);
 }
 
-Json counts_json(const counts::Results& results) {
+Json counts_json(const Results& results) {
   Json scenes = Json::array();
-  for (const counts::SceneCount& scene : results.scenes) {
+  for (const SceneCount& scene : results.scenes) {
     scenes.push_back({{"scene", scene.scene},
                       {"simulated_s", scene.simulated},
                       {"steps", scene.steps},
@@ -73,9 +75,9 @@ Json counts_json(const counts::Results& results) {
 
 std::string percent_text(double growth) { return fmt::format("{:+.2f} %", 100.0 * growth); }
 
-std::string functions_text(const counts::SceneChange& change, const Style& style) {
+std::string functions_text(const SceneChange& change, const Style& style) {
   Table table({"function, its own instructions", "before", "now", "change", "of the scene"});
-  for (const counts::FunctionChange& function : change.functions) {
+  for (const FunctionChange& function : change.functions) {
     if (&function - change.functions.data() == shown_functions) break;
     const double share = static_cast<double>(function.difference()) / static_cast<double>(change.before);
     const std::string before = grouped(function.before);
@@ -85,31 +87,31 @@ std::string functions_text(const counts::SceneChange& change, const Style& style
   return table.text(style);
 }
 
-std::string comparison_text(const std::vector<counts::SceneChange>& changes, const std::string& file, const Style& style) {
+std::string comparison_text(const std::vector<SceneChange>& changes, const std::string& file, const Style& style) {
   std::string text = fmt::format("Against {}\n", file);
   Table table({"scene", "instructions before", "now", "change", ""});
-  for (const counts::SceneChange& change : changes) {
-    table.add({counts::scene_name(change.scene), grouped(change.before), grouped(change.now), percent_text(change.growth()),
+  for (const SceneChange& change : changes) {
+    table.add({scene_name(change.scene), grouped(change.before), grouped(change.now), percent_text(change.growth()),
                change.grew()     ? "GREW"
                : change.shrank() ? "shrank"
                                  : "ok"});
   }
   text += table.text(style);
-  for (const counts::SceneChange& change : changes) {
+  for (const SceneChange& change : changes) {
     if (std::abs(change.growth()) < shown_growth) continue;
-    const std::string name = counts::scene_name(change.scene);
+    const std::string name = scene_name(change.scene);
     text += fmt::format("\n{} {}\n", change.grew() ? style.error(name) : style.heading(name), percent_text(change.growth()));
     if (change.steps_before != change.steps_now) {
       text += fmt::format("  steps: {} before, {} now\n", grouped(change.steps_before), grouped(change.steps_now));
     }
     text += functions_text(change, style);
   }
-  const auto grew = std::ranges::count_if(changes, &counts::SceneChange::grew);
-  const std::string limit = fmt::format("{:g} %", 100.0 * counts::allowed_growth);
+  const auto grew = std::ranges::count_if(changes, &SceneChange::grew);
+  const std::string limit = fmt::format("{:g} %", 100.0 * allowed_growth);
   if (grew > 0) {
     text += style.error(fmt::format("\n{} of {} scenes grew by more than {}", grew, changes.size(), limit)) + '\n';
     text += fmt::format("Where that is wanted, update the results: slipbench bench -o {}\n", file);
-  } else if (std::ranges::any_of(changes, &counts::SceneChange::shrank)) {
+  } else if (std::ranges::any_of(changes, &SceneChange::shrank)) {
     text += fmt::format("\nA scene shrank by more than {}: update the results, so that it stays so: slipbench bench -o {}\n",
                         limit, file);
   } else {
@@ -118,11 +120,11 @@ std::string comparison_text(const std::vector<counts::SceneChange>& changes, con
   return text;
 }
 
-Json comparison_json(const std::vector<counts::SceneChange>& changes, const std::string& file) {
+Json comparison_json(const std::vector<SceneChange>& changes, const std::string& file) {
   Json scenes = Json::array();
-  for (const counts::SceneChange& change : changes) {
+  for (const SceneChange& change : changes) {
     Json functions = Json::array();
-    for (const counts::FunctionChange& function : change.functions) {
+    for (const FunctionChange& function : change.functions) {
       functions.push_back(
           {{"name", function.name}, {function.listed ? "before" : "before_at_most", function.before}, {"now", function.now}});
     }
@@ -133,80 +135,96 @@ Json comparison_json(const std::vector<counts::SceneChange>& changes, const std:
                       {"grew", change.grew()},
                       {"functions", std::move(functions)}});
   }
-  return {{"passed", std::ranges::none_of(changes, &counts::SceneChange::grew)},
+  return {{"passed", std::ranges::none_of(changes, &SceneChange::grew)},
           {"file", file},
-          {"allowed_growth", counts::allowed_growth},
+          {"allowed_growth", allowed_growth},
           {"scenes", std::move(scenes)}};
 }
 
 // The file to compare with, read before anything is counted: that takes a minute.
 struct Before {
   std::string path;
-  counts::Results results;
+  Results results;
 };
 
-Before stored_results(const BenchOptions& options) {
-  const counts::Facts build = counts::build_facts();
-  std::string path = options.compare_with;
-  if (path.empty()) path = counts::find_results(project_file("tests/benchmarks/results"), build);
-  Before before{path, counts::read_results(path)};
-  counts::check_comparable(before.results, build, path);
+Before stored_results(const std::string& file) {
+  const Facts build = build_facts();
+  Before before{file.empty() ? find_results(project_file("tests/benchmarks/results"), build) : file, {}};
+  before.results = read_results(before.path);
+  check_comparable(before.results, build, before.path);
   return before;
 }
 
 std::string drawing_beside(const std::string& file) { return std::filesystem::path(file).replace_extension(".svg").string(); }
 
-void check_options(const Options& options) {
-  if (!options.simulation.compare && !options.simulation.compare_with.empty()) {
-    throw InputError(fmt::format("bench: unexpected argument '{}'; allowed: --compare {}", options.simulation.compare_with,
-                                 options.simulation.compare_with));
-  }
-  if (options.output.empty()) return;
-  if (options.simulation.compare) throw InputError("bench: --compare and -o exclude each other; allowed: one of them");
-  if (!options.output.ends_with(".json")) {
-    throw InputError(fmt::format("bench: -o is '{}'; allowed: a name that ends in .json, such as ci.json", options.output));
-  }
-  check_text_target(options.output, {}, results_kind);
-  check_text_target(drawing_beside(options.output), {}, drawing_kind);
-}
-
 }  // namespace
 
-int bench_command(const Options& options) {
-  check_options(options);
-  const bool compares = options.simulation.compare;
-  const bool quiet = options.quiet || options.json;
+void BenchCommand::declare(Arguments& arguments) {
+  arguments.about("bench", "Count the instructions of the reference scenes", R"(
+Runs the first trial of six reference scenes under callgrind, which counts the instructions that the trial takes, and prints them
+by simulated second and by step, with times real time (the median CPU time of nine runs). Counts are the same at every run to
+1e-6; they depend on compiler, flags, instruction set and libraries, so that results are compared with those of the same build only.
+
+--compare counts and compares with FILE.json, or with the results in tests/benchmarks/results that are of this build: it prints each
+scene's change and the functions whose own instructions changed most. Exit status 1 where a scene grew by more than 2 %, 2 where
+there are no results of this build. -o writes the results, and a drawing of them as FILE.svg beside them.
+
+Examples:
+  slipbench bench
+  slipbench bench --compare
+  slipbench bench -o tests/benchmarks/results/ci.json)");
+  arguments.flag("--compare", compares, "Compare with stored results (default: the committed ones of this build)");
+  arguments.text("FILE.json", compare_with, "Results to compare with");
+  arguments.file("-o,--output FILE.json", output, "Write the results, and FILE.svg beside them");
+  arguments.jobs(jobs, "Scenes counted at a time, 1 to 1024 (default: 1)");
+  arguments.flag("--quiet", quiet, "No progress");
+  arguments.then([this] {
+    if (!compares && !compare_with.empty()) {
+      throw InputError(fmt::format("bench: unexpected argument '{0}'; allowed: --compare {0}", compare_with));
+    }
+    if (compares && !output.empty()) throw InputError("bench: --compare and -o exclude each other; allowed: one of them");
+    if (!output.empty() && !output.ends_with(".json")) {
+      throw InputError(fmt::format("bench: -o is '{}'; allowed: a name that ends in .json, such as ci.json", output));
+    }
+  });
+}
+
+int BenchCommand::run() {
+  if (!output.empty()) {
+    check_text_target(output, {}, results_kind);
+    check_text_target(drawing_beside(output), {}, drawing_kind);
+  }
   std::optional<Before> before;
-  if (compares) before = stored_results(options.simulation);
+  if (compares) before = stored_results(compare_with);
   const InterruptGuard guard("waiting for the running counts to end");
-  const std::optional<counts::Results> results =
-      counts::count_reference_scenes({.jobs = options.jobs.value_or(1),
-                                      .timings = compares ? 0 : timings,
-                                      .interrupt = &InterruptGuard::flag(),
-                                      .on_counted =
-                                          [quiet](const counts::SceneCount& scene) {
-                                            if (!quiet) say(stderr, fmt::format("counted {}\n", counts::scene_name(scene.scene)));
-                                          }},
-                                     program_catalogues());
+  const std::optional<Results> results =
+      count_reference_scenes({.jobs = jobs,
+                              .timings = compares ? 0 : timings,
+                              .interrupt = &InterruptGuard::flag(),
+                              .on_counted =
+                                  [this](const SceneCount& scene) {
+                                    if (!silent()) say(stderr, fmt::format("counted {}\n", scene_name(scene.scene)));
+                                  }},
+                             program_catalogues());
   if (!results) {
     say(stderr, "slipbench: interrupted: nothing is kept\n");
     return exit_interrupted;
   }
   const Style style = style_for(stdout);
   if (compares) {
-    const std::vector<counts::SceneChange> changes = counts::compare(before->results, *results);
-    if (options.json) {
+    const std::vector<SceneChange> changes = compare(before->results, *results);
+    if (json) {
       fmt::print("{}\n", comparison_json(changes, before->path).dump());
     } else {
       fmt::print("{}", comparison_text(changes, before->path, style));
     }
-    return std::ranges::any_of(changes, &counts::SceneChange::grew) ? exit_check_failed : exit_good;
+    return std::ranges::any_of(changes, &SceneChange::grew) ? exit_check_failed : exit_good;
   }
-  if (!options.output.empty()) {
-    write_text_file(options.output, counts::results_json(*results));
-    write_text_file(drawing_beside(options.output), counts::drawing(*results));
+  if (!output.empty()) {
+    write_text_file(output, results_json(*results));
+    write_text_file(drawing_beside(output), drawing(*results));
   }
-  if (options.json) {
+  if (json) {
     fmt::print("{}\n", counts_json(*results).dump());
   } else {
     fmt::print("{}", counts_text(*results, style));
@@ -214,4 +232,4 @@ int bench_command(const Options& options) {
   return exit_good;
 }
 
-}  // namespace slipbench
+}  // namespace slipbench::counts

@@ -1,3 +1,5 @@
+#include "tools/program/cli/installation_commands.h"
+
 #include <filesystem>
 #include <system_error>
 
@@ -5,11 +7,24 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "tools/program/cli/commands.h"
+#include "tools/program/cli/arguments.h"
+#include "tools/program/doctor/doctor.h"
 
 namespace slipbench {
 
-int plugin_path_command(const Options& options) {
+void DoctorCommand::declare(Arguments& arguments) {
+  arguments.about("doctor", "Check the installation", R"(
+Exit status 0 when everything required is there, 1 otherwise, with the command that installs it.)");
+}
+
+int DoctorCommand::run() { return doctor_main(json); }
+
+void PluginPathCommand::declare(Arguments& arguments) {
+  arguments.about("plugin-path", "Print where the MuJoCo plugin is", R"(
+Any MuJoCo program of the right version can load the library; scenes/mujoco/README.md shows how.)");
+}
+
+int PluginPathCommand::run() {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path wanted = fs::read_symlink("/proc/self/exe").parent_path() / SLIPBENCH_PLUGIN;
@@ -19,7 +34,7 @@ int plugin_path_command(const Options& options) {
         "there is no MuJoCo plugin {}: this slipbench was built without MuJoCo; `slipbench doctor` says how to get it",
         wanted.lexically_normal().string()));
   }
-  if (options.json) {
+  if (json) {
     fmt::print("{}\n", nlohmann::json{{"plugin", path.string()}}.dump());
   } else {
     fmt::print("{}\n", path.string());

@@ -1,0 +1,331 @@
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tools/program/cli/catalogue_commands.h"
+#include "tools/program/cli/check_command.h"
+#include "tools/program/cli/command.h"
+#include "tools/program/cli/dataset_commands.h"
+#include "tools/program/cli/hd_commands.h"
+#include "tools/program/cli/simulation_commands.h"
+#include "tools/program/cli/training_commands.h"
+#include "tools/studies/counts/bench_command.h"
+#include "tools/studies/reproduce_command.h"
+
+namespace slipbench {
+namespace {
+
+using reproduce::ReproduceCommand;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Request parse(const std::vector<std::string>& words) {
+  static Commands commands;  // what comes back points to one of them
+  commands = command_table();
+  return parse_command_line(commands, words);
+}
+
+// The command that the words ask for, with its options.
+template <class Kind>
+Kind parsed(const std::vector<std::string>& words) {
+  return dynamic_cast<const Kind&>(*parse(words).command);
+}
+
+std::string refusal(const std::vector<std::string>& words) {
+  try {
+    parse(words);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::vector<std::string> paths(const std::vector<Override>& overrides) {
+  std::vector<std::string> result;
+  for (const Override& change : overrides) result.push_back(change.path + " -> " + change.value);
+  return result;
+}
+
+std::vector<std::string> run_paths(const std::vector<std::string>& words) {
+  return paths(parsed<RunCommand>(words).sweep.overrides);
+}
+
+TEST(CommandLine, RunTakesEverything) {
+  const auto command =
+      parsed<RunCommand>({"run", "s.yaml", "--seed", "7", "--trials", "3", "--jobs", "2", "-o", "out.h5", "--quiet"});
+  EXPECT_EQ(command.sweep.verb, "run");
+  EXPECT_EQ(command.sweep.scene_path, "s.yaml");
+  EXPECT_EQ(command.sweep.seed, 7U);
+  EXPECT_EQ(command.sweep.limit, 3U);
+  EXPECT_EQ(command.sweep.jobs, 2U);
+  EXPECT_EQ(command.sweep.output, "out.h5");
+  EXPECT_TRUE(command.quiet);
+  EXPECT_FALSE(command.json);
+}
+
+TEST(CommandLine, RunIsOneTrialUnlessToldOtherwise) {
+  EXPECT_EQ(parsed<RunCommand>({"run", "s.yaml"}).sweep.limit, 1U);
+  const auto one = parsed<RunCommand>({"run", "s.yaml", "--trial", "7"});
+  EXPECT_EQ(one.sweep.only, 7U);
+  EXPECT_EQ(one.sweep.limit, 0U);
+}
+
+TEST(CommandLine, RecordSaysWhatIsWritten) {
+  EXPECT_EQ(parsed<SweepCommand>({"sweep", "s.yaml", "-o", "out.h5"}).sweep.recording, Recording::full);
+  EXPECT_EQ(parsed<SweepCommand>({"sweep", "s.yaml", "-o", "out.h5", "--record", "outcome"}).sweep.recording, Recording::outcome);
+  EXPECT_EQ(refusal({"sweep", "s.yaml", "-o", "out.h5", "--record", "outcom"}),
+            "sweep: --record is 'outcom'; did you mean 'outcome'? allowed: full, outcome");
+  EXPECT_EQ(refusal({"run", "s.yaml", "--record", "outcome"}), "run: --record says what -o writes; allowed: with -o");
+}
+
+TEST(CommandLine, CheckTakesSeveralScenes) {
+  const auto command = parsed<CheckCommand>(
+      {"check", "a.yaml", "b.yaml", "--set", "seed=3", "c.yaml", "--trials", "5", "--junit", "j.xml", "-o", "left", "--quiet"});
+  EXPECT_THAT(command.scenes, ElementsAre("a.yaml", "b.yaml", "c.yaml"));
+  EXPECT_THAT(paths(command.options.overrides), ElementsAre("seed -> 3"));
+  EXPECT_EQ(command.options.trials, 5U);
+  EXPECT_EQ(command.junit, "j.xml");
+  EXPECT_EQ(command.output, "left");
+  EXPECT_EQ(refusal({"check", "a.yaml", "--junit", ""}), "check: --junit needs a file name");
+  EXPECT_EQ(refusal({"check", "a.yaml", "-o", ""}), "check: -o needs a folder name");
+}
+
+TEST(CommandLine, BenchComparesWithAFileOrTheCommittedResults) {
+  const auto plain = parsed<counts::BenchCommand>({"bench", "-o", "ci.json"});
+  EXPECT_FALSE(plain.compares);
+  EXPECT_EQ(plain.output, "ci.json");
+  const auto committed = parsed<counts::BenchCommand>({"bench", "--compare", "--jobs", "2"});
+  EXPECT_TRUE(committed.compares);
+  EXPECT_EQ(committed.compare_with, "");
+  EXPECT_EQ(committed.jobs, 2U);
+  EXPECT_EQ(parsed<counts::BenchCommand>({"bench", "--compare", "old.json"}).compare_with, "old.json");
+  EXPECT_EQ(refusal({"bench", "-o", ""}), "bench: -o needs a file name");
+}
+
+TEST(CommandLine, WhatIsNotGivenIsEmpty) {
+  const auto command = parsed<SweepCommand>({"sweep", "s.yaml"});
+  EXPECT_FALSE(command.sweep.seed || command.sweep.only);
+  EXPECT_EQ(command.sweep.trials, 0U);
+  EXPECT_EQ(command.sweep.jobs, 0U);
+  EXPECT_EQ(command.sweep.output, "");
+}
+
+TEST(CommandLine, SeedHolds64Bits) {
+  EXPECT_EQ(parsed<RunCommand>({"run", "s.yaml", "--seed", "18446744073709551615"}).sweep.seed,
+            std::numeric_limits<std::uint64_t>::max());
+  EXPECT_THAT(refusal({"run", "s.yaml", "--seed", "18446744073709551616"}),
+              "run: --seed is '18446744073709551616'; allowed: a whole number from 0 to 18446744073709551615");
+}
+
+TEST(CommandLine, SetTakesSeveralValuesWhereverItStands) {
+  const auto expected = ElementsAre("motion.speed -> 8 mm/s", "friction.static -> 0.4");
+  EXPECT_THAT(run_paths({"run", "s.yaml", "--set", "motion.speed=8 mm/s", "friction.static=0.4"}), expected);
+  EXPECT_THAT(run_paths({"run", "--set", "motion.speed=8 mm/s", "friction.static=0.4", "s.yaml"}), expected);
+  EXPECT_THAT(run_paths({"run", "--set", "motion.speed=8 mm/s", "s.yaml", "--set", "friction.static=0.4"}), expected);
+  EXPECT_EQ(parsed<RunCommand>({"run", "--set", "a=1", "b=2", "s.yaml", "--seed", "1"}).sweep.scene_path, "s.yaml");
+}
+
+TEST(CommandLine, SetValueMayHoldEqualsSignsBracketsAndSpaces) {
+  EXPECT_THAT(run_paths({"run", "s.yaml", "--set", "effects=[stribeck, {ageing: {}}]", "description=a = b"}),
+              ElementsAre("effects -> [stribeck, {ageing: {}}]", "description -> a = b"));
+}
+
+TEST(CommandLine, HdReplay) {
+  const auto command =
+      parsed<HdReplayCommand>({"hd", "replay", "v.csv", "--memories", "m", "--encoder", "published_core", "--ties", "zero"});
+  EXPECT_EQ(command.vectors, "v.csv");
+  EXPECT_EQ(command.memories, "m");
+  EXPECT_EQ(command.compat, hd::Compat::published_core);
+  EXPECT_EQ(command.ties, hd::Ties::zero);
+  EXPECT_EQ(command.engine, "kernel");
+  const auto plain = parsed<HdReplayCommand>({"--json", "hd", "replay", "v.csv", "--memories", "m"});
+  EXPECT_TRUE(plain.json);
+  EXPECT_FALSE(plain.compat || plain.ties);
+}
+
+TEST(CommandLine, JsonMayStandBeforeTheCommand) {
+  EXPECT_TRUE(parsed<ListCommand>({"--json", "list"}).json);
+  EXPECT_TRUE(parsed<ListCommand>({"list", "--json"}).json);
+  EXPECT_TRUE(parsed<HdReplayCommand>({"hd", "--json", "replay", "v.csv", "--memories", "m"}).json);
+}
+
+TEST(CommandLine, ReportAndExport) {
+  const auto report = parsed<ReportCommand>({"report", "a.h5", "--trial", "4", "-o", "a.html"});
+  EXPECT_EQ(report.dataset, "a.h5");
+  EXPECT_EQ(report.options.trial, 4U);
+  EXPECT_EQ(report.output, "a.html");
+  const auto exported = parsed<ExportCommand>({"export", "a.h5", "--format", "training-csv", "-o", "dir"});
+  EXPECT_EQ(exported.options.format, ExportFormat::training_csv);
+  EXPECT_EQ(exported.options.slip_rule, SlipRule::strict);
+  EXPECT_EQ(exported.output, "dir");
+  EXPECT_FALSE(exported.options.rate);
+  const auto slow = parsed<ExportCommand>({"export", "a.h5", "--format", "robomimic", "-o", "dir", "--rate", "0.1 kHz"});
+  EXPECT_EQ(slow.options.rate, 100.0);
+  EXPECT_THAT(refusal({"export", "a.h5", "--format", "robomimic", "-o", "dir", "--rate", "5 N"}), HasSubstr("export: --rate"));
+}
+
+TEST(CommandLine, ExportReadsTheRuleAndItsSpeed) {
+  const auto command = parsed<ExportCommand>({"export", "a.h5", "--format", "vendor-csv", "-o", "dir", "--slip", "paper",
+                                              "--label-speed", "0.2 mm/s", "--sensor", "pad"});
+  EXPECT_EQ(command.options.slip_rule, SlipRule::paper);
+  EXPECT_DOUBLE_EQ(command.options.label_speed.value(), 2e-4);
+  EXPECT_EQ(command.options.sensor, "pad");
+  EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor-csv", "-o", "dir", "--label-speed", "0 mm/s"}),
+              HasSubstr("export: --label-speed"));
+}
+
+TEST(CommandLine, TrainTakesEverything) {
+  const TrainOptions options =
+      parsed<TrainCommand>({"train",         "a.h5",     "-o",  "m",      "--encoder", "sthdc",       "--context", "--dimension",
+                            "512",           "--window", "7",   "--ties", "zero",      "--quantiser", "exact",     "--labels",
+                            "micro",         "--sensor", "pad", "--seed", "3",         "--jobs",      "2",         "--compat",
+                            "published_core"})
+          .options;
+  EXPECT_EQ(options.dataset, "a.h5");
+  EXPECT_EQ(options.output, "m");
+  EXPECT_EQ(options.model.encoding, hd::Encoding::spatial_temporal);
+  EXPECT_TRUE(options.model.context_driven);
+  EXPECT_EQ(options.model.dimension, 512U);
+  EXPECT_EQ(options.model.window, 7U);
+  EXPECT_EQ(options.model.compat, hd::Compat::published_core);
+  EXPECT_EQ(options.model.ties, hd::Ties::zero);
+  EXPECT_EQ(options.quantiser, hd::Quantiser::exact);
+  EXPECT_EQ(options.sequences.labels, SlipRule::micro);
+  EXPECT_EQ(options.sequences.sensor, "pad");
+  EXPECT_EQ(options.seed, 3U);
+  EXPECT_EQ(options.jobs, 2U);
+}
+
+TEST(CommandLine, TrainsThePapersModelUnlessToldOtherwise) {
+  const auto model = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"train", "a.h5", "-o", "m"});
+    return parsed<TrainCommand>(words).options.model;
+  };
+  EXPECT_EQ(model({}), hd::Model());
+  EXPECT_EQ(parsed<TrainCommand>({"train", "a.h5", "-o", "m"}).options.sequences.labels, SlipRule::paper);
+  EXPECT_EQ(parsed<EvalCommand>({"eval", "a.h5", "--memories", "m"}).options.sequences.labels, SlipRule::paper);
+  // The context is part of the graphs' ablation alone.
+  EXPECT_FALSE(model({"--encoder", "shdc"}).context_driven);
+  EXPECT_FALSE(model({"--no-context"}).context_driven);
+}
+
+TEST(CommandLine, ReproduceTakesItsName) {
+  EXPECT_EQ(parsed<ReproduceCommand>({"reproduce"}).name, "");
+  const auto command =
+      parsed<ReproduceCommand>({"reproduce", "paper/table", "--data", "a.h5", "--synthesise", "-o", "p.html", "--quiet"});
+  EXPECT_EQ(command.name, "paper/table");
+  EXPECT_EQ(command.options.data, "a.h5");
+  EXPECT_TRUE(command.options.synthesise);
+  EXPECT_TRUE(command.quiet);
+  EXPECT_EQ(command.output, "p.html");
+}
+
+// What follows the list is not one of its names.
+TEST(CommandLine, ReproduceTakesAListOfRows) {
+  const auto command = parsed<ReproduceCommand>(
+      {"reproduce", "--trials", "3", "--memories", "m", "--only", "felt,light", "--only", "gst_hd", "table"});
+  EXPECT_THAT(command.options.only, ElementsAre("felt", "light", "gst_hd"));
+  EXPECT_EQ(command.name, "table");
+  EXPECT_EQ(command.options.trials, 3U);
+  EXPECT_EQ(command.options.memories, "m");
+}
+
+TEST(CommandLine, HelpIsTextToPrint) {
+  EXPECT_THAT(parse({}).help, HasSubstr("Usage: slipbench"));
+  EXPECT_THAT(parse({"--help"}).help, HasSubstr("describe"));
+  EXPECT_TRUE(parse({"--version"}).version);
+}
+
+TEST(CommandLine, EveryCommandExplainsItself) {
+  for (const std::string name : {"run", "sweep", "check", "report", "export", "hd", "train", "eval", "reproduce", "cost", "bench",
+                                 "list", "describe", "doctor", "plugin-path"}) {
+    const std::string text = parse({name, "--help"}).help;
+    EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
+    EXPECT_THAT(text, HasSubstr("--json")) << name;
+  }
+}
+
+// One refusal: the words typed and the whole message.
+struct Refusal {
+  std::vector<std::string> arguments;
+  std::string message;
+};
+
+class CommandLineRefusal : public ::testing::TestWithParam<Refusal> {};
+
+TEST_P(CommandLineRefusal, SaysWhatIsAllowed) { EXPECT_EQ(refusal(GetParam().arguments), GetParam().message); }
+
+INSTANTIATE_TEST_SUITE_P(
+    All, CommandLineRefusal,
+    ::testing::Values(
+        Refusal{
+            {"swep", "s.yaml"},
+            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+        Refusal{
+            {"xyzzy"},
+            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+        Refusal{
+            {"--json", "lst"},
+            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+        Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
+        Refusal{
+            {"--json"},
+            "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+        Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
+        Refusal{
+            {"run", "s.yaml", "--job", "2"},
+            "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --trial"},
+        Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
+        Refusal{{"cost"}, "cost: a scene is missing; allowed: SCENE.yaml, --stability, or both"},
+        Refusal{{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},
+        Refusal{{"cost", "s.yaml", "--budget", "3 N"},
+                "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
+        Refusal{
+            {"view", "s.yaml"},
+            "command 'view' is not available in this version; available: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+        Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
+        Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
+        Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},
+        Refusal{{"export", "a.h5", "--format", "vendor-csv", "-o", ""}, "export: -o needs a folder name"},
+        Refusal{{"run", "s.yaml", "--set"}, "run: --set needs one value"},
+        Refusal{{"run", "s.yaml", "--set", "speed"},
+                "run: --set 'speed'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
+        Refusal{{"run", "s.yaml", "--set", "=1"}, "run: --set '=1'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
+        Refusal{{"run", "s.yaml", "--seed", "-1"}, "run: --seed is '-1'; allowed: a whole number from 0 to 18446744073709551615"},
+        Refusal{{"run", "s.yaml", "--seed", "1e3"},
+                "run: --seed is '1e3'; allowed: a whole number from 0 to 18446744073709551615"},
+        Refusal{{"run", "s.yaml", "--trials", "0"},
+                "run: --trials is '0'; allowed: a whole number from 1 to 18446744073709551615"},
+        Refusal{{"sweep", "s.yaml", "--jobs", "0"}, "sweep: --jobs is '0'; allowed: a whole number from 1 to 1024"},
+        Refusal{{"run", "s.yaml", "--jobs", "1025"}, "run: --jobs is '1025'; allowed: a whole number from 1 to 1024"},
+        Refusal{{"report", "a.h5", "--trial", "first"},
+                "report: --trial is 'first'; allowed: a whole number from 0 to 18446744073709551615"},
+        Refusal{{"export", "a.h5", "-o", "dir"}, "export: --format is required"},
+        Refusal{{"train", "a.h5"}, "train: --output is required"},
+        Refusal{{"train", "a.h5", "-o", ""}, "train: -o needs a folder name"},
+        Refusal{{"train", "a.h5", "-o", "m", "--encoder", "gshdc"},
+                "train: --encoder is 'gshdc'; did you mean 'shdc'? allowed: shdc, sthdc, gsthdc"},
+        Refusal{{"train", "a.h5", "-o", "m", "--ties", "up"}, "train: --ties is 'up'; allowed: one, zero"},
+        Refusal{{"train", "a.h5", "-o", "m", "--compat", "papr"},
+                "train: --compat is 'papr'; did you mean 'paper'? allowed: paper, published_core"},
+        Refusal{{"train", "a.h5", "-o", "m", "--quantiser", "fixed"},
+                "train: --quantiser is 'fixed'; allowed: fixed_point, exact, unrounded"},
+        Refusal{{"train", "a.h5", "-o", "m", "--dimension", "7"},
+                "train: --dimension is '7'; allowed: a whole number from 8 to 65535"},
+        Refusal{{"train", "a.h5", "-o", "m", "--window", "0"}, "train: --window is '0'; allowed: a whole number from 1 to 1000"},
+        Refusal{{"train", "a.h5", "-o", "m", "--context", "--no-context"},
+                "train: --context and --no-context exclude each other"},
+        Refusal{{"eval", "a.h5"}, "eval: --memories is required"},
+        Refusal{{"export", "a.h5", "--format", "vendor-csv"}, "export: --output is required"}));
+
+TEST(CommandLine, AWrongFormatIsNamedBeforeAMissingFolder) {
+  EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor"}), HasSubstr("'vendor'"));
+}
+
+}  // namespace
+}  // namespace slipbench

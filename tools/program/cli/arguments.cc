@@ -1,0 +1,266 @@
+#include "tools/program/cli/arguments.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "sim/core/parameters.h"
+#include "tools/program/cli/command.h"
+#include "tools/program/cli/suggestion.h"
+#include "tools/program/cli/terminal.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::string_view program_footer = R"(
+Exit status: 0 good, 1 a check failed, 2 bad input, 130 interrupted. Errors go to stderr.
+`slipbench COMMAND --help` explains a command. Start with: slipbench run scenes/papillarray/stage.yaml)";
+
+// Of the command line's fixed part: later versions have them.
+constexpr std::array<std::string_view, 2> later_commands{"import", "view"};
+
+// What a footer begins with is there for the source only.
+std::string without_first_line_end(std::string_view footer) { return std::string(footer.substr(1)); }
+
+// "-o" of "-o,--output FILE.h5": what messages call an option.
+std::string first_name(const std::string& usage) { return usage.substr(0, usage.find_first_of(", ")); }
+
+template <class Target>
+CLI::Option* add_option(CLI::App& app, const std::string& usage, Target& target, const std::string& help) {
+  const std::size_t end = std::min(usage.find(' '), usage.size());
+  return app.add_option(usage.substr(0, end), target, help)->option_text(end == usage.size() ? " " : usage.substr(end + 1));
+}
+
+Override parse_override(const std::string& command, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw InputError(fmt::format("{}: --set '{}'; expected key=value, as in --set motion.speed=\"8 mm/s\"", command, text));
+  }
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+// A scene key, then '=': what may follow the first value of --set.
+bool looks_like_override(const std::string& word) {
+  const auto is_key_character = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
+  };
+  const std::size_t equals = word.find('=');
+  return equals != std::string::npos && equals > 0 &&
+         std::all_of(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(equals), is_key_character);
+}
+
+// "--set a=1 b=2 SCENE" and "--set a=1 --set b=2 SCENE" mean the same; the second form leaves no doubt where the values end.
+std::vector<std::string> repeat_set(const std::vector<std::string>& words) {
+  std::vector<std::string> result;
+  bool inside = false;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (inside && looks_like_override(words[i])) result.emplace_back("--set");
+    result.push_back(words[i]);
+    if (words[i] == "--set" && i + 1 < words.size()) {
+      result.push_back(words[++i]);
+      inside = true;
+    } else {
+      inside = inside && looks_like_override(words[i]);
+    }
+  }
+  return result;
+}
+
+void refuse_unknown_command(const std::vector<std::string>& words, const std::vector<std::string>& names) {
+  const auto word = std::ranges::find_if(words, [](const std::string& a) { return !a.starts_with('-'); });
+  if (word == words.end() || std::ranges::find(names, *word) != names.end()) return;
+  if (std::ranges::find(later_commands, *word) != later_commands.end()) {
+    throw InputError(fmt::format("command '{}' is not available in this version; available: {}", *word, fmt::join(names, ", ")));
+  }
+  throw InputError(fmt::format("unknown command '{}'{} commands: {}", *word, suggestion(*word, names), fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+void Command::tell(const std::string& what) const {
+  if (!silent()) say(stderr, fmt::format("slipbench: {}\n", what));
+}
+
+Arguments::Arguments(CLI::App& app, Command* command, std::string parent, bool& json)
+    : app_(&app), command_(command), name_(std::move(parent)), json_(&json) {
+  flag("--json", json, "Print one JSON object on stdout and nothing else there");
+}
+
+void Arguments::about(const std::string& name, const std::string& summary, std::string_view footer) {
+  app_->name(name)->description(summary)->footer(without_first_line_end(footer));
+  name_ += (name_.empty() ? "" : " ") + name;
+}
+
+Arguments& Arguments::flag(const std::string& usage, bool& value, const std::string& help) {
+  last_ = app_->add_flag(usage, value, help);
+  return *this;
+}
+
+Arguments& Arguments::text(const std::string& usage, std::string& value, const std::string& help) {
+  last_ = add_option(*app_, usage, value, help);
+  return *this;
+}
+
+Arguments& Arguments::texts(const std::string& usage, std::vector<std::string>& values, const std::string& help) {
+  last_ = add_option(*app_, usage, values, help);
+  if (usage.starts_with('-')) last_->delimiter(',')->allow_extra_args(false);
+  return *this;
+}
+
+Arguments& Arguments::file(const std::string& usage, std::string& value, const std::string& help) {
+  return target(usage, value, help, "file");
+}
+
+Arguments& Arguments::folder(const std::string& usage, std::string& value, const std::string& help) {
+  return target(usage, value, help, "folder");
+}
+
+Arguments& Arguments::target(const std::string& usage, std::string& value, const std::string& help, const char* kind) {
+  return read(usage, help, [=, this, &value](const std::string& text) {
+    if (text.empty()) throw InputError(fmt::format("{}: {} needs a {} name", name_, first_name(usage), kind));
+    value = text;
+  });
+}
+
+Arguments& Arguments::read(const std::string& usage, const std::string& help, std::function<void(const std::string&)> reader) {
+  const auto text = std::make_shared<std::string>();
+  last_ = add_option(*app_, usage, *text, help);
+  readers_.emplace_back([text, reader = std::move(reader), option = last_] {
+    if (!option->empty()) reader(*text);
+  });
+  return *this;
+}
+
+std::string Arguments::with_names(std::string help, const std::vector<std::string>& names) {
+  const std::size_t place = help.find("{}");
+  return place == std::string::npos ? help : help.replace(place, 2, fmt::format("{}", fmt::join(names, ", ")));
+}
+
+Arguments& Arguments::overrides(std::vector<Override>& values, std::optional<std::uint64_t>& seed) {
+  const auto sets = std::make_shared<std::vector<std::string>>();
+  last_ = add_option(*app_, "--set KEY=VALUE ...", *sets,
+                     "Replace or add a value of the scene, e.g. motion.speed=\"8 mm/s\"; several may follow")
+              ->allow_extra_args(false);
+  readers_.emplace_back([this, sets, &values] {
+    for (const std::string& set : *sets) values.push_back(parse_override(name_, set));
+  });
+  return number("--seed N", seed, "Seed of all random draws (default: the scene's own)", 0);
+}
+
+Arguments& Arguments::required() {
+  if (last_->get_positional()) {
+    last_->required();
+  } else {  // in its turn, so that a wrong value before it is named first
+    readers_.emplace_back([this, option = last_] {
+      if (option->empty()) throw InputError(fmt::format("{}: --{} is required", name_, option->get_lnames().front()));
+    });
+  }
+  return *this;
+}
+
+void Arguments::command(Command& command) {
+  CLI::App* const app = app_->add_subcommand("", "");
+  command.declare(*commands_.emplace_back(std::make_unique<Arguments>(*app, &command, name_, *json_)));
+}
+
+const Arguments& Arguments::chosen() const {
+  const auto below = std::ranges::find_if(commands_, [](const auto& command) { return command->app_->parsed(); });
+  return below == commands_.end() ? *this : (*below)->chosen();
+}
+
+Command* Arguments::read_values() const {
+  for (const auto& reader : readers_) reader();
+  return command_;
+}
+
+InputError Arguments::unexpected(const std::string& word) const {
+  const std::string prefix = name_.empty() ? "" : name_ + ": ";
+  if (!word.starts_with('-')) {
+    return InputError(fmt::format("{}unexpected argument '{}'; see slipbench {} --help", prefix, word, name_));
+  }
+  std::vector<std::string> names;
+  for (const CLI::Option* option : std::as_const(*app_).get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  const std::string name = word.substr(0, word.find('='));
+  return InputError(
+      fmt::format("{}unknown option '{}'{} options: {}", prefix, name, suggestion(name, names), fmt::join(names, ", ")));
+}
+
+std::uint64_t Arguments::whole_number(const std::string& usage, const std::string& text, std::uint64_t min,
+                                      std::uint64_t max) const {
+  std::uint64_t value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, status] = std::from_chars(text.data(), end, value);
+  if (status != std::errc{} || stop != end || value < min || value > max) {
+    refuse(usage, text, fmt::format("; allowed: a whole number from {} to {}", min, max));
+  }
+  return value;
+}
+
+double Arguments::positive_quantity(const std::string& usage, const std::string& text, Quantity quantity) const {
+  ParameterSpec spec;
+  spec.name = first_name(usage);
+  spec.quantity = quantity;
+  spec.range = positive;
+  try {
+    return std::get<double>(parse_scalar(spec, text));
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("{}: {}: {}", name_, spec.name, error.what()));
+  }
+}
+
+void Arguments::refuse(const std::string& usage, const std::string& text, const std::string& allowed) const {
+  throw InputError(fmt::format("{}: {} is '{}'{}", name_, first_name(usage), text, allowed));
+}
+
+Request parse_command_line(const Commands& commands, const std::vector<std::string>& words) {
+  Request request;
+  CLI::App app{"A physics testbench for tactile slip detection.", "slipbench"};
+  app.footer(without_first_line_end(program_footer));
+  app.get_formatter()->column_width(26);
+  app.add_flag("--version", request.version, "Print the version");
+  Arguments program(app, nullptr, "", request.json);
+  for (const auto& command : commands) program.command(*command);
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  refuse_unknown_command(words, names);
+  if (words.empty()) {
+    request.help = app.help();
+    return request;
+  }
+
+  const auto prefix = [&program] {
+    const std::string& name = program.chosen().name();
+    return name.empty() ? name : name + ": ";
+  };
+  std::vector<std::string> reversed = repeat_set(words);
+  std::ranges::reverse(reversed);  // CLI11 takes them from the back
+  try {
+    app.parse(reversed);
+  } catch (const CLI::CallForHelp&) {
+    request.help = app.help();
+    return request;
+  } catch (const CLI::ExtrasError&) {
+    throw program.chosen().unexpected(app.remaining(true).front());
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string message = error.what();  // "--output: 1 required TEXT missing"
+    throw InputError(fmt::format("{}{} needs one value", prefix(), message.substr(0, message.find(':'))));
+  } catch (const CLI::ParseError& error) {
+    throw InputError(prefix() + error.what());
+  }
+  if (request.version) return request;
+  request.command = program.chosen().read_values();
+  if (request.command == nullptr) throw InputError(fmt::format("no command given; commands: {}", fmt::join(names, ", ")));
+  request.command->json = request.json;
+  return request;
+}
+
+}  // namespace slipbench

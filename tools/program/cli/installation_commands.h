@@ -1,0 +1,20 @@
+// `doctor` and `plugin-path`: what is installed, and where.
+#pragma once
+
+#include "tools/program/cli/command.h"
+
+namespace slipbench {
+
+class DoctorCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+};
+
+class PluginPathCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,114 @@
+#include "tools/studies/reproduce_command.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "tools/program/cli/arguments.h"
+#include "tools/program/cli/table.h"
+#include "tools/program/cli/terminal.h"
+
+namespace slipbench::reproduce {
+namespace {
+
+std::string result_text(const Result& result, const Style& style, std::size_t width) {
+  std::string text = style.bold(result.title) + '\n' + wrap_text(result.source, width, 2);
+  for (const ResultTable& part : result.tables) {
+    text += fmt::format("\n{}\n", style.heading(part.title));
+    Table table(part.head);
+    for (const std::vector<std::string>& row : part.rows) table.add(row);
+    text += table.text(style);
+    if (!part.note.empty()) text += wrap_text(part.note, width, 2);
+  }
+  for (const auto& [title, lines] :
+       {std::pair{"What differs, and why", &result.remarks}, {"How it was measured", &result.setup}}) {
+    if (lines->empty()) continue;
+    text += fmt::format("\n{}\n", style.heading(title));
+    for (const std::string& line : *lines) text += wrap_text(line, width, 2);
+  }
+  return text;
+}
+
+int list_reproductions(bool json) {
+  const std::vector<Reproduction>& all = reproductions();
+  if (json) {
+    nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+    for (const Reproduction& one : all) entries.push_back({{"name", one.name}, {"summary", one.summary}});
+    fmt::print("{}\n", nlohmann::ordered_json{{"reproductions", entries}}.dump());
+    return exit_good;
+  }
+  for (const Reproduction& one : all) fmt::print("{:<26}  {}\n", one.name, one.summary);
+  return exit_good;
+}
+
+// An option that this reproduction has no use for would be a misunderstanding.
+void check_options(const ReproduceOptions& options, const Reproduction& reproduction) {
+  const std::array<std::pair<const char*, bool>, 7> given{{{"--data", !options.data.empty()},
+                                                           {"--seed", options.seed.has_value()},
+                                                           {"--jobs", options.jobs != 0},
+                                                           {"--synthesise", options.synthesise},
+                                                           {"--trials", options.trials != 0},
+                                                           {"--only", !options.only.empty()},
+                                                           {"--memories", !options.memories.empty()}}};
+  for (const auto& [name, there] : given) {
+    const std::vector<std::string>& takes = reproduction.options;
+    if (!there || std::find(takes.begin(), takes.end(), name) != takes.end()) continue;
+    throw InputError(fmt::format("reproduce: {} does not take {}; allowed: {}", reproduction.name, name,
+                                 takes.empty() ? "--output, --json, --quiet" : fmt::format("{}", fmt::join(takes, ", "))));
+  }
+}
+
+}  // namespace
+
+void ReproduceCommand::declare(Arguments& arguments) {
+  arguments.about("reproduce", "Reproduce a table of a paper", R"(
+Without a name: what can be reproduced. With -o the table goes to FILE.html and all figures to FILE.json beside it.
+
+Examples:
+  slipbench reproduce
+  slipbench reproduce hd-papillarray/table1 --data hexapod.h5 -o table1.html
+  slipbench reproduce hd-papillarray/table2 --trials 2 --only as_recorded,light,rubber,gst_hd,hold_preset)");
+  arguments.text("PAPER/TABLE", name, "What to reproduce (default: list what there is)");
+  arguments.file("-o,--output FILE.html", output, "Write the page, and FILE.json beside it");
+  arguments.number("--trials N", options.trials, "table2: trials of each row (default: 10); table4: recordings a level (200)", 1);
+  arguments.texts("--only NAME,...", options.only, "table2: protocols, boxes, surfaces and loops to keep; table4: networks");
+  arguments.text("--memories DIR", options.memories, "table2: folder of the published classifier");
+  arguments.text("--data FILE.h5", options.data, "Use this dataset instead of a fresh one");
+  arguments.number("--seed N", options.seed, "Seed of dataset, item memories and draws (default: 1)", 0);
+  arguments.jobs(options.jobs);
+  arguments.flag("--synthesise", options.synthesise, "Run the synthesis instead of reading its stored figures");
+  arguments.flag("--quiet", quiet, "No progress");
+}
+
+int ReproduceCommand::run() {
+  if (name.empty() || name == "list") return list_reproductions(json);
+  const Reproduction& reproduction = find_reproduction(name);
+  check_options(options, reproduction);
+  if (!output.empty()) check_result_target(output);
+  options.say = [this](const std::string& what) { tell(what); };
+  Result result;
+  try {
+    result = reproduction.run(options);
+  } catch (const Interrupted&) {
+    say(stderr, "slipbench: interrupted; nothing is kept\n");
+    return exit_interrupted;
+  }
+  std::vector<std::string> files;
+  if (!output.empty()) files = write_result(output, reproduction.name, result);
+  if (json) {
+    fmt::print("{}\n", result_json(reproduction.name, result).dump());
+    return exit_good;
+  }
+  const Style style = style_for(stdout);
+  fmt::print("{}", result_text(result, style, terminal_width(stdout)));
+  for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);
+  return exit_good;
+}
+
+}  // namespace slipbench::reproduce

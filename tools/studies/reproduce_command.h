@@ -1,0 +1,21 @@
+// `reproduce`: a paper's table beside ours.
+#pragma once
+
+#include <string>
+
+#include "tools/program/cli/command.h"
+#include "tools/studies/study_catalogue.h"
+
+namespace slipbench::reproduce {
+
+class ReproduceCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::string name;    // PAPER/TABLE; empty: list what there is
+  std::string output;  // HTML file to write, and JSON beside it; empty: none
+  ReproduceOptions options;
+};
+
+}  // namespace slipbench::reproduce
