@@ -29,7 +29,7 @@ const std::vector<Reproduction>& reproductions() {
        &myrmex_onset_label},
       {"nib-reconfigurable/table1",
        "calibration of the nib pad: force and moment out of 36 capacitances, uniform and partial loads, and what decides it",
-       {"--seed"},
+       {"--seed", "--jobs"},
        &nib_table1},
       {"nib-reconfigurable/table2",
        "Algorithm 1 while the grasp is slowly let go, four surfaces; what decides its figures, and where 0 to 8 Hz comes from",

@@ -60,11 +60,11 @@ TEST_F(PiezoRecordings, SayWhatWasSwept) {
 }
 
 TEST_F(PiezoRecordings, SurviveTheirBytes) {
-  const PiezoRecording first = make_recording(skin_record(0, true, "{}"), R"({"effects": 3})");
+  const PiezoRecording first = make_recording(skin_record(0, true, R"({"effects": 3})"));
   EXPECT_TRUE(std::isnan(first.level));
   std::string bytes;
   pack(first, bytes);
-  pack(make_recording(skin_record(1, false, "{}"), "{}"), bytes);
+  pack(make_recording(skin_record(1, false, "{}")), bytes);
   const std::vector<PiezoRecording> back = unpack(bytes);
   ASSERT_THAT(back, SizeIs(2));
   EXPECT_TRUE(std::isnan(back[0].level));
@@ -77,7 +77,7 @@ TEST_F(PiezoRecordings, SurviveTheirBytes) {
 }
 
 TEST_F(PiezoRecordings, OfOtherSensorsAreRefused) {
-  EXPECT_THAT(message_of<InputError>([] { make_recording(make_record(2, 400), "{}"); }), HasSubstr("trial 2: has no piezo_skin"));
+  EXPECT_THAT(message_of<InputError>([] { make_recording(make_record(2, 400)); }), HasSubstr("trial 2: has no piezo_skin"));
 }
 
 }  // namespace

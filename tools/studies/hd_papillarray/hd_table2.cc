@@ -2,91 +2,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
-#include <thread>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/error.h"
-#include "sim/motion/lift.h"
-#include "sim/scene/parser.h"
-#include "tools/base/project/project_file.h"
-#include "tools/base/workers/interrupt.h"
-#include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/run_trial.h"
 #include "tools/studies/hd_papillarray/hd_table2_figures.h"
-#include "tools/studies/study_catalogue.h"
+#include "tools/studies/hd_papillarray/hd_table2_run.h"
 
 namespace slipbench::reproduce {
 namespace {
 
-constexpr const char* lift_scene = "scenes/grasp/lift.yaml";
-constexpr const char* published_memories = "tests/detectors/hd/data/published";
 constexpr std::size_t default_trials = 10;
-// Rows of the published log: four of them are 0.6 s in the paper, 15 frames of its 100 Hz each.
-constexpr std::size_t row_stride = 15;
 constexpr double degrees = 180.0 / std::numbers::pi;
-
-// One of the values that an axis of the table takes.
-struct Choice {
-  std::string name;
-  std::string text;  // as the table shows it
-  std::vector<Override> overrides;
-};
-
-const std::vector<Choice>& protocols() {
-  static const std::vector<Choice> all{{"as_recorded", "as_recorded (4 N, 43 mm/s)", {{"grip.protocol", "as_recorded"}}},
-                                       {"as_printed", "as_printed (1 N, 5 mm/s)", {{"grip.protocol", "as_printed"}}}};
-  return all;
-}
-
-const std::vector<Choice>& boxes() {
-  static const std::vector<Choice> all{{"light", "light box (0.2 kg)", {{"box.mass", "0.2 kg"}}},
-                                       {"heavy", "heavy box (0.5 kg)", {{"box.mass", "0.5 kg"}}}};
-  return all;
-}
-
-const std::vector<Choice>& surfaces() {
-  static const std::vector<Choice> all{
-      {"ptfe", "ptfe", {{"surface.material", "ptfe"}}},
-      {"rubber", "rubber", {{"surface.material", "rubber"}}},
-      {"felt",
-       "felt",
-       {{"surface.material", "felt"},
-        {"effects", "[{anisotropic_friction: {ratio: 0.6}}, {patchy_friction: {sd: 0.2, shortest: 8 mm, longest: 20 mm}}]"}}},
-      {"ptfe_0.2", "ptfe, mu 0.2", {{"surface.material", "ptfe"}, {"friction.static", "0.2"}, {"friction.kinetic", "0.19"}}}};
-  return all;
-}
-
-// `memories`: folder of the published ones.
-std::vector<Choice> loops(const std::string& memories) {
-  const auto detected = [](std::string name, std::string text, const std::string& detector) {
-    return Choice{std::move(name), std::move(text), {{"detector", detector}, {"controller", "{type: step_on_slip}"}}};
-  };
-  const auto controlled = [](std::string name, std::string text, const std::string& controller,
-                             const std::string& detector = "{type: gst_hd}") {
-    return Choice{std::move(name), std::move(text), {{"detector", detector}, {"controller", controller}}};
-  };
-  return {
-      detected("oracle", "oracle (sees the truth)", "{type: truth}"),
-      detected("gst_hd", "gst_hd, shipped memory", "{type: gst_hd}"),
-      detected("gst_hd_published", "gst_hd, published memory",
-               fmt::format("{{type: gst_hd, memories: {}, compat: published_core}}", Json(memories).dump())),
-      detected("gst_hd_rtl", "gst_hd_rtl", "{type: gst_hd_rtl}"),
-      detected("force_ratio", "detector force_ratio", "{type: force_ratio}"),
-      detected("stuck_fraction", "detector stuck_fraction", "{type: stuck_fraction}"),
-      detected("shear_rate", "detector shear_rate", "{type: shear_rate}"),
-      controlled("constant_force", "constant_force", "{type: constant_force}"),
-      controlled("force_ratio_control", "controller force_ratio", "{type: force_ratio}"),
-      controlled("stuck_fraction_control", "controller stuck_fraction", "{type: stuck_fraction}", "{type: stuck_fraction}"),
-      controlled("force_pid", "controller force_pid", "{type: force_pid}"),
-      controlled("hold_preset", "hold_preset (negative control)", "{type: hold_preset}"),
-  };
-}
 
 // The paper's row, and what its recordings have beside it.
 struct PublishedGrasp {
@@ -110,159 +41,15 @@ const std::vector<PublishedGrasp>& published_grasps() {
   return all;
 }
 
-struct Cell {
-  Choice protocol, box, surface, loop;
-  std::optional<SceneFile> file;  // empty: what the loop needs is not there
-
-  [[nodiscard]] std::string name() const {
-    return fmt::format("{}, {}, {}, {}", protocol.name, box.name, surface.name, loop.name);
-  }
-  // What runs it; an option that says which trials is to follow.
-  [[nodiscard]] std::string command(std::uint64_t seed) const {
-    std::string text = fmt::format("slipbench run {}", lift_scene);
-    for (const Choice* choice : {&protocol, &box, &surface, &loop}) {
-      for (const Override& change : choice->overrides) text += fmt::format(" --set '{}={}'", change.path, change.value);
-    }
-    return fmt::format("{} --seed {}", text, seed);
-  }
-};
-
-// What a trial came to. NaN where the box was dropped, or the figure does not exist.
-struct TrialFigures {
-  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  bool dropped = false;
-  double slip = nan, rotation = nan;            // m, rad
-  double marker_slip = nan, marker_spin = nan;  // m, rad
-  double true_ratio = nan;
-  double estimated_ratio = nan, frame_ratio = nan;  // by the paper's script, a row a window or a frame
-  double counts = nan;                              // by which the gripper closed after the lift had begun
-};
-
-TrialFigures figures_of(const Scene& lift, const TrialRecord& record) {
-  const GraspOutcome& outcome = *record.outcome.grasp;
-  TrialFigures figures;
-  figures.dropped = outcome.dropped;
-  if (outcome.dropped) return figures;
-  const SensorRecord& sensor = record.sensors.front();
-  const auto force = std::ranges::find(sensor.channels, "force", &SensorColumn::name);
-  const auto pose = [&](const char* name) -> const std::vector<float>& {
-    return std::ranges::find(record.bodies, name, &BodyRecord::name)->pose;
-  };
-  const double start = lift_times(lift.motion.parameters).start;
-  const auto begun = static_cast<std::size_t>(std::ranges::upper_bound(sensor.time, start) - sensor.time.begin()) - 1;
-  const MarkerSlip markers = marker_slip(pose("arm"), pose("box"), begun);
-  const std::vector<std::uint8_t>& position = record.control->grip.measured_position;
-  figures.slip = outcome.slip_translation;
-  figures.rotation = outcome.slip_rotation;
-  figures.marker_slip = markers.along;
-  figures.marker_spin = markers.spin;
-  figures.true_ratio = outcome.max_grip_force / outcome.ideal_grip_force;
-  figures.estimated_ratio = estimated_forces(force->values, record.control->detector_class, row_stride).ratio();
-  figures.frame_ratio = estimated_forces(force->values, record.control->detector_class, 1).ratio();
-  figures.counts = position.back() - position[begun];
-  return figures;
-}
-
-// All trials of a cell. An unusable cell has none.
-using Trials = std::vector<TrialFigures>;
-
-std::size_t drops(const Trials& trials) {
-  return static_cast<std::size_t>(std::ranges::count_if(trials, &TrialFigures::dropped));
+std::size_t drops(const Grasps& trials) {
+  return static_cast<std::size_t>(std::ranges::count_if(trials, &GraspFigures::dropped));
 }
 
 // `scale`: to the table's unit.
-Spread spread_of(const Trials& trials, double TrialFigures::*figure, double scale = 1.0) {
+Spread spread_of(const Grasps& trials, double GraspFigures::*figure, double scale = 1.0) {
   std::vector<double> values;
-  for (const TrialFigures& trial : trials) values.push_back(trial.*figure * scale);
+  for (const GraspFigures& trial : trials) values.push_back(trial.*figure * scale);
   return spread(std::move(values));
-}
-
-// Which choices of an axis are asked for: those that `only` names, all where it names none of the axis.
-std::vector<Choice> chosen(const std::vector<Choice>& axis, const std::vector<std::string>& only) {
-  std::vector<Choice> kept;
-  std::ranges::copy_if(axis, std::back_inserter(kept),
-                       [&](const Choice& choice) { return std::ranges::find(only, choice.name) != only.end(); });
-  return kept.empty() ? axis : kept;
-}
-
-void check_names(const std::vector<std::string>& only, const std::vector<Choice>& all_loops) {
-  std::vector<std::string> names;
-  for (const std::vector<Choice>& axis : {protocols(), boxes(), surfaces(), all_loops}) {
-    for (const Choice& choice : axis) names.push_back(choice.name);
-  }
-  for (const std::string& name : only) {
-    if (std::ranges::find(names, name) == names.end()) {
-      throw InputError(fmt::format("reproduce: --only: unknown name {}{}", quote(name), allowed_names(name, names)));
-    }
-  }
-}
-
-SceneFile scene_file(const Cell& cell) {
-  SceneFile file = SceneFile::load(project_file(lift_scene));
-  for (const Choice* choice : {&cell.protocol, &cell.box, &cell.surface, &cell.loop}) {
-    for (const Override& change : choice->overrides) file.apply(change);
-  }
-  return file;
-}
-
-std::vector<Cell> make_cells(const ReproduceOptions& options) {
-  const std::optional<std::string> found = find_project_file(std::string(published_memories) + "/AM.hex");
-  const std::string memories = !options.memories.empty() ? options.memories : found ? found->substr(0, found->rfind('/')) : "";
-  const std::vector<Choice> all_loops = loops(memories);
-  check_names(options.only, all_loops);
-  std::vector<Cell> cells;
-  for (const Choice& protocol : chosen(protocols(), options.only)) {
-    for (const Choice& box : chosen(boxes(), options.only)) {
-      for (const Choice& surface : chosen(surfaces(), options.only)) {
-        for (const Choice& loop : chosen(all_loops, options.only)) {
-          Cell cell{protocol, box, surface, loop, std::nullopt};
-          if (loop.name != "gst_hd_published" || !memories.empty()) cell.file = scene_file(cell);
-          cells.push_back(std::move(cell));
-        }
-      }
-    }
-  }
-  return cells;
-}
-
-// The cells' trials, each with the same draws: they are keyed by seed and trial.
-std::vector<Trials> run_cells(const std::vector<Cell>& cells, std::size_t trials, std::uint64_t seed,
-                              const ReproduceOptions& options) {
-  const InterruptGuard guard("ending after the trials at hand");
-  const Catalogues catalogues = program_catalogues();
-  std::vector<std::optional<TrialPlan>> plans;
-  std::vector<std::size_t> usable;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    plans.emplace_back();
-    if (!cells[i].file) continue;
-    plans.back().emplace(*cells[i].file, catalogues, trials, seed);
-    usable.push_back(i);
-  }
-  const auto one = [&](std::size_t index) {
-    const std::size_t cell = usable[index / trials];
-    const std::size_t trial = index % trials;
-    try {
-      Scene lift = plans[cell]->trial(trial).scene;
-      lift.seed = seed;
-      return figures_of(lift, run_trial(lift, trial, Recording::full).record);
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("{}, trial {}: {}; the same: {} --trials {} --trial {}", cells[cell].name(), trial,
-                                   error.what(), cells[cell].command(seed), trial + 1, trial));
-    }
-  };
-  const std::size_t total = usable.size() * trials;
-  const std::size_t threads = options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency());
-  OrderedWorkers<TrialFigures> workers(
-      total, std::min(threads, std::max<std::size_t>(1, total)), [&] { return one; }, &InterruptGuard::flag());
-  std::vector<Trials> results(cells.size());
-  for (std::size_t i = 0; i < total; ++i) {
-    const Cell& cell = cells[usable[i / trials]];
-    if (options.say && i % trials == 0) options.say(fmt::format("{} ({} of {} trials done)", cell.name(), i, total));
-    std::optional<TrialFigures> figures = workers.next();
-    if (!figures) throw Interrupted();
-    results[usable[i / trials]].push_back(*figures);
-  }
-  return results;
 }
 
 std::string number(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2f}", value); }
@@ -278,18 +65,18 @@ void add(std::vector<std::string>& row, const Spread& value) {
   row.insert(row.end(), {number(value.median), text_of(value.interval), text_of(value.mean_sd)});
 }
 
-std::string drop_text(const Trials& trials) { return fmt::format("{} of {}", drops(trials), trials.size()); }
-std::string drop_interval(const Trials& trials) {
+std::string drop_text(const Grasps& trials) { return fmt::format("{} of {}", drops(trials), trials.size()); }
+std::string drop_interval(const Grasps& trials) {
   const Interval share = clopper_pearson(drops(trials), trials.size());
   return fmt::format("{:.0f} to {:.0f} %", 100.0 * share.low, 100.0 * share.high);
 }
 
 // A row per loop below each surface, the published one first.
 template <class PublishedRow, class LoopRow>
-void add_rows(ResultTable& table, std::span<const Cell> cells, std::span<const Trials> results, PublishedRow&& published_row,
+void add_rows(ResultTable& table, std::span<const GraspCell> cells, std::span<const Grasps> results, PublishedRow&& published_row,
               LoopRow&& loop_row) {
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Cell& cell = cells[i];
+    const GraspCell& cell = cells[i];
     if (i == 0 || cells[i - 1].surface.name != cell.surface.name) {
       for (const PublishedGrasp& row : published_grasps()) {
         if (row.surface == cell.surface.name && row.box == cell.box.name) published_row(row);
@@ -306,7 +93,7 @@ void add_rows(ResultTable& table, std::span<const Cell> cells, std::span<const T
   }
 }
 
-ResultTable displacement_table(const std::string& title, std::span<const Cell> cells, std::span<const Trials> results) {
+ResultTable displacement_table(const std::string& title, std::span<const GraspCell> cells, std::span<const Grasps> results) {
   ResultTable table;
   table.title = title + ": drops, slip and rotation";
   table.head = {"",
@@ -327,12 +114,12 @@ ResultTable displacement_table(const std::string& title, std::span<const Cell> c
         table.rows.push_back({std::string(row.surface) + ": published", "0 of 10", "0 to 31 %", "-", "-", "-",
                               number(row.slip_median), text_of(row.slip), "-", "-", number(row.spin_median), text_of(row.spin)});
       },
-      [](std::vector<std::string>& row, const Trials& trials) {
+      [](std::vector<std::string>& row, const Grasps& trials) {
         row.insert(row.end(), {drop_text(trials), drop_interval(trials)});
-        add(row, spread_of(trials, &TrialFigures::slip, 1e3));
-        for (const auto& [figure, scale] : {std::pair{&TrialFigures::marker_slip, 1e3},
-                                            {&TrialFigures::rotation, degrees},
-                                            {&TrialFigures::marker_spin, degrees}}) {
+        add(row, spread_of(trials, &GraspFigures::slip, 1e3));
+        for (const auto& [figure, scale] : {std::pair{&GraspFigures::marker_slip, 1e3},
+                                            {&GraspFigures::rotation, degrees},
+                                            {&GraspFigures::marker_spin, degrees}}) {
           const Spread value = spread_of(trials, figure, scale);
           row.insert(row.end(), {number(value.median), text_of(value.mean_sd)});
         }
@@ -342,7 +129,7 @@ ResultTable displacement_table(const std::string& title, std::span<const Cell> c
   return table;
 }
 
-ResultTable force_table(const std::string& title, std::span<const Cell> cells, std::span<const Trials> results) {
+ResultTable force_table(const std::string& title, std::span<const GraspCell> cells, std::span<const Grasps> results) {
   ResultTable table;
   table.title = title + ": force";
   table.head = {
@@ -355,15 +142,15 @@ ResultTable force_table(const std::string& title, std::span<const Cell> cells, s
         table.rows.push_back({std::string(row.surface) + ": published", "-", "-", "-", "-", "-", "-", text_of(*row.ratio), "-",
                               "-", "-", "-", "-"});
       },
-      [](std::vector<std::string>& row, const Trials& trials) {
-        for (const auto figure : {&TrialFigures::true_ratio, &TrialFigures::estimated_ratio}) {
+      [](std::vector<std::string>& row, const Grasps& trials) {
+        for (const auto figure : {&GraspFigures::true_ratio, &GraspFigures::estimated_ratio}) {
           const Spread value = spread_of(trials, figure);
           add(row, value);
           row.push_back(std::to_string(value.n));
         }
-        const Spread frames = spread_of(trials, &TrialFigures::frame_ratio);
+        const Spread frames = spread_of(trials, &GraspFigures::frame_ratio);
         row.insert(row.end(), {number(frames.median), text_of(frames.mean_sd), std::to_string(frames.n),
-                               number(spread_of(trials, &TrialFigures::counts).median)});
+                               number(spread_of(trials, &GraspFigures::counts).median)});
       });
   table.note =
       "Of the boxes that were not dropped. Least: m g/(2 mu_s), mu_s that of the trial, upwards, without patches. By the paper: largest force up to 10 N over the least sum f_t/mean(f_t/f_n) of the rows called incipient; n: trials that have such rows. Counts: by which the gripper closed after the lift had begun, median.";
@@ -379,7 +166,7 @@ Json spread_json(const Spread& value) {
           {"sd", finite(value.mean_sd.sd)}};
 }
 
-Json cell_json(const Cell& cell, const Trials& trials, std::uint64_t seed) {
+Json cell_json(const GraspCell& cell, const Grasps& trials, std::uint64_t seed) {
   Json entry{{"protocol", cell.protocol.name}, {"box", cell.box.name}, {"surface", cell.surface.name}, {"loop", cell.loop.name}};
   entry["trials"] = trials.size();
   if (trials.empty()) return entry;
@@ -390,15 +177,15 @@ Json cell_json(const Cell& cell, const Trials& trials, std::uint64_t seed) {
   }
   entry["dropped"] = std::move(dropped);
   entry["drop_rate_95"] = {share.low, share.high};
-  entry["slip_mm"] = spread_json(spread_of(trials, &TrialFigures::slip, 1e3));
-  entry["marker_slip_mm"] = spread_json(spread_of(trials, &TrialFigures::marker_slip, 1e3));
-  entry["rotation_deg"] = spread_json(spread_of(trials, &TrialFigures::rotation, degrees));
-  entry["marker_spin_deg"] = spread_json(spread_of(trials, &TrialFigures::marker_spin, degrees));
-  entry["max_over_least"] = spread_json(spread_of(trials, &TrialFigures::true_ratio));
-  entry["max_over_ideal_by_paper"] = spread_json(spread_of(trials, &TrialFigures::estimated_ratio));
-  entry["max_over_ideal_rows_of_a_frame"] = spread_json(spread_of(trials, &TrialFigures::frame_ratio));
-  entry["counts"] = spread_json(spread_of(trials, &TrialFigures::counts));
-  entry["command"] = fmt::format("{} --trials {}", cell.command(seed), trials.size());
+  entry["slip_mm"] = spread_json(spread_of(trials, &GraspFigures::slip, 1e3));
+  entry["marker_slip_mm"] = spread_json(spread_of(trials, &GraspFigures::marker_slip, 1e3));
+  entry["rotation_deg"] = spread_json(spread_of(trials, &GraspFigures::rotation, degrees));
+  entry["marker_spin_deg"] = spread_json(spread_of(trials, &GraspFigures::marker_spin, degrees));
+  entry["max_over_least"] = spread_json(spread_of(trials, &GraspFigures::true_ratio));
+  entry["max_over_ideal_by_paper"] = spread_json(spread_of(trials, &GraspFigures::estimated_ratio));
+  entry["max_over_ideal_rows_of_a_frame"] = spread_json(spread_of(trials, &GraspFigures::frame_ratio));
+  entry["counts"] = spread_json(spread_of(trials, &GraspFigures::counts));
+  entry["command"] = fmt::format("{} --trials {}", cell.grid().command(seed), trials.size());
   return entry;
 }
 
@@ -425,7 +212,7 @@ std::vector<std::string> setup_lines(std::size_t trials, std::uint64_t seed) {
       "Assumed, felt: anisotropic_friction 0.6 with its grain level, so that the box hangs by the lesser friction; patches 0.2, 8 mm to 20 mm. Assumed, hard case: mu_s 0.2, mu_k 0.19. Assumed, lift: settle 1.5 s.",
   };
   for (const Material& material : catalogues.materials) {
-    if (std::ranges::find(surfaces(), material.name, &Choice::name) == surfaces().end()) continue;
+    if (std::ranges::find(grasp_surfaces(), material.name, &GraspChoice::name) == grasp_surfaces().end()) continue;
     lines.push_back(
         fmt::format("{}: mu_s {}, mu_k {}, {}.", material.name, material.mu_static, material.mu_kinetic, material.source));
   }
@@ -434,18 +221,18 @@ std::vector<std::string> setup_lines(std::size_t trials, std::uint64_t seed) {
 }
 
 // What the rows at hand say by themselves.
-std::vector<std::string> remarks_on(const std::vector<Cell>& cells, const std::vector<Trials>& results, std::uint64_t seed) {
+std::vector<std::string> remarks_on(const std::vector<GraspCell>& cells, const std::vector<Grasps>& results, std::uint64_t seed) {
   std::vector<std::string> remarks, idle, lost;
   std::size_t light = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Cell& cell = cells[i];
+    const GraspCell& cell = cells[i];
     if (cell.loop.name == "hold_preset" && drops(results[i]) == 0) {
       idle.push_back(fmt::format("{} {} {}", cell.protocol.name, cell.box.name, cell.surface.name));
     }
     if (cell.loop.name != "oracle" || cell.box.name != "light") continue;
     light += results[i].size();
     for (std::size_t k = 0; k < results[i].size(); ++k) {
-      if (results[i][k].dropped) lost.push_back(fmt::format("{} --trials {} --trial {}", cell.command(seed), k + 1, k));
+      if (results[i][k].dropped) lost.push_back(fmt::format("{} --trials {} --trial {}", cell.grid().command(seed), k + 1, k));
     }
   }
   if (light > 0) {
@@ -472,8 +259,8 @@ std::vector<std::string> remarks_on(const std::vector<Cell>& cells, const std::v
 Result hd_table2(const ReproduceOptions& options) {
   const std::uint64_t seed = options.seed.value_or(1);
   const std::size_t trials = options.trials == 0 ? default_trials : options.trials;
-  const std::vector<Cell> cells = make_cells(options);
-  const std::vector<Trials> results = run_cells(cells, trials, seed, options);
+  const std::vector<GraspCell> cells = grasp_cells(options);
+  const std::vector<Grasps> results = run_grasps(cells, trials, options);
   Result result;
   result.title = "Grasp and lift with slip detection in the loop";
   result.source =

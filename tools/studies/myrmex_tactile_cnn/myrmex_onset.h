@@ -10,15 +10,16 @@
 
 namespace slipbench::reproduce {
 
-// The paper's rule: "the onset of slippage is the time when the sum of contacts on the third sensor started to decrease". What it leaves open:
+// The paper's rule: "the onset of slippage is the time when the sum of contacts on the third sensor started to decrease". What it
+// leaves open:
 struct OnsetRule {
-  double window;  // s, over whose samples up to each the sum is averaged; 0: not at all
-  double
-      threshold;  // in standard deviations of that mean while nothing moves: decreased is what lies by more below its mean then
+  double window;     // s, over whose samples up to each the sum is averaged; 0: not at all
+  double threshold;  // below its mean while nothing moves, in standard deviations of the averaged sum then
 };
 
-// The last sample's time at which the averaged `sum` falls to more than the threshold below its mean in [from, to) and stays there up to `end`
-// [s]; empty: it does not stand below at the end, or there is none. `least`: in the unit of `sum`, by how much it must fall at least.
+// The last sample's time at which the averaged `sum` falls to more than the threshold below its mean in [from, to) and stays
+// there up to `end` [s]; empty: it does not stand below at the end, or there is none. `least`: in the unit of `sum`, by how much
+// it must fall at least.
 std::optional<double> decrease_onset(std::span<const double> time, std::span<const double> sum, const OnsetRule& rule,
                                      double from, double to, double end, double least = 0.0);
 
@@ -31,16 +32,17 @@ std::vector<double> sum_of_contacts(const SensorRecord& sensor);
 // Share of a pad's normal force, sample by sample, that slipping units carry; 0 where nothing touches.
 std::vector<double> slipping_share(const SensorRecord& sensor);
 
-// When the object begins to slip: the first sample's time from which on, as long as both pads touch, slipping taxels carry at least half of the
-// normal force on both. At the limit of friction that is so of a translation and of a turn, whose centre sticks. Empty: it is not so at the end.
-// `end`: the last sample at which both pads touch [s].
+// When the object begins to slip: the first sample's time from which on, as long as both pads touch, slipping taxels carry at
+// least half of the normal force on both. At the limit of friction that is so of a translation and of a turn, whose centre
+// sticks. Empty: it is not so at the end. `end`: the last sample at which both pads touch [s].
 struct TrueSlip {
   std::optional<double> onset;
   double end = 0.0;
 };
 TrueSlip true_slip(const SensorRecord& left, const SensorRecord& right, double from);
 
-// The end by the paper's rule, "no more contacts were detected on the sensors holding the object". What it leaves open is what a contact is:
+// The end by the paper's rule, "no more contacts were detected on the sensors holding the object". What it leaves open is what a
+// contact is:
 struct ContactGate {
   bool of_sum;    // of an array: its sum of contacts; else its taxel that misses most counts
   double window;  // s, over whose samples up to each that is averaged; 0: not at all

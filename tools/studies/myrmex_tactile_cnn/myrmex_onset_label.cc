@@ -12,9 +12,8 @@
 
 #include "sensors/myrmex/foam_cell.h"
 #include "tools/program/train/confusion_matrix.h"
+#include "tools/studies/grid.h"
 #include "tools/studies/myrmex_tactile_cnn/myrmex_onset.h"
-#include "tools/studies/nib_reconfigurable/nib_bench.h"
-#include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -22,8 +21,8 @@ namespace {
 constexpr double settled = 2.0, apart = 2.5;  // s, dataset.yaml: the third sensor rests on the object, the arms begin to move
 constexpr double still = apart - settled;
 constexpr double rotational_from = 5e-3;  // m, centre of mass to the side of the grip
-// Of a resting taxel's noise [counts], sensors/myrmex: 9 of 1,024. Cut off above rest, a normal variable misses sd/sqrt(2 pi) in the mean, and has
-// the standard deviation sqrt(1/2 - 1/(2 pi)) sd.
+// Of a resting taxel's noise [counts], sensors/myrmex: 9 of 1,024. Cut off above rest, a normal variable misses sd/sqrt(2 pi) in
+// the mean, and has the standard deviation sqrt(1/2 - 1/(2 pi)) sd.
 constexpr double noise_sd = 9.0 / 1024.0 * myrmex::full_scale;
 constexpr double cut_mean = 0.5 * std::numbers::inv_sqrtpi * std::numbers::sqrt2;
 const double cut_sd = std::sqrt(0.5 - cut_mean * cut_mean);
@@ -43,8 +42,8 @@ constexpr std::array rules{NamedRule{"w20_2", "counts, mean of 20 ms, 2 sd", {0.
                            NamedRule{"force", "true force, 5 % below", {0.0, 0.0}, false}};
 constexpr double force_fall = 0.05;  // of the last rule
 
-// How the end of a trial is told. A single taxel: by the public tools (llach/myrmex_tools: 5 % of full scale), and by 3 sd of its noise. The sum of
-// an array: 5 sd above what its noise alone makes it, since in a trial it has some thousand independent means.
+// How the end of a trial is told. A single taxel: by the public tools (llach/myrmex_tools: 5 % of full scale), and by 3 sd of its
+// noise. The sum of an array: 5 sd above what its noise alone makes it, since in a trial it has some thousand independent means.
 struct NamedEnd {
   const char* name;
   std::string text;
@@ -211,12 +210,12 @@ ResultTable bias_table(const std::vector<OnsetTrial>& trials, const std::vector<
 }  // namespace
 
 Result myrmex_onset_label(const ReproduceOptions& options) {
-  const std::uint64_t seed = options.seed.value_or(1);
   constexpr std::size_t usual_trials = 8;
   const std::size_t draws = options.trials == 0 ? usual_trials : options.trials;
-  const std::vector<OnsetTrial> trials = run_lever_scene<OnsetTrial>(
-      "scenes/myrmex/dataset.yaml", [](Scene&) {}, draws, seed, options, "dataset.yaml",
-      [](const Scene& scene, const TrialRecord& record, std::size_t) { return onset_trial(scene, record); });
+  const std::vector<OnsetTrial> trials =
+      run_grid<OnsetTrial>({{"dataset.yaml", "scenes/myrmex/dataset.yaml", {}, {}, draws}}, options, [](const GridTrial& trial) {
+        return onset_trial(trial.scene, trial.record());
+      }).front();
 
   Result result;
   result.title = "Onset of slip by a third sensor on the object";
@@ -232,8 +231,8 @@ Result myrmex_onset_label(const ReproduceOptions& options) {
   result.tables.push_back(kept_table(trials, result.figures));
   for (std::size_t e = 0; e < end_count; ++e) result.tables.push_back(bias_table(trials, objects, e, result.figures));
   result.setup = {
-      fmt::format("scenes/myrmex/dataset.yaml, seed {}: {} trials, electronics typical; {} of them hold to the end.", seed,
-                  trials.size(), trials.size() - lengths.size()),
+      fmt::format("scenes/myrmex/dataset.yaml, seed {}: {} trials, electronics typical; {} of them hold to the end.",
+                  options.seed.value_or(1), trials.size(), trials.size() - lengths.size()),
       "True onset: from then on slipping taxels carry at least half of the normal force, on both pads, until one has lost contact, the true end.",
       "Rule: the sum of 4095 - counts over the third sensor's taxels (500 Hz), averaged backwards, lies below its mean from 2.0 to 2.5 s, when nothing moves, by some standard deviations (sd) of that stretch, and stays there up to the end. The end: no more contact on the two holding arrays. What the paper leaves open is the average, the threshold and what a contact is. True force: what the sensor is pressed with, without its noise and memory.",
       fmt::format(

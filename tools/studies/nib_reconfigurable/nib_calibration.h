@@ -33,8 +33,8 @@ struct CalibrationRecording {
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(si.rows()); }
 };
 
-// Runs trial number `trial` of a scene with a nib pad and the motion `wander`, and keeps every `every`-th image. Throws InputError as a
-// trial does.
+// Runs trial number `trial` of a scene with a nib pad and the motion `wander`, and keeps every `every`-th image. Throws
+// InputError as a trial does.
 CalibrationRecording record_calibration(const Scene& scene, std::uint64_t trial, Eigen::Index every = 1);
 
 // Recordings one after the other.
@@ -54,9 +54,9 @@ enum class SplitKind {
 CalibrationSplit split_rows(std::size_t rows, std::size_t fit, std::size_t choose, std::size_t test, SplitKind kind,
                             RandomStream& stream);
 
-// y = b + sum a_i x_i + sum_{i<=j} a_ij x_i x_j of every component, by least squares with a ridge: columns are scaled to mean 0 and
-// standard deviation 1 first, b is not held back. Of 36 inputs it has 703 coefficients a component, 3,000 rows hardly fix all of them:
-// the ridge is the one, of a row of powers of ten, that is best on rows that did not teach; then all teach.
+// y = b + sum a_i x_i + sum_{i<=j} a_ij x_i x_j of every component, by least squares with a ridge: columns are scaled to mean 0
+// and standard deviation 1 first, b is not held back. Of 36 inputs it has 703 coefficients a component, 3,000 rows hardly fix all
+// of them: the ridge is the one, of a row of powers of ten, that is best on rows that did not teach; then all teach.
 class QuadraticFit {
  public:
   // x: [n,inputs], y: [n,components]. Rows of `teach` and `choose` are used, no others.

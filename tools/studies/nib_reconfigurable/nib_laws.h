@@ -1,9 +1,10 @@
 // The friction laws that the nib pad's slip tests are repeated with.
 #pragma once
 
+#include <functional>
 #include <vector>
 
-#include "tools/studies/nib_reconfigurable/nib_bench.h"
+#include "sim/scene/scene.h"
 
 namespace slipbench::reproduce {
 
@@ -11,7 +12,7 @@ namespace slipbench::reproduce {
 struct FrictionLaw {
   const char* name;
   const char* text;
-  SceneChange change;
+  std::function<void(Scene&)> change;
 };
 
 // The scene's own law first.

@@ -18,8 +18,8 @@ struct Signature {
   double below = 0.0, above = 0.0;  // counts rms, below and above 8 Hz
 };
 
-// From when the lever has gone 0.3 mm beyond where it stood when the detector began to count, to 10 mm. Empty where that is shorter than a
-// window, or the pad does not slip.
+// From when the lever has gone 0.3 mm beyond where it stood when the detector began to count, to 10 mm. Empty where that is
+// shorter than a window, or the pad does not slip.
 std::optional<Signature> signature_of(const Scene& scene, const NibTrace& trace);
 
 // The table, without rows, and those of one law: in it and in `figures`, an array.

@@ -7,8 +7,8 @@
 #include "detectors/nib/slip_kind.h"
 #include "tools/base/statistics/auc.h"
 #include "tools/program/train/confusion_matrix.h"
-#include "tools/studies/nib_reconfigurable/nib_bench.h"
-#include "tools/studies/study_catalogue.h"
+#include "tools/studies/grid.h"
+#include "tools/studies/nib_reconfigurable/nib_trace.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -53,6 +53,18 @@ KindRun kind_run(const Scene& scene, const TrialRecord& record, bool rotational)
   return run;
 }
 
+// The runs of linear slip, then those of rotational slip.
+std::vector<KindRun> kind_runs(std::size_t trials, const ReproduceOptions& options) {
+  constexpr const char *linear = "scenes/nib_pad/linear.yaml", *rotational = "scenes/nib_pad/rotational.yaml";
+  const std::vector<GridCell> cells{{linear, linear, {}, {}, trials}, {rotational, rotational, {}, {}, trials}};
+  std::vector<KindRun> runs;
+  for (const std::vector<KindRun>& found : run_grid<KindRun>(
+           cells, options, [](const GridTrial& trial) { return kind_run(trial.scene, trial.record(), trial.cell == 1); })) {
+    runs.insert(runs.end(), found.begin(), found.end());
+  }
+  return runs;
+}
+
 using Score = double (*)(const KindRun&);
 using Chosen = bool (*)(const KindRun&);
 
@@ -69,6 +81,10 @@ bool is_rotational(const KindRun& run) { return run.slips && run.rotational; }
 bool is_slip(const KindRun& run) { return run.slips; }
 bool is_none(const KindRun& run) { return !run.slips; }
 
+double score_fl(const KindRun& run) { return run.fl; }
+double score_fr(const KindRun& run) { return run.fr; }
+double score_curl(const KindRun& run) { return run.curl; }
+
 struct Question {
   const char* text;
   const char* bar;
@@ -81,14 +97,14 @@ const std::vector<Question>& questions() {
        is_linear},
       {"linear against rotational by FL/FR", "0.97", [](const KindRun& run) { return run.fl / run.fr; }, is_linear,
        is_rotational},
-      {"rotational against linear by curl", "0.97", [](const KindRun& run) { return run.curl; }, is_rotational, is_linear},
+      {"rotational against linear by curl", "0.97", score_curl, is_rotational, is_linear},
       {"rotational against linear by curl FR/FL", "0.97", [](const KindRun& run) { return run.curl * run.fr / run.fl; },
        is_rotational, is_linear},
       {"slip against none by FL + FR", "0.93", [](const KindRun& run) { return run.fl + run.fr; }, is_slip, is_none},
       {"slip against none by the larger of FL and FR", "0.93", [](const KindRun& run) { return std::max(run.fl, run.fr); },
        is_slip, is_none},
-      {"linear slip against none by FL", "0.93", [](const KindRun& run) { return run.fl; }, is_linear, is_none},
-      {"rotational slip against none by FR", "0.93", [](const KindRun& run) { return run.fr; }, is_rotational, is_none},
+      {"linear slip against none by FL", "0.93", score_fl, is_linear, is_none},
+      {"rotational slip against none by FR", "0.93", score_fr, is_rotational, is_none},
   };
   return all;
 }
@@ -117,16 +133,18 @@ ResultTable auc_table(const std::vector<KindRun>& runs, Json& figures) {
   return table;
 }
 
+// Median and quartiles.
+std::string quartiles_text(const std::vector<double>& values, int digits) {
+  if (values.empty()) return "-";
+  return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", quantile(values, 0.5), digits, quantile(values, 0.25), digits,
+                     quantile(values, 0.75), digits);
+}
+
 ResultTable feature_table(const std::vector<KindRun>& runs) {
   ResultTable table{"Features, median and quartiles",
                     {"plate", "runs", "n", "FL, counts", "FR, counts", "|curl|", "said: none", "linear", "rotational"},
                     {},
                     "Said by nib_slip_kind with its assumed bounds, of the means that the row is made of."};
-  const auto text = [](std::vector<double> values, const char* format) {
-    return values.empty()
-               ? std::string("-")
-               : fmt::format(fmt::runtime(format), quantile(values, 0.5), quantile(values, 0.25), quantile(values, 0.75));
-  };
   const std::pair<const char*, Chosen> groups[] = {
       {"linear slip", is_linear}, {"rotational slip", is_rotational}, {"no slip", is_none}};
   for (const char* material : {"paper", "masonite", "wavy_acrylic"}) {
@@ -140,17 +158,11 @@ ResultTable feature_table(const std::vector<KindRun>& runs) {
         ++said[static_cast<std::size_t>(run.said)];
         ++n;
       }
-      table.rows.push_back({material, name, std::to_string(n),
-                            text(scores(
-                                     own, [](const KindRun& run) { return run.fl; }, chosen),
-                                 "{:.0f} ({:.0f} to {:.0f})"),
-                            text(scores(
-                                     own, [](const KindRun& run) { return run.fr; }, chosen),
-                                 "{:.0f} ({:.0f} to {:.0f})"),
-                            text(scores(
-                                     own, [](const KindRun& run) { return run.curl; }, chosen),
-                                 "{:.2f} ({:.2f} to {:.2f})"),
-                            std::to_string(said[0]), std::to_string(said[1]), std::to_string(said[2])});
+      std::vector<std::string>& row = table.rows.emplace_back(std::vector<std::string>{material, name, std::to_string(n)});
+      row.push_back(quartiles_text(scores(own, score_fl, chosen), 0));
+      row.push_back(quartiles_text(scores(own, score_fr, chosen), 0));
+      row.push_back(quartiles_text(scores(own, score_curl, chosen), 2));
+      for (const std::size_t kind : said) row.push_back(std::to_string(kind));
     }
   }
   return table;
@@ -159,26 +171,15 @@ ResultTable feature_table(const std::vector<KindRun>& runs) {
 }  // namespace
 
 Result nib_slip_kinds(const ReproduceOptions& options) {
-  const std::uint64_t seed = options.seed.value_or(1);
   const std::size_t trials = options.trials == 0 ? 1 : options.trials;
-  std::vector<KindRun> runs;
-  for (const bool rotational : {false, true}) {
-    const std::string path = rotational ? "scenes/nib_pad/rotational.yaml" : "scenes/nib_pad/linear.yaml";
-    for (KindRun& run : run_lever_scene<KindRun>(
-             path, [](Scene&) {}, trials, seed, options, path,
-             [rotational](const Scene&scene, const TrialRecord&record, std::size_t) {
-               return kind_run(scene, record, rotational);
-             })) {
-      runs.push_back(std::move(run));
-    }
-  }
+  const std::vector<KindRun> runs = kind_runs(trials, options);
   Result result;
   result.title = "No slip, linear and rotational slip of the nib pad";
   result.source = "Fig. 12 and section IV-B of \"Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation\"";
   result.setup = {
       fmt::format(
           "scenes/nib_pad/linear.yaml and rotational.yaml, seed {}, {} runs a cell: electronics typical (drift and noise), pads set up with scatter of place, yaw and tilt.",
-          seed, trials),
+          options.seed.value_or(1), trials),
       "Slip: the lever has moved by 2 mm since the pull began (paper). FL, FR: magnitude over 0 to 6 Hz; curl: of the normalised shear; means over the windows that end within 0.5 s after these 2 mm, and of runs without slip over those that end between 0.5 s after the pull's beginning and 0.5 s after its end.",
   };
   result.tables.push_back(auc_table(runs, result.figures));

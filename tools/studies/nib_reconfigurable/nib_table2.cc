@@ -1,45 +1,14 @@
 // Table II of the nib pad's paper: Algorithm 1 while the normal force falls slowly, and what decides its figures.
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <optional>
 
 #include <fmt/format.h>
 
-#include "detectors/nib/linear_slip.h"
 #include "tools/base/statistics/binomial.h"
-#include "tools/program/train/confusion_matrix.h"
-#include "tools/studies/nib_reconfigurable/nib_bench.h"
-#include "tools/studies/nib_reconfigurable/nib_laws.h"
-#include "tools/studies/nib_reconfigurable/nib_signature.h"
-#include "tools/studies/study_catalogue.h"
+#include "tools/studies/nib_reconfigurable/nib_table2_run.h"
 
 namespace slipbench::reproduce {
 namespace {
-
-constexpr double safe_way = 6e-3;  // m, of slip: what is detected before is a success
-
-// A change of the detector, on the very same trials.
-struct DetectorReading {
-  const char* name;
-  const char* text;
-  std::vector<std::pair<const char*, Parameters::Value>> changes;
-};
-const std::vector<DetectorReading>& detector_readings() {
-  static const std::vector<DetectorReading> all{
-      {"as_is", "threshold 25, patience 0.5 s, F_S/F_N of counts as equations 1, 2 and 4 have it", {}},
-      {"threshold_15", "threshold 15", {{"threshold", 15.0}}},
-      {"threshold_20", "threshold 20", {{"threshold", 20.0}}},
-      {"threshold_40", "threshold 40", {{"threshold", 40.0}}},
-      {"threshold_80", "threshold 80", {{"threshold", 80.0}}},
-      {"patience_0.25", "patience 0.25 s", {{"patience", 0.25}}},
-      {"patience_1", "patience 1 s", {{"patience", 1.0}}},
-      {"alpha_0", "alpha 0", {{"weight", 0.0}}},
-      {"alpha_5_m_5", "M 5, alpha 5", {{"counter_max", 5.0}, {"weight", 5.0}}},
-      {"forces", "F_S/F_N of newtons", {{"ratio", std::string("forces")}}},
-  };
-  return all;
-}
 
 struct PublishedSurface {
   const char* material;
@@ -52,81 +21,15 @@ constexpr PublishedSurface published_surfaces[] = {{"paper", "paper", 0.77, 0.55
                                                    {"wavy_acrylic", "wavy acrylic", 0.84, 0.51, 61, 61},
                                                    {"soaped_wavy_acrylic", "soaped wavy acrylic", 3.44, 3.22, 62, 68}};
 
-// What one run came to with one reading. NaN: nothing was detected before the slip was over.
-struct ReleaseRun {
-  std::string material;
-  double required = 0.0;                                    // N, pull/mu_s
-  double force = std::numeric_limits<double>::quiet_NaN();  // N, true, at the detection
-  double way = std::numeric_limits<double>::quiet_NaN();    // m, slip at the detection
-  [[nodiscard]] bool safe() const { return way < safe_way; }
-  [[nodiscard]] bool gross() const { return safe() && force < required; }
-};
-
-Parameters detector_parameters(const DetectorScene& scene, const DetectorReading& reading) {
-  Parameters parameters = scene.parameters;
-  for (const auto& [name, value] : reading.changes) parameters.set(name, value);
-  return parameters;
-}
-
-struct ReleaseTrial {
-  std::vector<ReleaseRun> runs;  // in the order of detector_readings()
-  std::optional<Signature> signature;
-};
-
-ReleaseTrial trial_of(const Scene& scene, const TrialRecord& record) {
-  const NibTrace trace(record);
-  const std::size_t begun = trace.at(scene.detector->parameters.number("start"));
-  ReleaseTrial trial{{}, signature_of(scene, trace)};
-  for (const DetectorReading& reading : detector_readings()) {
-    ReleaseRun run;
-    run.material = scene.material;
-    run.required = scene.controls.front().points.back().value / scene.friction.static_coefficient;
-    const auto detector = make_nib_linear_slip(detector_parameters(*scene.detector, reading), trace.source());
-    if (const auto found = trace.detection(*detector)) {
-      run.force = trace.normal(*found);
-      run.way = trace.lever(*found) - trace.lever(begun);
-    }
-    trial.runs.push_back(std::move(run));
-  }
-  return trial;
-}
-
-struct Summary {
-  std::size_t runs = 0, safe = 0, early = 0;
-  MeanSd error, gross_error, slip;  // N, N, mm; of the safe ones
-};
-
-Summary summary_of(const std::vector<ReleaseRun>& runs, const std::string& material) {
-  Summary summary;
-  std::vector<double> errors, gross, ways;
-  for (const ReleaseRun& run : runs) {
-    if (!material.empty() && run.material != material) continue;
-    ++summary.runs;
-    if (!run.safe()) continue;
-    ++summary.safe;
-    errors.push_back(std::abs(run.force - run.required));
-    ways.push_back(1e3 * run.way);
-    if (run.gross()) {
-      gross.push_back(errors.back());
-    } else {
-      ++summary.early;
-    }
-  }
-  summary.error = mean_sd(errors);
-  summary.gross_error = mean_sd(gross);
-  summary.slip = mean_sd(ways);
-  return summary;
-}
-
 std::string newtons(const MeanSd& value) { return std::isnan(value.mean) ? "-" : fmt::format("{:.2f}", value.mean); }
-std::string safe_share(const Summary& summary) {
+std::string safe_share(const ReleaseSummary& summary) {
   const Interval interval = clopper_pearson(summary.safe, summary.runs);
   return fmt::format("{} of {} ({:.1f} %; {:.0f} to {:.0f} %)", summary.safe, summary.runs,
                      100.0 * static_cast<double>(summary.safe) / static_cast<double>(std::max<std::size_t>(1, summary.runs)),
                      100.0 * interval.low, 100.0 * interval.high);
 }
 
-Json summary_json(const Summary& summary) {
+Json summary_json(const ReleaseSummary& summary) {
   const auto finite = [](double number) { return std::isnan(number) ? Json() : Json(number); };
   return {{"runs", summary.runs},
           {"safe", summary.safe},
@@ -145,7 +48,7 @@ ResultTable release_table(const std::vector<ReleaseRun>& runs, Json& figures) {
   Json rows = Json::array();
   const auto add = [&](const std::string& material, const std::string& text, const std::string& all, const std::string& gross,
                        const std::string& safe) {
-    const Summary summary = summary_of(runs, material);
+    const ReleaseSummary summary = summary_of(runs, material);
     table.rows.push_back({text, all, newtons(summary.error), gross, newtons(summary.gross_error), safe, safe_share(summary),
                           fmt::format("{} of {}", summary.early, summary.safe), newtons(summary.slip)});
     Json row = summary_json(summary);
@@ -163,10 +66,17 @@ ResultTable release_table(const std::vector<ReleaseRun>& runs, Json& figures) {
   return table;
 }
 
+ResultTable surfaces_table(const std::string& title, const std::string& first, const std::string& note) {
+  ResultTable table{title, {first}, {}, note};
+  for (const PublishedSurface& surface : published_surfaces) table.head.emplace_back(surface.text);
+  table.head.emplace_back("all");
+  return table;
+}
+
 std::vector<std::string> surfaces_row(const std::string& text, const std::vector<ReleaseRun>& runs) {
   std::vector<std::string> row{text};
   const auto add = [&](const std::string& material) {
-    const Summary summary = summary_of(runs, material);
+    const ReleaseSummary summary = summary_of(runs, material);
     row.push_back(fmt::format("{}, {}/{}, {} early", newtons(summary.error), summary.safe, summary.runs, summary.early));
   };
   for (const PublishedSurface& surface : published_surfaces) add(surface.material);
@@ -174,60 +84,47 @@ std::vector<std::string> surfaces_row(const std::string& text, const std::vector
   return row;
 }
 
-}  // namespace
-
-Result nib_table2(const ReproduceOptions& options) {
-  const std::uint64_t seed = options.seed.value_or(1);
-  constexpr std::size_t usual_trials = 15, few_trials = 2;
-  const std::size_t trials = options.trials == 0 ? usual_trials : options.trials;
-  Result result;
-  result.title = "Slip detected while the grasp is slowly let go";
-  result.source = "Table II and section V of \"Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation\"";
-  ResultTable laws{"The same under other friction", {"law"}, {}, ""},
-      other{"The same trials read otherwise", {"detector"}, {}, ""};
-  ResultTable signature = signature_table();
-  result.figures["signature"] = Json::array();
-  for (const PublishedSurface& surface : published_surfaces) {
-    laws.head.emplace_back(surface.text);
-    other.head.emplace_back(surface.text);
-  }
-  laws.head.emplace_back("all");
-  other.head.emplace_back("all");
-  for (const FrictionLaw& law : friction_laws()) {
-    const bool own = &law == &friction_laws().front();
-    const std::size_t draws = own ? trials : std::min(trials, few_trials);
-    const auto found = run_lever_scene<ReleaseTrial>(
-        "scenes/nib_pad/release.yaml", law.change, draws, seed, options, law.text,
-        [](const Scene& scene, const TrialRecord& record, std::size_t) { return trial_of(scene, record); });
-    std::vector<std::vector<ReleaseRun>> by_reading(detector_readings().size());
-    std::vector<std::optional<Signature>> signatures;
-    for (const ReleaseTrial& trial : found) {
-      for (std::size_t k = 0; k < trial.runs.size(); ++k) by_reading[k].push_back(trial.runs[k]);
-      signatures.push_back(trial.signature);
-    }
-    add_signatures(law.text, signatures, signature, result.figures["signature"]);
-    laws.rows.push_back(surfaces_row(law.text, by_reading.front()));
-    result.figures["laws"][law.name] = summary_json(summary_of(by_reading.front(), ""));
-    if (!own) continue;
-    result.tables.push_back(release_table(by_reading.front(), result.figures));
-    for (std::size_t k = 0; k < by_reading.size(); ++k) {
-      other.rows.push_back(surfaces_row(detector_readings()[k].text, by_reading[k]));
-      result.figures["readings"][detector_readings()[k].name] = summary_json(summary_of(by_reading[k], ""));
-    }
-  }
-  laws.note =
-      fmt::format("Mean error [N], detected before 6 mm, early ones. The first row has {} runs a cell, the others up to {}.",
-                  trials, few_trials);
-  other.note = "As above.";
-  result.tables.push_back(std::move(laws));
-  result.tables.push_back(std::move(other));
-  result.tables.push_back(std::move(signature));
-  result.setup = {
+std::vector<std::string> setup_lines(std::uint64_t seed, std::size_t trials) {
+  return {
       fmt::format("scenes/nib_pad/release.yaml, seed {}, {} runs of each of its surfaces and pulls.", seed, trials),
       "Paper: M 9, alpha 10, windows of 500 ms a 100 ms, 0.03 mm/s. Not in the paper, assumed: SLIP_THRES 25 counts (a bound of the noise: detectors/nib/README.md), TIME_THRES 0.5 s, mu_s of all plates but the soaped one, which were moved once in a dry run after the published errors had been seen, the plates' patches and waves, masses and damping of the lever.",
       "F_S/F_N is one of counts, as equations 1, 2 and 4 read; a ratio of newtons, which the paper's words would allow, is a row of its own.",
       "The soaped plate is pulled with up to 1 N: 5 N would need 71 N of grasp.",
   };
+}
+
+}  // namespace
+
+Result nib_table2(const ReproduceOptions& options) {
+  constexpr std::size_t usual_trials = 15;
+  const std::size_t trials = options.trials == 0 ? usual_trials : options.trials;
+  const std::vector<LawRuns> runs = run_releases(trials, options);
+  Result result;
+  result.title = "Slip detected while the grasp is slowly let go";
+  result.source = "Table II and section V of \"Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation\"";
+  ResultTable laws = surfaces_table(
+      "The same under other friction", "law",
+      fmt::format("Mean error [N], detected before 6 mm, early ones. The first row has {} runs a cell, the others up to {}.",
+                  trials, few_draws));
+  ResultTable readings = surfaces_table("The same trials read otherwise", "detector", "As above.");
+  ResultTable signature = signature_table();
+  result.figures["signature"] = Json::array();
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const FrictionLaw& law = friction_laws()[k];
+    const std::vector<ReleaseRun>& as_is = runs[k].by_reading.front();
+    add_signatures(law.text, runs[k].signatures, signature, result.figures["signature"]);
+    laws.rows.push_back(surfaces_row(law.text, as_is));
+    result.figures["laws"][law.name] = summary_json(summary_of(as_is, ""));
+  }
+  const std::vector<std::vector<ReleaseRun>>& by_reading = runs.front().by_reading;
+  const ResultTable release = release_table(by_reading.front(), result.figures);
+  for (std::size_t k = 0; k < by_reading.size(); ++k) {
+    const DetectorReading& reading = detector_readings()[k];
+    readings.rows.push_back(surfaces_row(reading.text, by_reading[k]));
+    result.figures["readings"][reading.name] = summary_json(summary_of(by_reading[k], ""));
+  }
+  result.tables = {release, std::move(laws), std::move(readings), std::move(signature)};
+  result.setup = setup_lines(options.seed.value_or(1), trials);
   return result;
 }
 

@@ -14,6 +14,7 @@
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -65,11 +66,11 @@ void check_recordings(std::size_t recordings, std::size_t least, const std::stri
       recordings, why, least));
 }
 
-PiezoRecording make_recording(const TrialRecord& record, const std::string& params) {
+PiezoRecording make_recording(const TrialRecord& record) {
   const auto sensor = std::ranges::find(record.sensors, "piezo_skin", &SensorRecord::type);
   if (sensor == record.sensors.end())
     throw InputError(fmt::format("trial {}: has no piezo_skin; allowed: a recording of one", record.trial));
-  const Json swept = Json::parse(params);
+  const Json swept = Json::parse(record.params);
   PiezoRecording recording;
   const auto level = swept.find(level_path);
   recording.level = level != swept.end() && level->is_number() ? level->get<double>() : std::numeric_limits<double>::quiet_NaN();
@@ -110,9 +111,11 @@ std::vector<PiezoRecording> unpack(const std::string& bytes) {
 std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, std::size_t recordings,
                                            const ReproduceOptions& options) {
   const std::string swept = fmt::format("[{}]", fmt::join(levels, ", "));
-  return run_piezo_bench<PiezoRecording>(
-      {{std::string("sweep.") + level_path, swept}}, {}, recordings, options, "recordings",
-      [](const Scene&, const TrialRecord& record, const Json& params) { return make_recording(record, params.dump()); });
+  const GridCell cell{.name = "recordings",
+                      .scene = piezo_bench_scene,
+                      .overrides = {{std::string("sweep.") + level_path, swept}},
+                      .draws = recordings / 2};
+  return run_grid<PiezoRecording>({cell}, options, [](const GridTrial& trial) { return make_recording(trial.record()); }).front();
 }
 
 std::vector<PiezoRecording> read_recordings(const std::string& path) {
@@ -124,7 +127,7 @@ std::vector<PiezoRecording> read_recordings(const std::string& path) {
       reader.check_recorded(trial);
       const TrialRecord record = reader.read_trial(trial);
       check.add(record);
-      pack(make_recording(record, record.params), bytes);
+      pack(make_recording(record), bytes);
     }
     check.finish();
     return bytes;

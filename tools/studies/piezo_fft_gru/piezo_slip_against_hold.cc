@@ -1,97 +1,58 @@
 // Slip against hold by the loudness of one frame, against the motors' level: the curve, and which frames are mistaken.
 #include <array>
 #include <cmath>
-#include <functional>
 #include <numbers>
-#include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/base/statistics/auc.h"
-#include "tools/program/train/confusion_matrix.h"
-#include "tools/studies/piezo_fft_gru/piezo_frames.h"
+#include "tools/studies/grid.h"
+#include "tools/studies/piezo_fft_gru/piezo_loudness.h"
 #include "tools/studies/piezo_fft_gru/piezo_recordings.h"
-#include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {
 namespace {
 
-constexpr std::size_t default_bench_recordings = 120;                   // of each level
-constexpr double wanted_area = 0.95;                                    // the bar on the area without motors
-constexpr double settling_time = 3.0 / (2.0 * std::numbers::pi * 3.0);  // s, three time constants of the amplifier's 3 Hz
-constexpr double light_press = 4.0;                                     // N, below a quarter of the published 2 to 10
-constexpr double slow_slide = 10e-3;                                    // m/s, below a fifth of the published 3.3 to 33 mm/s
+constexpr std::size_t default_bench_recordings = 120;  // of each level
+constexpr double wanted_area = 0.95;                   // the bar on the area without motors
 
 const std::vector<double>& vibration_levels() {
   static const std::vector<double> levels{0.0, 0.5, 1.0, 2.0, 4.0, 8.0};
   return levels;
 }
 
-using SkinRecordings = std::vector<SkinRecording>;
-
-// What makes slip and hold of a frame, and its loudness.
-struct FrameReading {
+// A bench that differs in one thing, without motors.
+struct OtherBench {
   std::string name, text;
-  FrameSpectrum spectrum = FrameSpectrum::plain;
-  bool by_position = false, one_label = false;
-
-  [[nodiscard]] bool slips(const SkinFrame& frame) const { return by_position ? frame.slips_by_position : frame.slips; }
-  [[nodiscard]] bool counts(const SkinFrame& frame) const { return frame.one_label || !one_label; }
+  std::function<void(Scene&)> change;
 };
-// The paper's spectrum first, then the others by FrameSpectrum, then other labels.
-const std::vector<FrameReading>& frame_readings() {
-  static const std::vector<FrameReading> all{
-      {"paper", "as the paper: mean off, no taper named; true label"},
-      {"detrended", "straight line of each frame off", FrameSpectrum::detrended},
-      {"hann", "Hann's taper", FrameSpectrum::hann},
-      {"one_label", "mean off; frames of one label only", FrameSpectrum::plain, false, true},
-      {"hann_one_label", "Hann's taper; frames of one label only", FrameSpectrum::hann, false, true},
-      {"position", "as the paper, label by the 100 Hz position", FrameSpectrum::plain, true},
-      {"detrended_position", "straight line off, label by the 100 Hz position", FrameSpectrum::detrended, true},
-      {"hann_position", "Hann's taper, label by the 100 Hz position", FrameSpectrum::hann, true},
+const std::vector<OtherBench>& other_benches() {
+  static const std::vector<OtherBench> all{
+      {"deaf_direction", "slides along 135 deg, whose shear makes no charge",
+       [](Scene& scene) { scene.motion.parameters.set("direction", 0.75 * std::numbers::pi); }},
+      {"fast_press", "pressed on at 2 mm/s instead of 0.5",
+       [](Scene& scene) {
+         if (scene.motion.parameters.number("clearance") == 0.0) scene.motion.parameters.set("approach_speed", 2e-3);
+       }},
   };
   return all;
 }
 
-// Which frames a question is about.
-using FrameChoice = std::function<bool(const SkinRecording&, const SkinFrame&)>;
-
-// Loudness of the chosen frames, and the number of the recording of each.
-struct Loudness {
-  std::vector<double> power;
-  std::vector<std::size_t> recording;
-};
-
-Loudness loudness_of(const SkinRecordings& recordings, const FrameReading& reading, const FrameChoice& chosen) {
-  Loudness found;
-  for (std::size_t r = 0; r < recordings.size(); ++r) {
-    for (const SkinFrame& frame : recordings[r].frames) {
-      if (!reading.counts(frame) || !chosen(recordings[r], frame)) continue;
-      found.power.push_back(frame.power.at(static_cast<std::size_t>(reading.spectrum)));
-      found.recording.push_back(r);
-    }
-  }
-  return found;
-}
-
-std::optional<Auc> separation(const Loudness& slip, const Loudness& hold) {
-  if (slip.power.empty() || hold.power.empty()) return std::nullopt;
-  return auc(slip.power, slip.recording, hold.power, hold.recording);
-}
-
-// Slip against all hold, hold in contact alone, and hold in the air alone.
-struct Separations {
-  std::optional<Auc> pooled, contact, air;
-};
-Separations separations(const SkinRecordings& recordings, const FrameReading& reading) {
-  const auto hold = [&](const SkinFrame& frame) { return !reading.slips(frame); };
-  const Loudness slip =
-      loudness_of(recordings, reading, [&](const auto&, const SkinFrame& frame) { return reading.slips(frame); });
-  const auto against = [&](const FrameChoice& chosen) { return separation(slip, loudness_of(recordings, reading, chosen)); };
-  return {against([&](const auto&, const SkinFrame& frame) { return hold(frame); }),
-          against([&](const auto&, const SkinFrame& frame) { return hold(frame) && frame.contact; }),
-          against([&](const auto&, const SkinFrame& frame) { return hold(frame) && !frame.contact; })};
+// All recordings at each level of vibration_levels(), then those of each of other_benches().
+std::vector<SkinRecordings> run_benches(std::size_t recordings, const ReproduceOptions& options) {
+  const auto cell = [&](const std::string& name, double level, const std::function<void(Scene&)>& change) {
+    const auto changed = [level, change](Scene& scene) {
+      scene.motion.parameters.set("vibration", level);
+      if (change) change(scene);
+    };
+    return GridCell{name, piezo_bench_scene, {}, changed, recordings / 2};
+  };
+  std::vector<GridCell> cells;
+  for (const double level : vibration_levels()) cells.push_back(cell(fmt::format("motor level {}", level), level, {}));
+  for (const OtherBench& bench : other_benches()) cells.push_back(cell(bench.text, 0.0, bench.change));
+  return run_grid<SkinRecording>(cells, options,
+                                 [](const GridTrial& trial) { return skin_recording(trial.scene, trial.record()); });
 }
 
 std::string area_cell(const std::optional<Auc>& found) { return found ? fmt::format("{:.3f}", found->value) : "-"; }
@@ -117,132 +78,40 @@ std::vector<std::string> area_row(const std::string& name, const Separations& ar
           area_cell(areas.air),
           interval_cell(areas.air)};
 }
-const std::vector<std::string>& area_head() {
-  static const std::vector<std::string> head{"all hold", "95 %", "hold in contact alone", "95 %", "hold in the air alone",
-                                             "95 %"};
-  return head;
-}
-std::vector<std::string> headed(const std::string& first) {
-  std::vector<std::string> head{first};
-  head.insert(head.end(), area_head().begin(), area_head().end());
-  return head;
+ResultTable area_table(const std::string& title, const std::string& first, const std::string& note) {
+  return {title, {first, "all hold", "95 %", "hold in contact alone", "95 %", "hold in the air alone", "95 %"}, {}, note};
 }
 
 ResultPoint point_of(const std::optional<Auc>& found) {
   return found ? ResultPoint{found->value, found->interval.low, found->interval.high} : ResultPoint{0.5, 0.5, 0.5};
 }
 
-// Frames of a kind. Of a list of causes a frame has the first that fits.
-struct FrameCause {
-  std::string name, text;
-  FrameChoice fits;
-};
-const std::vector<FrameCause>& hold_causes() {
-  static const std::vector<FrameCause> causes{
-      {"stick_between_slips", "a part slipped within the frame, at its end all sticks",
-       [](const auto&, const SkinFrame& frame) { return frame.slipped; }},
-      {"press", "the tip is pressed on", [](const auto&, const SkinFrame& frame) { return frame.pressed; }},
-      {"shear", "the bench moves, shear is built up before the slip",
-       [](const auto&, const SkinFrame& frame) { return frame.slid; }},
-      {"settling", "at rest for less than 159 ms, the amplifier settles",
-       [](const auto&, const SkinFrame& frame) { return frame.still < settling_time; }},
-      {"rest", "at rest for longer", [](const auto&, const SkinFrame&) { return true; }},
-  };
-  return causes;
-}
-const std::vector<FrameCause>& slip_causes() {
-  static const std::vector<FrameCause> causes{
-      {"starts_or_stops", "the bench speeds up, brakes or stands (below 0.9 of its speed)",
-       [](const auto&, const SkinFrame& frame) { return !frame.at_speed; }},
-      {"slow_and_light", "slower than 10 mm/s and below 4 N",
-       [](const SkinRecording& of, const SkinFrame&) { return of.speed < slow_slide && of.force < light_press; }},
-      {"slow", "slower than 10 mm/s", [](const SkinRecording& of, const SkinFrame&) { return of.speed < slow_slide; }},
-      {"light", "below 4 N", [](const SkinRecording& of, const SkinFrame&) { return of.force < light_press; }},
-      {"other", "faster and heavier", [](const SkinRecording&, const SkinFrame&) { return true; }},
-  };
-  return causes;
-}
-
-double rms_of(const Loudness& found) { return std::sqrt(quantile(found.power, 0.5)); }
-
-// What each cause's frames add to what the area lacks of 1: an area is a mean over them, so that the parts sum up to it.
 ResultTable cause_table(const SkinRecordings& recordings, const std::vector<FrameCause>& causes, bool of_slip, Json& figures) {
-  const auto is = [](bool slip, const SkinFrame& frame) { return frame.contact && frame.slips == slip; };
-  const std::array<const FrameReading*, frame_spectra> readings{&frame_readings()[0], &frame_readings()[1], &frame_readings()[2]};
   ResultTable table{
       of_slip ? "Slip that is taken for hold in contact, no motors" : "Hold in contact that is taken for slip, no motors",
       {"frames in which", "frames", "share", "rms, counts, median", "AUC", "of what is missing from 1", "line off: AUC",
        "of what is missing", "Hann: AUC", "of what is missing"},
       {},
-      {}};
-  const auto chosen_other = [&](const auto&, const SkinFrame& frame) { return is(!of_slip, frame); };
-  const auto chosen_all = [&](const auto&, const SkinFrame& frame) { return is(of_slip, frame); };
-  std::array<Loudness, frame_spectra> others;
-  std::array<double, frame_spectra> missing{};
-  const auto area = [&](const Loudness& own, std::size_t k) {
-    return of_slip ? separation(own, others.at(k)) : separation(others.at(k), own);
-  };
-  for (std::size_t k = 0; k < frame_spectra; ++k) {
-    others.at(k) = loudness_of(recordings, *readings.at(k), chosen_other);
-    const auto all = area(loudness_of(recordings, *readings.at(k), chosen_all), k);
-    missing.at(k) = all ? 1.0 - all->value : 0.0;
-  }
-  const auto count = static_cast<double>(loudness_of(recordings, *readings[0], chosen_all).power.size());
+      of_slip
+          ? ""
+          : "A frame has the first cause that fits. The area is a mean over the frames, so that the causes' parts of what it lacks of 1 add up. No slide of the published ranges is deaf: all go along X."};
+  const std::vector<CauseFigures> found = figures_of(recordings, causes, of_slip);
   for (std::size_t c = 0; c < causes.size(); ++c) {
-    const auto chosen = [&](const SkinRecording& recording, const SkinFrame& frame) {
-      if (!is(of_slip, frame)) return false;
-      for (std::size_t earlier = 0; earlier < c; ++earlier) {
-        if (causes[earlier].fits(recording, frame)) return false;
-      }
-      return causes[c].fits(recording, frame);
-    };
-    const Loudness own = loudness_of(recordings, *readings[0], chosen);
-    const double share = static_cast<double>(own.power.size()) / count;
+    const CauseFigures& cause = found[c];
     Json& entry = figures[causes[c].name];
-    entry = {{"frames", own.power.size()}, {"share", share}};
-    std::vector<std::string> row{causes[c].text, std::to_string(own.power.size()), fmt::format("{:.1f} %", 100.0 * share),
-                                 own.power.empty() ? "-" : fmt::format("{:.1f}", rms_of(own))};
+    entry = {{"frames", cause.frames}, {"share", cause.share}};
+    std::vector<std::string>& row = table.rows.emplace_back();
+    row = {causes[c].text, std::to_string(cause.frames), fmt::format("{:.1f} %", 100.0 * cause.share),
+           std::isnan(cause.rms) ? "-" : fmt::format("{:.1f}", cause.rms)};
     for (std::size_t k = 0; k < frame_spectra; ++k) {
-      const auto found = area(loudness_of(recordings, *readings.at(k), chosen), k);
-      const double part = found && missing.at(k) > 0.0 ? share * (1.0 - found->value) / missing.at(k) : 0.0;
-      row.push_back(area_cell(found));
-      row.push_back(fmt::format("{:.0f} %", 100.0 * part));
-      entry[readings.at(k)->name] = {{"auc", found ? Json(found->value) : Json(nullptr)}, {"share_of_missing", part}};
+      const std::optional<Auc>& area = cause.area.at(k);
+      row.push_back(area_cell(area));
+      row.push_back(fmt::format("{:.0f} %", 100.0 * cause.share_of_missing.at(k)));
+      entry[frame_readings()[k].name] = {{"auc", area ? Json(area->value) : Json(nullptr)},
+                                         {"share_of_missing", cause.share_of_missing.at(k)}};
     }
-    table.rows.push_back(std::move(row));
   }
   return table;
-}
-
-// What a bench has different.
-using BenchChange = std::function<void(Scene&)>;
-
-SkinRecordings bench_recordings(double level, const BenchChange& change, std::size_t recordings, const ReproduceOptions& options,
-                                const std::string& what) {
-  const auto changed = [&](Scene& scene) {
-    scene.motion.parameters.set("vibration", level);
-    if (change) change(scene);
-  };
-  return run_piezo_bench<SkinRecording>(
-      {}, changed, recordings, options, what,
-      [](const Scene& scene, const TrialRecord& record, const Json&) { return skin_recording(scene, record); });
-}
-
-// A bench that differs in one thing, without motors.
-struct OtherBench {
-  std::string name, text;
-  BenchChange change;
-};
-const std::vector<OtherBench>& other_benches() {
-  static const std::vector<OtherBench> all{
-      {"deaf_direction", "slides along 135 deg, whose shear makes no charge",
-       [](Scene& scene) { scene.motion.parameters.set("direction", 0.75 * std::numbers::pi); }},
-      {"fast_press", "pressed on at 2 mm/s instead of 0.5",
-       [](Scene& scene) {
-         if (scene.motion.parameters.number("clearance") == 0.0) scene.motion.parameters.set("approach_speed", 2e-3);
-       }},
-  };
-  return all;
 }
 
 // An area of the figures; null where there were no frames of one kind.
@@ -282,64 +151,79 @@ std::vector<std::string> remarks_on(const Json& figures) {
   };
 }
 
-}  // namespace
-
-Result piezo_slip_against_hold(const ReproduceOptions& options) {
-  const std::size_t count = options.trials != 0 ? options.trials : default_bench_recordings;
-  check_recordings(count, 4, "an interval needs two");
-  Result result;
-  result.title = "Slip against hold by the loudness of one frame of the piezoelectric skin";
-  result.source =
-      "The frames of \"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor\", section IV-A: 20 ms every 10 ms at 10 kHz, 50 to 600 Hz. The paper prints no such curve.";
-
-  ResultTable curve{"Area under the curve against the motors' level", headed("motor level"), {}, {}};
-  curve.note = fmt::format(
-      "The bar is {} at level 0. Intervals are by recording (Obuchowski): the frames of one depend on each other.", wanted_area);
-  ResultTable readings{"Other readings of the paper, no motors", headed("reading of a frame"), {}, {}};
-  readings.note =
-      "The curve is the first row: the paper's spectrum, of which it says that the mean is taken off and names no taper, with the true label. The paper's own reading is the row with its position label. The others are offered beside them. Frames of one label only leave out those within which contact or slip begins or ends.";
-  ResultChart chart{.title = "Slip against hold by one frame",
-                    .across = "level of the motors' vibration",
-                    .up = "area under the curve",
-                    .places = {},
-                    .curves = {{"all hold", {}}, {"in contact alone", {}}, {"in the air alone", {}}},
-                    .bar = wanted_area,
-                    .bar_name = "bar at level 0"};
-  std::vector<ResultTable> causes;
-  for (const double level : vibration_levels()) {
-    const std::string name = fmt::format("{}", level);
-    const SkinRecordings recordings = bench_recordings(level, {}, count, options, "motor level " + name);
+// The curve over the motors' level, as a table and as a chart: the paper's reading of a frame. The figures hold all readings.
+ResultTable curve_table(const std::vector<SkinRecordings>& levels, ResultChart& chart, Json& figures) {
+  ResultTable table = area_table(
+      "Area under the curve against the motors' level", "motor level",
+      fmt::format("The bar is {} at level 0. Intervals are by recording (Obuchowski): the frames of one depend on each other.",
+                  wanted_area));
+  for (std::size_t i = 0; i < vibration_levels().size(); ++i) {
+    const std::string name = fmt::format("{}", vibration_levels()[i]);
     for (const FrameReading& reading : frame_readings()) {
-      const Separations areas = separations(recordings, reading);
-      result.figures["curve"][reading.name][name] = areas_json(areas);
-      if (level == 0.0) readings.rows.push_back(area_row(reading.text, areas));
+      const Separations areas = separations(levels[i], reading);
+      figures[reading.name][name] = areas_json(areas);
       if (reading.name != "paper") continue;
-      curve.rows.push_back(area_row(name, areas));
+      table.rows.push_back(area_row(name, areas));
       chart.places.push_back(name);
       for (std::size_t k = 0; k < 3; ++k) {
         chart.curves[k].points.push_back(point_of(std::array{areas.pooled, areas.contact, areas.air}.at(k)));
       }
     }
-    if (level != 0.0) continue;
-    causes.push_back(cause_table(recordings, hold_causes(), false, result.figures["hold_causes"]));
-    causes.push_back(cause_table(recordings, slip_causes(), true, result.figures["slip_causes"]));
-    causes.front().note =
-        "A frame has the first cause that fits. The area is a mean over the frames, so that the causes' parts of what it lacks of 1 add up. No slide of the published ranges is deaf: all go along X.";
   }
-  ResultTable varied{"What the bench decides, no motors", headed("bench"), {}, {}};
-  varied.rows.push_back(curve.rows.front());
-  varied.rows.front().front() = "as above";
-  for (const OtherBench& variant : other_benches()) {
-    const SkinRecordings recordings = bench_recordings(0.0, variant.change, count, options, variant.text);
+  return table;
+}
+
+ResultTable readings_table(const SkinRecordings& without_motors) {
+  ResultTable table = area_table(
+      "Other readings of the paper, no motors", "reading of a frame",
+      "The curve is the first row: the paper's spectrum, of which it says that the mean is taken off and names no taper, with the true label. The paper's own reading is the row with its position label. The others are offered beside them. Frames of one label only leave out those within which contact or slip begins or ends.");
+  for (const FrameReading& reading : frame_readings()) {
+    table.rows.push_back(area_row(reading.text, separations(without_motors, reading)));
+  }
+  return table;
+}
+
+// `first`: of the bench as it is.
+ResultTable benches_table(std::vector<std::string> first, std::span<const SkinRecordings> benches, Json& figures) {
+  ResultTable table = area_table("What the bench decides, no motors", "bench", "");
+  first.front() = "as above";
+  table.rows.push_back(std::move(first));
+  for (std::size_t i = 0; i < benches.size(); ++i) {
+    const OtherBench& bench = other_benches()[i];
     for (std::size_t k = 0; k < frame_spectra; ++k) {
       const FrameReading& reading = frame_readings()[k];
-      const Separations areas = separations(recordings, reading);
-      result.figures["bench"][variant.name][reading.name] = areas_json(areas);
-      varied.rows.push_back(area_row(variant.text + (k == 0 ? "" : k == 1 ? "; line off" : "; Hann's taper"), areas));
+      const Separations areas = separations(benches[i], reading);
+      figures[bench.name][reading.name] = areas_json(areas);
+      table.rows.push_back(area_row(bench.text + (k == 0 ? "" : k == 1 ? "; line off" : "; Hann's taper"), areas));
     }
   }
-  result.charts.push_back(std::move(chart));
-  result.tables = {std::move(curve), std::move(readings), std::move(causes[0]), std::move(causes[1]), std::move(varied)};
+  return table;
+}
+
+}  // namespace
+
+Result piezo_slip_against_hold(const ReproduceOptions& options) {
+  const std::size_t count = options.trials != 0 ? options.trials : default_bench_recordings;
+  check_recordings(count, 4, "an interval needs two");
+  const std::vector<SkinRecordings> runs = run_benches(count, options);
+  const SkinRecordings& without_motors = runs.front();
+  Result result;
+  result.title = "Slip against hold by the loudness of one frame of the piezoelectric skin";
+  result.source =
+      "The frames of \"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor\", section IV-A: 20 ms every 10 ms at 10 kHz, 50 to 600 Hz. The paper prints no such curve.";
+  result.charts.push_back({.title = "Slip against hold by one frame",
+                           .across = "level of the motors' vibration",
+                           .up = "area under the curve",
+                           .places = {},
+                           .curves = {{"all hold", {}}, {"in contact alone", {}}, {"in the air alone", {}}},
+                           .bar = wanted_area,
+                           .bar_name = "bar at level 0"});
+  result.tables.push_back(curve_table(runs, result.charts.front(), result.figures["curve"]));
+  result.tables.push_back(readings_table(without_motors));
+  result.tables.push_back(cause_table(without_motors, hold_causes(), false, result.figures["hold_causes"]));
+  result.tables.push_back(cause_table(without_motors, slip_causes(), true, result.figures["slip_causes"]));
+  result.tables.push_back(benches_table(result.tables.front().rows.front(), std::span(runs).subspan(vibration_levels().size()),
+                                        result.figures["bench"]));
   result.setup = {
       fmt::format("{} recordings a level from {}, half with a slip, seed {}: the same draws at every level.", count,
                   piezo_bench_scene, options.seed.value_or(1)),

@@ -1,0 +1,130 @@
+// What the studies simulate: trials of the project's scenes under changes, many at a time.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tools/base/dataset/trial_record.h"
+#include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/ordered_workers.h"
+#include "tools/studies/study_catalogue.h"
+
+namespace slipbench::reproduce {
+
+// A scene under one set of changes.
+struct GridCell {
+  std::string name;   // in progress and in errors
+  std::string scene;  // from the project's root: "scenes/grasp/lift.yaml"
+  std::vector<Override> overrides = {};
+  std::function<void(Scene&)> change = {};  // of each trial's scene, beyond the overrides; may be empty
+  std::size_t draws = 0;                    // trials of each cell of the scene's own sweep; 0: as many as the scene says
+
+  // The command that runs the scene with its overrides; an option that says which trials has to follow.
+  [[nodiscard]] std::string command(std::uint64_t seed) const;
+};
+
+struct GridTrial {
+  Scene scene;  // as it runs
+  std::size_t cell;
+  std::size_t number;  // within its cell
+  std::string params;  // JSON object of what the scene's sweep drew
+
+  // Runs the trial and returns its full record, with these params. Throws InputError as run_trial does.
+  [[nodiscard]] TrialRecord record() const;
+};
+
+// The trials of all cells, cell after cell. The draws of a trial depend on the seed and its number alone, not on its cell.
+class Grid {
+ public:
+  // Throws InputError for a scene or an override that cannot be used.
+  Grid(std::vector<GridCell> cells, std::uint64_t seed);
+  Grid(const Grid&) = delete;
+  Grid& operator=(const Grid&) = delete;
+
+  [[nodiscard]] std::size_t size() const { return places_.size(); }  // trials of all cells
+  [[nodiscard]] std::size_t cell_of(std::size_t index) const { return places_[index].first; }
+  [[nodiscard]] const std::string& name_of(std::size_t index) const { return cells_[cell_of(index)].name; }
+
+  // Hands the trial to `use`. An InputError gets the cell's name, the trial's number and the command that runs it.
+  void with_trial(std::size_t index, const std::function<void(const GridTrial&)>& use) const;
+
+ private:
+  std::vector<GridCell> cells_;
+  std::uint64_t seed_;
+  Catalogues catalogues_;                                    // of the plans
+  std::vector<TrialPlan> plans_;                             // of each cell
+  std::vector<std::pair<std::size_t, std::size_t>> places_;  // cell and trial of each index
+};
+
+// Does work 0 to count - 1 on options.jobs threads and returns the results in this order. `options.say` hears `subject(index)`
+// and how much is done whenever the subject changes, and at each 50th. Throws what the work throws, and Interrupted.
+template <class Outcome>
+std::vector<Outcome> run_in_order(std::size_t count, const ReproduceOptions& options,
+                                  const std::function<std::string(std::size_t)>& subject,
+                                  const std::function<Outcome(std::size_t)>& work) {
+  const InterruptGuard guard("ending after what is at hand");
+  const std::size_t threads = options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency());
+  OrderedWorkers<Outcome> workers(
+      count, std::min(threads, count), [&] { return work; }, &InterruptGuard::flag());
+  std::vector<Outcome> outcomes;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (options.say && (k % 50 == 0 || subject(k) != subject(k - 1))) {
+      options.say(fmt::format("{} ({} of {} done)", subject(k), k, count));
+    }
+    std::optional<Outcome> outcome = workers.next();
+    if (!outcome) throw Interrupted();
+    outcomes.push_back(std::move(*outcome));
+  }
+  return outcomes;
+}
+
+// Runs all trials of a grid under options.seed (1 without one), and returns what `reduce` makes of each: [cell][trial]. Throws
+// InputError of a trial, and Interrupted.
+template <class Outcome, class Reduce>
+std::vector<std::vector<Outcome>> run_grid(const std::vector<GridCell>& cells, const ReproduceOptions& options, Reduce&& reduce) {
+  const Grid grid(cells, options.seed.value_or(1));
+  const auto one = [&](std::size_t index) {
+    std::optional<Outcome> outcome;
+    grid.with_trial(index, [&](const GridTrial& trial) { outcome.emplace(reduce(trial)); });
+    return std::move(*outcome);
+  };
+  std::vector<Outcome> all = run_in_order<Outcome>(
+      grid.size(), options, [&](std::size_t index) { return grid.name_of(index); }, one);
+  std::vector<std::vector<Outcome>> by_cell(cells.size());
+  for (std::size_t k = 0; k < all.size(); ++k) by_cell[grid.cell_of(k)].push_back(std::move(all[k]));
+  return by_cell;
+}
+
+// Refuses a name of `--only` that none of `names` is. Throws InputError with the nearest.
+void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names);
+
+// Those that `only` names; all where it names none of them.
+template <class Named>
+std::vector<Named> chosen(const std::vector<Named>& all, const std::vector<std::string>& only) {
+  std::vector<Named> kept;
+  std::ranges::copy_if(all, std::back_inserter(kept),
+                       [&](const Named& one) { return std::ranges::find(only, one.name) != only.end(); });
+  return kept.empty() ? all : kept;
+}
+
+// The names of rows.
+template <class Named>
+std::vector<std::string> names_of(const std::vector<Named>& all) {
+  std::vector<std::string> names;
+  for (const Named& one : all) names.push_back(one.name);
+  return names;
+}
+
+}  // namespace slipbench::reproduce
