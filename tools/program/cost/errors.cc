@@ -294,14 +294,15 @@ std::pair<std::size_t, std::size_t> longest_hold(const TrialRecord& reference, c
   const auto length = [&](const auto& stretch) {
     return reference.body_time[rows[stretch.second].second] - reference.body_time[rows[stretch.first].second];
   };
-  std::optional<std::size_t> first;
+  const std::size_t none = rows.size();
+  std::size_t first = none;  // of the stretch at hand
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!watch.holds_at(reference.body_time[rows[i].second])) {
-      first.reset();
+      first = none;
       continue;
     }
-    if (!first) first = i;
-    if (const std::pair stretch{*first, i}; length(stretch) > length(longest)) longest = stretch;
+    if (first == none) first = i;
+    if (const std::pair stretch{first, i}; length(stretch) > length(longest)) longest = stretch;
   }
   return longest;
 }
