@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "tools/base/dataset/trial_record.h"
-#include "tools/program/report/json.h"
+#include "tools/base/page/json.h"
 
 namespace slipbench::report {
 

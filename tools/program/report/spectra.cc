@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "detectors/nib/stft.h"
-#include "tools/program/report/pack.h"
+#include "tools/base/page/pack.h"
 
 namespace slipbench::report {
 namespace {
@@ -54,9 +54,12 @@ Json spectrogram(const View& view, const SensorColumn& channel, const SensorReco
     rows.insert(rows.end(), magnitudes.begin(), magnitudes.begin() + static_cast<std::ptrdiff_t>(bins));
     ends.push_back(time[end - 1]);
   }
-  return {{"name", view.name},        {"unit", channel.unit},
-          {"window_s", view.window},  {"bin_hz", spectrum.bin_width()},
-          {"time", pack_times(ends)}, {"data", pack_curves(rows, bins, 1)}};
+  return {{"name", view.name},
+          {"unit", channel.unit},
+          {"window_s", view.window},
+          {"bin_hz", spectrum.bin_width()},
+          {"time", page::pack_times(ends)},
+          {"data", page::pack_curves(rows, bins, 1)}};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "sim/core/error.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_sweep.h"
@@ -278,7 +279,7 @@ ResultTable delay_table(const Draws& draws) {
     table.rows.push_back({model_name(models[i]), percent(sum.all.recall(PadState::non_slip)),
                           percent(sum.all.recall(PadState::incipient)), percent(sum.all.recall(PadState::gross)),
                           fmt::format("{} to {}", milliseconds(quantile(d.delay, 0.25)), milliseconds(quantile(d.delay, 0.75))),
-                          milliseconds(quantile(d.delay, 0.5)), std::to_string(d.missed), std::to_string(d.early),
+                          milliseconds(median(d.delay)), std::to_string(d.missed), std::to_string(d.early),
                           std::to_string(d.slipping), fmt::format("{} of {}", d.false_alarms, d.sequences)});
   }
   table.note =

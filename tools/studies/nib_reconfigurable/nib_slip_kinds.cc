@@ -6,7 +6,7 @@
 
 #include "detectors/nib/slip_kind.h"
 #include "tools/base/statistics/auc.h"
-#include "tools/program/train/confusion_matrix.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/nib_reconfigurable/nib_bench.h"
 #include "tools/studies/study_catalogue.h"
 
@@ -123,9 +123,8 @@ ResultTable feature_table(const std::vector<KindRun>& runs) {
                     {},
                     "Said by nib_slip_kind with its assumed bounds, of the means that the row is made of."};
   const auto text = [](std::vector<double> values, const char* format) {
-    return values.empty()
-               ? std::string("-")
-               : fmt::format(fmt::runtime(format), quantile(values, 0.5), quantile(values, 0.25), quantile(values, 0.75));
+    return values.empty() ? std::string("-")
+                          : fmt::format(fmt::runtime(format), median(values), quantile(values, 0.25), quantile(values, 0.75));
   };
   const std::pair<const char*, Chosen> groups[] = {
       {"linear slip", is_linear}, {"rotational slip", is_rotational}, {"no slip", is_none}};

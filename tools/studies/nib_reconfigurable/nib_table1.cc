@@ -9,6 +9,7 @@
 
 #include "sim/scene/parser.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/studies/nib_reconfigurable/nib_calibration.h"
@@ -201,8 +202,7 @@ ResultTable ranges_table(const Recordings& recordings, Json& figures) {
       const double factor = c < 3 ? 1.0 : 1e3;
       std::vector<double> values(recordings[load].size());
       Eigen::VectorXd::Map(values.data(), recordings[load].wrench.rows()) = factor * recordings[load].wrench.col(c);
-      std::ranges::sort(values);
-      const double low = values[values.size() / 100], high = values[values.size() - 1 - values.size() / 100];
+      const double low = quantile(values, 0.01), high = quantile(values, 0.99);
       row.push_back(fmt::format("{:.{}f} to {:.{}f}", low, c < 3 ? 1 : 0, high, c < 3 ? 1 : 0));
       figures[load_names[load]][component_names[static_cast<std::size_t>(c)]] = {low, high};
     }

@@ -8,7 +8,7 @@
 
 #include "detectors/nib/linear_slip.h"
 #include "tools/base/statistics/binomial.h"
-#include "tools/program/train/confusion_matrix.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/nib_reconfigurable/nib_bench.h"
 #include "tools/studies/nib_reconfigurable/nib_laws.h"
 #include "tools/studies/nib_reconfigurable/nib_signature.h"

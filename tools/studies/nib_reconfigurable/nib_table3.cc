@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -14,11 +13,11 @@
 #include "sim/scene/parser.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/binomial.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
-#include "tools/program/train/confusion_matrix.h"
 #include "tools/studies/nib_reconfigurable/turn_loss.h"
 #include "tools/studies/study_catalogue.h"
 
@@ -151,9 +150,7 @@ double median_over(const Runs& runs, Figure&& figure) {
   for (const ReorientFigures& run : runs) {
     if (const double value = figure(run); !std::isnan(value)) values.push_back(value);
   }
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::ranges::sort(values);
-  return quantile(values, 0.5);
+  return median(std::move(values));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "tools/base/statistics/auc.h"
-#include "tools/program/train/confusion_matrix.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/piezo_fft_gru/piezo_frames.h"
 #include "tools/studies/piezo_fft_gru/piezo_recordings.h"
 #include "tools/studies/study_catalogue.h"
@@ -163,7 +163,7 @@ const std::vector<FrameCause>& slip_causes() {
   return causes;
 }
 
-double rms_of(const Loudness& found) { return std::sqrt(quantile(found.power, 0.5)); }
+double rms_of(const Loudness& found) { return std::sqrt(median(found.power)); }
 
 // What each cause's frames add to what the area lacks of 1: an area is a mean over them, so that the parts sum up to it.
 ResultTable cause_table(const SkinRecordings& recordings, const std::vector<FrameCause>& causes, bool of_slip, Json& figures) {
