@@ -4,11 +4,9 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "tools/base/page/json.h"
 
 namespace slipbench::reproduce {
-
-using Json = nlohmann::ordered_json;
 
 struct ResultTable {
   std::string title;

@@ -50,8 +50,8 @@ TEST(ResultPage, DrawsCurvesWithTheirIntervals) {
                     .bar_name = "wanted"}};
   const std::string page = result_page("paper/curve", result);
   EXPECT_THAT(page, AllOf(HasSubstr("<h2>Curve</h2>"), HasSubstr(">0.90</text>"), HasSubstr(">1.00</text>"), HasSubstr("8 &lt;"),
-                          HasSubstr("points=\"56.0,150.0 610.0,"), HasSubstr(">wanted</text>"), HasSubstr(">all</text>")));
-  EXPECT_THAT(page, HasSubstr("<line class=\"bar\" x1=\"56\" x2=\"610\" y1=\"150.0\" y2=\"150.0\"/>"));
+                          HasSubstr("points=\"56,150 610,"), HasSubstr(">wanted</text>"), HasSubstr(">all</text>")));
+  EXPECT_THAT(page, HasSubstr("<line class=\"limit\" x1=\"56\" y1=\"150\" x2=\"610\" y2=\"150\"/>"));
   EXPECT_THAT(page, Not(HasSubstr("http")));
   EXPECT_THAT(result_page("paper/table", sample_result()), Not(HasSubstr("<svg")));
 }

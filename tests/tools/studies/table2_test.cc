@@ -149,18 +149,6 @@ TEST(Spread, LeavesOutWhatIsNone) {
   EXPECT_TRUE(std::isnan(spread({}).median));
 }
 
-// How many of n values lie below the median is binomial with 1/2. Outside of the outermost two of five it lies with 2/32, of six with 2/64; outside of
-// the second and the eighth of nine with 20/512, of the third and the seventh with 92/512.
-TEST(Spread, MedianIsWithinOrderStatistics) {
-  EXPECT_TRUE(std::isnan(spread({1, 2, 3, 4, 5}).interval.low));
-  const Interval six = spread({6, 5, 4, 3, 2, 1}).interval;
-  EXPECT_DOUBLE_EQ(six.low, 1.0);
-  EXPECT_DOUBLE_EQ(six.high, 6.0);
-  const Interval nine = spread({1, 2, 3, 4, 5, 6, 7, 8, 9}).interval;
-  EXPECT_DOUBLE_EQ(nine.low, 2.0);
-  EXPECT_DOUBLE_EQ(nine.high, 8.0);
-}
-
 ReproduceOptions small(std::vector<std::string> only) {
   ReproduceOptions options;
   options.trials = 1;

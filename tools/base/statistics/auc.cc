@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tools/base/statistics/descriptive.h"
+
 namespace slipbench {
 namespace {
 
@@ -20,12 +22,6 @@ std::vector<double> shares_below(std::span<const double> values, const std::vect
     shares.push_back((below + 0.5 * equal) / static_cast<double>(others.size()));
   }
   return shares;
-}
-
-double mean_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
 }
 
 std::vector<double> sorted(std::span<const double> values) {
@@ -56,7 +52,7 @@ Auc auc(std::span<const double> positives, std::span<const std::size_t> positive
   constexpr double quantile = 1.959963984540054;  // of the normal distribution, 97.5 %
   const std::vector<double> above = shares_below(positives, sorted(negatives)),
                             below = shares_below(negatives, sorted(positives));
-  Auc result{mean_of(above), {}, positives.size(), negatives.size()};
+  Auc result{mean_sd(above).mean, {}, positives.size(), negatives.size()};
   std::map<std::size_t, Group> groups;
   for (std::size_t i = 0; i < above.size(); ++i) {
     Group& group = groups[positive_group[i]];

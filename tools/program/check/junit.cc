@@ -5,25 +5,22 @@
 
 #include <fmt/format.h>
 
+#include "tools/base/page/page.h"
+
 namespace slipbench {
 namespace {
 
 // XML 1.0 has no place for control characters but these, escaped or not. Bytes beyond ASCII are left: scenes and paths are UTF-8.
 bool allowed_in_xml(char c) { return static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n' || c == '\r'; }
 
-// Text inside double quotes.
+// Text inside double quotes. A line end or a tab that is not escaped is read as a space.
 std::string attribute(std::string_view text) {
   std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '>': result += "&gt;"; break;
-      case '"': result += "&quot;"; break;
-      case '\n': result += "&#10;"; break;
-      case '\r': result += "&#13;"; break;
-      case '\t': result += "&#9;"; break;
-      default: result += allowed_in_xml(c) ? c : '?';
+  for (const char c : page::escape_html(text)) {
+    if (c == '\n' || c == '\r' || c == '\t') {
+      result += fmt::format("&#{};", int{c});
+    } else {
+      result += allowed_in_xml(c) ? c : '?';
     }
   }
   return result;

@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -16,6 +15,7 @@
 
 #include "sim/core/detector.h"
 #include "sim/core/sensor.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/table.h"
@@ -104,9 +104,6 @@ std::string gross_text(const TrialOutcome& outcome, const Style& style) {
                      onset_text(outcome.gross_slip_time), 1e3 * (outcome.gross_slip_time - outcome.first_micro_slip_time));
 }
 
-// `sorted` holds at least one value.
-double median(const std::vector<double>& sorted) { return 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]); }
-
 // A row of the sweep's table: how many trials came to this, and when.
 std::vector<std::string> stage_row(const std::string& name, const std::vector<TrialSummary>& trials, double TrialOutcome::*time) {
   std::vector<double> times;
@@ -114,8 +111,8 @@ std::vector<std::string> stage_row(const std::string& name, const std::vector<Tr
     if (!std::isnan(trial.outcome.*time)) times.push_back(trial.outcome.*time);
   }
   if (times.empty()) return {name, "0", "-", "-", "-"};
-  std::sort(times.begin(), times.end());
-  return {name, std::to_string(times.size()), onset_text(times.front()), onset_text(median(times)), onset_text(times.back())};
+  const auto [first, last] = std::ranges::minmax(times);
+  return {name, std::to_string(times.size()), onset_text(first), onset_text(median(times)), onset_text(last)};
 }
 
 std::string accuracy_text(const Confusion& confusion) {
@@ -186,18 +183,12 @@ NamedGrasps named_grasps(const std::vector<TrialSummary>& trials, bool parameter
 }
 
 // Of the values that are there; NaN: none is.
-double median_of(std::vector<double> values) {
-  std::erase_if(values, [](double value) { return std::isnan(value); });
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  return median(values);
-}
-
 template <class Value>
 double median_of(const std::vector<const TrialSummary*>& trials, const Value& value) {
   std::vector<double> values;
   for (const TrialSummary* trial : trials) values.push_back(value(*trial->outcome.grasp));
-  return median_of(std::move(values));
+  std::erase_if(values, [](double found) { return std::isnan(found); });
+  return median(std::move(values));
 }
 
 std::string number_text(const char* format, double value) {
@@ -278,11 +269,11 @@ std::string detectors_text(const std::string& type, const std::vector<TrialSumma
         confusion[truth][seen] += trial.detector->confusion[truth][seen];
     }
   }
-  std::sort(delays.begin(), delays.end());
   std::string text =
       fmt::format("  {}: slip seen in {} of {} trials that slip", style.bold(detector_title(type)), delays.size(), slips);
   if (!delays.empty()) {
-    text += fmt::format(", {:.1f} ms after it began (median; at worst {:.1f} ms)", 1e3 * median(delays), 1e3 * delays.back());
+    text += fmt::format(", {:.1f} ms after it began (median; at worst {:.1f} ms)", 1e3 * median(delays),
+                        1e3 * std::ranges::max(delays));
   }
   return text + fmt::format("; false alarm before it in {}; {}\n", alarms, accuracy_text(confusion));
 }

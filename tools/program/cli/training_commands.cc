@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
@@ -54,9 +55,8 @@ std::string delays_text(const Delays& delays) {
   return fmt::format(
       "  first slip called after the true onset: median {} ms, quartiles {} and {} ms, of {} sequences\n"
       "  early {}, missed {}, of {} that slip; false alarms before the onset in {} of {} sequences\n",
-      milliseconds(quantile(delays.delay, 0.5)), milliseconds(quantile(delays.delay, 0.25)),
-      milliseconds(quantile(delays.delay, 0.75)), delays.delay.size(), delays.early, delays.missed, delays.slipping,
-      delays.false_alarms, delays.sequences);
+      milliseconds(median(delays.delay)), milliseconds(quantile(delays.delay, 0.25)), milliseconds(quantile(delays.delay, 0.75)),
+      delays.delay.size(), delays.early, delays.missed, delays.slipping, delays.false_alarms, delays.sequences);
 }
 
 // How both read a dataset.

@@ -1,13 +1,13 @@
-// The files of web/, as bytes inside the program. Written by tools/program/report/embed.cmake.
+// The files of web/, as bytes inside the program. Written by slipbench_embed().
 #pragma once
 
 #include <vector>
 
-#include "tools/program/report/assets.h"
+#include "tools/base/page/asset.h"
 
 namespace slipbench::cost {
 
-// All embedded files, in the order in which the page loads them.
-const std::vector<report::Asset>& assets();
+// In the order in which the page loads them.
+const std::vector<page::Asset>& assets();
 
 }  // namespace slipbench::cost

@@ -5,11 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/program/report/json.h"
+#include "tools/base/page/json.h"
 
 namespace slipbench::cost {
-
-using report::Json;
 
 // One HTML page that needs no other file, of an exploration (its first key "slipbench_cost": 1; a stability map may stand in it as
 // "stability") or of a stability map alone ("slipbench_stability": 1). Text of `result` is shown as text, never as markup. Throws

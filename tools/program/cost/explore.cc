@@ -13,6 +13,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/cost/closed_form.h"
 #include "tools/program/run/run_sweep.h"
 #include "tools/program/run/run_trial.h"
@@ -45,14 +46,6 @@ double cpu_clock() {
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  const double place = share * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
-}
-
 // Puts the onsets of `exact` in place of those of `errors`.
 void take_onsets(const Errors& exact, Errors& errors) {
   for (const Measure measure : {Measure::onset, Measure::micro_onset}) at(errors, measure) = at(exact, measure);
@@ -69,7 +62,7 @@ struct Job {
 CpuTime cpu_time(const Job& job) {
   if (job.seconds.empty()) return {job.first, nan, nan, 1};
   const bool few = job.seconds.size() < least_repeats;
-  return {quantile(job.seconds, 0.5), few ? nan : quantile(job.seconds, 0.25), few ? nan : quantile(job.seconds, 0.75),
+  return {median(job.seconds), few ? nan : quantile(job.seconds, 0.25), few ? nan : quantile(job.seconds, 0.75),
           job.seconds.size()};
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tools/base/statistics/descriptive.h"
+
 namespace slipbench {
 namespace {
 
@@ -41,11 +43,7 @@ void MeasureValues::divide(double by) {
 
 std::optional<MeasureError> MeasureValues::error() const {
   if (values_.empty()) return std::nullopt;
-  std::vector<double> sorted = values_;
-  std::ranges::sort(sorted);
-  const std::size_t middle = sorted.size() / 2;
-  const double median = sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
-  return MeasureError{sorted.back(), median, different_};
+  return MeasureError{std::ranges::max(values_), median(values_), different_};
 }
 
 }  // namespace slipbench

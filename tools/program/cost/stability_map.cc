@@ -228,8 +228,8 @@ StabilityMap measure_stability(const StabilityOptions& options) {
   return map;
 }
 
-report::Json stability_json(const StabilityMap& map) {
-  report::Json combinations = report::Json::array();
+Json stability_json(const StabilityMap& map) {
+  Json combinations = Json::array();
   for (const StabilityCombination& c : map.combinations) {
     combinations.push_back({{"case", c.set_up},
                             {"integrator", c.integrator},

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/program/report/json.h"
+#include "tools/base/page/json.h"
 
 namespace slipbench::cost {
 
@@ -44,7 +44,7 @@ StabilityMap measure_stability(const StabilityOptions& options = {});
 
 // {"slipbench_stability": 1, "text": [...], "combinations": [{"case", "integrator", "mass_kg", "stiffness_scale", "k_normal",
 // "damping_s", "omega", "predicted_s", "allowed_s", "measured_s", "ratio"}], "worst_ratio", "above", "remarks": [...]}
-report::Json stability_json(const StabilityMap& map);
+Json stability_json(const StabilityMap& map);
 
 // A table for a terminal: of each set-up and integrator the least and the largest ratio, and the steps that it spans.
 std::string stability_text(const StabilityMap& map);

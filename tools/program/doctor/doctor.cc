@@ -106,7 +106,8 @@ void add_packages(std::vector<Check>& checks) {
         missing += fmt::format(" {}", package.name);
       }
     }
-    Check check{.group = "set-up", .name = fmt::format("Debian packages to {}", set == "all" ? "test --all" : set), .required = false};
+    Check check{
+        .group = "set-up", .name = fmt::format("Debian packages to {}", set == "all" ? "test --all" : set), .required = false};
     check.found = fmt::format("{} of {}", installed, wanted);
     if (installed != wanted) {
       check.status = CheckStatus::missing;

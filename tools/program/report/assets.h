@@ -1,18 +1,13 @@
-// The files of web/ and the JavaScript libraries, as bytes inside the program. Written by embed.cmake.
+// The files of web/ and dygraphs, as bytes inside the program. Written by slipbench_embed().
 #pragma once
 
-#include <cstddef>
-#include <string_view>
 #include <vector>
+
+#include "tools/base/page/asset.h"
 
 namespace slipbench::report {
 
-struct Asset {
-  std::string_view name;  // file name without its folder: "charts.js"
-  std::string_view text;
-};
-
-// All embedded files, in the order in which the page loads them.
-const std::vector<Asset>& assets();
+// In the order in which the page loads them.
+const std::vector<page::Asset>& assets();
 
 }  // namespace slipbench::report

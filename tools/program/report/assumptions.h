@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tools/program/report/json.h"
+#include "tools/base/page/json.h"
 
 namespace slipbench::report {
 

@@ -15,10 +15,10 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/page/json.h"
 #include "tools/program/report/assumptions.h"
-#include "tools/program/report/json.h"
-#include "tools/program/report/page.h"
 #include "tools/program/report/report_grasp.h"
+#include "tools/program/report/report_page.h"
 #include "tools/program/report/report_parameters.h"
 #include "tools/program/report/report_summary.h"
 #include "tools/program/report/report_trial.h"
@@ -26,8 +26,6 @@
 namespace slipbench {
 
 namespace {
-
-using report::Json;
 
 // Curve values embedded in all, so that the page stays below some 6 MB: six 4 s trials of nine pillars at 1 kHz fit in full.
 constexpr std::size_t curve_values_in_page = 4'000'000;
@@ -174,14 +172,14 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   }
 
   const auto description = page["description"].get<std::string>();
-  return report::compose_page(description.empty() ? page["file"].get<std::string>() : description, page);
+  return report::report_page(description.empty() ? page["file"].get<std::string>() : description, page);
 }
 
 }  // namespace
 
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options) {
   if (options.max_trials == std::size_t{0}) throw std::logic_error("a report embeds at least one trial");
-  check_text_target(html_path, {dataset_path}, {"report", &report::begins_as_page});
+  check_text_target(html_path, {dataset_path}, {"report", &report::begins_as_report});
   write_text_file(html_path, guarded(dataset_path, [&] { return page_of(dataset_path, options); }));
 }
 

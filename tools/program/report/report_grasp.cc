@@ -11,7 +11,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/pose.h"
-#include "tools/program/report/pack.h"
+#include "tools/base/page/pack.h"
 #include "tools/program/report/report_summary.h"
 
 namespace slipbench::report {
@@ -92,8 +92,8 @@ Json poses_of(const TrialRecord& record) {
     }
     poses["bodies"].push_back({{"name", body.name},
                                {"size", body.size.empty() ? Json(nullptr) : Json(body.size)},
-                               {"position", pack_curves(position, 3, stride)},
-                               {"turn", pack_curves(turn, 4, stride)}});
+                               {"position", page::pack_curves(position, 3, stride)},
+                               {"turn", page::pack_curves(turn, 4, stride)}});
   }
   return poses;
 }
@@ -128,14 +128,14 @@ Json grasp_payload(const TrialRecord& record, std::size_t curve_values, const st
   Json payload = {{"lift_s", record.body_time[lift]},
                   {"detector", record.control ? record.control->detector : ""},
                   {"controller", record.control ? record.control->controller : ""},
-                  {"time", pack_times(record.body_time)},
+                  {"time", page::pack_times(record.body_time)},
                   {"stride", stride},
                   {"curves", Json::object()},
                   {"poses", poses_of(record)}};
   for (const GraspCurve& curve : curves) {
     payload["curves"][curve.key] = {{"unit", curve.unit},
                                     {"components", curve.components},
-                                    {"data", pack_curves(curve.values, curve.components.size(), stride)}};
+                                    {"data", page::pack_curves(curve.values, curve.components.size(), stride)}};
   }
   return payload;
 }

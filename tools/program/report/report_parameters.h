@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/program/report/json.h"
+#include "tools/base/page/json.h"
 
 namespace slipbench::report {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/base/dataset/trial_record.h"
-#include "tools/program/report/json.h"
+#include "tools/base/page/json.h"
 
 namespace slipbench::report {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "tools/base/page/pack.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/report/pack.h"
 #include "tools/program/report/report_summary.h"
 #include "tools/program/report/spectra.h"
 
@@ -89,8 +89,8 @@ Json whole_channels(const SensorRecord& sensor, std::size_t most_values) {
     channels.push_back({{"key", channel.name},
                         {"unit", shown_unit(channel.unit)},
                         {"names", names},
-                        {"time", pack_times(kept)},
-                        {"data", pack_curves(channel.values, size, stride)}});
+                        {"time", page::pack_times(kept)},
+                        {"data", page::pack_curves(channel.values, size, stride)}});
   }
   return channels;
 }
@@ -118,7 +118,7 @@ Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std
                   {"k_tangential", numbers_or_null(labels.k_tangential)},
                   {"mu_static", numbers_or_null(labels.mu_static)},
                   {"mu_kinetic", numbers_or_null(labels.mu_kinetic)},
-                  {"time", pack_times(sensor.time)},
+                  {"time", page::pack_times(sensor.time)},
                   {"stride", stride}};
   for (std::size_t unit = 0; unit < units; ++unit) {
     payload["positions"].push_back({labels.unit_positions[2 * unit], labels.unit_positions[2 * unit + 1]});
@@ -130,15 +130,16 @@ Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std
                                  {"unit", curve.unit},
                                  {"components", curve.components},
                                  {"per_unit", curve.per_unit},
-                                 {"data", pack_curves(curve.values, columns, stride)}});
+                                 {"data", page::pack_curves(curve.values, columns, stride)}});
   }
   payload["channels"] = whole_channels(sensor, curve_values);
   payload["spectra"] = spectra_of(sensor, curve_values);
-  payload["states"] = {{"unit", pack_bytes(labels.unit_state, units)},
-                       {"strict", pack_bytes(labels.state, 1)},
-                       {"micro", pack_bytes(labels.state_micro, 1)},
-                       {"paper", pack_bytes(labels.state_paper, 1)}};
-  if (control != nullptr && control->sensor == sensor.name) payload["states"]["seen"] = pack_bytes(control->detector_class, 1);
+  payload["states"] = {{"unit", page::pack_bytes(labels.unit_state, units)},
+                       {"strict", page::pack_bytes(labels.state, 1)},
+                       {"micro", page::pack_bytes(labels.state_micro, 1)},
+                       {"paper", page::pack_bytes(labels.state_paper, 1)}};
+  if (control != nullptr && control->sensor == sensor.name)
+    payload["states"]["seen"] = page::pack_bytes(control->detector_class, 1);
   return payload;
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "detectors/nib/stft.h"
+#include "tools/base/page/pack.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/report/pack.h"
 
 namespace slipbench::report {
 namespace {
@@ -39,9 +39,12 @@ Json spectrogram(const SpectrumView& view, const SensorColumn& channel, const Se
     rows.insert(rows.end(), magnitudes.begin(), magnitudes.begin() + static_cast<std::ptrdiff_t>(bins));
     ends.push_back(time[end - 1]);
   }
-  return {{"name", view.of},          {"unit", channel.unit},
-          {"window_s", view.window},  {"bin_hz", spectrum.bin_width()},
-          {"time", pack_times(ends)}, {"data", pack_curves(rows, bins, 1)}};
+  return {{"name", view.of},
+          {"unit", channel.unit},
+          {"window_s", view.window},
+          {"bin_hz", spectrum.bin_width()},
+          {"time", page::pack_times(ends)},
+          {"data", page::pack_curves(rows, bins, 1)}};
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tools/base/dataset/trial_record.h"
-#include "tools/program/report/json.h"
+#include "tools/base/page/json.h"
 
 namespace slipbench::report {
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "tools/base/statistics/descriptive.h"
+
 namespace slipbench {
 namespace {
 
@@ -74,24 +76,6 @@ void Delays::add(const Delays& other) {
   false_alarms += other.false_alarms;
   slipping += other.slipping;
   sequences += other.sequences;
-}
-
-MeanSd mean_sd(std::span<const double> values) {
-  if (values.empty()) return {nan, nan};
-  const auto n = static_cast<double>(values.size());
-  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
-  double squares = 0.0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  return {mean, values.size() < 2 ? nan : std::sqrt(squares / (n - 1.0))};
-}
-
-double quantile(std::vector<double> values, double p) {
-  if (values.empty()) return nan;
-  std::sort(values.begin(), values.end());
-  const double place = p * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (place - std::floor(place)) * (values[above] - values[below]);
 }
 
 }  // namespace slipbench

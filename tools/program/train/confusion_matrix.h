@@ -47,15 +47,4 @@ struct Delays {
   void add(const Delays& other);
 };
 
-struct MeanSd {
-  double mean = 0.0;
-  double sd = 0.0;  // of the sample, n - 1; NaN of fewer than two
-};
-
-// NaN of none.
-MeanSd mean_sd(std::span<const double> values);
-
-// The p-quantile, 0 to 1, interpolated between the sorted values (type 7 of Hyndman and Fan, numpy's default); NaN of none.
-double quantile(std::vector<double> values, double p);
-
 }  // namespace slipbench

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/train.h"
 
 namespace slipbench {

@@ -1,17 +1,26 @@
 """Real and synthetic recordings side by side in one HTML page: no script, no network."""
 
 import html
+import re
+from pathlib import Path
 
 import numpy as np
 
 import recordings as rec
 from recordings import GROUPS
 
-COLOURS = {"real": "#1f4e8c", "synthetic": "#c2571a"}
-STYLE = """body{font:14px/1.45 system-ui,sans-serif;color:#222;max-width:1180px;margin:24px auto;padding:0 16px}
-h1{font-size:22px}h2{font-size:17px;margin-top:28px}figure{display:inline-block;margin:6px 10px 6px 0;vertical-align:top}
-figcaption{font-size:12px;color:#555}table{border-collapse:collapse;font-size:12px}td,th{padding:2px 8px;text-align:right;border-bottom:1px solid #e3e3e3}
-td:first-child,th:first-child{text-align:left}.out{background:#fbe3d3}svg text{font:10px system-ui,sans-serif;fill:#555}"""
+KIT = Path(__file__).resolve().parents[2] / "base" / "page" / "web"
+COLOURS = {"real": "var(--s0)", "synthetic": "var(--s1)"}
+STYLE = """figure { display: inline-block; margin: 6px 10px 6px 0; vertical-align: top; }
+figcaption { font-size: 12px; color: var(--soft); }
+.out td { background: var(--band2); }"""
+
+
+def composed(title, body):
+    """The page of tools/base/page around `body` (HTML)."""
+    parts = {"generator": "compare.py", "title": html.escape(title), "body": body, "scripts": "",
+             "styles": "\n".join((KIT / name).read_text(encoding="utf-8") for name in ("theme.css", "page.css", "drawing.css")) + STYLE}
+    return re.sub(r"{{(\w+)}}", lambda marker: parts[marker[1]], (KIT / "page.html").read_text(encoding="utf-8"))
 
 
 class Plot:
@@ -26,9 +35,9 @@ class Plot:
             for value in self._ticks(axis, ends):
                 self._tick(axis, value)
         width, height = size
-        self.parts.append(f'<rect x="42" y="6" width="{width - 50}" height="{height - 40}" fill="none" stroke="#999"/>')
-        self.parts.append(f'<text x="{(width + 34) / 2}" y="{height - 4}" text-anchor="middle">{html.escape(labels[0])}</text>')
-        self.parts.append(f'<text transform="translate(9 {(height - 34) / 2}) rotate(-90)" text-anchor="middle">{html.escape(labels[1])}</text>')
+        self.parts.append(f'<polyline class="mesh" points="42,6 42,{height - 34} {width - 8},{height - 34} {width - 8},6 42,6"/>')
+        self._text(labels[0], f'x="{(width + 34) / 2}" y="{height - 4}"', "middle")
+        self._text(labels[1], f'transform="translate(9 {(height - 34) / 2}) rotate(-90)"', "middle")
 
     def _at(self, axis, value):
         return np.log10(value) if self.log[axis] else value
@@ -51,22 +60,23 @@ class Plot:
     def _tick(self, axis, value):
         x, y = self.place(*((value, 1 if self.log[1] else 0) if axis == 0 else (1 if self.log[0] else 0, value)))
         height = self.size[1]
-        if axis == 0:
-            self.parts.append(f'<text x="{x:.1f}" y="{height - 21}" text-anchor="middle">{value:g}</text>')
-        else:
-            self.parts.append(f'<text x="38" y="{y + 3:.1f}" text-anchor="end">{value:g}</text>')
+        place = f'x="{x:.1f}" y="{height - 21}"' if axis == 0 else f'x="38" y="{y + 3:.1f}"'
+        self._text(f"{value:g}", place, "end" if axis else "middle")
 
-    def line(self, x, y, colour, width=1.0, opacity=1.0):
+    def _text(self, text, place, kind):
+        self.parts.append(f'<text class="small {kind}" {place}>{html.escape(text)}</text>')
+
+    def line(self, x, y, colour, width=1.0):
         points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(*self.place(x, y)))
-        self.parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{width}" opacity="{opacity}"/>')
+        self.parts.append(f'<polyline points="{points}" style="color:{colour};stroke-width:{width}"/>')
 
     def dot(self, x, y, colour, radius=2.5):
         a, b = self.place(x, y)
-        self.parts.append(f'<circle cx="{a:.1f}" cy="{b:.1f}" r="{radius:.2f}" fill="{colour}"/>')
+        self.parts.append(f'<circle cx="{a:.1f}" cy="{b:.1f}" r="{radius:.2f}" style="color:{colour}"/>')
 
     def drawn(self, caption):
         width, height = self.size
-        return (f'<figure><svg width="{width}" height="{height}" role="img">{"".join(self.parts)}</svg>'
+        return (f'<figure><svg class="drawing" width="{width}" height="{height}" role="img">{"".join(self.parts)}</svg>'
                 f"<figcaption>{html.escape(caption)}</figcaption></figure>")
 
 
@@ -151,12 +161,13 @@ def shown(kind, distance):
 
 
 def table(rows, bars):
-    lines = ["<tr><th>figure</th><th>group</th><th>real</th><th>synthetic</th><th>apart</th><th>dry run</th></tr>"]
+    lines = []
     for row in rows:
         mark = ' class="out"' if row["distance"] > bars[row["name"]] else ""
         lines.append(f"<tr{mark}><td>{html.escape(row['name'])}</td><td>{row['group']}</td><td>{row['real']:.3g}</td>"
                      f"<td>{row['synthetic']:.3g}</td><td>{shown(row['kind'], row['distance'])}</td><td>{shown(row['kind'], row['dry'])}</td></tr>")
-    return f"<table>{''.join(lines)}</table>"
+    head = "".join(f"<th>{name}</th>" for name in ("figure", "group", "real", "synthetic", "apart", "dry run"))
+    return f'<table class="plain"><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table>'
 
 
 def drawn(real, synthetic, rows, bars):
@@ -167,13 +178,15 @@ def drawn(real, synthetic, rows, bars):
                             "smoothed signals of two electrodes")
     shares = by_group(real, synthetic, draw_shares, lambda: Plot((1, 3), (0, 1), labels=("principal component", "share")),
                       "variance of the smoothed signals")
-    return f"""<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>BioTac SP: real and synthetic</title><style>{STYLE}</style></head>
-<body><h1>BioTac SP: real and synthetic recordings</h1>
-<p>{len(real)} recordings {key.split(" and ")[0]}, {len(synthetic)} {key.split(" and ")[1]}. Thick lines are medians (of correlations: means), thin ones
-quartiles. The contact sites, depths and spreads of the synthetic ones were read from these same real ones: this shows how well the model can be
-made to agree, not how well it foretells.</p>
-<h2>Time series, 24 electrodes in 24 colours</h2>{time_series(real, synthetic)}
-<h2>Spectra</h2>{spectra}<h2>Correlation against distance</h2>{correlations}<h2>Principal components</h2>{shares}
-<p>Size of the first component at each electrode, mean over the recordings of a class:</p>{patterns(real, synthetic)}
-<h2>Distances</h2><p>Shaded: outside the worst factor that the dry run reached in that row.</p>{table(rows, bars)}</body></html>
-"""
+    return composed("BioTac SP: real and synthetic", f"""<header class="plain"><h1>BioTac SP: real and synthetic recordings</h1>
+<p class="note">{len(real)} recordings {key.split(" and ")[0]}, {len(synthetic)} {key.split(" and ")[1]}. Thick lines are medians (of correlations:
+means), thin ones quartiles. The contact sites, depths and spreads of the synthetic ones were read from these same real ones: this shows how well
+the model can be made to agree, not how well it foretells.</p></header>
+<section><h2>Time series, 24 electrodes in 24 colours</h2>{time_series(real, synthetic)}</section>
+<section><h2>Spectra</h2>{spectra}</section>
+<section><h2>Correlation against distance</h2>{correlations}</section>
+<section><h2>Principal components</h2>{shares}
+<p class="note">Size of the first component at each electrode, mean over the recordings of a class:</p>
+{patterns(real, synthetic)}</section>
+<section><h2>Distances</h2><p class="note">Shaded: outside the worst factor that the dry run reached in that row.</p>
+{table(rows, bars)}</section>""")

@@ -18,6 +18,7 @@
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/doctor/build_info.h"
 #include "tools/program/doctor/doctor.h"
@@ -113,11 +114,7 @@ void time_scenes(std::vector<SceneCount>& counts, std::size_t timings, const std
       if (run > 0) times[i].push_back(time);
     }
   }
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    const auto middle = times[i].begin() + static_cast<std::ptrdiff_t>(timings / 2);
-    std::nth_element(times[i].begin(), middle, times[i].end());
-    counts[i].cpu_time = *middle;
-  }
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i].cpu_time = median(std::move(times[i]));
 }
 
 // Flags but for those of warnings, which decide nothing.

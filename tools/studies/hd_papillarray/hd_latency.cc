@@ -1,5 +1,4 @@
 // Section IV.C of the paper: time from a frame to its class, in software and in hardware.
-#include <algorithm>
 #include <chrono>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include "detectors/hd/features.h"
 #include "detectors/hd/memories.h"
 #include "sim/core/random.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/doctor/build_info.h"
 #include "tools/program/doctor/machine.h"
 #include "tools/studies/hd_papillarray/hd_core_figures.h"
@@ -36,8 +36,7 @@ double median_time(std::size_t passes, std::size_t items, Pass&& pass) {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     times.push_back(elapsed.count() / static_cast<double>(items));
   }
-  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(passes / 2), times.end());
-  return times[passes / 2];
+  return median(std::move(times));
 }
 
 // Keeps the compiler from leaving out what nobody reads.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/training_text.h"
 #include "tools/program/train/training_words.h"
 #include "tools/studies/hd_papillarray/hd_table1_run.h"
@@ -76,7 +77,7 @@ ResultTable delay_table(const EncoderDraws& draws) {
     table.rows.push_back({model_name(models[i]), percent(sum.all.recall(PadState::non_slip)),
                           percent(sum.all.recall(PadState::incipient)), percent(sum.all.recall(PadState::gross)),
                           fmt::format("{} to {}", milliseconds(quantile(d.delay, 0.25)), milliseconds(quantile(d.delay, 0.75))),
-                          milliseconds(quantile(d.delay, 0.5)), std::to_string(d.missed), std::to_string(d.early),
+                          milliseconds(median(d.delay)), std::to_string(d.missed), std::to_string(d.early),
                           std::to_string(d.slipping), fmt::format("{} of {}", d.false_alarms, d.sequences)});
   }
   table.note =

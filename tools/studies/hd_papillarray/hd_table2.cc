@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/studies/hd_papillarray/hd_table2_figures.h"
 #include "tools/studies/hd_papillarray/hd_table2_run.h"

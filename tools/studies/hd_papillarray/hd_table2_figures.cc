@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sim/core/pad_state.h"
+#include "tools/base/statistics/descriptive.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -86,14 +87,6 @@ std::array<double, 3> mean_way(std::span<const float> arm, std::span<const float
 
 double polar_angle(const std::array<double, 3>& v) { return std::atan2(std::hypot(v[0], v[1]), v[2]); }
 
-// The r-th smallest and the r-th largest value hold the median between them unless fewer than r of n lie on one side of it, and how many
-// do is binomial with 1/2. Empty of so few values that no r will do.
-Interval median_interval(const std::vector<double>& sorted) {
-  std::size_t r = 0;
-  while (r < sorted.size() && clopper_pearson(r, sorted.size()).high <= 0.5) ++r;
-  return r == 0 ? Interval{nan, nan} : Interval{sorted[r - 1], sorted[sorted.size() - r]};
-}
-
 }  // namespace
 
 EstimatedForces estimated_forces(std::span<const float> force, std::span<const std::uint8_t> classes, std::size_t stride) {
@@ -120,8 +113,7 @@ MarkerSlip marker_slip(std::span<const float> arm, std::span<const float> box, s
 
 Spread spread(std::vector<double> values) {
   std::erase_if(values, [](double value) { return std::isnan(value); });
-  std::ranges::sort(values);
-  return {values.size(), quantile(values, 0.5), median_interval(values), mean_sd(values)};
+  return {values.size(), median(values), median_interval(values), mean_sd(values)};
 }
 
 }  // namespace slipbench::reproduce

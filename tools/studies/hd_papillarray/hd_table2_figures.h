@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tools/base/statistics/binomial.h"
-#include "tools/program/train/confusion_matrix.h"
+#include "tools/base/statistics/descriptive.h"
 
 namespace slipbench::reproduce {
 

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "sensors/myrmex/foam_cell.h"
-#include "tools/program/train/confusion_matrix.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/myrmex_tactile_cnn/myrmex_onset.h"
 
@@ -117,13 +117,13 @@ struct Bias {
 std::string bias_text(const Bias& bias) {
   if (bias.all.empty()) return "-";
   const double worst = *std::ranges::max_element(bias.all, {}, [](double b) { return std::abs(b); });
-  return fmt::format("{:+.0f} ({:+.0f} to {:+.0f}; {:+.0f}){}", quantile(bias.all, 0.5), quantile(bias.all, 0.25),
+  return fmt::format("{:+.0f} ({:+.0f} to {:+.0f}; {:+.0f}){}", median(bias.all), quantile(bias.all, 0.25),
                      quantile(bias.all, 0.75), worst, bias.missed == 0 ? "" : fmt::format(", {} missed", bias.missed));
 }
 
 Json bias_json(const Bias& bias) {
   Json json{{"n", bias.all.size()}, {"missed", bias.missed}, {"bias_ms", bias.all}};
-  if (!bias.all.empty()) json["median_ms"] = quantile(bias.all, 0.5);
+  if (!bias.all.empty()) json["median_ms"] = median(bias.all);
   return json;
 }
 
@@ -162,8 +162,7 @@ ResultTable kept_table(const std::vector<OnsetTrial>& trials, Json& figures) {
     }
     if (late.empty()) continue;
     std::vector<std::string> row{
-        ends()[e].text,
-        fmt::format("{:+.0f} ({:+.0f} to {:+.0f})", quantile(late, 0.5), quantile(late, 0.25), quantile(late, 0.75)),
+        ends()[e].text, fmt::format("{:+.0f} ({:+.0f} to {:+.0f})", median(late), quantile(late, 0.25), quantile(late, 0.75)),
         fmt::format("{} of {}", slips, late.size())};
     Json json{{"end", ends()[e].name}, {"less_true_end_ms", late}, {"true_onset", slips}};
     for (std::size_t r = 0; r < rules.size(); ++r) {
@@ -240,7 +239,7 @@ Result myrmex_onset_label(const ReproduceOptions& options) {
           still / 0.02, still / 0.1, 100.0 / std::sqrt(2.0 * (still / 0.02 - 1.0)),
           100.0 / std::sqrt(2.0 * (still / 0.1 - 1.0)))};
   if (!lengths.empty()) {
-    result.setup.push_back(fmt::format("From the true onset to the true end {:.0f} ms in the median.", quantile(lengths, 0.5)));
+    result.setup.push_back(fmt::format("From the true onset to the true end {:.0f} ms in the median.", median(lengths)));
     result.figures["slip_ms"] = lengths;
   }
   return result;

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "detectors/nib/stft.h"
-#include "tools/program/train/confusion_matrix.h"
+#include "tools/base/statistics/descriptive.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -17,13 +17,13 @@ constexpr double slip_begins = 0.3e-3, slip_ends = 10e-3;      // m, of the leve
 constexpr std::size_t window_samples = 150, hop_samples = 30;  // samples at 300 Hz, as in the paper
 
 // Median of `figure` over those of the slips that have waves or not; empty of none.
-std::optional<double> median(const std::vector<std::optional<Signature>>& found, bool wavy, double Signature::*figure) {
+std::optional<double> median_of(const std::vector<std::optional<Signature>>& found, bool wavy, double Signature::*figure) {
   std::vector<double> values;
   for (const std::optional<Signature>& signature : found) {
     if (signature && signature->wavy == wavy) values.push_back(*signature.*figure);
   }
   if (values.empty()) return std::nullopt;
-  return quantile(std::move(values), 0.5);
+  return median(std::move(values));
 }
 
 }  // namespace
@@ -67,17 +67,17 @@ void add_signatures(const char* law, const std::vector<std::optional<Signature>>
   for (const bool wavy : {false, true}) {
     const auto slips = std::ranges::count_if(found, [&](const auto& signature) { return signature && signature->wavy == wavy; });
     const auto text = [&](double Signature::*figure, int digits) {
-      const std::optional<double> value = median(found, wavy, figure);
+      const std::optional<double> value = median_of(found, wavy, figure);
       return value ? fmt::format("{:.{}f}", *value, digits) : std::string("-");
     };
     table.rows.push_back({law, wavy ? "wavy" : "flat", std::to_string(slips), text(&Signature::share, 3),
                           text(&Signature::below, 1), text(&Signature::above, 1), text(&Signature::time, 2)});
     Json row{{"law", law}, {"wavy", wavy}, {"slips", slips}};
     if (slips > 0) {
-      row.update({{"share", *median(found, wavy, &Signature::share)},
-                  {"below_counts", *median(found, wavy, &Signature::below)},
-                  {"above_counts", *median(found, wavy, &Signature::above)},
-                  {"time_s", *median(found, wavy, &Signature::time)}});
+      row.update({{"share", *median_of(found, wavy, &Signature::share)},
+                  {"below_counts", *median_of(found, wavy, &Signature::below)},
+                  {"above_counts", *median_of(found, wavy, &Signature::above)},
+                  {"time_s", *median_of(found, wavy, &Signature::time)}});
     }
     figures.push_back(std::move(row));
   }

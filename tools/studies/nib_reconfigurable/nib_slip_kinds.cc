@@ -6,7 +6,7 @@
 
 #include "detectors/nib/slip_kind.h"
 #include "tools/base/statistics/auc.h"
-#include "tools/program/train/confusion_matrix.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/nib_reconfigurable/nib_trace.h"
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/nib_reconfigurable/nib_table1_run.h"
 
 namespace slipbench::reproduce {
@@ -94,8 +95,7 @@ ResultTable ranges_table(const LoadRecordings& recordings, Json& figures) {
       const double factor = c < 3 ? 1.0 : 1e3;
       std::vector<double> values(recordings[load].size());
       Eigen::VectorXd::Map(values.data(), recordings[load].wrench.rows()) = factor * recordings[load].wrench.col(c);
-      std::ranges::sort(values);
-      const double low = values[values.size() / 100], high = values[values.size() - 1 - values.size() / 100];
+      const double low = quantile(values, 0.01), high = quantile(values, 0.99);
       row.push_back(fmt::format("{:.{}f} to {:.{}f}", low, c < 3 ? 1 : 0, high, c < 3 ? 1 : 0));
       figures[load_names[load]][component_names[static_cast<std::size_t>(c)]] = {low, high};
     }

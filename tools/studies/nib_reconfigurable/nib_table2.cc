@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "tools/base/statistics/binomial.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/nib_reconfigurable/nib_table2_run.h"
 
 namespace slipbench::reproduce {

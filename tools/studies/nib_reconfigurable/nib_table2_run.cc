@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "detectors/nib/linear_slip.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/nib_reconfigurable/nib_trace.h"
 
 namespace slipbench::reproduce {

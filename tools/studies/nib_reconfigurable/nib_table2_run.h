@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/core/parameters.h"
-#include "tools/program/train/confusion_matrix.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/nib_reconfigurable/nib_laws.h"
 #include "tools/studies/nib_reconfigurable/nib_signature.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/train/confusion_matrix.h"
 
 namespace slipbench::reproduce {
 namespace {

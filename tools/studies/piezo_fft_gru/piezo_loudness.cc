@@ -1,9 +1,8 @@
 #include "tools/studies/piezo_fft_gru/piezo_loudness.h"
+#include "tools/base/statistics/descriptive.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include "tools/program/train/confusion_matrix.h"
 
 namespace slipbench::reproduce {
 namespace {

@@ -15,11 +15,12 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/page/web_files.h"
 #include "tests/tools/program/cost/example.h"
-#include "tests/tools/program/report/web_files.h"
+#include "tools/base/page/svg.h"
 #include "tools/program/cost/assets.h"
 #include "tools/program/cost/cost_json.h"
-#include "tools/program/report/page.h"
+#include "tools/program/report/report_page.h"
 
 namespace slipbench::cost {
 namespace {
@@ -106,12 +107,9 @@ TEST(CostPage, LoadsNothing) {
 
 TEST(CostPage, HoldsItsFilesAndTheSharedOnes) {
   const std::string page = cost_page(exploration());
-  for (const report::Asset& file : assets()) {
-    if (file.name == "cost.html") continue;
-    EXPECT_NE(page.find(file.text), std::string::npos) << file.name;
-  }
-  for (const char* name : {"report.css", "common.js", "d3.min.js", "d3_licence.txt"}) {
-    EXPECT_NE(page.find(report::embedded(report::assets(), name)), std::string::npos) << name;
+  for (const page::Asset& file : assets()) EXPECT_NE(page.find(file.text), std::string::npos) << file.name;
+  for (const char* name : {"page.css", "common.js", "d3.min.js", "d3_licence.txt"}) {
+    EXPECT_NE(page.find(page::embedded(page::assets(), name)), std::string::npos) << name;
   }
   // What draws recordings is not needed here.
   EXPECT_THAT(page, AllOf(Not(HasSubstr("Dygraph")), Not(HasSubstr("{{"))));
@@ -120,8 +118,8 @@ TEST(CostPage, HoldsItsFilesAndTheSharedOnes) {
 // Every script of the folder is part of the page: none was left out of CMakeLists.txt.
 TEST(CostPage, LeavesNoScriptOut) {
   std::set<std::string> embedded;
-  for (const report::Asset& file : assets()) embedded.insert(std::string(file.name));
-  for (const char* extension : {".js", ".css", ".html"}) {
+  for (const page::Asset& file : assets()) embedded.insert(std::string(file.name));
+  for (const char* extension : {".js", ".css"}) {
     for (const auto& [name, text] : web_files("tools/program/cost/web", extension)) EXPECT_TRUE(embedded.contains(name)) << name;
   }
 }
@@ -130,8 +128,8 @@ TEST(CostPage, IsToldFromOtherPages) {
   const std::string page = cost_page(exploration());
   // Known by its first 4 kB, whatever its title; a report is not one, and it is no report.
   EXPECT_TRUE(begins_as_cost_page(cost_page(exploration(std::string(8000, 'x'))).substr(0, 4096)));
-  EXPECT_FALSE(report::begins_as_page(page));
-  EXPECT_FALSE(begins_as_cost_page(report::compose_page("title", Json::object())));
+  EXPECT_FALSE(report::begins_as_report(page));
+  EXPECT_FALSE(begins_as_cost_page(report::report_page("title", Json::object())));
   EXPECT_TRUE(begins_as_cost_json(exploration().dump(2)));
   EXPECT_TRUE(begins_as_cost_json(stability().dump(2)));
   EXPECT_FALSE(begins_as_cost_json(Json{{"reproduction", "a"}, {"slipbench_cost", 1}}.dump(2)));
@@ -161,7 +159,7 @@ TEST_F(CostFileTest, OtherFilesAreKept) {
   EXPECT_EQ(bytes_of(path("c.json")), "{\"mine\": 1}");
   EXPECT_THAT(names(), ElementsAre("c.json"));
 
-  std::ofstream(path("report.html")) << report::compose_page("title", Json::object());
+  std::ofstream(path("report.html")) << report::report_page("title", Json::object());
   EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("report.html")); }), HasSubstr("report.html"));
   EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("c.txt")); }), HasSubstr("a name that ends in .html"));
   EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("no/c.html")); }), HasSubstr("no"));
@@ -169,7 +167,7 @@ TEST_F(CostFileTest, OtherFilesAreKept) {
 
 // Scripts may use what they define and what all pages share.
 TEST(CostScripts, UseOnlyWhatSomeScriptDefines) {
-  const std::set<std::string> shared = matches(web_files("tools/program/report/web", ".js").at("common.js"), R"(\bsb\.(\w+) = )");
+  const std::set<std::string> shared = matches(web_files("tools/base/page/web", ".js").at("common.js"), R"(\bsb\.(\w+) = )");
   std::set<std::string> defined = shared;
   const auto scripts = web_files("tools/program/cost/web", ".js");
   ASSERT_GE(scripts.size(), 6U);
@@ -224,17 +222,11 @@ TEST(CostScripts, KnowWhatWasNotRun) {
               HasSubstr("row.status === '" + std::string(status_name(Status::over_budget)) + "'"));
 }
 
-TEST(CostStyles, DefineEveryColourInBothThemes) {
-  const std::string dark_rule = ":root[data-theme=\"dark\"]";
-  const std::string css = web_files("tools/program/cost/web", ".css").at("cost.css");
-  const std::string shared = web_files("tools/program/report/web", ".css").at("report.css");
-  std::set<std::string> own = variables(css, ":root");
-  EXPECT_THAT(own, Not(IsEmpty()));
-  EXPECT_EQ(own, variables(css, dark_rule));
-  own.merge(variables(shared, ":root"));
-  std::string all = css;
+TEST(CostStyles, UseOnlyTheKitsColours) {
+  const std::set<std::string> colours = variables(web_files("tools/base/page/web", ".css").at("theme.css"), ":root");
+  std::string all = web_files("tools/program/cost/web", ".css").at("cost.css");
   for (const auto& [name, text] : web_files("tools/program/cost/web", ".js")) all += text;
-  for (const std::string& variable : matches(all, R"(var\(--(\w+)\))")) EXPECT_TRUE(own.contains(variable)) << variable;
+  for (const std::string& variable : matches(all, R"(var\(--(\w+)\))")) EXPECT_TRUE(colours.contains(variable)) << variable;
 }
 
 // Two series differ in both colour and shape: as many colours as there are shapes.
@@ -243,10 +235,7 @@ TEST(CostStyles, HaveAColourForEachShape) {
   const std::string sizes =
       marks.substr(marks.find("const sizes = ["), marks.find(';', marks.find("const sizes = [")) - marks.find("const sizes = ["));
   const std::size_t shapes = static_cast<std::size_t>(std::count(sizes.begin(), sizes.end(), ',')) + 1;
-  const std::string css = web_files("tools/program/cost/web", ".css").at("cost.css");
-  std::size_t colours = 0;
-  for (const std::string& variable : variables(css, ":root")) colours += std::regex_match(variable, std::regex("s\\d")) ? 1 : 0;
-  EXPECT_EQ(colours, shapes);
+  EXPECT_EQ(shapes, page::series_count);
 }
 
 }  // namespace

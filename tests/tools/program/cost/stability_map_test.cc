@@ -71,14 +71,14 @@ TEST(StabilityMap, TellsItselfAsJsonAndAsText) {
   StabilityMap two;
   two.combinations.push_back({"two pads hold a box", "Euler", 0.005, 1.0, 7100.0, 1e-3, 5000.0, 1.5e-4, 4e-5, 2e-4});
   two.combinations.push_back({"one pad under a box", "RK4", 5.0, 10.0, 71000.0, 0.0, 500.0, 6e-3, 1.5e-3, 5e-3});
-  const report::Json json = stability_json(two);
+  const Json json = stability_json(two);
   EXPECT_EQ(json["slipbench_stability"], 1);
   EXPECT_DOUBLE_EQ(json["worst_ratio"].get<double>(), 0.75);
   EXPECT_EQ(json["above"], 1);
   EXPECT_EQ(json["combinations"][0].dump(),
             R"({"case":"two pads hold a box","integrator":"Euler","mass_kg":0.005,"stiffness_scale":1.0,"k_normal":7100.0,)"
             R"("damping_s":0.001,"omega":5000.0,"predicted_s":0.00015,"allowed_s":4e-05,"measured_s":0.0002,"ratio":)" +
-                report::Json(1.5e-4 / 2e-4).dump() + "}");
+                Json(1.5e-4 / 2e-4).dump() + "}");
   EXPECT_GE(json["text"].size(), 4U);
   EXPECT_THAT(json["remarks"][1].get<std::string>(), HasSubstr("Farthest from 1: two pads hold a box, Euler, 0.005 kg"));
   const std::string text = stability_text(two);

@@ -1,12 +1,13 @@
-// A small trial with known answers, and the decoding that web/data.js does.
+// A small trial with known answers.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "tests/tools/base/page/unpack.h"
 #include "tools/base/dataset/trial_record.h"
-#include "tools/program/report/json.h"
+#include "tools/base/page/json.h"
 
 namespace slipbench::report {
 
@@ -27,8 +28,7 @@ TrialRecord sample_grasp(std::size_t trial);
 // Writes a dataset of trials and returns its path.
 std::string write_dataset(const std::string& name, const std::string& scene, const std::vector<TrialRecord>& trials);
 
-// A packed array as columns of numbers; NaN where it holds none.
-std::vector<std::vector<double>> unpack(const Json& packed);
+using page::unpack;
 
 std::string read_text(const std::string& path);
 void write_text(const std::string& path, const std::string& text);

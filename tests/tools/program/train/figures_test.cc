@@ -42,22 +42,6 @@ TEST(ConfusionMatrix, OfNothingIsNaN) {
   EXPECT_TRUE(std::isnan(ConfusionMatrix().balanced_accuracy()));
 }
 
-TEST(Statistics, MeanAndStandardDeviation) {
-  const std::vector<double> values{1.0, 2.0, 3.0, 4.0};
-  EXPECT_DOUBLE_EQ(mean_sd(values).mean, 2.5);
-  EXPECT_DOUBLE_EQ(mean_sd(values).sd, std::sqrt(5.0 / 3.0));  // 2.25 + 0.25 + 0.25 + 2.25 over 3
-  EXPECT_TRUE(std::isnan(mean_sd(std::vector<double>{1.0}).sd));
-  EXPECT_TRUE(std::isnan(mean_sd({}).mean));
-}
-
-TEST(Statistics, QuantilesAreInterpolated) {
-  EXPECT_DOUBLE_EQ(quantile({4.0, 1.0, 3.0, 2.0}, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(quantile({4.0, 1.0, 3.0, 2.0}, 0.25), 1.75);  // a quarter of the way of three steps
-  EXPECT_DOUBLE_EQ(quantile({7.0}, 0.75), 7.0);
-  EXPECT_DOUBLE_EQ(quantile({1.0, 2.0}, 1.0), 2.0);
-  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
-}
-
 class DelaysTest : public ::testing::Test {
  protected:
   const std::vector<double> time{0.0, 0.1, 0.2, 0.3, 0.4};

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-TOOLS = Path(__file__).resolve().parents[3] / "tools" / "biotac"
+TOOLS = Path(__file__).resolve().parents[4] / "tools" / "studies" / "biotac"
 sys.path.insert(0, str(TOOLS))
 
 import recordings as rec  # noqa: E402

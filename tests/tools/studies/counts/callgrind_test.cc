@@ -9,7 +9,7 @@
 #include "sim/core/error.h"
 #include "tests/tools/studies/counts/sample.h"
 
-namespace slipbench::simulation {
+namespace slipbench::counts {
 namespace {
 
 using ::testing::ElementsAre;
@@ -83,4 +83,4 @@ TEST(Callgrind, NamesWithoutWhatVaries) {
 }
 
 }  // namespace
-}  // namespace slipbench::simulation
+}  // namespace slipbench::counts

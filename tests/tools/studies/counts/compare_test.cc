@@ -10,7 +10,7 @@
 #include "tests/tools/studies/counts/sample.h"
 #include "tools/studies/counts/count.h"
 
-namespace slipbench::simulation {
+namespace slipbench::counts {
 namespace {
 
 using ::testing::HasSubstr;
@@ -80,4 +80,4 @@ TEST(BenchCompare, OnlyResultsOfTheSameBuildAndScenes) {
 }
 
 }  // namespace
-}  // namespace slipbench::simulation
+}  // namespace slipbench::counts

@@ -20,7 +20,7 @@
 #include "tools/studies/counts/child.h"
 #include "tools/studies/counts/drawing.h"
 
-namespace slipbench::simulation {
+namespace slipbench::counts {
 namespace {
 
 using ::testing::AllOf;
@@ -213,4 +213,4 @@ TEST(BenchCommand, WritesResultsAndTheirDrawing) {
 #endif
 
 }  // namespace
-}  // namespace slipbench::simulation
+}  // namespace slipbench::counts

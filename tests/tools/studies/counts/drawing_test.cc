@@ -11,7 +11,7 @@
 #include "tools/studies/counts/child.h"
 #include "tools/studies/counts/compare.h"
 
-namespace slipbench::simulation {
+namespace slipbench::counts {
 namespace {
 
 using ::testing::HasSubstr;
@@ -21,8 +21,8 @@ using ::testing::Not;
 // times real time: from 1 to 10, log10(8) = 0.903 of 233.
 TEST(BenchDrawing, BarsAsLongAsTheirLogarithms) {
   const std::string svg = drawing(sample_results());
-  EXPECT_THAT(svg, HasSubstr("<rect class=\"count\" x=\"150\" y=\"51\" width=\"94.7\""));
-  EXPECT_THAT(svg, HasSubstr("<rect class=\"time\" x=\"460\" y=\"51\" width=\"210.4\""));
+  EXPECT_THAT(svg, HasSubstr("<rect class=\"bar s0\" x=\"150\" y=\"51\" width=\"94.7\""));
+  EXPECT_THAT(svg, HasSubstr("<rect class=\"bar s2\" x=\"460\" y=\"51\" width=\"210.4\""));
   EXPECT_THAT(svg, HasSubstr(">0.00025</text>"));
   EXPECT_THAT(svg, HasSubstr(">8</text>"));
   EXPECT_THAT(svg, HasSubstr(">papillarray/stage</text>"));
@@ -38,7 +38,7 @@ TEST(BenchDrawing, TextIsEscapedAndBuildAndMachineAreThere) {
 TEST(BenchDrawing, ABarOfAPowerOfTenHasALength) {
   Results results = sample_results();
   results.scenes[0].cpu_time = 0.4;  // 10 times real time
-  EXPECT_THAT(drawing(results), HasSubstr("<rect class=\"time\" x=\"460\" y=\"51\" width=\"233.0\""));
+  EXPECT_THAT(drawing(results), HasSubstr("<rect class=\"bar s2\" x=\"460\" y=\"51\" width=\"233\""));
 }
 
 // What is committed belongs together: results that can be read, of the scenes that are counted, one file a build, each with its
@@ -61,4 +61,4 @@ TEST(BenchDrawing, CommittedDrawingsAreOfTheCommittedResults) {
 }
 
 }  // namespace
-}  // namespace slipbench::simulation
+}  // namespace slipbench::counts

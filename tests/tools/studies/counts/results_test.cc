@@ -10,7 +10,7 @@
 #include "tests/tools/program/cli/child_process.h"
 #include "tests/tools/studies/counts/sample.h"
 
-namespace slipbench::simulation {
+namespace slipbench::counts {
 namespace {
 
 using ::testing::AllOf;
@@ -126,4 +126,4 @@ TEST(BenchResults, AreFoundByTheirBuild) {
 }
 
 }  // namespace
-}  // namespace slipbench::simulation
+}  // namespace slipbench::counts

@@ -5,7 +5,7 @@
 
 #include "tools/studies/counts/results.h"
 
-namespace slipbench::simulation {
+namespace slipbench::counts {
 
 // 40 steps. Own instructions: run_trial 10, StageSimulation::step 60, Field::step 25 + 5 in two levels of a recursion; together 100.
 inline const std::string sample_profile = R"(# callgrind format
@@ -69,4 +69,4 @@ inline Results sample_results() {
                       .functions = {{"a::step", 600}, {"b::step", 300}}}}};
 }
 
-}  // namespace slipbench::simulation
+}  // namespace slipbench::counts

@@ -8,7 +8,7 @@ async function inflate(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Inverse of tools/program/report/pack.cc: columns as arrays.
+// Inverse of tools/base/page/pack.cc: columns as arrays.
 async function unpack(packed) {
   const bytes = await inflate(packed.data);
   const {rows, columns} = packed;

@@ -1,4 +1,4 @@
-#include "tools/program/report/pack.h"
+#include "tools/base/page/pack.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <zlib.h>
 
-namespace slipbench::report {
+namespace slipbench::page {
 
 namespace {
 
@@ -101,4 +101,4 @@ Json pack_times(std::span<const double> times) {
   return result;
 }
 
-}  // namespace slipbench::report
+}  // namespace slipbench::page

@@ -1,4 +1,4 @@
-#include "tools/program/report/page_files.h"
+#include "tools/base/page/page_files.h"
 
 #include <filesystem>
 
@@ -6,7 +6,7 @@
 
 #include "sim/core/error.h"
 
-namespace slipbench::report {
+namespace slipbench::page {
 
 namespace {
 
@@ -33,4 +33,4 @@ std::vector<std::string> write_page_files(const std::string& html_path, const Pa
   return {html_path, json_path(html_path)};
 }
 
-}  // namespace slipbench::report
+}  // namespace slipbench::page

@@ -1,4 +1,4 @@
-#include "tools/program/report/pack.h"
+#include "tools/base/page/pack.h"
 
 #include <cmath>
 #include <limits>
@@ -8,9 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/tools/program/report/sample.h"
+#include "tests/tools/base/page/unpack.h"
 
-namespace slipbench::report {
+namespace slipbench::page {
 namespace {
 
 using ::testing::ElementsAre;
@@ -86,4 +86,4 @@ TEST(PackTimes, ReachesAnyLength) {
 }
 
 }  // namespace
-}  // namespace slipbench::report
+}  // namespace slipbench::page

@@ -6,14 +6,14 @@
 #include <span>
 #include <string>
 
-#include "tools/program/report/json.h"
+#include "tools/base/page/json.h"
 
-namespace slipbench::report {
+namespace slipbench::page {
 
 // Standard base64 (RFC 4648) with padding.
 std::string base64(std::span<const std::uint8_t> bytes);
 
-// Packs `values` [rows, columns] (C order) for web/data.js: column-major; each value as a 16 bit multiple of a step that is
+// Packs `values` [rows, columns] (C order) for tools/program/report/web/data.js: column-major; each value as a 16 bit multiple of a step that is
 // 1/32767 of the largest magnitude; differences along a column; low bytes, then high bytes; zlib; base64. A value that is not
 // finite becomes NaN. Only every `stride`-th row is kept, from row 0.
 // Returns {"codec": "delta16", "rows", "columns", "step", "data"}.
@@ -26,4 +26,4 @@ Json pack_bytes(std::span<const std::uint8_t> values, std::size_t columns);
 // Returns {"codec": "delta32", "rows", "columns": 1, "step", "data"}.
 Json pack_times(std::span<const double> times);
 
-}  // namespace slipbench::report
+}  // namespace slipbench::page

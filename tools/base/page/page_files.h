@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "tools/base/dataset/output_file.h"
-#include "tools/program/report/json.h"
+#include "tools/base/page/json.h"
 
-namespace slipbench::report {
+namespace slipbench::page {
 
 // A kind of page that stands beside its object, and how files of both are told from the files of others.
 struct PageKind {
@@ -24,4 +24,4 @@ void check_page_files(const std::string& html_path, const PageKind& kind);
 std::vector<std::string> write_page_files(const std::string& html_path, const PageKind& kind, const std::string& page,
                                           const Json& object);
 
-}  // namespace slipbench::report
+}  // namespace slipbench::page

@@ -1,0 +1,105 @@
+#include "tools/base/page/page.h"
+
+#include <algorithm>
+#include <regex>
+#include <stdexcept>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/tools/base/page/web_files.h"
+
+namespace slipbench::page {
+namespace {
+
+using ::slipbench::testing::matches;
+using ::slipbench::testing::unpaired_brackets;
+using ::slipbench::testing::variables;
+using ::slipbench::testing::web_files;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string hostile = "</script><script>alert('x')</script><!-- {{title}} é 漢 \xff";
+const std::vector<Asset> files = {
+    {"own.css", ".own {}"}, {"own.js", "one();\n//# sourceMappingURL=own.js.map"}, {"own.txt", "free"}};
+
+TEST(EscapeHtml, LeavesNoMarkup) { EXPECT_EQ(escape_html("<b a='1' c=\"2\">&"), "&lt;b a=&#39;1&#39; c=&quot;2&quot;&gt;&amp;"); }
+
+TEST(DrawnPage, DataCannotEndItsElement) {
+  const std::string page = compose_drawn_page({"slipbench", hostile}, files, {{"description", hostile}});
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("<script>alert")), Not(HasSubstr("<!-- ")), HasSubstr("<title>&lt;/script&gt;"),
+                          HasSubstr("{{title}}")));
+  const std::string begin = "id=\"slipbench-data\">";
+  const std::size_t from = page.find(begin) + begin.size();
+  // What a browser reads is what was put in; the byte that is no UTF-8 becomes the replacement character.
+  EXPECT_EQ(Json::parse(page.substr(from, page.find("</script>", from) - from)).at("description"),
+            "</script><script>alert('x')</script><!-- {{title}} é 漢 \xef\xbf\xbd");
+}
+
+TEST(DrawnPage, LoadsNothing) {
+  const std::string page = compose_drawn_page({"slipbench", "title"}, files, Json::object());
+  // Elements and styles that would fetch.
+  EXPECT_FALSE(std::regex_search(page, std::regex(R"((src|href)\s*=\s*["']?(https?:)?//)")));
+  EXPECT_FALSE(std::regex_search(page, std::regex(R"(url\(\s*["']?(https?:)?//)")));
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("@import")), Not(HasSubstr("<link rel=\"stylesheet\"")), Not(HasSubstr("<script src")),
+                          Not(HasSubstr("sourceMappingURL"))));
+}
+
+TEST(DrawnPage, HoldsItsFilesAfterTheKits) {
+  const std::string page = compose_drawn_page({"slipbench", "title"}, files, Json::object());
+  for (const auto& [before, after] :
+       {std::pair{"theme.css", "page.css"}, {"page.css", "own.css"}, {"d3.min.js", "common.js"}, {"common.js", "own.js"}}) {
+    const auto place = [&](std::string_view name) {
+      const std::vector<Asset>& owner = name.starts_with("own") ? files : assets();
+      return page.find(embedded(owner, name));
+    };
+    ASSERT_NE(place(after), std::string::npos) << after;
+    EXPECT_LT(place(before), place(after)) << before;
+  }
+  EXPECT_THAT(page, AllOf(HasSubstr(embedded(assets(), "d3_licence.txt")), HasSubstr("one();\n"), HasSubstr("\nfree\n")));
+  EXPECT_THROW(static_cast<void>(embedded(files, "other.js")), std::logic_error);
+}
+
+TEST(Page, IsKnownByItsGenerator) {
+  // By its first 4 kB, whatever its title.
+  const std::string page = compose_page({"slipbench cost", std::string(8000, 'x')}, "").substr(0, 4096);
+  EXPECT_TRUE(begins_as_page(page, "slipbench cost"));
+  EXPECT_FALSE(begins_as_page(page, "slipbench"));
+  EXPECT_FALSE(begins_as_page("x" + page, "slipbench cost"));
+  EXPECT_FALSE(begins_as_page("<!DOCTYPE html>", "slipbench cost"));
+}
+
+TEST(Page, NeedsNoScript) {
+  const std::string page = compose_page({"slipbench", hostile}, "<p>{{body}}</p>");
+  EXPECT_THAT(page, AllOf(HasSubstr("<p>{{body}}</p>"), Not(HasSubstr("<script")), Not(HasSubstr("http"))));
+}
+
+TEST(Page, TablesAndListsAreText) {
+  EXPECT_EQ(
+      table_html({"a & b"}, {{"<c>"}}),
+      "<div class=\"scroll\"><table class=\"plain\">\n<thead><tr><th>a &amp; b</th></tr>\n</thead>\n<tbody>\n<tr><td>&lt;c&gt;</td></tr>\n</tbody></table></div>\n");
+  EXPECT_EQ(list_html({"<c>", "d"}), "<ul class=\"plain\">\n<li>&lt;c&gt;</li>\n<li>d</li>\n</ul>\n");
+}
+
+// Every file of the folder is embedded: none was left out of CMakeLists.txt.
+TEST(Kit, LeavesNoFileOut) {
+  for (const char* extension : {".js", ".css", ".html", ".txt"}) {
+    for (const auto& [name, text] : web_files("tools/base/page/web", extension)) EXPECT_EQ(embedded(assets(), name), text);
+  }
+}
+
+TEST(Kit, HasEveryColourInBothThemes) {
+  const auto styles = web_files("tools/base/page/web", ".css");
+  const std::set<std::string> light = variables(styles.at("theme.css"), ":root");
+  EXPECT_EQ(light, variables(styles.at("theme.css"), ":root:not([data-theme=\"light\"])"));
+  for (const auto& [name, text] : styles) {
+    for (const std::string& variable : matches(text, R"(var\(--(\w+)\))"))
+      EXPECT_TRUE(light.contains(variable)) << name << " " << variable;
+  }
+  for (const auto& [name, text] : web_files("tools/base/page/web", ".js")) EXPECT_EQ(unpaired_brackets(text), "") << name;
+}
+
+}  // namespace
+}  // namespace slipbench::page

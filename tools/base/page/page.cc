@@ -1,0 +1,123 @@
+#include "tools/base/page/page.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace slipbench::page {
+
+namespace {
+
+constexpr std::string_view kind_mark = R"(<meta name="generator" content=")";
+
+// What stands in place of {{marker}}.
+struct Part {
+  std::string_view marker;
+  std::string text;
+};
+
+// `html` with its markers replaced, in one pass: no inserted text is searched again.
+std::string filled(std::string_view html, const std::vector<Part>& parts) {
+  std::string page;
+  while (true) {
+    const std::size_t open = html.find("{{");
+    page += html.substr(0, open);
+    if (open == std::string_view::npos) return page;
+    const std::size_t close = html.find("}}", open);
+    const auto part = std::ranges::find(parts, html.substr(open + 2, close - open - 2), &Part::marker);
+    if (part == parts.end()) throw std::logic_error("a page has an unknown marker");
+    page += part->text;
+    html.remove_prefix(close + 2);
+  }
+}
+
+// `styles` follow the kit's.
+std::string skeleton(const Page& page, const std::string& styles, std::string body, std::string scripts) {
+  return filled(embedded(assets(), "page.html"), {{"generator", escape_html(page.generator)},
+                                                  {"title", escape_html(page.title)},
+                                                  {"styles", joined(assets(), ".css") + styles},
+                                                  {"body", std::move(body)},
+                                                  {"scripts", std::move(scripts)}});
+}
+
+// JSON as the content of a <script> element, which nothing in it can end: '<' and everything beyond ASCII is written as an escape.
+std::string script_json(const Json& data) {
+  std::string safe;
+  for (const char c : data.dump(-1, ' ', true, Json::error_handler_t::replace)) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string row_html(const std::vector<std::string>& cells, std::string_view tag) {
+  std::string html = "<tr>";
+  for (const std::string& cell : cells)
+    html.append("<").append(tag).append(">") += escape_html(cell) + "</" + std::string(tag) + ">";
+  return html + "</tr>\n";
+}
+
+}  // namespace
+
+std::string_view embedded(const std::vector<Asset>& files, std::string_view name) {
+  const auto found = std::ranges::find(files, name, &Asset::name);
+  if (found == files.end()) throw std::logic_error("no embedded file " + std::string(name));
+  const std::size_t pointer = found->text.find("# sourceMappingURL=");
+  // The comment that holds it is the file's last line.
+  return found->text.substr(0, pointer == std::string_view::npos ? pointer : found->text.rfind('\n', pointer));
+}
+
+std::string joined(const std::vector<Asset>& files, std::string_view extension) {
+  std::string text;
+  for (const Asset& file : files) {
+    if (file.name.ends_with(extension)) text.append(embedded(files, file.name)) += '\n';
+  }
+  return text;
+}
+
+std::string escape_html(std::string_view text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '&': safe += "&amp;"; break;
+      case '<': safe += "&lt;"; break;
+      case '>': safe += "&gt;"; break;
+      case '"': safe += "&quot;"; break;
+      case '\'': safe += "&#39;"; break;
+      default: safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string compose_page(const Page& page, std::string_view body) { return skeleton(page, "", std::string(body), ""); }
+
+std::string compose_drawn_page(const Page& page, const std::vector<Asset>& files, const Json& data) {
+  const auto both = [&](std::string_view extension) { return joined(assets(), extension) + joined(files, extension); };
+  return skeleton(page, joined(files, ".css"), R"(<p class="wait">Unpacking …</p>)",
+                  filled(embedded(assets(), "scripts.html"),
+                         {{"data", script_json(data)}, {"licences", both(".txt")}, {"scripts", both(".js")}}));
+}
+
+bool begins_as_page(std::string_view text, std::string_view generator) {
+  const std::size_t mark = text.find(kind_mark);
+  return text.starts_with("<!DOCTYPE html>") && mark != std::string_view::npos &&
+         text.substr(mark + kind_mark.size()).starts_with(std::string(generator) + "\"");
+}
+
+std::string table_html(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
+  std::string html = "<div class=\"scroll\"><table class=\"plain\">\n<thead>" + row_html(head, "th") + "</thead>\n<tbody>\n";
+  for (const std::vector<std::string>& row : rows) html += row_html(row, "td");
+  return html + "</tbody></table></div>\n";
+}
+
+std::string list_html(const std::vector<std::string>& items) {
+  std::string html = "<ul class=\"plain\">\n";
+  for (const std::string& item : items) html += "<li>" + escape_html(item) + "</li>\n";
+  return html + "</ul>\n";
+}
+
+}  // namespace slipbench::page

@@ -1,0 +1,85 @@
+#include "tools/base/page/svg.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "tools/base/page/page.h"
+
+namespace slipbench::page {
+
+namespace {
+
+// A length or place [px] without digits that nobody sees.
+std::string px(double value) { return fmt::format("{:.10g}", std::round(10.0 * value) / 10.0); }
+
+std::string text_at(std::string_view kind, std::string_view place, std::string_view text) {
+  return fmt::format("<text class=\"{}\" {}>{}</text>\n", kind, place, escape_html(text));
+}
+
+}  // namespace
+
+double Axis::at(double value) const {
+  const double share = logarithmic ? std::log10(value / low) / std::log10(high / low) : (value - low) / (high - low);
+  return begin + (end - begin) * share;
+}
+
+Axis linear_axis(std::span<const double> values, double step, double begin, double end) {
+  const auto [least, most] = std::ranges::minmax(values);
+  const double first = std::floor(least / step), last = std::max(std::ceil(most / step), first + 1.0);
+  Axis axis{.low = step * first, .high = step * last, .begin = begin, .end = end};
+  for (double k = first; k <= last; ++k) axis.ticks.push_back(step * k);
+  return axis;
+}
+
+Axis decade_axis(std::span<const double> values, double begin, double end) {
+  const auto [least, most] = std::ranges::minmax(values);
+  const double first = std::ceil(std::log10(least)) - 1.0, last = std::max(std::ceil(std::log10(most)), first + 1.0);
+  Axis axis{.low = std::pow(10.0, first), .high = std::pow(10.0, last), .begin = begin, .end = end, .logarithmic = true};
+  for (double k = first; k <= last; ++k) axis.ticks.push_back(std::pow(10.0, k));
+  return axis;
+}
+
+Svg::Svg(double width, double height) : width_(width), height_(height) {}
+
+void Svg::line(std::string_view kind, double x1, double y1, double x2, double y2) {
+  marks_ += fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n", kind, px(x1), px(y1), px(x2), px(y2));
+}
+
+void Svg::polyline(std::string_view kind, std::span<const std::array<double, 2>> points) {
+  marks_ += fmt::format("<polyline class=\"{}\" points=\"", kind);
+  for (const auto& [x, y] : points) marks_ += fmt::format("{}{},{}", marks_.ends_with('"') ? "" : " ", px(x), px(y));
+  marks_ += "\"/>\n";
+}
+
+void Svg::dot(std::string_view kind, double x, double y, double radius) {
+  marks_ += fmt::format("<circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"{}\"/>\n", kind, px(x), px(y), px(radius));
+}
+
+void Svg::bar(std::string_view kind, double x, double y, double width, double height) {
+  marks_ += fmt::format("<rect class=\"bar {}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", kind, px(x), px(y), px(width),
+                        px(height));
+}
+
+void Svg::text(std::string_view kind, double x, double y, std::string_view text) {
+  marks_ += text_at(kind, fmt::format("x=\"{}\" y=\"{}\"", px(x), px(y)), text);
+}
+
+void Svg::text_upwards(std::string_view kind, double x, double y, std::string_view text) {
+  marks_ += text_at(kind, fmt::format("transform=\"translate({},{}) rotate(-90)\"", px(x), px(y)), text);
+}
+
+std::string Svg::element() const {
+  return fmt::format("<svg class=\"drawing\" width=\"{}\" height=\"{}\" role=\"img\">\n{}</svg>\n", px(width_), px(height_),
+                     marks_);
+}
+
+std::string Svg::file(std::string_view title) const {
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"drawing\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\">\n"
+      "<title>{2}</title>\n<style>\n{3}\n{4}</style>\n<rect class=\"page\" width=\"{0}\" height=\"{1}\" rx=\"6\"/>\n{5}</svg>\n",
+      px(width_), px(height_), escape_html(title), embedded(assets(), "theme.css"), embedded(assets(), "drawing.css"), marks_);
+}
+
+}  // namespace slipbench::page

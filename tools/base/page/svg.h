@@ -1,0 +1,55 @@
+// SVG drawings, mark by mark.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slipbench::page {
+
+// Values along a line of a drawing, from `begin` to `end` [px].
+struct Axis {
+  double low = 0.0, high = 1.0;    // values at the ends
+  double begin = 0.0, end = 0.0;   // px
+  bool logarithmic = false;        // both ends above 0
+  std::vector<double> ticks = {};  // from `low` to `high`
+
+  // Where `value` stands [px].
+  [[nodiscard]] double at(double value) const;
+};
+
+// The shortest axis of whole multiples of `step` that holds all `values`; at least one step.
+Axis linear_axis(std::span<const double> values, double step, double begin, double end);
+// The shortest axis of whole decades that begins below all `values`, which are above 0, and ends at or above them; at least one decade.
+Axis decade_axis(std::span<const double> values, double begin, double end);
+
+// Series that web/theme.css has colours for.
+inline constexpr std::size_t series_count = 8;
+
+// A drawing of a size [px]. Places are from its upper left corner, rounded to 0.1 px. `kind`: classes of web/drawing.css: a series "s0" to "s7",
+// "mesh", "limit"; of a text "name" and "small", and "middle" and "end" for what of it stands at its place.
+class Svg {
+ public:
+  Svg(double width, double height);
+
+  void line(std::string_view kind, double x1, double y1, double x2, double y2);
+  void polyline(std::string_view kind, std::span<const std::array<double, 2>> points);
+  void dot(std::string_view kind, double x, double y, double radius);
+  void bar(std::string_view kind, double x, double y, double width, double height);
+  void text(std::string_view kind, double x, double y, std::string_view text);
+  void text_upwards(std::string_view kind, double x, double y, std::string_view text);
+
+  // As a part of a page by compose_page().
+  [[nodiscard]] std::string element() const;
+  // As a file of its own, with its colours in it, for light and dark pages.
+  [[nodiscard]] std::string file(std::string_view title) const;
+
+ private:
+  double width_, height_;
+  std::string marks_;
+};
+
+}  // namespace slipbench::page

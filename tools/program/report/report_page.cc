@@ -1,0 +1,24 @@
+#include "tools/program/report/report_page.h"
+
+#include <vector>
+
+#include "tools/base/page/page.h"
+#include "tools/program/report/assets.h"
+
+namespace slipbench::report {
+
+namespace {
+
+constexpr std::string_view generator = "slipbench";
+
+}  // namespace
+
+std::string report_page(const std::string& title, const Json& data) {
+  std::vector<page::Asset> files = assets();
+  if (!data.contains("grasps")) std::erase_if(files, [](const page::Asset& file) { return file.name.starts_with("grasp_"); });
+  return page::compose_drawn_page({generator, title + " · slipbench report"}, files, data);
+}
+
+bool begins_as_report(std::string_view text) { return page::begins_as_page(text, generator); }
+
+}  // namespace slipbench::report
