@@ -53,8 +53,8 @@ void take_off_arguments(std::string_view& name) {
   }
 }
 
-bool is_bench_step(std::string_view name) {
-  return name.starts_with("slipbench::") && (name.ends_with("counts::step") || name.ends_with("Bench::step"));
+bool is_simulation_step(std::string_view name) {
+  return name.starts_with("slipbench::") && name.ends_with("Simulation::step");
 }
 
 class Reader {
@@ -129,7 +129,7 @@ class Reader {
   void read_call() {
     const std::uint64_t count = number(line_.substr(0, line_.find(' ')));
     if (caller_ == nullptr || callee_ == nullptr) refuse("a call without its two functions");
-    if (is_bench_step(*callee_) && !is_bench_step(*caller_)) profile_.steps += count;
+    if (is_simulation_step(*callee_) && !is_simulation_step(*caller_)) profile_.steps += count;
     if (!next()) refuse("a call without its cost");
     static_cast<void>(cost());
   }

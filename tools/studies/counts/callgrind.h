@@ -10,7 +10,7 @@ namespace slipbench::counts {
 
 struct InstructionProfile {
   std::uint64_t instructions = 0;  // all that were counted
-  std::uint64_t steps = 0;         // calls of a bench's step() by what is no bench's step() itself
+  std::uint64_t steps = 0;         // calls of a simulation's step() by what is no simulation's step() itself
   // Instructions of each function without those it calls; all add up to `instructions`. What the compiler put in line counts
   // where it was put.
   std::map<std::string, std::uint64_t, std::less<>> self;
