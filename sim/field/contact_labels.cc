@@ -143,9 +143,10 @@ void ContactLabels::label_elements(std::span<const Field> fields) {
   for (const Field& field : fields) field.add_elements(sparse ? viewed_ : field.all(), depth, shear);
 }
 
-// Calls visit(first, end) for the elements of each group that the last field's view has worked out.
+// Calls visit(first, end) for the elements of each group that the last field's view has worked out, or once for all.
 template <class Visit>
 void ContactLabels::for_each_viewed(Visit&& visit) const {
+  if (viewed_.first == nullptr) return visit(std::size_t{0}, unit_of_element_.size());
   for (std::size_t k = 0; k < viewed_.count; ++k) {
     visit(viewed_[k], std::min(unit_of_element_.size(), viewed_[k] + kernel::lanes));
   }
