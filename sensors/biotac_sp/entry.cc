@@ -7,13 +7,9 @@
 
 namespace slipbench {
 namespace biotac_sp {
-namespace {
-
-const std::string recordings = "111 public recordings (yayaneath/BioTacSP-DoS)";
-
-}  // namespace
 
 Entry about() {
+  const std::string recordings = "111 public recordings (yayaneath/BioTacSP-DoS)";
   constexpr Range some_length = positive_up_to(0.1);
   constexpr Range some_rate{1.0, 10e3};  // the device's own converter makes 4.4 k readings a second
   return {

@@ -17,32 +17,33 @@ namespace {
 constexpr const char* simulation = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, IEEE RA-L 2020";
 
 // The ranges are wide of what a bench could be: a number beyond is a slip of the pen.
-const Entry press_entry{
-    "press",
-    "A stage presses the pad onto the surface, holds it and slowly retreats, while forces move what it touches.",
-    "height: trapezoids from +gap to -compression and, from `retreat` on, back to +gap; measured at the pad's origin\n"
-    "The pad stands at `offset`, turned by Rz(yaw) Ry(tilt y) Rx(tilt x), and never moves sideways.",
-    std::string(simulation) + ", section V (slow release); constant accelerations, integrated exactly",
-    {
-        number_spec("compression", Quantity::length, "0.8 mm", positive_up_to(0.1),
-                    "How far the stage goes below the touch of the pad's origin.", "assumed: 8 N on springs of 10 N/mm"),
-        vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", {-1.0, 1.0}, "Where the pad stands over the surface.",
-                    "assumed: aligned; the paper's rotational slip has 31.75 mm"),
-        number_spec("yaw", Quantity::angle, "0 deg", any_value, "How far the pad is turned about the vertical.",
-                    "assumed: aligned"),
-        vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", {-0.5, 0.5}, "Tilt of the pad about its X and Y axis.",
-                    "assumed: aligned"),
-        number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1}, "Height of the pad's origin above the surface at t = 0.",
-                    "assumed"),
-        number_spec("approach_speed", Quantity::speed, "1 mm/s", positive_up_to(10.0), "Speed of pressing.", "assumed"),
-        number_spec("begin", Quantity::time, "0 s", non_negative, "When the pad begins to come down.", "assumed"),
-        number_spec("retreat", Quantity::time, "inf", positive_or_infinite, "When the pad begins to retreat; inf: never.",
-                    "assumed"),
-        number_spec("retreat_speed", Quantity::speed, "0.03 mm/s", positive_up_to(10.0), "Speed of the retreat.",
-                    std::string(simulation) + ", section V"),
-        number_spec("acceleration", Quantity::acceleration, "50 mm/s2", positive_or_infinite,
-                    "Limit for both moves; inf: speeds change at once.", "assumed: as the motion stage"),
-    }};
+Entry press_entry() {
+  return {"press",
+          "A stage presses the pad onto the surface, holds it and slowly retreats, while forces move what it touches.",
+          "height: trapezoids from +gap to -compression and, from `retreat` on, back to +gap; measured at the pad's origin\n"
+          "The pad stands at `offset`, turned by Rz(yaw) Ry(tilt y) Rx(tilt x), and never moves sideways.",
+          std::string(simulation) + ", section V (slow release); constant accelerations, integrated exactly",
+          {
+              number_spec("compression", Quantity::length, "0.8 mm", positive_up_to(0.1),
+                          "How far the stage goes below the touch of the pad's origin.", "assumed: 8 N on springs of 10 N/mm"),
+              vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", {-1.0, 1.0}, "Where the pad stands over the surface.",
+                          "assumed: aligned; the paper's rotational slip has 31.75 mm"),
+              number_spec("yaw", Quantity::angle, "0 deg", any_value, "How far the pad is turned about the vertical.",
+                          "assumed: aligned"),
+              vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", {-0.5, 0.5}, "Tilt of the pad about its X and Y axis.",
+                          "assumed: aligned"),
+              number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1}, "Height of the pad's origin above the surface at t = 0.",
+                          "assumed"),
+              number_spec("approach_speed", Quantity::speed, "1 mm/s", positive_up_to(10.0), "Speed of pressing.", "assumed"),
+              number_spec("begin", Quantity::time, "0 s", non_negative, "When the pad begins to come down.", "assumed"),
+              number_spec("retreat", Quantity::time, "inf", positive_or_infinite, "When the pad begins to retreat; inf: never.",
+                          "assumed"),
+              number_spec("retreat_speed", Quantity::speed, "0.03 mm/s", positive_up_to(10.0), "Speed of the retreat.",
+                          std::string(simulation) + ", section V"),
+              number_spec("acceleration", Quantity::acceleration, "50 mm/s2", positive_or_infinite,
+                          "Limit for both moves; inf: speeds change at once.", "assumed: as the motion stage"),
+          }};
+}
 
 class Press final : public Motion {
  public:
@@ -84,7 +85,7 @@ class Press final : public Motion {
 }  // namespace
 
 MotionKind press_motion() {
-  return {press_entry,
+  return {press_entry(),
           [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Press>(p); }};
 }
 

@@ -22,62 +22,64 @@ constexpr const char* fitted = "assumed: fitted to 111 recordings of a BioTac SP
 constexpr const char* outline = "COMSOL model of the BioTac SP by bsadr: half-ellipsoid of 13.85 x 10.1 x 9.85 mm";
 
 // The ranges are wide of what a finger could be or do: a number beyond is a slip of the pen.
-const Entry entry{
-    "rub",
-    "A finger is pressed on a spot of its round skin; there it slides, turns or rests, by fits and starts.",
-    "skin: the lower half of an ellipsoid in the pad frame\n"
-    "The spot (x, arc) has the parametric angle arc/mean(b, c) about X, counted towards +Y. The pad is rolled and pitched,\n"
-    "Rz(yaw + turn) Ry Rx, until the spot is the skin's lowest point.\n"
-    "p: Gaussian process of mean 0 and variance 1, white noise behind two equal low passes of corner f:\n"
-    "E p(0) p(s) = (1 + a s) exp(-a s), a = 2 pi f\n"
-    "The time of p runs exp(warp p_w) times as fast, p_w: such a process with warp_corner. This makes fits and starts.\n"
-    "depth = deepest tanh(compression effort skin_share exp(gain load_sd p_1)/deepest): the skin stiffens towards the core\n"
-    "spot = site + offset + room tanh(gain wander (p_2, p_3)/room), room: from site + offset to the skin's end; a rocking in place\n"
-    "way and turn: integrals of speed q and rotation q, q = max(0, drive + p_4)\n"
-    "The processes are drawn at knots of 10 ms. Between knots p is cubic with continuous rate, and q is straight.",
-    "BIOTAC.md section 4 (slipbench, 2026): what the recordings of yayaneath/BioTacSP-DoS need; exact transition of the process",
-    {
-        vector_spec(3, "half_axes", Quantity::length, "[13.85 mm, 9.85 mm, 10.1 mm]", {1e-3, 0.1},
-                    "Half axes a, b, c of the skin's ellipsoid along the pad's X, Y, Z.", outline),
-        vector_spec(3, "centre", Quantity::length, "[0 mm, 0 mm, 10.1 mm]", {-0.1, 0.1},
-                    "Centre of the ellipsoid in the pad frame.", "that of sensor biotac_sp"),
-        vector_spec(2, "site", Quantity::length, "[0 mm, 0 mm]", {-0.1, 0.1},
-                    "Spot of the skin that is pressed: X, and the arc around the finger from its lowest line.", "free"),
-        vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", {-0.1, 0.1},
-                    "Offset added to the site, for what differs from trial to trial.", "free"),
-        number_spec("compression", Quantity::length, "1.5 mm", positive_up_to(0.1),
-                    "How far the skin's lowest point is below the surface.", fitted),
-        number_spec("deepest", Quantity::length, "3.5 mm", positive_up_to(0.1), "Depth that no load exceeds.",
-                    "assumed: the core is 2 to 3 mm below the skin (bsadr/biotac), and the skin on it yields"),
-        number_spec("effort", Quantity::none, "1", positive_up_to(20.0),
-                    "Factor on the compression: how hard this motion is pressed.", "free"),
-        number_spec("skin_share", Quantity::none, "1", positive_up_to(1.0),
-                    "Share of the compression by which the skin dents; the object dents by the rest. 1: the object is rigid.",
-                    "free"),
-        number_spec("speed", Quantity::speed, "0 mm/s", {0.0, 10.0}, "Sliding speed where q is 1.", "8 mm/s fits recordings"),
-        number_spec("direction", Quantity::angle, "0 deg", any_value, "Direction in which the pad slides, from its own X axis.",
-                    "free"),
-        number_spec("yaw", Quantity::angle, "0 deg", any_value,
-                    "Angle by which the pad is turned about the vertical before the motion begins.", "free"),
-        number_spec("rotation", Quantity::angular_speed, "0 deg/s", any_value,
-                    "Turning speed about the vertical through the spot where q is 1.", "38.2 deg/s fits recordings"),
-        number_spec("drive", Quantity::none, "0.6", {-3.0, 10.0},
-                    "Mean of the driving process; a higher mean gives a steadier motion.", fitted),
-        vector_spec(2, "wander", Quantity::length, "[0 mm, 0 mm]", {0.0, 0.01},
-                    "Standard deviation of the spot along X, and of its arc.", fitted),
-        number_spec("load_sd", Quantity::none, "0", {0.0, 2.0}, "Standard deviation of the logarithm of the depth.", fitted),
-        number_spec("gain", Quantity::none, "1", {0.0, 20.0}, "Factor on wander and load_sd.", fitted),
-        number_spec("corner", Quantity::frequency, "0.4 Hz", {0.01, 20.0}, "Corner frequency f of each low pass.", fitted),
-        number_spec("warp", Quantity::none, "1.1", {0.0, 1.5},
-                    "Standard deviation of the logarithm of the rate at which the processes' time runs.", fitted),
-        number_spec("warp_corner", Quantity::frequency, "0.8 Hz", {0.01, 20.0},
-                    "Corner frequency of each low pass of the warping process.", fitted),
-        number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1}, "Height of the spot above the surface until the start.",
-                    "assumed"),
-        number_spec("start", Quantity::time, "50 ms", non_negative, "When the finger begins to come down.", "assumed"),
-        number_spec("approach", Quantity::time, "0.1 s", positive,
-                    "How long the finger takes to come down; afterwards q takes as long to rise to its own value.", "assumed"),
-    }};
+Entry rub_entry() {
+  return {
+      "rub",
+      "A finger is pressed on a spot of its round skin; there it slides, turns or rests, by fits and starts.",
+      "skin: the lower half of an ellipsoid in the pad frame\n"
+      "The spot (x, arc) has the parametric angle arc/mean(b, c) about X, counted towards +Y. The pad is rolled and pitched,\n"
+      "Rz(yaw + turn) Ry Rx, until the spot is the skin's lowest point.\n"
+      "p: Gaussian process of mean 0 and variance 1, white noise behind two equal low passes of corner f:\n"
+      "E p(0) p(s) = (1 + a s) exp(-a s), a = 2 pi f\n"
+      "The time of p runs exp(warp p_w) times as fast, p_w: such a process with warp_corner. This makes fits and starts.\n"
+      "depth = deepest tanh(compression effort skin_share exp(gain load_sd p_1)/deepest): the skin stiffens towards the core\n"
+      "spot = site + offset + room tanh(gain wander (p_2, p_3)/room), room: from site + offset to the skin's end; a rocking in place\n"
+      "way and turn: integrals of speed q and rotation q, q = max(0, drive + p_4)\n"
+      "The processes are drawn at knots of 10 ms. Between knots p is cubic with continuous rate, and q is straight.",
+      "BIOTAC.md section 4 (slipbench, 2026): what the recordings of yayaneath/BioTacSP-DoS need; exact transition of the process",
+      {
+          vector_spec(3, "half_axes", Quantity::length, "[13.85 mm, 9.85 mm, 10.1 mm]", {1e-3, 0.1},
+                      "Half axes a, b, c of the skin's ellipsoid along the pad's X, Y, Z.", outline),
+          vector_spec(3, "centre", Quantity::length, "[0 mm, 0 mm, 10.1 mm]", {-0.1, 0.1},
+                      "Centre of the ellipsoid in the pad frame.", "that of sensor biotac_sp"),
+          vector_spec(2, "site", Quantity::length, "[0 mm, 0 mm]", {-0.1, 0.1},
+                      "Spot of the skin that is pressed: X, and the arc around the finger from its lowest line.", "free"),
+          vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", {-0.1, 0.1},
+                      "Offset added to the site, for what differs from trial to trial.", "free"),
+          number_spec("compression", Quantity::length, "1.5 mm", positive_up_to(0.1),
+                      "How far the skin's lowest point is below the surface.", fitted),
+          number_spec("deepest", Quantity::length, "3.5 mm", positive_up_to(0.1), "Depth that no load exceeds.",
+                      "assumed: the core is 2 to 3 mm below the skin (bsadr/biotac), and the skin on it yields"),
+          number_spec("effort", Quantity::none, "1", positive_up_to(20.0),
+                      "Factor on the compression: how hard this motion is pressed.", "free"),
+          number_spec("skin_share", Quantity::none, "1", positive_up_to(1.0),
+                      "Share of the compression by which the skin dents; the object dents by the rest. 1: the object is rigid.",
+                      "free"),
+          number_spec("speed", Quantity::speed, "0 mm/s", {0.0, 10.0}, "Sliding speed where q is 1.", "8 mm/s fits recordings"),
+          number_spec("direction", Quantity::angle, "0 deg", any_value, "Direction in which the pad slides, from its own X axis.",
+                      "free"),
+          number_spec("yaw", Quantity::angle, "0 deg", any_value,
+                      "Angle by which the pad is turned about the vertical before the motion begins.", "free"),
+          number_spec("rotation", Quantity::angular_speed, "0 deg/s", any_value,
+                      "Turning speed about the vertical through the spot where q is 1.", "38.2 deg/s fits recordings"),
+          number_spec("drive", Quantity::none, "0.6", {-3.0, 10.0},
+                      "Mean of the driving process; a higher mean gives a steadier motion.", fitted),
+          vector_spec(2, "wander", Quantity::length, "[0 mm, 0 mm]", {0.0, 0.01},
+                      "Standard deviation of the spot along X, and of its arc.", fitted),
+          number_spec("load_sd", Quantity::none, "0", {0.0, 2.0}, "Standard deviation of the logarithm of the depth.", fitted),
+          number_spec("gain", Quantity::none, "1", {0.0, 20.0}, "Factor on wander and load_sd.", fitted),
+          number_spec("corner", Quantity::frequency, "0.4 Hz", {0.01, 20.0}, "Corner frequency f of each low pass.", fitted),
+          number_spec("warp", Quantity::none, "1.1", {0.0, 1.5},
+                      "Standard deviation of the logarithm of the rate at which the processes' time runs.", fitted),
+          number_spec("warp_corner", Quantity::frequency, "0.8 Hz", {0.01, 20.0},
+                      "Corner frequency of each low pass of the warping process.", fitted),
+          number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1}, "Height of the spot above the surface until the start.",
+                      "assumed"),
+          number_spec("start", Quantity::time, "50 ms", non_negative, "When the finger begins to come down.", "assumed"),
+          number_spec("approach", Quantity::time, "0.1 s", positive,
+                      "How long the finger takes to come down; afterwards q takes as long to rise to its own value.", "assumed"),
+      }};
+}
 
 // Bounds, so that top_speed() is one. A rate beyond is drawn again (one of 16,000); a value, which cannot turn back at once, is bent from 3 on.
 constexpr double limit = 4.0;
@@ -350,7 +352,7 @@ class Rub final : public Motion {
 }  // namespace rub
 
 MotionKind rub_motion() {
-  return {rub::entry, [](const Parameters& p, const MotionKey& key) -> std::unique_ptr<Motion> {
+  return {rub::rub_entry(), [](const Parameters& p, const MotionKey& key) -> std::unique_ptr<Motion> {
             return std::make_unique<rub::Rub>(p, key);
           }};
 }

@@ -15,68 +15,70 @@ namespace {
 constexpr const char* protocol = "Wang et al., IEEE RA-L 9 (2024) 1827: hexapod protocol";
 
 // The ranges are wide of what a bench could be: a number beyond is a slip of the pen.
-const Entry stage_entry{
-    "stage",
-    "A stage presses the pad onto the surface, waits, then slides and/or turns it; it may stop, reverse and lift off.",
-    "height: trapezoid from +gap to -compression, measured at the tip of the tallest element; `clearance` raises both ends\n"
-    "sideways: p(t) = pivot + s(t) [cos direction, sin direction] - R(theta(t)) pivot, s and theta trapezoids\n"
-    "The pad moves along `direction`; the friction on the pad points the other way. The pivot moves along with the pad.\n"
-    "`travel` and `stop` both end the way sideways: `travel` by distance, `stop` by time.\n"
-    "vibration: a force on every unit of the pad, along its normal. An axis that moves at v drives the frame with the mean\n"
-    "square (1.6 mN level)^2 v/(10 mm/s). Half of it are lines at 1, 2, 8, 24, 50, 100, 200 times v/lead, half is noise of\n"
-    "one pole at 200 v/lead. The frame has modes at 75, 130, 215, 330, 520 Hz (damping ratio 0.03 to 0.05); it passes on the\n"
-    "sum of s^2/(s^2 + 2 zeta w s + w^2) over the modes. ln(level) varies by vibration_sd from recording to recording.",
-    "Wang et al., IEEE RA-L 9 (2024) 1827 (protocol); constant accelerations, integrated exactly",
-    {
-        number_spec("compression", Quantity::length, "1 mm", positive_up_to(0.1), "How far the tallest element is pressed in.",
-                    protocol),
-        number_spec("speed", Quantity::speed, "4 mm/s", {0.0, 10.0}, "Sideways speed of the pivot.",
-                    protocol + std::string(", 0.5 to 16 mm/s")),
-        number_spec("direction", Quantity::angle, "0 deg", any_value,
-                    "Direction in which the pad moves, from +X towards +Y of the pad.", protocol),
-        number_spec("rotation", Quantity::angular_speed, "0 deg/s", {-100.0, 100.0},
-                    "Turning speed about the vertical through the pivot.", protocol),
-        vector_spec(2, "pivot", Quantity::length, "[0 mm, 0 mm]", {-1.0, 1.0}, "Point of the pad about which the pad turns.",
-                    "assumed"),
-        vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", {-0.5, 0.5},
-                    "Tilt of the pad about its X and Y axes, constant throughout.",
-                    "assumed; the published sequences look tilted by about 1.5 deg"),
-        number_spec("acceleration", Quantity::acceleration, "50 mm/s2", positive_or_infinite,
-                    "Limit for all straight moves; inf: speeds change at once.",
-                    "assumed; about 40 mm/s2 fits the published sequences"),
-        number_spec("angular_acceleration", Quantity::angular_acceleration, "500 deg/s2", positive_or_infinite,
-                    "Limit for turning; inf: the turning speed changes at once.", "assumed"),
-        number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1},
-                    "Height of the pad's origin, the tallest tip, above the surface at t = 0.", "assumed"),
-        number_spec("approach_speed", Quantity::speed, "4 mm/s", positive_up_to(10.0), "Speed of pressing and of lifting off.",
-                    "assumed"),
-        number_spec("start", Quantity::time, "2 s", non_negative, "When the pad begins to slide and to turn.",
-                    "published sequences: motion starts at about 2.0 s"),
-        number_spec("stop", Quantity::time, "inf", positive_or_infinite,
-                    "Time after the start at which the pad brakes; inf: never.",
-                    "published stop trials halt 50 to 100 ms after the start"),
-        number_spec("travel", Quantity::length, "inf", positive_or_infinite,
-                    "Length of the way sideways, at whose end the pad rests; inf: `stop` decides.", "free"),
-        integer_spec("strokes", "1", {1.0, 100.0}, "Number of strokes of length `travel`, alternately there and back.", "free"),
-        number_spec("reverse", Quantity::time, "inf", positive_or_infinite,
-                    "Time after the start at which the pad turns back; inf: never.", "assumed"),
-        number_spec("retract", Quantity::time, "inf", positive_or_infinite,
-                    "When the pad lifts off by compression + gap; inf: never.", "assumed"),
-        number_spec("clearance", Quantity::length, "0 mm", {0.0, 0.1},
-                    "How much higher the whole motion takes place; with more than `compression` nothing is touched.", "free"),
-        number_spec(
-            "vibration", Quantity::none, "0", non_negative, "Level of the motors' vibration; 0: none.",
-            "0: no vibration unless asked for; levels of 1 to 4 resemble the published piezoelectric recordings, assumed"),
-        number_spec("vibration_sd", Quantity::none, "0.1", fraction,
-                    "Standard deviation of ln(level) from one recording to the next.",
-                    "assumed: all recordings are of one machine and resemble each other"),
-        number_spec("vibration_in_contact", Quantity::none, "1.6", non_negative,
-                    "Factor on the vibration while the pad touches something.",
-                    "assumed: in contact the bench passes the vibration on through the object, too"),
-        vector_spec(3, "lead", Quantity::length, "[8 mm, 8 mm, 4 mm]", {1e-4, 0.1},
-                    "Distance that each axis X, Y, Z of the bench moves in one turn of its spindle.",
-                    "assumed: usual leads of ball screws"),
-    }};
+Entry stage_entry() {
+  return {
+      "stage",
+      "A stage presses the pad onto the surface, waits, then slides and/or turns it; it may stop, reverse and lift off.",
+      "height: trapezoid from +gap to -compression, measured at the tip of the tallest element; `clearance` raises both ends\n"
+      "sideways: p(t) = pivot + s(t) [cos direction, sin direction] - R(theta(t)) pivot, s and theta trapezoids\n"
+      "The pad moves along `direction`; the friction on the pad points the other way. The pivot moves along with the pad.\n"
+      "`travel` and `stop` both end the way sideways: `travel` by distance, `stop` by time.\n"
+      "vibration: a force on every unit of the pad, along its normal. An axis that moves at v drives the frame with the mean\n"
+      "square (1.6 mN level)^2 v/(10 mm/s). Half of it are lines at 1, 2, 8, 24, 50, 100, 200 times v/lead, half is noise of\n"
+      "one pole at 200 v/lead. The frame has modes at 75, 130, 215, 330, 520 Hz (damping ratio 0.03 to 0.05); it passes on the\n"
+      "sum of s^2/(s^2 + 2 zeta w s + w^2) over the modes. ln(level) varies by vibration_sd from recording to recording.",
+      "Wang et al., IEEE RA-L 9 (2024) 1827 (protocol); constant accelerations, integrated exactly",
+      {
+          number_spec("compression", Quantity::length, "1 mm", positive_up_to(0.1), "How far the tallest element is pressed in.",
+                      protocol),
+          number_spec("speed", Quantity::speed, "4 mm/s", {0.0, 10.0}, "Sideways speed of the pivot.",
+                      protocol + std::string(", 0.5 to 16 mm/s")),
+          number_spec("direction", Quantity::angle, "0 deg", any_value,
+                      "Direction in which the pad moves, from +X towards +Y of the pad.", protocol),
+          number_spec("rotation", Quantity::angular_speed, "0 deg/s", {-100.0, 100.0},
+                      "Turning speed about the vertical through the pivot.", protocol),
+          vector_spec(2, "pivot", Quantity::length, "[0 mm, 0 mm]", {-1.0, 1.0}, "Point of the pad about which the pad turns.",
+                      "assumed"),
+          vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", {-0.5, 0.5},
+                      "Tilt of the pad about its X and Y axes, constant throughout.",
+                      "assumed; the published sequences look tilted by about 1.5 deg"),
+          number_spec("acceleration", Quantity::acceleration, "50 mm/s2", positive_or_infinite,
+                      "Limit for all straight moves; inf: speeds change at once.",
+                      "assumed; about 40 mm/s2 fits the published sequences"),
+          number_spec("angular_acceleration", Quantity::angular_acceleration, "500 deg/s2", positive_or_infinite,
+                      "Limit for turning; inf: the turning speed changes at once.", "assumed"),
+          number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1},
+                      "Height of the pad's origin, the tallest tip, above the surface at t = 0.", "assumed"),
+          number_spec("approach_speed", Quantity::speed, "4 mm/s", positive_up_to(10.0), "Speed of pressing and of lifting off.",
+                      "assumed"),
+          number_spec("start", Quantity::time, "2 s", non_negative, "When the pad begins to slide and to turn.",
+                      "published sequences: motion starts at about 2.0 s"),
+          number_spec("stop", Quantity::time, "inf", positive_or_infinite,
+                      "Time after the start at which the pad brakes; inf: never.",
+                      "published stop trials halt 50 to 100 ms after the start"),
+          number_spec("travel", Quantity::length, "inf", positive_or_infinite,
+                      "Length of the way sideways, at whose end the pad rests; inf: `stop` decides.", "free"),
+          integer_spec("strokes", "1", {1.0, 100.0}, "Number of strokes of length `travel`, alternately there and back.", "free"),
+          number_spec("reverse", Quantity::time, "inf", positive_or_infinite,
+                      "Time after the start at which the pad turns back; inf: never.", "assumed"),
+          number_spec("retract", Quantity::time, "inf", positive_or_infinite,
+                      "When the pad lifts off by compression + gap; inf: never.", "assumed"),
+          number_spec("clearance", Quantity::length, "0 mm", {0.0, 0.1},
+                      "How much higher the whole motion takes place; with more than `compression` nothing is touched.", "free"),
+          number_spec(
+              "vibration", Quantity::none, "0", non_negative, "Level of the motors' vibration; 0: none.",
+              "0: no vibration unless asked for; levels of 1 to 4 resemble the published piezoelectric recordings, assumed"),
+          number_spec("vibration_sd", Quantity::none, "0.1", fraction,
+                      "Standard deviation of ln(level) from one recording to the next.",
+                      "assumed: all recordings are of one machine and resemble each other"),
+          number_spec("vibration_in_contact", Quantity::none, "1.6", non_negative,
+                      "Factor on the vibration while the pad touches something.",
+                      "assumed: in contact the bench passes the vibration on through the object, too"),
+          vector_spec(3, "lead", Quantity::length, "[8 mm, 8 mm, 4 mm]", {1e-4, 0.1},
+                      "Distance that each axis X, Y, Z of the bench moves in one turn of its spindle.",
+                      "assumed: usual leads of ball screws"),
+      }};
+}
 
 class Stage final : public Motion {
  public:
@@ -181,7 +183,7 @@ class Stage final : public Motion {
 }  // namespace
 
 MotionKind stage_motion() {
-  return {stage_entry,
+  return {stage_entry(),
           [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Stage>(p); }};
 }
 

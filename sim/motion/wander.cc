@@ -14,29 +14,31 @@ namespace {
 
 constexpr const char* by_hand = "assumed: a calibration by hand";
 
-const Entry wander_entry{
-    "wander",
-    "A hand presses the pad onto the surface and pushes, tilts and turns it at random: six smooth, band-limited coordinates.",
-    "w_i(t) = erf(g_i(t)/sqrt 2),  g_i(t) = 1/2 sum of 8 sin(2 pi f t + p): f uniform up to the bandwidth, p uniform, drawn for\n"
-    "each coordinate and trial. g has variance 1 and is nearly normal, so w is spread evenly over -1 to 1.\n"
-    "compression = b c C with c = (1 + w_0)/2, C its limit;  each other coordinate = b c w_i times its own limit\n"
-    "The factor c keeps the pad from slipping: a pad that is pressed less is pushed less.\n"
-    "b = 3 s^2 - 2 s^3 rises from 0 to 1 during the approach, s: share of the approach that has passed",
-    "assumed: what \"applied randomized forces and moments manually\" (nib pad, IEEE RA-L 2020, section IV-A) may have been",
-    {
-        number_spec("compression", Quantity::length, "0.5 mm", positive_up_to(0.1), "Largest compression.", by_hand),
-        vector_spec(2, "shear", Quantity::length, "[0.4 mm, 0.4 mm]", {0.0, 0.1}, "Largest way to either side, along X and Y.",
-                    by_hand),
-        vector_spec(2, "tilt", Quantity::angle, "[2 deg, 2 deg]", {0.0, 0.5}, "Largest tilt, about X and Y.", by_hand),
-        number_spec("twist", Quantity::angle, "4 deg", {0.0, 0.5}, "Largest turn about the pad's normal.", by_hand),
-        number_spec("bandwidth", Quantity::frequency, "0.5 Hz", positive_up_to(100.0), "Highest frequency of the sines.",
-                    by_hand),
-        number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1},
-                    "Height of the pad's origin above the surface until the start.", "assumed"),
-        number_spec("start", Quantity::time, "0.5 s", non_negative,
-                    "When the pad begins to come down; readings can be tared before.", "assumed"),
-        number_spec("approach", Quantity::time, "0.5 s", positive, "How long the pad takes to come down.", "assumed"),
-    }};
+Entry wander_entry() {
+  return {
+      "wander",
+      "A hand presses the pad onto the surface and pushes, tilts and turns it at random: six smooth, band-limited coordinates.",
+      "w_i(t) = erf(g_i(t)/sqrt 2),  g_i(t) = 1/2 sum of 8 sin(2 pi f t + p): f uniform up to the bandwidth, p uniform, drawn for\n"
+      "each coordinate and trial. g has variance 1 and is nearly normal, so w is spread evenly over -1 to 1.\n"
+      "compression = b c C with c = (1 + w_0)/2, C its limit;  each other coordinate = b c w_i times its own limit\n"
+      "The factor c keeps the pad from slipping: a pad that is pressed less is pushed less.\n"
+      "b = 3 s^2 - 2 s^3 rises from 0 to 1 during the approach, s: share of the approach that has passed",
+      "assumed: what \"applied randomized forces and moments manually\" (nib pad, IEEE RA-L 2020, section IV-A) may have been",
+      {
+          number_spec("compression", Quantity::length, "0.5 mm", positive_up_to(0.1), "Largest compression.", by_hand),
+          vector_spec(2, "shear", Quantity::length, "[0.4 mm, 0.4 mm]", {0.0, 0.1}, "Largest way to either side, along X and Y.",
+                      by_hand),
+          vector_spec(2, "tilt", Quantity::angle, "[2 deg, 2 deg]", {0.0, 0.5}, "Largest tilt, about X and Y.", by_hand),
+          number_spec("twist", Quantity::angle, "4 deg", {0.0, 0.5}, "Largest turn about the pad's normal.", by_hand),
+          number_spec("bandwidth", Quantity::frequency, "0.5 Hz", positive_up_to(100.0), "Highest frequency of the sines.",
+                      by_hand),
+          number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1},
+                      "Height of the pad's origin above the surface until the start.", "assumed"),
+          number_spec("start", Quantity::time, "0.5 s", non_negative,
+                      "When the pad begins to come down; readings can be tared before.", "assumed"),
+          number_spec("approach", Quantity::time, "0.5 s", positive, "How long the pad takes to come down.", "assumed"),
+      }};
+}
 
 // A smooth random function of time that is spread evenly over (-1, 1).
 class Wave {
@@ -138,7 +140,7 @@ class Wander final : public Motion {
 }  // namespace
 
 MotionKind wander_motion() {
-  return {wander_entry,
+  return {wander_entry(),
           [](const Parameters& p, const MotionKey& key) -> std::unique_ptr<Motion> { return std::make_unique<Wander>(p, key); }};
 }
 

@@ -14,7 +14,7 @@ def is_script(root, path):
 
 def check(root):
     scripts = [path for path in project_files(root) if is_script(root, path)]
-    result = subprocess.run(["shellcheck", "--format=gcc", *scripts], cwd=root, capture_output=True, text=True, check=False)
+    result = subprocess.run(["shellcheck", "--external-sources", "--format=gcc", *scripts], cwd=root, capture_output=True, text=True, check=False)
     yield from (result.stdout + result.stderr).splitlines()
 
 

@@ -53,9 +53,7 @@ void take_off_arguments(std::string_view& name) {
   }
 }
 
-bool is_simulation_step(std::string_view name) {
-  return name.starts_with("slipbench::") && name.ends_with("Simulation::step");
-}
+bool is_simulation_step(std::string_view name) { return name.starts_with("slipbench::") && name.ends_with("Simulation::step"); }
 
 class Reader {
  public:

@@ -214,7 +214,7 @@ grasp  scene key box, grip, scatter
   (none)
 
 contact  scene key contact
-  contact  MuJoCo's own contact friction, with fidelity: mujoco_contact
+  contact  MuJoCo's own contact friction, with fidelity: mujoco_contact.
 
 detectors  scene key detector.type
   limit    A threshold.
