@@ -1,4 +1,4 @@
-// The effects that a scene may name, one line each in catalogue.cc.
+// The effects that a scene may name, one line each in effect_catalogue.cc.
 #pragma once
 
 #include <cstdint>
