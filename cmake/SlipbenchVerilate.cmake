@@ -1,6 +1,7 @@
 # slipbench_verilate(NAME models PREFIX VFastest TOP hd_sim SOURCES hd_sim.sv ARGS -GSliceWidth=1000)
 # Translates rtl/hd, and SOURCES on top of it, with Verilator into the object library slipbench_<NAME>; several calls may share one.
-# Generated code is not ours to warn about or to sanitize.
+# Generated code is not ours to warn about or to sanitize. What runs once is not optimised, the rest with -O1: by -O3 a model takes three
+# times as long to compile.
 function(slipbench_verilate)
   cmake_parse_arguments(ARG "" "NAME;PREFIX;TOP" "SOURCES;ARGS" ${ARGN})
   set(target slipbench_${ARG_NAME})
@@ -12,7 +13,7 @@ function(slipbench_verilate)
   file(STRINGS ${PROJECT_SOURCE_DIR}/rtl/hd/hd.f sources)
   list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/rtl/hd/)
   verilate(${target} SOURCES ${sources} ${ARG_SOURCES} TOP_MODULE ${ARG_TOP} PREFIX ${ARG_PREFIX} TRACE_FST
-    VERILATOR_ARGS -O3 --x-assign fast ${ARG_ARGS})
+    OPT_SLOW -O0 OPT_FAST -O1 VERILATOR_ARGS -O3 --x-assign fast ${ARG_ARGS})
 endfunction()
 
 # slipbench_use_models(slipbench_rtl models): the target holds the objects of slipbench_models and sees their headers.
