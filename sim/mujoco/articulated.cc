@@ -28,14 +28,14 @@ Eigen::Matrix3d tip_rotation(const Element& element) {
   return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -element.axis).toRotationMatrix();
 }
 
-bool positive(double x) { return std::isfinite(x) && x > 0.0; }
+bool is_positive(double x) { return std::isfinite(x) && x > 0.0; }
 
 void check(const PadLayout& layout, Friction friction) {
   if (layout.elements.empty()) throw std::invalid_argument("an articulated pad needs at least one element");
   if (layout.element_truth)
     throw SceneValueError("fidelity", "articulated pads do not serve a sensor that reads between its units; allowed: field");
   for (const Element& e : layout.elements) {
-    if (!positive(e.k_normal) || !positive(e.k_tangential)) throw std::invalid_argument("stiffness must be positive and finite");
+    if (!is_positive(e.k_normal) || !is_positive(e.k_tangential)) throw std::invalid_argument("stiffness must be positive and finite");
     if (!(e.c_normal >= 0.0) || !(e.c_tangential >= 0.0)) throw std::invalid_argument("a dashpot must not be negative");
     if (!(std::abs(e.axis.norm() - 1.0) < 1e-9)) throw std::invalid_argument("an element's axis must be a unit vector");
   }
