@@ -11,6 +11,7 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/layout.h"
+#include "tools/program/run/run_trial.h"
 
 namespace slipbench {
 namespace {
