@@ -35,7 +35,8 @@ void check(const PadLayout& layout, Friction friction) {
   if (layout.element_truth)
     throw SceneValueError("fidelity", "articulated pads do not serve a sensor that reads between its units; allowed: field");
   for (const Element& e : layout.elements) {
-    if (!is_positive(e.k_normal) || !is_positive(e.k_tangential)) throw std::invalid_argument("stiffness must be positive and finite");
+    if (!is_positive(e.k_normal) || !is_positive(e.k_tangential))
+      throw std::invalid_argument("stiffness must be positive and finite");
     if (!(e.c_normal >= 0.0) || !(e.c_tangential >= 0.0)) throw std::invalid_argument("a dashpot must not be negative");
     if (!(std::abs(e.axis.norm() - 1.0) < 1e-9)) throw std::invalid_argument("an element's axis must be a unit vector");
   }
