@@ -21,8 +21,8 @@ function(slipbench_install)
   # What `slipbench reproduce` reads of the project beside the scenes.
   install(FILES rtl/hd/syn/results.json DESTINATION ${CMAKE_INSTALL_DATADIR}/slipbench/rtl/hd/syn OPTIONAL)
   # The program finds the MuJoCo that is installed beside it, so that the prefix outlives the build folder.
-  set_target_properties(slipbench PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/slipbench/mujoco")
-  install(TARGETS slipbench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  set_target_properties(slipbench slipbench-studies PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/slipbench/mujoco")
+  install(TARGETS slipbench slipbench-studies RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   if(SLIPBENCH_WITH_MUJOCO)
     set(mujoco_dir ${CMAKE_INSTALL_LIBDIR}/slipbench/mujoco)
     install(FILES ${MuJoCo_LIBRARY} DESTINATION ${mujoco_dir})

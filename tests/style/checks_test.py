@@ -99,10 +99,6 @@ class ChecksTest(unittest.TestCase):
     def test_program_includes_study(self):
         self.assert_found("include_rule", "tools/program/run/d.h", '#include "tools/studies/result.h"\n', "tools/program/")
 
-    def test_command_table_includes_study(self):
-        self.plant("tools/program/cli/command_table.cc", '#include "tools/studies/result.h"\n')
-        self.assertEqual(self.run_check("include_rule").returncode, 0)
-
     def test_core_includes_library(self):
         self.assert_found("include_rule", "sim/core/d.h", "#include <yaml-cpp/yaml.h>\n", "standard library")
 

@@ -29,17 +29,14 @@ SIM_LAYERS = {
     "simulation": ("core", "field", "effects", "motion", "scene", "grasp"),
     "mujoco": ("core", "field", "effects", "motion", "scene", "grasp", "simulation"),
 }
-# The floors of tools, from the ground up. The command table is the one file that names what stands above it.
+# The floors of tools, from the ground up.
 FLOORS = ("base", "program", "studies")
-COMMAND_TABLE = "tools/program/cli/command_table.cc"
 BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
 
 
 def allowed_in_tools(path):
     """Project folders that a file of tools may include from."""
     floor = path.parts[1]
-    if path.as_posix() == COMMAND_TABLE:
-        return (*BENCH, "tools/")
     below = tuple(f"tools/{name}/" for name in FLOORS[:FLOORS.index(floor) + 1])
     return (("sim/core/",) if floor == "base" else BENCH) + below
 

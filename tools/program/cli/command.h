@@ -36,7 +36,14 @@ class Command {
 // Commands in the order that the help shows them in.
 using Commands = std::vector<std::unique_ptr<Command>>;
 
-// All that slipbench has. Compiled into the program, not into the library (command_table.cc).
+template <class... Kinds>
+Commands make_commands() {
+  Commands commands;
+  (commands.push_back(std::make_unique<Kinds>()), ...);
+  return commands;
+}
+
+// All that slipbench has.
 Commands command_table();
 
 // What the user asked for: a text, the version or a command.

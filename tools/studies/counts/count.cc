@@ -59,14 +59,15 @@ std::string last_words(const std::filesystem::path& file) {
   return last.empty() ? "and said nothing" : last;
 }
 
-std::string this_program() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
+// The program beside the studies.
+std::string slipbench_program() { return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "slipbench").string(); }
 
 SceneCount count_scene(const std::string& valgrind, std::string_view scene, const Catalogues& catalogues) {
   const std::string path = std::filesystem::absolute(project_file(std::string(scene))).string();
   const ScratchFolder folder;
   const int status = run_child(
       {valgrind, "-q", "--vgdb=no", "--tool=callgrind", "--callgrind-out-file=profile", "--toggle-collect=slipbench::run_trial(*",
-       this_program(), "run", path, "--trial", "0", "--jobs", "1", "--quiet"},
+       slipbench_program(), "run", path, "--trial", "0", "--jobs", "1", "--quiet"},
       folder.path(), child_environment());
   if (status != 0) {
     throw InputError(

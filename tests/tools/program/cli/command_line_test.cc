@@ -1,5 +1,6 @@
 #include <cstdint>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,8 @@ using ::testing::HasSubstr;
 
 Request parse(const std::vector<std::string>& words) {
   static Commands commands;  // what comes back points to one of them
-  commands = command_table();
+  const bool study = !words.empty() && (words.front() == "reproduce" || words.front() == "bench");
+  commands = study ? make_commands<ReproduceCommand, counts::BenchCommand>() : command_table();
   return parse_command_line(commands, words);
 }
 
@@ -239,6 +241,19 @@ TEST(CommandLine, HelpIsTextToPrint) {
   EXPECT_THAT(parse({}).help, HasSubstr("Usage: slipbench"));
   EXPECT_THAT(parse({"--help"}).help, HasSubstr("describe"));
   EXPECT_TRUE(parse({"--version"}).version);
+}
+
+// The program knows of the studies what its help shows, and hands on what it is given.
+TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
+  const std::string help = parse({}).help;
+  std::istringstream lines(parse_command_line(make_commands<ReproduceCommand, counts::BenchCommand>(), {}).help);
+  int found = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("  reproduce ") && !line.starts_with("  bench ")) continue;
+    ++found;
+    EXPECT_THAT(help, HasSubstr(line + '\n'));
+  }
+  EXPECT_EQ(found, 2) << help;
 }
 
 TEST(CommandLine, EveryCommandExplainsItself) {

@@ -1,0 +1,34 @@
+#include "tools/program/cli/command_elsewhere.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/program/cli/arguments.h"
+
+namespace slipbench {
+
+void CommandElsewhere::declare(Arguments& arguments) {
+  arguments.about(name_, summary_, "\n");
+  arguments.pass_on(words_);
+}
+
+int CommandElsewhere::run() {
+  const std::string program = (std::filesystem::read_symlink("/proc/self/exe").parent_path() / program_).string();
+  std::vector<std::string> words{program, name_};
+  if (json) words.emplace_back("--json");
+  words.insert(words.end(), words_.begin(), words_.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  execv(program.c_str(), pointers.data());
+  throw InputError(fmt::format("{}: cannot start {}: {}; build it: cmake --build BUILD_FOLDER --target {}", name_, program,
+                               std::strerror(errno), program_));
+}
+
+}  // namespace slipbench

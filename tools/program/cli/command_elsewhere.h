@@ -1,0 +1,28 @@
+// A command of another program, which stands in the same folder as this one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/program/cli/command.h"
+
+namespace slipbench {
+
+// Appears in the help as every command does, and hands all its words, --help among them, to the other program. So the program that everybody
+// builds first is built without the studies.
+class CommandElsewhere final : public Command {
+ public:
+  // `program`: the name of its file.
+  CommandElsewhere(std::string name, std::string summary, std::string program)
+      : name_(std::move(name)), summary_(std::move(summary)), program_(std::move(program)) {}
+
+  void declare(Arguments& arguments) override;
+  // Does not return but where the other program is missing: InputError with the command that builds it.
+  int run() override;
+
+ private:
+  std::string name_, summary_, program_;
+  std::vector<std::string> words_;  // those after the command's name
+};
+
+}  // namespace slipbench
