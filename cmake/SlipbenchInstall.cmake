@@ -29,7 +29,7 @@ function(slipbench_install)
     install(DIRECTORY ${MuJoCo_ROOT_DIR}/include DESTINATION ${mujoco_dir})
     install(TARGETS slipbench_plugin LIBRARY DESTINATION ${SLIPBENCH_PLUGIN_DIR})
   endif()
-
+  install(TARGETS slipbench_cores LIBRARY DESTINATION ${SLIPBENCH_PLUGIN_DIR})
   if(SLIPBENCH_WITH_TORCH)
     install(TARGETS slipbench_torch LIBRARY DESTINATION ${SLIPBENCH_PLUGIN_DIR})
   endif()

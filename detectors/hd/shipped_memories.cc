@@ -4,13 +4,13 @@
 #include <system_error>
 
 #include "sim/core/error.h"
+#include "sim/core/own_library.h"
 
 namespace slipbench::hd {
 
 std::string shipped_memories(const std::string& name) {
   namespace fs = std::filesystem;
-  const fs::path bin = fs::read_symlink("/proc/self/exe").parent_path();
-  const fs::path folder = (bin / SLIPBENCH_HD_MEMORIES / name).lexically_normal();
+  const fs::path folder = fs::path(own_path(SLIPBENCH_HD_MEMORIES)) / name;
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     throw InputError("the program's own memories " + quote(name) + " are not at " + folder.string() +

@@ -4,11 +4,11 @@
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/own_library.h"
 #include "tools/program/cli/arguments.h"
 
 namespace slipbench {
@@ -19,7 +19,7 @@ void CommandElsewhere::declare(Arguments& arguments) {
 }
 
 int CommandElsewhere::run() {
-  const std::string program = (std::filesystem::read_symlink("/proc/self/exe").parent_path() / program_).string();
+  const std::string program = own_path(program_);
   std::vector<std::string> words{program, name_};
   if (json) words.emplace_back("--json");
   words.insert(words.end(), words_.begin(), words_.end());

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "sim/core/own_library.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/doctor/doctor.h"
 
@@ -27,12 +28,11 @@ Any MuJoCo program of the right version can load the library; scenes/mujoco/READ
 int PluginPathCommand::run() {
   namespace fs = std::filesystem;
   std::error_code error;
-  const fs::path wanted = fs::read_symlink("/proc/self/exe").parent_path() / SLIPBENCH_PLUGIN;
+  const std::string wanted = own_path(SLIPBENCH_PLUGIN);
   const fs::path path = fs::canonical(wanted, error);
   if (error) {
     throw InputError(fmt::format(
-        "there is no MuJoCo plugin {}: this slipbench was built without MuJoCo; `slipbench doctor` says how to get it",
-        wanted.lexically_normal().string()));
+        "there is no MuJoCo plugin {}: this slipbench was built without MuJoCo; `slipbench doctor` says how to get it", wanted));
   }
   if (json) {
     fmt::print("{}\n", nlohmann::json{{"plugin", path.string()}}.dump());

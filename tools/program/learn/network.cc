@@ -1,36 +1,15 @@
 #include "tools/program/learn/network.h"
 
 #include <filesystem>
-#include <mutex>
 
-#include <dlfcn.h>
-
-#include <fmt/format.h>
-
-#include "sim/core/error.h"
+#include "sim/core/own_library.h"
 #include "tools/program/learn/torch_library.h"
 
 namespace slipbench::learn {
 namespace {
 
-// Beside the program, in the build as in a prefix.
-std::filesystem::path library_path() {
-  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / SLIPBENCH_TORCH).lexically_normal();
-}
-
-// Loaded once and never unloaded: libtorch does not survive that.
-MakeNetwork* load() {
-  const std::filesystem::path path = library_path();
-  void* const handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (handle == nullptr) {
-    throw InputError(fmt::format(
-        "there is no library of networks {}: this slipbench was built without libtorch, or cannot load it; allowed: build it with the package libtorch-dev, which tools/setup/setup.sh test installs",
-        path.string()));
-  }
-  void* const symbol = ::dlsym(handle, make_symbol);
-  if (symbol == nullptr) throw InputError(fmt::format("{} has no symbol {}", path.string(), make_symbol));
-  return reinterpret_cast<MakeNetwork*>(symbol);  // as POSIX has it
-}
+constexpr const char* remedy =
+    "allowed: a slipbench built with the package libtorch-dev, which tools/setup/setup.sh test installs";
 
 }  // namespace
 
@@ -48,15 +27,10 @@ std::size_t parameter_count(const NetworkShape& shape) {
 }
 
 std::unique_ptr<Network> make_network(const NetworkShape& shape, std::uint64_t seed) {
-  static std::mutex mutex;
-  static MakeNetwork* make = nullptr;
-  {
-    const std::lock_guard lock(mutex);
-    if (make == nullptr) make = load();
-  }
+  static MakeNetwork* const make = reinterpret_cast<MakeNetwork*>(own_symbol(SLIPBENCH_TORCH, make_symbol, remedy));
   return std::unique_ptr<Network>(make(shape, seed));
 }
 
-bool networks_available() { return std::filesystem::exists(library_path()); }
+bool networks_available() { return std::filesystem::exists(own_path(SLIPBENCH_TORCH)); }
 
 }  // namespace slipbench::learn

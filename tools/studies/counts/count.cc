@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/own_library.h"
 #include "sim/scene/parser.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/descriptive.h"
@@ -60,7 +61,7 @@ std::string last_words(const std::filesystem::path& file) {
 }
 
 // The program beside the studies.
-std::string slipbench_program() { return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "slipbench").string(); }
+std::string slipbench_program() { return own_path("slipbench"); }
 
 SceneCount count_scene(const std::string& valgrind, std::string_view scene, const Catalogues& catalogues) {
   const std::string path = std::filesystem::absolute(project_file(std::string(scene))).string();

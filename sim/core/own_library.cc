@@ -1,0 +1,24 @@
+#include "sim/core/own_library.h"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+
+#include "sim/core/error.h"
+
+namespace slipbench {
+
+std::string own_path(const std::string& path) {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / path).lexically_normal().string();
+}
+
+void* own_symbol(const std::string& path, const std::string& symbol, const std::string& remedy) {
+  const std::string file = own_path(path);
+  void* const handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr) throw InputError("cannot load " + file + ": " + ::dlerror() + "; " + remedy);
+  void* const address = ::dlsym(handle, symbol.c_str());
+  if (address == nullptr) throw InputError(file + " has no symbol " + symbol + "; " + remedy);
+  return address;
+}
+
+}  // namespace slipbench

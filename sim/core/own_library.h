@@ -1,0 +1,16 @@
+// What stands beside the program, in the build as in a prefix; among it libraries that are loaded when they are needed, because they take long
+// to load or long to build.
+#pragma once
+
+#include <string>
+
+namespace slipbench {
+
+// Where `path`, relative to the program's folder, leads.
+std::string own_path(const std::string& path);
+
+// The address of `symbol` in the library at own_path(path), which stays loaded. Throws InputError with the loader's reason and `remedy`,
+// "allowed: ...".
+void* own_symbol(const std::string& path, const std::string& symbol, const std::string& remedy);
+
+}  // namespace slipbench
