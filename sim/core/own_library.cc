@@ -15,7 +15,7 @@ std::string own_path(const std::string& path) {
 void* own_symbol(const std::string& path, const std::string& symbol, const std::string& remedy) {
   const std::string file = own_path(path);
   void* const handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (handle == nullptr) throw InputError("cannot load " + file + ": " + ::dlerror() + "; " + remedy);
+  if (handle == nullptr) throw InputError(std::string("cannot load a library: ") + ::dlerror() + "; " + remedy);
   void* const address = ::dlsym(handle, symbol.c_str());
   if (address == nullptr) throw InputError(file + " has no symbol " + symbol + "; " + remedy);
   return address;
