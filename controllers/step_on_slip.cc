@@ -75,7 +75,7 @@ ControllerKind step_on_slip() {
            choice_spec(
                "overflow", "refuse", {"refuse", "hold", "wrap"},
                "One count beyond 255: refuse: the run ends with an error; hold: the position stays; wrap: the byte wraps to 0 and the fingers open.",
-               "published: wrap; refused here, because nobody wants it unasked"),
+               "published: wrap; refused here, because it would come unasked"),
            choice_spec(
                "idle", "measured_position", {"measured_position", "last_command"},
                "Command while nothing asks for a tighter grip. measured_position: an old position, which cancels a count still in transit; last_command: prevents this.",

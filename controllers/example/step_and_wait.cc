@@ -11,7 +11,7 @@ struct StepAndWait {
   int position = -1;  // commanded last; before the first update: none
 };
 
-// What all pillars press with [N]: z of each force.
+// Sum of the normal forces [N]: z of each force.
 double grip(const StepAndWait& self, const float* forces) {
   double sum = 0.0;
   for (size_t i = 0; i < self.pillars; ++i) sum += forces[3 * i + 2];

@@ -109,7 +109,7 @@ class DescriptionReader {
     return *value;
   }
 
-  // To be called when everything is read: refuses keys that nobody asked for.
+  // To be called when everything is read: refuses keys that were not asked for.
   void finish() const {
     for (const auto& [key, entry] : entries_) {
       if (!asked_.contains(key))

@@ -9,7 +9,7 @@
 // 1021 and start FFFF over all between mark and CRC, high byte first, so that over frame and CRC it is 0.
 //
 // Every request is answered once and in order; of errors that occur while a reply is under way, the last
-// is answered. After an error nobody knows where the next frame begins: what comes is dropped, without a
+// is answered. After an error it is unknown where the next frame begins: what comes is dropped, without a
 // reply, until the line has paused for more than two bytes. The rest of a broken frame is therefore no
 // request, and a host's next one has to follow a pause. A host that waits for each reply always leaves
 // one; a host that does not leaves one before it goes on, and sends again what was dropped. In a pause

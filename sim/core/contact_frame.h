@@ -61,7 +61,7 @@ struct ContactFrame {
   Eigen::ArrayX3d
       element_shear;  // [E,3] m, deformed tip minus undeformed tip along the surface, in P: without what it is pressed in
   // m, in the world: where the stage that carries the pad stands, as the bench's own position sensor would say. NaN where bodies move by
-  // forces, and on articulated pads: nobody measures there.
+  // forces, and on articulated pads: nothing is measured there.
   Eigen::Array3d stage_position = Eigen::Array3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 

@@ -1,11 +1,13 @@
 // Parameters: one declaration serves the scene parser, the error messages and `slipbench describe`.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 

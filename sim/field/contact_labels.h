@@ -27,7 +27,7 @@ class ContactLabels {
   void settle(std::span<const Field> fields, double dt);
 
   [[nodiscard]] const ContactFrame& frame() const { return frame_; }
-  // After update(), on a stage: where it stands in the world [m], and how hard its vibration presses each unit [N].
+  // After update(), on a stage: where it stands in the world [m], and the normal force of its vibration on each unit [N].
   void ride(const Eigen::Array3d& stage_position, double shaking) {
     frame_.stage_position = stage_position;
     if (shaking != 0.0) frame_.force.row(2) += shaking;

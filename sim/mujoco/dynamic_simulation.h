@@ -53,7 +53,7 @@ struct DynamicSimulationOptions {
 // watch.h.
 class DynamicSimulation final : public Simulation {
  public:
-  // As StageSimulation's, but for pads after the last of `output_rates`: they touch and push, and nobody reads them but a follower. Throws SceneValueError where the scene, its model and the step do not suit each other.
+  // As StageSimulation's, but for pads after the last of `output_rates`: they touch and push, and a follower alone reads them. Throws SceneValueError where the scene, its model and the step do not suit each other.
   DynamicSimulation(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
                     std::uint64_t trial, const DynamicSimulationOptions& options = {});
   ~DynamicSimulation() override;
@@ -75,7 +75,7 @@ class DynamicSimulation final : public Simulation {
   [[nodiscard]] bool at_tick() const;
 
   // The sum of the normal forces on a pad at its latest tick [N]. `carrying`: counted among the pads that press, in the scene's
-  // order, those that nobody reads included.
+  // order, unread ones included.
   [[nodiscard]] double normal_force(std::size_t carrying) const;
   // The same of MuJoCo's own contacts between two bodies of the model; 0 where they do not touch.
   [[nodiscard]] double contact_normal_force(const std::string& body, const std::string& other) const;

@@ -108,7 +108,7 @@ struct GraspSimulation::State {
     int qpos, dof;
     std::size_t pad;     // as DynamicSimulation counts them
     double impact;       // N, of its pad when it comes at the fastest speed
-    double most = 0.0;   // N, that its spring has had
+    double most = 0.0;   // N, that its spring has reached
     Pose at_rest;        // of the carriage in the arm, fully closed
     BodyState carriage;  // now
   };
@@ -251,7 +251,7 @@ void GraspSimulation::State::observe(double time) {
     const double allowed = 2.0 * finger.most + finger.impact;
     if (truth.pad_force[k] > allowed) {
       throw InputError(fmt::format(
-          "the run has gone wrong at {:.6g} s: the {} presses with {:.4g} N, and the finger's spring has had {:.4g} N at most; allowed: {:.4g} N",
+          "the run has gone wrong at {:.6g} s: the {}'s normal force is {:.4g} N, and the finger's spring has reached {:.4g} N at most; allowed: {:.4g} N",
           time, k == 0 ? "sensor's pad" : "second pad", truth.pad_force[k], finger.most, allowed));
     }
   }

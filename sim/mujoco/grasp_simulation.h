@@ -28,7 +28,7 @@ namespace slipbench {
 // controller commands (motion guided) has never risen for good: the box may turn on the table, and be put down.
 //
 // Besides the rules of watch.h a run is ended when a pad presses harder than the fingers can make it: beyond twice the largest force that a
-// finger's spring has had, as a mass that falls onto a spring, and what stops a finger that closes at the fastest speed, v sqrt(k m).
+// finger's spring has reached, as a mass that falls onto a spring, and what stops a finger that closes at the fastest speed, v sqrt(k m).
 class GraspSimulation final : public Simulation, public HeldBox {
  public:
   // `scene.grasp` must be there; the rest as DynamicSimulation's. The first sensor's pad is on the finger that feels; the others follow it, or

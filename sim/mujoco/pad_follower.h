@@ -15,7 +15,7 @@
 namespace slipbench {
 
 // Elements of its own meet the surfaces that the followed pad meets, with that pad's friction and effects installed for these elements, along
-// the very history of relative poses that the followed pad has. What they are pressed with acts on nobody: the followed pad alone carries,
+// the very history of relative poses that the followed pad has. Their normal force acts on no body: the followed pad alone carries,
 // so that with or without followers every body moves alike, to the bit.
 //
 // Its ticks are its own, at whole multiples of its step from 0 on, whatever the simulation's step is: that step is its sampling time, or the

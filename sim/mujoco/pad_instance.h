@@ -78,7 +78,7 @@ class PadInstance {
   void draw(const mjModel* model, mjData* data, mjvScene* scene);
 
   // The contact as committed last: at the time of the state before the step. Events are those of that step. Kept for pads that a
-  // sensor of the model refers to; for others only after watch(), to be called before the first step, since nobody could read it.
+  // sensor of the model refers to; for others only after watch(), to be called before the first step, since it could not be read.
   [[nodiscard]] const ContactFrame& truth() const { return labels_.frame(); }
   void watch() { watched_ = true; }
   // Leaves the fields' state out of plugin_state from here on, which a large pad spends a quarter of its time on. For the only user of an mjData,

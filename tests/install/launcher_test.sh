@@ -43,7 +43,7 @@ stand_in id 'echo 0'
 stand_in apt-get "echo \"\$@\" >>'$work/apt'; exit 1"
 launch run scene.yaml
 [[ $status == 2 ]] || fail "a failed installation ends with 2"
-grep -q 'installing Debian packages: g++' "$work/stderr" || fail "set-up says what it installs"
+grep -q '^slipbench: installing Debian packages: g++ .*cmake' "$work/stderr" || fail "set-up says what it installs"
 [[ $(<"$work/apt") == *update* ]] || fail "apt-get is called"
 
 # All installed: the program is built quietly and run in the caller's folder with the caller's words.
@@ -63,7 +63,16 @@ launch list
 [[ $status == 7 ]] || fail "a second call runs"
 [[ $(grep -vc build "$work/tree/calls") == 1 && $(grep -c build "$work/tree/calls") == 2 ]] || fail "configured once, built twice"
 
-# A build that fails shows its output on stderr.
+# A change of the presets, or a package that came by another way, is configured for.
+touch -d '+1 minute' "$work/tree/CMakePresets.json"
+launch list
+[[ $(grep -vc build "$work/tree/calls") == 2 ]] || fail "changed presets are configured"
+rm "$work/tree/CMakePresets.json"
+
+# A build that fails shows its output on stderr, a line without its end too.
+stand_in cmake 'printf "a first "; sleep 2; echo part; printf "no end"; exit 1'
+launch list
+grep -q '^a first part$' "$work/stderr" && grep -q '^no end$' "$work/stderr" || fail "no part of a line is lost"
 stand_in cmake 'echo "error: no such thing"; exit 1'
 launch run scene.yaml
 [[ $status == 2 ]] || fail "a failed build ends with 2"
@@ -84,6 +93,9 @@ launch list
 grep -q 'step 4 of 4: build build/release: .* s, \[1/9\] Building' "$work/stderr" || fail "a step in a log says what is being done"
 [[ $(grep -c 'step 4 of 4' "$work/stderr") -ge 3 ]] || fail "a step of seven seconds is told of at its begin, after five seconds and at its end"
 grep -q 'step 4 of 4: build build/release: done in [78] s' "$work/stderr" || fail "a step's end is told"
+
+SLIPBENCH_PRESET=debug launch test --all
+[[ $status == 2 ]] || fail "--all is of one preset"
 
 # The suite of the build, and what --all adds to it, go to ctest with the other words and its exit status.
 stand_in cmake true

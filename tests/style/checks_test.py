@@ -60,8 +60,25 @@ class ChecksTest(unittest.TestCase):
     def test_sensor_includes_simulation(self):
         self.assert_found("include_rule", "sensors/pad/d.h", '#include "sim/field/field.h"\n', "sim/core/")
 
-    def test_detector_includes_truth(self):
+    def test_detector_includes_simulation(self):
         self.assert_found("include_rule", "detectors/d.h", '#include "sim/field/field.h"\n', "sim/core/")
+
+    def test_include_that_goes_round_the_rule(self):
+        for line, found in (('#include <sim/core/contact_frame.h>', "in quotes"),
+                            ('#include "detectors/../sim/core/contact_frame.h"', "from the project root"),
+                            ('#include HEADER', "cannot be read"), ('/* */ #include "sim/field/field.h"', "cannot be read"),
+                            ('#include /* */ "sim/field/field.h"', "cannot be read"), ('# \\', "cannot be read")):
+            with self.subTest(line):
+                self.assert_found("include_rule", "detectors/d.h", line + "\n", found)
+                self.plant("detectors/d.h", "\n")
+
+    def test_source_of_another_ending(self):
+        self.assert_found("include_rule", "detectors/d.hpp", "\n", ".h or .cc")
+
+    def test_no_layer_and_no_floor(self):
+        self.assert_found("include_rule", "sim/other/d.h", "#include <vector>\n", "layer of sim")
+        self.plant("sim/other/d.h", "\n")
+        self.assert_found("include_rule", "tools/other/d.h", "#include <vector>\n", "floor of tools")
 
     def test_detector_includes_truth(self):
         self.assert_found("include_rule", "detectors/d.h", '#include "sim/core/contact_frame.h"\n', "truth")
@@ -144,6 +161,18 @@ class ChecksTest(unittest.TestCase):
 
     def test_command_that_no_test_runs(self):
         self.assert_found("readmes", "sim/core/README.md", "```sh\n./slipbench list\n```\n\n    ./slipbench doctor\n", "doctor")
+
+    def test_block_of_commands_that_is_not_run(self):
+        for text, found in (("```bash\n./slipbench list\n```\n", "```sh"), ("```sh\ncmake --preset gone\n```\n", "begins with"),
+                            ("- a\n  ```sh\n  ./slipbench list\n  ```\n", "line's begin")):
+            with self.subTest(text):
+                self.assert_found("readmes", "sim/core/README.md", text, found)
+                self.plant("sim/core/README.md", "# sim/core\n")
+
+    def test_link_of_another_form(self):
+        self.assert_found("readmes", "sim/core/README.md", '[t](gone.md "title")\n', "gone.md leads nowhere")
+        self.plant("sim/core/README.md", "# sim/core\n")
+        self.assert_found("readmes", "sim/core/README.md", '<img src="gone.png">\n', "[text](where)")
 
     def test_commands_of_a_text(self):
         sys.path.insert(0, str(ROOT / "tools/lint"))

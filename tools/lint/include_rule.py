@@ -6,15 +6,18 @@
 - rtl: what detectors may include, and detectors, whose golden models it runs in lockstep with.
 - the rest of sim: itself and the layers below it (SIM_LAYERS). MuJoCo's headers: sim/mujoco and its tests (tests/stability too) only.
 - tools/base: the bench, sim/core aside nothing but base itself. tools/program: all of the bench, base and program.
-- tools/studies: the same and studies. The command table (COMMAND_TABLE) alone names the studies from below.
+- tools/studies: the same and studies.
 - tests: everything.
+
+A header of the project is given in quotes, by its path from the root; sources end in .h and .cc.
 """
 
 import re
 
 from tree import lines_of, main, project_files
 
-INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
+INCLUDE = re.compile(r'#include (["<])([^">]+)[">]')
+ANY_INCLUDE = re.compile(r"^\s*(?:/\*.*\*/\s*)?#\s*(?:include|\\$)")
 STANDARD = re.compile(r"[a-z_0-9]+")
 TRUTH = ("sim/core/contact_frame.h", "sim/core/sensor.h")
 TOP_FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools", "tests")
@@ -35,16 +38,20 @@ BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
 
 
 def allowed_in_tools(path):
-    """Project folders that a file of tools may include from."""
+    """The same of a file of tools."""
     floor = path.parts[1]
+    if floor not in FLOORS:
+        return None
     below = tuple(f"tools/{name}/" for name in FLOORS[:FLOORS.index(floor) + 1])
     return (("sim/core/",) if floor == "base" else BENCH) + below
 
 
 def allowed_folders(path):
-    """Project folders that a file may include from."""
+    """Project folders that a file may include from; None where it stands on no floor and in no layer."""
     top = path.parts[0]
     if top == "sim":
+        if path.parts[1] not in SIM_LAYERS:
+            return None
         return tuple(f"sim/{layer}/" for layer in (path.parts[1], *SIM_LAYERS[path.parts[1]]))
     if top == "sensors":
         return ("sim/core/", f"sensors/{path.parts[1]}/", "sensors/electronics/")
@@ -60,14 +67,19 @@ def allowed_folders(path):
 def fault_of(path, quoted, header):
     """What is wrong with a file's include of a header, or None."""
     folder = path.parent.as_posix()
+    allowed = allowed_folders(path)
+    if allowed is None:
+        return f'{folder} is no layer of sim ({", ".join(SIM_LAYERS)}) and no floor of tools ({", ".join(FLOORS)})'
     if quoted:
-        if not header.startswith(tuple(f"{top}/" for top in TOP_FOLDERS)):
+        if ".." in header.split("/") or not header.startswith(tuple(f"{top}/" for top in TOP_FOLDERS)):
             return f'"{header}" is not given from the project root'
-        if not header.startswith(allowed_folders(path)):
-            return f'{folder} may include {", ".join(allowed_folders(path))} only, not "{header}"'
+        if not header.startswith(allowed):
+            return f'{folder} may include {", ".join(allowed)} only, not "{header}"'
         if path.parts[0] in ("detectors", "controllers", "rtl") and header in TRUTH:
             return f'{folder} must not see the truth, found "{header}"'
         return None
+    if header.split("/")[0] in TOP_FOLDERS:
+        return f"<{header}> is of the project; allowed: in quotes"
     if header.startswith("mujoco/") and folder not in ("sim/mujoco", "tests/sim/mujoco", "tests/stability"):
         return f"only sim/mujoco may include <{header}>"
     if folder == "sim/core":
@@ -79,11 +91,17 @@ def fault_of(path, quoted, header):
 
 def check(root):
     for path in project_files(root):
-        if path.suffix not in (".h", ".cc") or path.parts[0] not in TOP_FOLDERS:
+        if path.parts[0] not in TOP_FOLDERS:
+            continue
+        if path.suffix in (".hpp", ".hh", ".hxx", ".inc", ".ipp", ".cpp", ".cxx", ".c"):
+            yield f"{path}: a source ends in .h or .cc"
+        if path.suffix not in (".h", ".cc"):
             continue
         for number, line in lines_of(root, path):
+            if not ANY_INCLUDE.match(line):
+                continue
             include = INCLUDE.match(line)
-            fault = include and fault_of(path, include[1] == '"', include[2])
+            fault = fault_of(path, include[1] == '"', include[2]) if include else "an include that cannot be read"
             if fault:
                 yield f"{path}:{number}: {fault}"
 

@@ -5,8 +5,8 @@
   `*` and `{a,b}` mean what they mean in a shell, a name in capitals (SCENE.yaml) stands for any;
 - a function (`name()`), a member (`Class::name`) or a name of several words (`TwoWords`, `two_words`) in backticks is a word of the sources.
 
-A block of commands is one of ```sh; `commands()` collects what of it starts with one of PROGRAMS, and tests/style runs it.
-The block ```sh no-run is not run. A block whose first line names a file, as ```yaml first.yaml, is what that file holds.
+A block of commands is one of ```sh; `commands()` collects its lines, which start with one of PROGRAMS, and tests/style runs them.
+The block ```sh no-run is not run. A fence stands at the line's begin. A block whose first line names a file, as ```yaml first.yaml, is what that file holds.
 """
 
 import fnmatch
@@ -17,11 +17,14 @@ from pathlib import Path
 from tree import main, project_files
 
 SOURCES = (".h", ".cc", ".py", ".sh", ".cmake", ".txt", ".js", ".css", ".sv", ".yaml")
-CODE = (".h", ".cc", ".py", ".js", ".yaml", ".sv")
+CODE = (".h", ".cc", ".py", ".js", ".yaml", ".sv", ".sh", ".cmake")
 HISTORY = "CHANGELOG.md"  # names what was there at its time
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 CODE_SPAN = re.compile(r"`([^`]+)`")
-LINK = re.compile(r"\]\(([^)\s]+)\)")
+LINK = re.compile(r"\]\(([^)\s]+)(?: \"[^\"]*\")?\)")
+OTHER_LINK = re.compile(r"^ *\[[^\]]+\]: |<(?:img|a) ", re.MULTILINE)
+INDENTED_FENCE = re.compile(r"^ +```", re.MULTILINE)
+SHELLS = ("bash", "console", "shell", "zsh")
 PATH = re.compile(r"[\w.*{},-]+(/[\w.*{},-]+)*/?")
 FUNCTION = re.compile(r"(?:\w+(?:::|\.|->))*~?(\w+)\(\)")
 MEMBER = re.compile(r"(?:\w+::)+(\w+)")
@@ -58,14 +61,19 @@ def blocks(text):
     return [(words.split(), content) for words, content in FENCE.findall(text)]
 
 
+def lines_of_commands(content):
+    """The commands of a block, without comments, each on one line."""
+    joined = re.sub(r"\s*\\\n\s*", " ", content)
+    return [line for line in (re.sub(r"(?:^|\s+)#\s.*", "", line).strip() for line in joined.splitlines()) if line]
+
+
 def commands(text):
     """The steps that a reader takes, in order: ("file", name, content), or ("run", command) with its comment cut off."""
     for words, content in blocks(text):
         if len(words) == 2 and words[0] != "sh":
             yield "file", words[1], content
         elif words in ([], ["sh"]):
-            for line in re.sub(r"\s*\\\n\s*", " ", content).splitlines():
-                command = re.sub(r"\s+#\s.*", "", line).strip()
+            for command in lines_of_commands(content):
                 if command.startswith(PROGRAMS):
                     yield "run", command
 
@@ -141,6 +149,16 @@ def check_text(root, tree, path, text):
     for name in re.finditer(rf"(?<![\w/.(])(?:{tree.top})/[\w./-]*\w", LINK.sub(lambda link: " " * len(link[0]), plain)):
         if not tree.holds(name[0], path.parent):
             yield f"{place(name)}: {name[0]} is not in the tree"
+    for other in OTHER_LINK.finditer(plain):
+        yield f"{place(other)}: allowed for a link: [text](where)"
+    if INDENTED_FENCE.search(text):
+        yield f"{path}: a fence stands at the line's begin"
+    for words, content in blocks(text):
+        if words and words[0] in SHELLS:
+            yield f"{path}: a block of commands is ```sh or ```sh no-run, found ```{words[0]}"
+        for line in lines_of_commands(content) if words == ["sh"] else ():
+            if not line.startswith(PROGRAMS):
+                yield f"{path}: a command that is run begins with one of {', '.join(PROGRAMS)}; found '{line}'; allowed: ```sh no-run"
     for command in UNCHECKED.finditer(text):
         yield f"{path}: a command for a reader begins with ./slipbench and stands in a block ```sh: {command[0].strip()}"
 

@@ -28,23 +28,31 @@ next_step() {
   say "step $step of $steps: $1"
 }
 
-# run_step WHAT LOG COMMAND...: runs a command, with its output in LOG and its last line in the progress. Exits with 2 and the end of the log
-# when it fails.
+# run_step WHAT LOG COMMAND...: runs a command, with its output in LOG and its last line in the progress. What our own scripts say in it
+# ("slipbench: ...") is shown whole. Exits with 2 and the end of the log when it fails.
 run_step() {
-  local what=$1 log=$2 started=$SECONDS shown=-1 status=1 line last="" fd
+  local what=$1 log=$2 started=$SECONDS shown=-1 status=1 line rest="" last="" fd
   shift 2
   ((++step))
   : >"$log"
   exec {fd}< <(status=0; "$@" </dev/null 2>&1 || status=$?; printf '\n\036%d\n' "$status")
   while :; do
     if IFS= read -r -t 1 -u "$fd" line; then
+      line=$rest$line
+      rest=""
       if [[ $line == $'\036'* ]]; then
         status=${line:1}
         break
       fi
       printf '%s\n' "$line" >>"$log"
       [[ -z $line ]] || last=$line
-    elif (($? <= 128)); then
+      if [[ $line == 'slipbench: '* ]]; then
+        [[ ! -t 2 ]] || printf '\r\033[K' >&2
+        printf '%s\n' "$line" >&2
+      fi
+    elif (($? > 128)); then
+      rest+=$line  # a part of a line, of a command that has not come to its end yet
+    else
       break
     fi
     local lasts=$((SECONDS - started))

@@ -2,6 +2,7 @@
 # Installs what the project needs: setup.sh SET..., where a SET is `build`, `test` or `all` (Debian packages of packages.txt), `python` or
 # `test-python` (PyPI packages of requirements.txt and requirements-test.txt, into the virtual environment build/venv). Does nothing where all is
 # there; touches build/installed where it installed something, so that the launcher configures anew.
+# setup.sh rights SET...: installs nothing; where Debian packages are missing, lets sudo ask for its password, or says what root is to run.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -22,24 +23,34 @@ missing_of() {
       END { n = split(wanted, names, " "); for (i = 1; i <= n; ++i) if (!(names[i] in have)) printf "%s ", names[i] }'
 }
 
-# install_debian SET
-install_debian() {
-  if ! command -v dpkg-query >/dev/null; then
-    say "no dpkg here: set-up knows Debian 12. See tools/setup/packages.txt for what to install, then build with cmake --preset release."
+check_debian() {
+  command -v dpkg-query >/dev/null && return
+  say "no dpkg here: set-up knows Debian 12. See tools/setup/packages.txt for what to install, then build with cmake --preset release."
+  exit 2
+}
+
+# check_rights PACKAGES: whether they could be installed. sudo asks now for a password that it needs.
+check_rights() {
+  [[ -n $1 && $(id -u) != 0 ]] || return 0
+  if ! command -v sudo >/dev/null || ! { sudo -n true || : >/dev/tty; } 2>/dev/null; then
+    say "Debian packages are missing, and neither root nor sudo is at hand. Run this as root, then try again:"
+    printf '  apt-get update && apt-get install --yes --no-install-recommends %s\n' "$1" >&2
     exit 2
   fi
+  sudo -n true 2>/dev/null && return
+  say "sudo is to install Debian packages: $1"
+  sudo -v || exit 2
+}
+
+# install_debian SET
+install_debian() {
+  check_debian
   local missing
   missing=$(missing_of "$1")
   [[ -n $missing ]] || return 0
+  check_rights "$missing"
   local -a as_root=() words
-  if [[ $(id -u) != 0 ]]; then
-    if ! command -v sudo >/dev/null || ! { sudo -n true || : >/dev/tty; } 2>/dev/null; then
-      say "Debian packages are missing, and neither root nor sudo is at hand. Run this as root, then try again:"
-      printf '  apt-get update && apt-get install --yes --no-install-recommends %s\n' "$missing" >&2
-      exit 2
-    fi
-    as_root=(sudo)
-  fi
+  [[ $(id -u) == 0 ]] || as_root=(sudo)
   say "installing Debian packages: $missing"
   read -ra words <<<"$missing"
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q update
@@ -63,6 +74,15 @@ install_python() {
   printf '%s\n' "$hash" >"$(stamp_of "$1")"
   touch "$root/build/installed"
 }
+
+if [[ ${1:-} == rights ]]; then
+  shift
+  check_debian
+  missing=""
+  for set in "$@"; do missing+=$(missing_of "$set"); done
+  check_rights "$missing"
+  exit 0
+fi
 
 mkdir -p "$root/build"
 for set in "$@"; do

@@ -39,6 +39,8 @@ std::string refusal_of(const std::string& attributes) { return refusal_of_model(
 constexpr const char* a_row = "[x, y, z, k_n, k_t], or [x, y, z, k_n, k_t, ax, ay, az] with the element's axis";
 
 TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
+  std::vector<std::string> sensor_names;
+  for (const Entry& sensor : pad_catalogues().sensors) sensor_names.push_back(sensor.name);
   const auto refuses = [](const std::string& attributes, const std::string& what) {
     EXPECT_THAT(refusal_of(attributes), EndsWith("slipbench: plugin 'left'" + what)) << attributes;
   };
@@ -52,9 +54,8 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
   refuses(site + plate, ": the pad is given by one of the attributes sensor and elements; found: neither");
   refuses(site + plate + one + config("sensor", "{type: papillarray}"),
           ": the pad is given by one of the attributes sensor and elements; found: both");
-  refuses(
-      site + plate + config("sensor", "{type: papilarray}"),
-      " sensor='{type: papilarray}': unknown sensor 'papilarray'; did you mean 'papillarray'? allowed: biotac_sp, myrmex, nib_pad, papillarray, piezo_skin");
+  refuses(site + plate + config("sensor", "{type: papilarray}"),
+          " sensor='{type: papilarray}': unknown sensor 'papilarray'" + allowed_names("papilarray", sensor_names));
   refuses(site + plate + config("sensor", "{type: papillarray, rate: 333}"),
           ": sensors.left.rate: 333 Hz is not a rate of the PapillArray; allowed: 100 Hz, 250 Hz, 500 Hz, 1000 Hz");
   refuses(site + plate + config("sensor", "{type: papillarray}") + config("units", "[9]"),

@@ -155,7 +155,7 @@ TEST(Watch, StepBeyondTheLimitIsFoundOut) {
   EXPECT_THAT(outcome(scene, two_fingers("integrator='implicitfast'"), let), HasSubstr("the run has gone wrong at "));
   let.limits.energy_share = 1e300;
   EXPECT_THAT(outcome(scene, two_fingers("integrator='implicitfast'"), let), HasSubstr("body 'box' has"))
-      << "where nobody looks at the pads, the box is seen to be thrown out";
+      << "where the pads are not watched, the box is seen to be thrown out";
 }
 
 // The same body in MuJoCo's own contact: it begins 9 mm deep in the table, and the contact throws it out.

@@ -101,7 +101,7 @@ void check_own_name(const std::string& path, std::size_t k) {
   if (found.kind == Found::Kind::nothing || found.kind == Found::Kind::empty) return;
   const std::string subject = k == 0 ? "it" : fmt::format("{}, the dataset's file {},", name, k);
   constexpr const char* allowed = "a new name, or a dataset to replace";
-  // The user has named the first file, and so may give up one that nobody can read.
+  // The user has named the first file, and so may give up one that cannot be read.
   const bool damaged = found.kind == Found::Kind::damaged;
   if (found.kind == Found::Kind::other || (damaged && k > 0)) refuse(path, subject + " exists and is no dataset", allowed);
   if (!damaged && found.shard != k) {

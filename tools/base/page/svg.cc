@@ -11,7 +11,7 @@ namespace slipbench::page {
 
 namespace {
 
-// A length or place [px] without digits that nobody sees.
+// A length or place [px] without invisible digits.
 std::string px(double value) { return fmt::format("{:.10g}", std::round(10.0 * value) / 10.0); }
 
 std::string text_at(std::string_view kind, std::string_view place, std::string_view text) {

@@ -196,6 +196,9 @@ InputError Arguments::unexpected(const std::string& word) const {
   for (const CLI::Option* option : std::as_const(*app_).get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
+  if (names.empty())
+    return InputError(
+        fmt::format("unknown option '{}' before '{}'; the options of a command stand behind its name", word, name_));
   const std::string name = word.substr(0, word.find('='));
   return InputError(
       fmt::format("{}unknown option '{}'{} options: {}", prefix, name, suggestion(name, names), fmt::join(names, ", ")));
@@ -236,6 +239,7 @@ Request parse_command_line(const Commands& commands, const std::vector<std::stri
   app.add_flag("--version", request.version, "Print the version");
   Arguments program(app, nullptr, "", request.json);
   for (const auto& command : commands) program.command(*command);
+  app.require_subcommand(0, 1);  // what follows a command is its own, a command's name too
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
   refuse_unknown_command(words, names);

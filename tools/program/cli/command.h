@@ -36,6 +36,7 @@ class Command {
 // Commands in the order that the help shows them in.
 using Commands = std::vector<std::unique_ptr<Command>>;
 
+// One command of each kind, in this order.
 template <class... Kinds>
 Commands make_commands() {
   Commands commands;

@@ -27,7 +27,7 @@ int CommandElsewhere::run() {
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   execv(program.c_str(), pointers.data());
-  throw InputError(fmt::format("{}: cannot start {}: {}; build it: cmake --build BUILD_FOLDER --target {}", name_, program,
+  throw InputError(fmt::format("{}: cannot start {}: {}; it belongs beside slipbench, and its CMake target is {}", name_, program,
                                std::strerror(errno), program_));
 }
 

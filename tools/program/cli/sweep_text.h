@@ -1,4 +1,4 @@
-// What a person reads after a run: when each unit slipped, how much of the time was spent in each class, and how fast it went.
+// What a person reads after a run: when each unit slipped, the share of time in each class, and how fast it went.
 #pragma once
 
 #include <string>

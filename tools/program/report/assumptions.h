@@ -1,4 +1,4 @@
-// What a grasp was computed with, and which of it nobody has measured.
+// What a grasp was computed with, and which of it is not measured.
 #pragma once
 
 #include <string>

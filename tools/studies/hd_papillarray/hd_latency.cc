@@ -39,7 +39,7 @@ double median_time(std::size_t passes, std::size_t items, Pass&& pass) {
   return median(std::move(times));
 }
 
-// Keeps the compiler from leaving out what nobody reads.
+// Keeps the compiler from leaving out what is not read.
 volatile std::uint64_t sink = 0;
 
 // Levels and displacements by chance: the time does not depend on them, and chance spares the caches nothing.

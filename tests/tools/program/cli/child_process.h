@@ -29,7 +29,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-// Runs `slipbench arguments...` with stdout and stderr in files: nobody watches. `out`: where stdout goes instead, e.g. /dev/full.
+// Runs `slipbench arguments...` with stdout and stderr in files: no terminal. `out`: where stdout goes instead, e.g. /dev/full.
 ChildResult run_program_file(const std::vector<std::string>& arguments, const std::string& out = "");
 
 // Runs `script` with sh in `folder`; the word slipbench there is the built program.

@@ -243,6 +243,15 @@ TEST(CommandLine, HelpIsTextToPrint) {
   EXPECT_TRUE(parse({"--version"}).version);
 }
 
+TEST(CommandLine, AnOptionBeforeAStudyIsRefused) {
+  try {
+    parse_command_line(command_table(), {"--quiet", "reproduce"});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "unknown option '--quiet' before 'reproduce'; the options of a command stand behind its name");
+  }
+}
+
 // The program knows of the studies what its help shows, and hands on what it is given.
 TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
   const std::string help = parse({}).help;
@@ -287,6 +296,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{
             {"--json", "lst"},
             "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+        Refusal{{"doctor", "list"}, "doctor: unexpected argument 'list'; see slipbench doctor --help"},
+        Refusal{{"list", "run", "sweep"}, "list: unexpected argument 'sweep'; see slipbench list --help"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
         Refusal{
             {"--json"},

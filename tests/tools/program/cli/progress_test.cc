@@ -127,7 +127,7 @@ TEST_F(ProgressTest, ClearRemovesAnUnfinishedBar) {
   EXPECT_THAT(written(), EndsWith("\r\033[K"));
 }
 
-// A sweep goes on where nobody can be told how far it is.
+// A sweep goes on where its progress cannot be told.
 TEST_F(ProgressTest, AStreamThatCannotBeWrittenEndsNothing) {
   std::FILE* full = std::fopen("/dev/full", "w");
   ASSERT_NE(full, nullptr);

@@ -36,7 +36,7 @@ const medianOf = values => values.length ? d3.median(values) : null;
 const known = (trials, value) => trials.map(value).filter(found => found !== null && found !== undefined);
 const ratioOf = ({grasp}) => grasp.ideal_force_N === null ? null : grasp.max_force_N / grasp.ideal_force_N;
 const gentle = 2;  // largest grip force over the ideal one
-// What a set of trials comes to: the share of those that are `good` (null: nobody knows), or the median of `one`.
+// What a set of trials comes to: the share of those that are `good` (null: unknown), or the median of `one`.
 const quantities = [
   {key: 'held', name: 'share held', unit: '%', good: ({grasp}) => !grasp.dropped},
   {
@@ -264,7 +264,7 @@ sb.graspParameters = () => {
   const origin = {scene: 'scene', sweep: 'differs by trial', protocol: 'protocol', default: 'default'};
   return el(
       'section', {}, el('h2', {}, 'What the grasp was computed with'),
-      el('p.note', {}, assumed + ' of ' + rows.length + ' parameters are assumed: nobody has measured or published them.'),
+      el('p.note', {}, assumed + ' of ' + rows.length + ' parameters are assumed: neither measured nor published.'),
       el('details.parameters', {}, el('summary', {}, 'All parameters'),
          el('div.scroll', {},
             el('table', {},
