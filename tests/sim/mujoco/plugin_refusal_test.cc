@@ -1,6 +1,7 @@
 // What the plugin refuses, as a C++ host reads it: a model's mistakes in the text of the loader, a run's in mju_error.
 #include <gmock/gmock.h>
 
+#include "sim/core/error.h"
 #include "tests/sim/mujoco/plugin_rig.h"
 
 #ifdef __SANITIZE_ADDRESS__
