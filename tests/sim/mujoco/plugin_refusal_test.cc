@@ -1,4 +1,6 @@
 // What the plugin refuses, as a C++ host reads it: a model's mistakes in the text of the loader, a run's in mju_error.
+#include <algorithm>
+
 #include <gmock/gmock.h>
 
 #include "sim/core/error.h"
@@ -42,6 +44,7 @@ constexpr const char* a_row = "[x, y, z, k_n, k_t], or [x, y, z, k_n, k_t, ax, a
 TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
   std::vector<std::string> sensor_names;
   for (const Entry& sensor : pad_catalogues().sensors) sensor_names.push_back(sensor.name);
+  std::ranges::sort(sensor_names);
   const auto refuses = [](const std::string& attributes, const std::string& what) {
     EXPECT_THAT(refusal_of(attributes), EndsWith("slipbench: plugin 'left'" + what)) << attributes;
   };
