@@ -72,6 +72,9 @@ class ChecksTest(unittest.TestCase):
                 self.assert_found("include_rule", "detectors/d.h", line + "\n", found)
                 self.plant("detectors/d.h", "\n")
 
+    def test_source_that_is_included(self):
+        self.assert_found("include_rule", "sim/core/d.cc", '#include "sim/core/e.cc"\n', "no header")
+
     def test_source_of_another_ending(self):
         self.assert_found("include_rule", "detectors/d.hpp", "\n", ".h or .cc")
 

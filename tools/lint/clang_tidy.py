@@ -1,8 +1,9 @@
 """Runs clang-tidy over the product's sources: clang_tidy.py ROOT BUILD, where BUILD holds compile_commands.json: ROOT/build/lint, which is
 configured first, or any other that has one.
 
-A source is looked at again only when its preprocessed text, its flags or .clang-tidy changed; what was clean is remembered in
-BUILD/clang-tidy. Tests are left out: the includes of GoogleTest alone cost more than all the rest.
+A compilation is looked at again only when its preprocessed text, its flags or .clang-tidy changed; what was clean is remembered in
+BUILD/clang-tidy. Several sources make one, as in the unity build: clang-tidy's time goes into the headers that they share. Tests are left
+out: the includes of GoogleTest alone cost more than all the rest.
 """
 
 import hashlib
@@ -17,15 +18,19 @@ from pathlib import Path
 PROGRAM = "clang-tidy-14"
 FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools")
 # MuJoCo indexes with int throughout and hands out a plugin's data as an integer.
-EXCEPTIONS = {"sim/mujoco": "-bugprone-implicit-widening-of-multiplication-result,-performance-no-int-to-ptr"}
+EXCEPTIONS = {"sim/mujoco": ",-bugprone-implicit-widening-of-multiplication-result,-performance-no-int-to-ptr"}
+UNITY = "-bugprone-suspicious-include"  # what a unity source does; include_rule.py finds it elsewhere
 
 
 def commands(root, build):
-    """(source, directory, compile command) of the product's own sources."""
+    """(source, its folder, directory, compile command) of the product's own compilations."""
     for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
         source = Path(entry["directory"], entry["file"]).resolve()
-        if source.is_relative_to(root) and source.relative_to(root).parts[0] in FOLDERS:
-            yield source, entry["directory"], shlex.split(entry["command"])
+        unity = source.is_relative_to(build) and source.parent.name == "Unity"
+        above = build if unity else root
+        if source.is_relative_to(above) and source.relative_to(above).parts[0] in FOLDERS and "/rtl_models.dir/" not in str(source):
+            folder = source.relative_to(above).as_posix().split("/CMakeFiles/")[0] if unity else source.relative_to(above).parent.as_posix()
+            yield source, folder, entry["directory"], shlex.split(entry["command"])
 
 
 def fingerprint(root, directory, command):
@@ -36,14 +41,14 @@ def fingerprint(root, directory, command):
     return hashlib.sha256(text + shlex.join(command).encode() + (root / ".clang-tidy").read_bytes()).hexdigest()
 
 
-def tidy(root, build, source, directory, command):
+def tidy(root, build, source, folder, directory, command):
     """What clang-tidy says of a source; nothing when it is clean."""
     clean = build / "clang-tidy" / fingerprint(root, directory, command)
     if clean.exists():
         return ""
     result = subprocess.run(
         [PROGRAM, "--quiet", f"--config-file={root / '.clang-tidy'}", f"--header-filter=^{root}/({'|'.join(FOLDERS)})/",
-         f"--checks={EXCEPTIONS.get(source.parent.relative_to(root).as_posix(), '')}", "--extra-arg=-Wno-unknown-warning-option",
+         f"--checks={UNITY}{EXCEPTIONS.get(folder, '')}", "--extra-arg=-Wno-unknown-warning-option",
          "-p", build, source],
         capture_output=True, text=True, check=False)
     if result.returncode == 0 and not result.stdout.strip():

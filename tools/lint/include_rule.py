@@ -71,6 +71,8 @@ def fault_of(path, quoted, header):
     if allowed is None:
         return f'{folder} is no layer of sim ({", ".join(SIM_LAYERS)}) and no floor of tools ({", ".join(FLOORS)})'
     if quoted:
+        if not header.endswith(".h"):
+            return f'"{header}" is no header'
         if ".." in header.split("/") or not header.startswith(tuple(f"{top}/" for top in TOP_FOLDERS)):
             return f'"{header}" is not given from the project root'
         if not header.startswith(allowed):
