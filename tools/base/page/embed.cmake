@@ -17,6 +17,8 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
         -P ${SLIPBENCH_EMBED_SCRIPT}
       DEPENDS ${files} ${SLIPBENCH_EMBED_SCRIPT}
       COMMENT "Embedding the files of ${ARG_HEADER}" VERBATIM)
+    # The preset `lint` builds nothing, so its unity sources must not need what is generated.
+    set_source_files_properties(${output} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     set(${variable} ${output} PARENT_SCOPE)
   endfunction()
   return()
