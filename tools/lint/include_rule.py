@@ -38,7 +38,7 @@ BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
 
 
 def allowed_in_tools(path):
-    """The same of a file of tools."""
+    """The same for a file of tools."""
     floor = path.parts[1]
     if floor not in FLOORS:
         return None

@@ -1,3 +1,6 @@
+#include <memory>
+#include <utility>
+
 #include "tools/program/cli/catalogue_commands.h"
 #include "tools/program/cli/check_command.h"
 #include "tools/program/cli/command.h"

@@ -11,6 +11,7 @@
 #include "tools/program/cli/catalogue_commands.h"
 #include "tools/program/cli/check_command.h"
 #include "tools/program/cli/command.h"
+#include "tools/program/cli/command_elsewhere.h"
 #include "tools/program/cli/dataset_commands.h"
 #include "tools/program/cli/hd_commands.h"
 #include "tools/program/cli/simulation_commands.h"
@@ -249,6 +250,17 @@ TEST(CommandLine, AnOptionBeforeAStudyIsRefused) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(), "unknown option '--quiet' before 'reproduce'; the options of a command stand behind its name");
+  }
+}
+
+TEST(CommandLine, AStudyWithoutItsProgramSaysWhatIsMissing) {
+  CommandElsewhere gone("study", "Study", "slipbench-gone");
+  try {
+    gone.run();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::StartsWith("study: cannot start "));
+    EXPECT_THAT(error.what(), HasSubstr("slipbench-gone: No such file or directory; it belongs beside slipbench"));
   }
 }
 
