@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <functional>
 #include <set>
 
 #include <fcntl.h>
@@ -96,7 +97,7 @@ Handle create_group(hid_t parent, const std::string& path) {
   return {H5Gcreate2(parent, path.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
 }
 
-// The group of the demos keeps its list in its header, which is allocated whole, so that adding a demo rewrites one block.
+// The group of the demos keeps its list in its header, which is allocated whole: one block, as CrashSafeFile needs it.
 Handle create_demo_list(hid_t file, std::size_t planned) {
   constexpr unsigned name_length = 9;  // demo_9999
   const auto entries = static_cast<unsigned>(std::clamp<std::size_t>(planned, 32, most_trials_per_file));
@@ -144,6 +145,21 @@ void write_array(hid_t demo, const EncodedArray& array) {
   dataset.close();
 }
 
+// HDF5 puts texts into heaps, and goes on with one that has room left for as long as it holds it in memory. While `insert` makes an object
+// it has no room in memory and must let go of all that is there, so that what follows does not rewrite the heap of a demo.
+void forget_heaps(hid_t file, const std::function<void()>& insert) {
+  H5AC_cache_config_t usual{};
+  usual.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  check(H5Fget_mdc_config(file, &usual));
+  H5AC_cache_config_t least = usual;
+  least.set_initial_size = true;
+  least.initial_size = least.min_size = least.max_size = 1024;
+  check(H5Fset_mdc_config(file, &least));
+  insert();
+  usual.set_initial_size = true;
+  check(H5Fset_mdc_config(file, &usual));
+}
+
 // Names of the trials that are both in `part` and in `held`, as robomimic writes them: fixed-length strings.
 void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& part, const std::vector<std::size_t>& held) {
   std::vector<std::size_t> members;
@@ -167,7 +183,8 @@ void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& p
 }
 
 void write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>& held) {
-  Handle group = create_group(file, "mask");
+  Handle group;
+  forget_heaps(file, [&] { group = create_group(file, "mask"); });
   write_attribute(group.get(), "split_by", masks.split_by);
   write_attribute(group.get(), "rule",
                   masks.split_by == "material"
@@ -179,23 +196,31 @@ void write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>&
   group.close();
 }
 
-// File format 1.8: readable by every HDF5 of the last fifteen years, and without the "open for writing" mark of later ones, which
-// would lock a killed run's file. The metadata cache is large enough that nothing of a demo reaches the disk before its flush.
-Handle create_file(const std::string& path) {
-  Handle access = property_list(H5P_FILE_ACCESS);
-  check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
-  check(H5Pset_file_locking(access.get(), false, true));
-  check(H5Pset_meta_block_size(access.get(), 1 << 16));
-  H5AC_cache_config_t cache{};
-  cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
-  check(H5Pget_mdc_config(access.get(), &cache));
-  cache.set_initial_size = true;
-  cache.initial_size = cache.max_size;
-  cache.min_clean_fraction = 0.01;
-  check(H5Pset_mdc_config(access.get(), &cache));
-  // No other creation property: any would add an object that carries the time of day.
-  Handle creation = group_properties(H5P_FILE_CREATE);
-  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), &H5Fclose};
+// The root's header takes in one block what the constructor of Shard gives it, as CrashSafeFile needs it. No other creation property: any
+// would add an object that carries the time of day.
+Handle file_properties() {
+  constexpr unsigned entries = 16;
+  constexpr unsigned name_length = 32;
+  Handle properties = group_properties(H5P_FILE_CREATE);
+  check(H5Pset_est_link_info(properties.get(), entries, name_length));
+  return properties;
+}
+
+void write_demo(hid_t file, hid_t list, const EncodedTrial& trial) {
+  const Handle properties = group_properties(H5P_GROUP_CREATE);
+  Handle demo;
+  forget_heaps(file, [&] {
+    demo = Handle(H5Gcreate2(list, demo_name(trial.trial).c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose);
+  });
+  for (const std::string& group : groups_of(trial)) create_group(demo.get(), group).close();
+  for (const EncodedArray& array : trial.arrays) write_array(demo.get(), array);
+  for (const EncodedAttribute& attribute : trial.attributes) {
+    const std::string path = attribute.path.empty() ? "." : attribute.path;
+    Handle group(H5Gopen2(demo.get(), path.c_str(), H5P_DEFAULT), &H5Gclose);
+    std::visit([&](const auto& value) { write_attribute(group.get(), attribute.name, value); }, attribute.value);
+    group.close();
+  }
+  demo.close();
 }
 
 }  // namespace
@@ -225,86 +250,72 @@ Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t ind
     : path_(std::move(temporary)), descriptor_(lock_file(path_)) {
   hdf5::initialise();
   try {
-    file_ = create_file(path_);
-    const hid_t root = file_.get();
-    write_attribute(root, "schema", static_cast<std::uint64_t>(dataset_schema));
-    write_attribute(root, "version", header.version);
-    write_attribute(root, "scene", header.scene);
-    write_attribute(root, "overrides", header.overrides);
-    write_attribute(root, "seed", header.seed);
-    write_attribute(root, "command", header.command);
-    write_attribute(root, "shard", static_cast<std::uint64_t>(index));
-    create_demo_list(root, planned).close();
-    flush();
-  } catch (const std::runtime_error& error) {
+    write([&] {
+      file_ = hdf5::CrashSafeFile(descriptor_.get(), file_properties().get());
+      const hid_t root = file_.get();
+      write_attribute(root, "schema", static_cast<std::uint64_t>(dataset_schema));
+      write_attribute(root, "version", header.version);
+      write_attribute(root, "scene", header.scene);
+      write_attribute(root, "overrides", header.overrides);
+      write_attribute(root, "seed", header.seed);
+      write_attribute(root, "command", header.command);
+      write_attribute(root, "shard", static_cast<std::uint64_t>(index));
+      list_ = create_demo_list(root, planned);
+      file_.begin(list_.get(), "data");
+    });
+  } catch (const InputError&) {
+    list_.abandon();
     file_.abandon();
     ::unlink(path_.c_str());
-    fail(path_, error.what());
+    throw;
   }
 }
 
 Shard::~Shard() {
-  if (failed_) file_.abandon();
+  if (!failed_) return;
+  list_.abandon();
+  file_.abandon();
 }
 
-void Shard::append(const EncodedTrial& trial) {
+template <class Action>
+void Shard::write(const Action& action) {
   try {
-    write_demo(trial);
+    action();
   } catch (const std::runtime_error& error) {
     failed_ = true;
     fail(path_, error.what());
   }
+}
+
+void Shard::append(const EncodedTrial& trial) {
+  write([&] { write_demo(file_.get(), list_.get(), trial); });
   trials_.push_back(trial.trial);
   digests_.push_back(trial.digest);
 }
 
-// The demo is written and flushed before it gets its name, so that a run killed in between leaves a file that does not refer to
-// it.
-void Shard::write_demo(const EncodedTrial& trial) {
-  const Handle properties = group_properties(H5P_GROUP_CREATE);
-  Handle demo(H5Gcreate_anon(file_.get(), properties.get(), H5P_DEFAULT), &H5Gclose);
-  for (const std::string& group : groups_of(trial)) create_group(demo.get(), group).close();
-  for (const EncodedArray& array : trial.arrays) write_array(demo.get(), array);
-  for (const EncodedAttribute& attribute : trial.attributes) {
-    const std::string path = attribute.path.empty() ? "." : attribute.path;
-    Handle group(H5Gopen2(demo.get(), path.c_str(), H5P_DEFAULT), &H5Gclose);
-    std::visit([&](const auto& value) { write_attribute(group.get(), attribute.name, value); }, attribute.value);
-    group.close();
-  }
-  flush();
-  check(H5Olink(demo.get(), file_.get(), ("data/" + demo_name(trial.trial)).c_str(), H5P_DEFAULT, H5P_DEFAULT));
-  demo.close();
-  flush();
+void Shard::publish() {
+  if (published_ == trials_.size()) return;
+  write([&] { file_.publish(); });
+  published_ = trials_.size();
 }
 
-// A flush writes the file's length before it extends the file; killed in between, it would leave a file that seems cut short.
-void Shard::flush() {
-  struct stat status {};
-  if (::fstat(descriptor_.get(), &status) != 0) throw std::runtime_error(std::strerror(errno));
-  const auto length = static_cast<off_t>(size_bytes());
-  if (length > status.st_size && ::ftruncate(descriptor_.get(), length) != 0) throw std::runtime_error(std::strerror(errno));
-  check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
-}
+std::uint64_t Shard::size_bytes() const { return file_.size_bytes(); }
 
-std::uint64_t Shard::size_bytes() const {
-  hsize_t bytes = 0;
-  check(H5Fget_filesize(file_.get(), &bytes));
-  return bytes;
-}
-
-void Shard::finish(const Masks& masks, std::size_t shards, bool complete) {
-  try {
+void Shard::prepare(const Masks& masks, std::size_t shards, bool complete) {
+  publish();
+  write([&] {
+    write_masks(file_.get(), masks, trials_);
     write_attribute(file_.get(), "content_sha256", content_digest(digests_));
     write_attribute(file_.get(), "shards", static_cast<std::uint64_t>(shards));
     write_attribute(file_.get(), "complete", static_cast<std::uint64_t>(complete));
-    write_masks(file_.get(), masks, trials_);
-    check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
-    file_.close();
-  } catch (const std::runtime_error& error) {
-    failed_ = true;
-    fail(path_, error.what());
-  }
-  if (::fsync(descriptor_.get()) != 0) fail(path_, std::strerror(errno));
+    list_.close();
+    file_.flush();
+  });
+  prepared_ = true;
+}
+
+void Shard::close() {
+  write([&] { file_.close(); });
 }
 
 std::uint64_t overhead_bytes(const EncodedTrial& trial) {

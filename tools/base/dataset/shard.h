@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "tools/base/dataset/crash_safe_file.h"
 #include "tools/base/dataset/encoder.h"
-#include "tools/base/dataset/hdf5_handle.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/mask.h"
 
@@ -34,7 +34,7 @@ class Descriptor {
 Descriptor lock_file(const std::string& path);
 
 // Writes one HDF5 file. Two locks of the process on one path cannot be had, so that two runs never mix. A file whose writing has
-// failed once is left as it was after the last trial that succeeded. Throws InputError with the system's reason.
+// failed once is left as it was when it was published last. Throws InputError with the system's reason.
 class Shard {
  public:
   // `planned`: demos that will come, if they all fit.
@@ -43,30 +43,40 @@ class Shard {
   Shard(Shard&&) noexcept = default;
   Shard& operator=(Shard&&) noexcept = default;
 
-  // Adds a demo. When it returns the demo is in the file for good; until then a killed run leaves the file without it: the demo
-  // is written in space that nothing refers to yet, and then listed by rewriting one block.
+  // Adds a demo. Until publish() a killed run leaves the file without it.
   void append(const EncodedTrial& trial);
+  // All demos so far are in the file for good, whatever happens to the process or to the machine's power. Costs two syncs of the disk.
+  void publish();
 
   // Numbers of the trials held.
   [[nodiscard]] const std::vector<std::size_t>& trials() const { return trials_; }
+  // How many of them are in the file for good.
+  [[nodiscard]] std::size_t published() const { return published_; }
   // Bytes of the file if it were closed now.
   [[nodiscard]] std::uint64_t size_bytes() const;
   // Whether a write has failed.
   [[nodiscard]] bool failed() const { return failed_; }
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  // Writes the attributes and masks of the whole, closes and syncs. `shards`: number of files of the dataset. `complete`: whether
-  // the run came to its end.
-  void finish(const Masks& masks, std::size_t shards, bool complete);
+  // Publishes, and writes the attributes and masks of the whole, which nobody sees before close(). `shards`: number of files of the
+  // dataset. `complete`: whether the run came to its end. Nothing can be appended any more.
+  void prepare(const Masks& masks, std::size_t shards, bool complete);
+  [[nodiscard]] bool prepared() const { return prepared_; }
+  // Shows what was prepared, which takes no further space, and closes and syncs the file.
+  void close();
 
  private:
-  void write_demo(const EncodedTrial& trial);
-  void flush();
+  // Runs `action`; what it throws is a failure of this file.
+  template <class Action>
+  void write(const Action& action);
 
   std::string path_;
-  Descriptor descriptor_;  // holds the lock, and is what fsync needs
-  hdf5::Handle file_;
+  Descriptor descriptor_;  // holds the lock, and is what is written through
+  hdf5::CrashSafeFile file_;
+  hdf5::Handle list_;  // the group of the demos
   std::vector<std::size_t> trials_;
+  std::size_t published_ = 0;
+  bool prepared_ = false;
   std::vector<Digest> digests_;
   bool failed_ = false;
 };

@@ -50,25 +50,46 @@ struct DatasetWriter::State {
   bool ended = false;
 
   void add_shard() {
+    if (!shards.empty()) shards.back().publish();
     if (shards.size() >= checked) check_names_are_free(path, shards.size());
     const std::size_t left = planned > trials.size() ? planned - trials.size() : 0;
     shards.emplace_back(temporary_path(shard_path(path, shards.size())), header, shards.size(), left);
   }
 
+  // Leaves of a run that did not come to its end what is safe.
+  void drop_unpublished() {
+    try {
+      if (!shards.back().failed()) shards.back().publish();
+    } catch (const InputError&) {
+      // A full disk; what was published before stays.
+    }
+    trials.resize(published());
+    while (!shards.empty() && shards.back().published() == 0) {
+      ::unlink(shards.back().path().c_str());
+      shards.pop_back();
+    }
+  }
+
+  [[nodiscard]] std::size_t published() const {
+    std::size_t count = 0;
+    for (const Shard& shard : shards) count += shard.published();
+    return count;
+  }
+
   // Finishes every file and gives it its name under `target`, the first file last: once it is there, all are.
   std::vector<std::string> finish_as(const std::string& target, bool complete) {
     const Masks masks = split_trials(trials, header.seed);
+    std::vector<Shard*> whole;
     for (Shard& shard : shards) {
-      if (complete) {
-        shard.finish(masks, shards.size(), complete);
-      } else if (!shard.failed()) {
-        try {
-          shard.finish(masks, shards.size(), complete);
-        } catch (const InputError&) {
-          continue;  // the trials are in the file already: a full disk only costs it the masks
-        }
+      if (shard.failed() || shard.prepared()) continue;  // its trials stay as they are, without a mask
+      try {
+        shard.prepare(masks, shards.size(), complete);
+        whole.push_back(&shard);
+      } catch (const InputError&) {
+        if (complete) throw;
       }
     }
+    for (Shard* shard : whole) shard->close();
     const std::vector<std::string> stale = complete ? later_files(target, shards.size()) : std::vector<std::string>();
     std::vector<std::string> names;
     for (std::size_t k = shards.size(); k-- > 0;) {
@@ -117,7 +138,11 @@ void DatasetWriter::append(const EncodedTrial& trial) {
   state_->trials.emplace_back(trial.trial, trial.material);
 }
 
+void DatasetWriter::publish() { state_->shards.back().publish(); }
+
 std::size_t DatasetWriter::size() const { return state_->trials.size(); }
+
+std::size_t DatasetWriter::published() const { return state_->published(); }
 
 std::vector<std::string> DatasetWriter::commit() {
   std::vector<std::string> names = state_->finish_as(state_->path, true);
@@ -128,10 +153,7 @@ std::vector<std::string> DatasetWriter::commit() {
 std::vector<std::string> DatasetWriter::keep_partial() {
   if (state_->ended) return {};
   state_->ended = true;
-  while (!state_->shards.empty() && state_->shards.back().trials().empty()) {
-    ::unlink(state_->shards.back().path().c_str());
-    state_->shards.pop_back();
-  }
+  state_->drop_unpublished();
   if (state_->shards.empty()) return {};
   return state_->finish_as(kept_path(state_->path), false);
 }

@@ -12,8 +12,7 @@
 namespace slipbench {
 
 // Writes the trials of a dataset to OUT.h5.partial (and OUT-0001.h5.partial, ... when a file would grow over the limit or get
-// more than most_trials_per_file). Each append is flushed, so that a killed run leaves the trials it finished. Only commit()
-// makes the final names appear. The bytes depend on the header and the trials alone. All functions throw InputError with the
+// more than most_trials_per_file). A killed run leaves the trials that were published. Only commit() makes the final names appear. The bytes depend on the header and the trials alone. All functions throw InputError with the
 // system's reason when the target cannot be written. The HDF5 library is not thread-safe: use all readers and writers of a
 // process from one thread.
 class DatasetWriter {
@@ -33,8 +32,13 @@ class DatasetWriter {
 
   // Adds a trial. Trials come in ascending order. Refuses to begin a further file where another stands in its way.
   void append(const EncodedTrial& trial);
-  // Trials safely in the file.
+  // All trials so far are safe: whatever happens to the process or to the machine's power, the files can be read and hold them. Costs two
+  // syncs of the disk; when it is called does not change a byte of the finished dataset.
+  void publish();
+  // Trials appended.
   [[nodiscard]] std::size_t size() const;
+  // Trials that are safe.
+  [[nodiscard]] std::size_t published() const;
 
   // Writes masks and digests, closes, syncs and renames to the final names, which it returns. What earlier runs that did not
   // come to their end have left of this target is removed, and so are the further files of the dataset that is replaced.

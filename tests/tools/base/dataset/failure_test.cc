@@ -156,6 +156,7 @@ TEST_F(FailureTest, WholeRunRemovesWhatEarlierOnesLeft) {
   in_child([&] {
     DatasetWriter writer(path("out.h5"), header, 8, 100'000);  // several files
     for (std::size_t k = 0; k < 8; ++k) writer.append(make_trial(k, rows));
+    writer.publish();
     ::raise(SIGKILL);
   });
   {
@@ -179,6 +180,8 @@ TEST_F(FailureTest, KilledRunLeavesItsTrials) {
   const int status = in_child([&] {
     DatasetWriter writer(path("out.h5"), header, 100);
     for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
+    writer.publish();
+    writer.append(make_trial(3, rows));
     ::raise(SIGKILL);
   });
   ASSERT_TRUE(WIFSIGNALED(status));
@@ -190,13 +193,14 @@ TEST_F(FailureTest, KilledRunOfSeveralFilesIsReadAsOne) {
   in_child([&] {
     DatasetWriter writer(path("out.h5"), header, 8, 100'000);
     for (std::size_t k = 0; k < 8; ++k) writer.append(make_trial(k, rows));
+    writer.publish();
     ::raise(SIGKILL);
   });
   EXPECT_GE(names().size(), 2U);
   expect_first_trials("out.h5.partial", 8);
 }
 
-// Killed at any time, also inside a write: every trial that append() had returned for is there, and at most one more.
+// Killed at any time, also inside a write: every trial that publish() had returned for is there, and at most one more.
 TEST_F(FailureTest, RunKilledAtAnyTimeLeavesItsTrials) {
   for (int attempt = 0; attempt < 20; ++attempt) {
     int channel[2];
@@ -206,6 +210,7 @@ TEST_F(FailureTest, RunKilledAtAnyTimeLeavesItsTrials) {
       DatasetWriter writer(path("out.h5"), header, 100);
       for (std::size_t k = 0;; ++k) {
         writer.append(make_trial(k, rows));
+        writer.publish();
         if (::write(channel[1], "x", 1) != 1) ::_exit(1);
       }
     }
@@ -298,7 +303,10 @@ TEST_F(FailureTest, FullDiskKeepsTheTrialsThatFitted) {
       std::string message;
       try {
         DatasetWriter writer(path("out.h5"), header, 100);
-        for (std::size_t k = 0; k < 100; ++k) writer.append(make_trial(k, rows));
+        for (std::size_t k = 0; k < 100; ++k) {
+          writer.append(make_trial(k, rows));
+          writer.publish();
+        }
       } catch (const InputError& error) {
         message = error.what();
       }
