@@ -1,6 +1,7 @@
 #include "tools/studies/grid.h"
 
 #include "tools/base/project/project_file.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 
@@ -13,7 +14,7 @@ std::string GridCell::command(std::uint64_t seed) const {
 }
 
 TrialRecord GridTrial::record() const {
-  TrialRecord record = run_trial(scene, number, Recording::full).record;
+  TrialRecord record = run_trial(scene, number, Recording::full, max_record_bytes, &InterruptGuard::flag()).record;
   record.params = params;
   return record;
 }

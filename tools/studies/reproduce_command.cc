@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -22,12 +21,6 @@ struct ReproduceOptions {
   std::vector<std::string> only;                // names of rows to keep; of an axis that none names, all
   std::string memories;                         // folder of the published classifier; empty: the source tree's
   std::function<void(const std::string&)> say;  // told what is being done; may be empty
-};
-
-// Thrown by a reproduction that SIGINT or SIGTERM ended early. Nothing of it is left.
-class Interrupted : public std::runtime_error {
- public:
-  Interrupted() : std::runtime_error("interrupted") {}
 };
 
 struct Reproduction {

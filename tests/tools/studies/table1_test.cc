@@ -7,6 +7,7 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/program/train/small_dataset.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {

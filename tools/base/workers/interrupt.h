@@ -1,18 +1,30 @@
-// Ctrl-C that lets what has begun come to an end.
+// Ctrl-C that ends what runs and keeps what is finished.
 #pragma once
 
 #include <atomic>
 #include <csignal>
+#include <stdexcept>
 #include <string_view>
 
 namespace slipbench {
 
-// While alive, the first SIGINT or SIGTERM sets the flag and says on stderr what happens next, `notice`, and the second ends the
+// Thrown by what an interrupt has ended early.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
+// Throws Interrupted once `interrupt` is true; it may be null.
+inline void end_if(const std::atomic<bool>* interrupt) {
+  if (interrupt != nullptr && interrupt->load(std::memory_order_relaxed)) throw Interrupted();
+}
+
+// While alive, the first SIGINT, SIGTERM or SIGHUP sets the flag and says on stderr what happens next, `notice`, and the second ends the
 // process as usual; a signal that was ignored before (a job that a script put in the background) stays ignored. A write beyond the process's
 // limit on file sizes fails instead of ending it. One at a time.
 class InterruptGuard {
  public:
-  explicit InterruptGuard(std::string_view notice = "finishing the running trials");
+  explicit InterruptGuard(std::string_view notice = "stopping");
   ~InterruptGuard();
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
@@ -22,6 +34,7 @@ class InterruptGuard {
  private:
   struct sigaction previous_int_ {};
   struct sigaction previous_term_ {};
+  struct sigaction previous_hang_up_ {};
   struct sigaction previous_file_size_ {};
 };
 

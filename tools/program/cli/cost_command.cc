@@ -99,7 +99,7 @@ int CostCommand::run() {
     cost::Exploration exploration;
     try {
       exploration = explored(*this);
-    } catch (const cost::Interrupted&) {
+    } catch (const Interrupted&) {
       say(stderr, "slipbench: interrupted; nothing is kept\n");
       return exit_interrupted;
     }

@@ -148,7 +148,7 @@ of draws of each cell (otherwise the scene's sweep.trials, or 1). Without -o the
 trial ended, a few kB a trial: enough for the report's maps and curves, not for training.
 
 FILE.h5 is written under a temporary name and renamed at the end; a file of that name is replaced. Above 1 GB it is split into
-FILE.h5, FILE-0001.h5, ... Ctrl-C: running trials finish, all finished ones are kept in FILE.partial.h5, the exit status is 130;
+FILE.h5, FILE-0001.h5, ... Ctrl-C: running trials end, all finished ones are kept in FILE.partial.h5, the exit status is 130;
 a second Ctrl-C stops at once.
 
 Examples:

@@ -14,6 +14,7 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "tools/base/statistics/descriptive.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/program/cost/closed_form.h"
 #include "tools/program/run/run_sweep.h"
 #include "tools/program/run/run_trial.h"
@@ -149,7 +150,7 @@ Scene Explorer::scene_of(const Setting& setting) const {
 
 TrialResult Explorer::timed_run(Job& job, Recording recording) const {
   const double begin = cpu_clock(), on_clock = since(start_);
-  TrialResult result = run_trial(job.scene, options_.trial, recording);
+  TrialResult result = run_trial(job.scene, options_.trial, recording, max_record_bytes, options_.interrupt);
   const double seconds = cpu_clock() - begin;
   if (recording == Recording::outcome) {
     job.seconds.push_back(seconds);
@@ -367,12 +368,14 @@ Exploration Explorer::run() {
   result_.trial = options_.trial;
   run_own();
   result_.seed = seed_;
-  if (interrupted()) throw Interrupted();
   run_reference();
-  if (interrupted()) throw Interrupted();
-  try_all();
-  price_all();
-  time_all();
+  end_if(options_.interrupt);
+  try {
+    try_all();
+    price_all();
+    time_all();
+  } catch (const Interrupted&) {  // in a run that then counts for nothing
+  }
   sum_up();
   mark_fronts(result_);
   result_.interrupted = interrupted();

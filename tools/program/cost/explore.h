@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -106,12 +105,6 @@ struct Exploration {
   [[nodiscard]] const Row& own() const { return rows.front(); }
   // CPU time [s] a second of the trial.
   [[nodiscard]] double cost(const Row& row) const { return row.cpu->median / simulated; }
-};
-
-// Thrown where an interrupt comes before there is anything to compare with.
-class Interrupted : public std::runtime_error {
- public:
-  Interrupted() : std::runtime_error("interrupted") {}
 };
 
 // Throws InputError for a scene that cannot be read or does not run as it is, and for a budget of less than budget_in_runs of its trials, and

@@ -13,6 +13,7 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/encoder.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/run/recorder.h"
@@ -90,13 +91,14 @@ struct WorkPlan {
   std::uint64_t seed = 0;
   Recording recording = Recording::full;
   double max_bytes = max_record_bytes;  // of a trial's record
+  const std::atomic<bool>* interrupt = nullptr;
 };
 
 FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
   TrialPlan::Trial trial = plan.trials.trial(index);
   trial.scene.seed = plan.seed;
   const auto start = std::chrono::steady_clock::now();
-  TrialResult result = run_trial(trial.scene, index, plan.recording, plan.max_bytes);
+  TrialResult result = run_trial(trial.scene, index, plan.recording, plan.max_bytes, plan.interrupt);
   const std::chrono::duration<double> computed = std::chrono::steady_clock::now() - start;
   result.record.params = params_json(trial.drawn);
   FinishedTrial finished{summary_of(result), trial.scene.duration, computed.count(), std::nullopt};
@@ -156,6 +158,8 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
 FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
   try {
     return run_one(plan, index, encoder);
+  } catch (const Interrupted&) {
+    throw;
   } catch (const SceneValueError& error) {
     throw InputError(fmt::format("trial {}: {}: {}", index, plan.trials.where(index, error.path()), error.what()));
   } catch (const InputError& error) {
@@ -267,7 +271,7 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   if (writer) static_cast<void>(content_digest({}));
 
   const auto run_all = [&] {
-    const WorkPlan work{plan, summary.seed, recording_of(options), workforce.max_bytes};
+    const WorkPlan work{plan, summary.seed, recording_of(options), workforce.max_bytes, options.interrupt};
     OrderedWorkers<FinishedTrial> workers(
         summary.planned, workforce.threads, [&] { return make_work(work, options); }, options.interrupt);
     while (std::optional<FinishedTrial> trial = workers.next()) {
@@ -280,7 +284,10 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   };
 
   try {
-    run_all();
+    try {
+      run_all();
+    } catch (const Interrupted&) {  // in the first of the trials that were running: those before it are in
+    }
     summary.interrupted = summary.trials.size() < summary.planned;
     if (writer) summary.files = summary.interrupted ? writer->keep_partial() : writer->commit();
   } catch (const std::exception& error) {

@@ -31,7 +31,7 @@ struct SweepOptions {
   std::string output;        // dataset; empty: nothing is written
   Recording recording = Recording::full;  // what the dataset holds of a trial: its outcome alone takes some kB
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
-  const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials finish and no other starts
+  const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials end and count for nothing
   std::function<void()> on_start;  // called once the scene is checked, before anything is written; may be empty
 };
 

@@ -11,6 +11,7 @@
 #include "sim/core/quantity.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tools/base/dataset/encoder.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/controller_catalogue.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
@@ -118,7 +119,8 @@ double check_trial(const Scene& scene, std::uint64_t trial) {
   return record_bytes(scene, sensors, *simulation, sampler);
 }
 
-TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes) {
+TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes,
+                      const std::atomic<bool>* interrupt) {
   const Sensors sensors = make_sensors(scene, trial);
   const std::unique_ptr<Simulation> simulation = make_simulation(scene, sensors, trial);
   const HeldBox* box = simulation->held_box();
@@ -130,6 +132,7 @@ TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recordi
   ControlLoop loop = make_loop(scene, sensors, *simulation, trial);
 
   while (!sampler.finished()) {
+    end_if(interrupt);
     simulation->step();
     const std::span<const Tick> ticks = sampler.measure();
     loop.update(ticks);

@@ -315,7 +315,7 @@ TEST(Program, ControlCKeepsWhatIsFinished) {
   const ChildResult result =
       run_program_interrupted({"sweep", stage, "--trials", "100000", "-o", dataset}, dataset + ".partial", SIGINT);
   EXPECT_EQ(result.status, 130);
-  EXPECT_THAT(result.err, StartsWith("slipbench: finishing the running trials; once more to stop at once\n"));
+  EXPECT_THAT(result.err, StartsWith("slipbench: stopping; once more to stop at once\n"));
   EXPECT_THAT(result.err, AllOf(HasSubstr("interrupted: "), HasSubstr(" of 100000 trials finished")));
   EXPECT_FALSE(std::filesystem::exists(dataset));
 }

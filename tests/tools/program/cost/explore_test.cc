@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench::cost {
@@ -102,6 +103,27 @@ TEST(CostExplore, AnInterruptBeforeTheReferenceLeavesNothing) {
   ExploreOptions options = quick(30.0);
   options.interrupt = &interrupt;
   EXPECT_THROW(explore(options, program_catalogues()), Interrupted);
+}
+
+// Were the run to end first, its time would be more than such a budget allows.
+TEST(CostExplore, AnInterruptEndsTheRunAtHand) {
+  std::atomic<bool> interrupt{false};
+  ExploreOptions options = quick(1e-6);
+  options.interrupt = &interrupt;
+  options.say = [&](const std::string&) { interrupt = true; };
+  EXPECT_THROW(explore(options, program_catalogues()), Interrupted);
+}
+
+TEST(CostExplore, ASettingThatAnInterruptEndsCountsForNothing) {
+  std::atomic<bool> interrupt{false};
+  ExploreOptions options = quick(30.0);
+  options.interrupt = &interrupt;
+  std::size_t said = 0;
+  options.say = [&](const std::string&) { interrupt = ++said == 3; };  // after the scene itself and the reference
+  const Exploration exploration = explore(options, program_catalogues());
+  EXPECT_TRUE(exploration.interrupted);
+  ASSERT_EQ(exploration.rows.size(), 1U);
+  EXPECT_TRUE(exploration.own().ok());
 }
 
 TEST(CostExplore, ASceneThatDoesNotRunIsAnErrorAndNoDiagram) {

@@ -1,5 +1,6 @@
 #include "tools/program/run/run_sweep.h"
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <thread>
@@ -273,6 +274,27 @@ TEST_F(SweepTest, InterruptKeepsWhatIsFinished) {
   EXPECT_FALSE(reader.complete());
   EXPECT_EQ(reader.trials().size(), summary.trials.size());
   EXPECT_EQ(reader.mask("train").size() + reader.mask("valid").size() + reader.mask("test").size(), summary.trials.size());
+}
+
+// The second trial would take a minute.
+TEST_F(SweepTest, InterruptEndsARunningTrial) {
+  std::atomic<bool> interrupt = false;
+  SweepOptions long_one = options("");
+  long_one.overrides = {{"sweep", "{duration: [0.3 s, 86400 s]}"}};
+  long_one.interrupt = &interrupt;
+  const SweepSummary summary = run(long_one, [&](const SweepProgress&) { interrupt = true; });
+  EXPECT_TRUE(summary.interrupted);
+  EXPECT_EQ(summary.trials.size(), 1U);
+  EXPECT_EQ(summary.planned, 2U);
+}
+
+TEST(InterruptGuard, TakesEverySignalThatAsksToEnd) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const InterruptGuard guard;
+    EXPECT_FALSE(InterruptGuard::flag());
+    std::raise(signal);
+    EXPECT_TRUE(InterruptGuard::flag()) << signal;
+  }
 }
 
 // A shell starts what a script puts in the background with SIGINT ignored.

@@ -82,8 +82,11 @@ function readout(recording) {
     fields.speed.textContent = sb.quantity(label('pad_speed', 1), 'm/s');
     fields.direction.textContent = sb.quantity(label('slip_direction'), 'rad');
     fields.angle.textContent = sb.quantity(label('slip_angle'), 'rad');
-    const centre = [label('slip_centre', 0), label('slip_centre', 1)].map(value => sb.fixed(value * 1e3, 1));
-    fields.centre.textContent = centre[0] === '–' ? '–' : centre.join(', ') + ' mm';
+    const centre = [label('slip_centre', 0), label('slip_centre', 1)];
+    // A pad of centimetres that turns about a point a metre off is dragged.
+    fields.centre.textContent = isNaN(centre[0])         ? '–' :
+        Math.hypot(...centre) > 1 ? 'none: translation' :
+                                    centre.map(value => sb.fixed(value * 1e3, 1)).join(', ') + ' mm';
     const sum = [0, 0, 0];
     for (let unit = 0; unit < recording.units; ++unit) {
       for (let c = 0; c < 3; ++c) sum[c] += recording.at('labels/force', unit, c, sample) || 0;
