@@ -210,7 +210,7 @@ CrashSafeFile::CrashSafeFile(int descriptor, hid_t creation) : disk_(std::make_u
 }
 
 void CrashSafeFile::begin(hid_t list, const char* name) {
-  check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
+  flush();
   std::uint64_t root_address = 0;
   const Handle root_group(H5Gopen2(file_.get(), "/", H5P_DEFAULT), &H5Gclose);
   std::vector<std::uint8_t> root = read_header(disk_->descriptor, root_group.get(), root_address);
@@ -233,11 +233,13 @@ void CrashSafeFile::begin(hid_t list, const char* name) {
     if (!write_whole(disk_->descriptor, root, view.root)) fail();
     address += root.size() + list_bytes_;
   }
+  flush();
   publish();
 }
 
+void CrashSafeFile::flush() { check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL)); }
+
 void CrashSafeFile::publish() {
-  check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
   shown_ = 1 - shown_;
   std::vector<std::uint8_t> list(list_bytes_);
   if (!read_whole(disk_->descriptor, list, list_address_)) fail();
@@ -247,12 +249,6 @@ void CrashSafeFile::publish() {
   put(&superblock[end_field], disk_->end, 8);
   put(&superblock[superblock_sum], checksum(std::span(superblock).first(superblock_sum)), 4);
   show(superblock);
-}
-
-void CrashSafeFile::flush() {
-  check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
-  lengthen();
-  sync();
 }
 
 void CrashSafeFile::close() {
@@ -266,10 +262,8 @@ void CrashSafeFile::close() {
 }
 
 void CrashSafeFile::show(const std::array<std::uint8_t, 48>& superblock) {
-  lengthen();
   sync();
-  if (!write_whole(disk_->descriptor, superblock, 0)) fail();
-  sync();
+  if (!write_whole(disk_->descriptor, superblock, 0) || ::fdatasync(disk_->descriptor) != 0) fail();
 }
 
 // A file that is shorter than its superblock says is refused by readers, a longer one is not.
@@ -281,6 +275,7 @@ void CrashSafeFile::lengthen() {
 }
 
 void CrashSafeFile::sync() {
+  lengthen();
   if (::fdatasync(disk_->descriptor) != 0) fail();
 }
 

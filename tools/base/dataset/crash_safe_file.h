@@ -14,7 +14,7 @@ namespace slipbench::hdf5 {
 // killed in between leaves a file that nothing reads. Here nothing that a reader can reach is ever rewritten but the superblock:
 //
 // - HDF5's own superblock stays in memory. The one on the disk leads to one of two copies of the root's and the list's object headers.
-// - publish() writes what is new, copies the list into the copy that is not shown, syncs, and shows it by writing the superblock: 48
+// - publish() copies the list into the copy that is not shown, syncs, and shows it by writing the superblock: 48
 //   bytes, in one sector. It syncs again, so that the copy shown before may be rewritten.
 // - close() does the same with HDF5's own superblock and headers, and clears both copies.
 //
@@ -32,11 +32,15 @@ class CrashSafeFile {
   // From here on the file is readable. `list`: a group, member of the root, whose header is one block for as long as the file grows. Until
   // close() the root itself gets nothing more, and what has been published is not changed.
   void begin(hid_t list, const char* name);
-  // All that has been written so far, and is a member of the list, can be read from now on whatever happens.
-  void publish();
-  // All of the file as HDF5 has it is on the disk, and not shown: the root may have got more members and attributes.
+  // Hands what has been written so far to the system, and does not show it. HDF5 then begins new blocks: where the next objects lie depends
+  // on when this is called.
   void flush();
-  // Shows that, which takes no further space, and closes the file. Call flush() before.
+  // What has been flushed, and is a member of the list, can be read from now on whatever happens. Where objects lie does not depend on when
+  // this is called.
+  void publish();
+  // What has been flushed is on the disk, without being shown.
+  void sync();
+  // Shows what has been flushed and synced, what the root has got since begin() too, which takes no further space, and closes the file.
   void close();
   // Gives up a file that cannot be written any more. As when it is destroyed without close(), what was published last stays.
   void abandon() {
@@ -64,7 +68,6 @@ class CrashSafeFile {
 
   void show(const std::array<std::uint8_t, 48>& superblock);
   void lengthen();
-  void sync();
 
   std::unique_ptr<Disk> disk_;
   Handle file_;

@@ -16,6 +16,7 @@
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/shard.h"
 
 namespace slipbench {
 namespace {
@@ -24,23 +25,26 @@ namespace {
 struct Found {
   enum class Kind {
     nothing,
-    empty,  // holds nothing to lose
+    empty,  // holds nothing to lose: no byte, or those of a dataset that was killed before it began
     dataset,
-    damaged,  // HDF5 that cannot be read, as a crash may leave it
+    damaged,  // HDF5 that cannot be read
     other,
   };
   Kind kind = Kind::nothing;
   std::uint64_t shard = 0;
   std::uint64_t shards = 0;  // 0: not noted
+  std::uint64_t trials = 0;
   bool complete = false;
   std::string dataset{};  // the same for all files of one
 };
 
-bool begins_as_hdf5(const std::string& path) {
-  constexpr std::array<char, 8> signature{'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
-  std::array<char, 8> found{};
+using Beginning = std::array<char, 8>;
+
+std::optional<Beginning> beginning_of(const std::string& path) {
+  Beginning found{};
   std::ifstream file(path, std::ios::binary);
-  return file.read(found.data(), found.size()) && found == signature;
+  if (!file.read(found.data(), found.size())) return std::nullopt;
+  return found;
 }
 
 // Runs in the child process, which HDF5 may end.
@@ -52,6 +56,7 @@ std::string found_text(const std::string& path) {
     return nlohmann::json{{"kind", Found::Kind::dataset},
                           {"shard", about->shard},
                           {"shards", about->shards.value_or(0)},
+                          {"trials", about->trials},
                           {"complete", about->complete},
                           {"dataset", fmt::format("{}\n{}\n{}", header.seed, header.command, header.scene)}}
         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -73,11 +78,14 @@ Found found_at(const std::string& path) {
   if (type_of(path) != std::filesystem::file_type::regular) return {Found::Kind::other};
   std::error_code error;
   if (std::filesystem::file_size(path, error) == 0) return {Found::Kind::empty};
-  if (!begins_as_hdf5(path)) return {Found::Kind::other};
+  constexpr Beginning hdf5{'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
+  const std::optional<Beginning> beginning = beginning_of(path);
+  if (beginning == Beginning{}) return {Found::Kind::empty};
+  if (beginning != hdf5) return {Found::Kind::other};
   try {
     const nlohmann::json json = nlohmann::json::parse(guarded(path, [&] { return found_text(path); }));
     return {json.at("kind").get<Found::Kind>(), json.value("shard", std::uint64_t{0}), json.value("shards", std::uint64_t{0}),
-            json.value("complete", false), json.value("dataset", "")};
+            json.value("trials", std::uint64_t{0}), json.value("complete", false), json.value("dataset", "")};
   } catch (const InputError&) {
     return {Found::Kind::damaged};
   }
@@ -85,8 +93,12 @@ Found found_at(const std::string& path) {
 
 // What a run that did not come to its end may have left.
 bool is_leftover(const Found& found) {
-  return found.kind == Found::Kind::empty || found.kind == Found::Kind::damaged ||
-         (found.kind == Found::Kind::dataset && !found.complete);
+  return found.kind == Found::Kind::empty || (found.kind == Found::Kind::dataset && !found.complete);
+}
+
+// Throws InputError when another run holds the file's lock.
+void check_unlocked(const std::string& path) {
+  if (type_of(path) == std::filesystem::file_type::regular) static_cast<void>(lock_file(path));
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what, const std::string& allowed) {
@@ -110,20 +122,27 @@ void check_own_name(const std::string& path, std::size_t k) {
 }
 
 // A name that the run takes without having been given it.
-void check_leftover_name(const std::string& path, const std::string& name, const char* use) {
+void check_leftover_name(const std::string& path, const std::string& name, const char* use, bool resumes) {
   check_target(name);
+  check_unlocked(name);
   const Found found = found_at(name);
-  if (found.kind == Found::Kind::nothing || is_leftover(found)) return;
-  refuse(path,
-         fmt::format("{}, {}, exists and {}", name, use,
-                     found.kind == Found::Kind::other ? "is no dataset" : "holds a complete dataset"),
-         fmt::format("a new name, or {} moved away", name));
+  if (found.kind == Found::Kind::nothing) return;
+  const std::string allowed = fmt::format("a new name, or {} moved away", name);
+  if (is_leftover(found)) {
+    if (resumes || found.trials == 0) return;
+    refuse(path, fmt::format("{} holds {} trial{} of a run that did not come to its end", name, found.trials, found.trials == 1 ? "" : "s"),
+           "--resume, which goes on with what is there, " + allowed);
+  }
+  const char* what = found.kind == Found::Kind::dataset  ? "holds a complete dataset"
+                     : found.kind == Found::Kind::damaged ? "cannot be read"
+                                                          : "is no dataset";
+  refuse(path, fmt::format("{}, {}, exists and {}", name, use, what), allowed);
 }
 
-void check_names(const std::string& path, std::size_t k) {
+void check_names(const std::string& path, std::size_t k, bool resumes) {
   check_own_name(path, k);
-  check_leftover_name(path, temporary_path(shard_path(path, k)), "its name while it is written");
-  check_leftover_name(path, shard_path(kept_path(path), k), "its name after an interrupt");
+  check_leftover_name(path, temporary_path(shard_path(path, k)), "its name while it is written", resumes);
+  check_leftover_name(path, shard_path(kept_path(path), k), "its name after an interrupt", resumes);
 }
 
 std::array<std::string, 3> names_of(const std::string& path, std::size_t k) {
@@ -138,9 +157,9 @@ void remove_leftovers(std::size_t first, const Name& name_of) {
 
 }  // namespace
 
-std::size_t check_dataset_targets(const std::string& path, std::size_t planned) {
+std::size_t check_dataset_targets(const std::string& path, std::size_t planned, bool resumes) {
   std::size_t k = 0;
-  for (; k < planned; ++k) check_names(path, k);
+  for (; k < planned; ++k) check_names(path, k, resumes);
   // Further files come where trials are large. Most runs do not get there, and what stands in the way is theirs to meet.
   const auto any_stands = [&] {
     for (const std::string& name : names_of(path, k)) {
@@ -150,7 +169,7 @@ std::size_t check_dataset_targets(const std::string& path, std::size_t planned) 
   };
   for (; any_stands(); ++k) {
     try {
-      check_names(path, k);
+      check_names(path, k, resumes);
     } catch (const InputError&) {
       break;
     }
@@ -174,6 +193,30 @@ std::vector<std::string> later_files(const std::string& path, std::size_t first)
     }
   }
   return names;
+}
+
+std::vector<std::string> leftovers(const std::string& path) {
+  std::vector<std::string> names;
+  for (const std::string& name : {temporary_path(path), kept_path(path)}) {
+    check_unlocked(name);
+    const Found found = found_at(name);
+    if (found.kind == Found::Kind::damaged) throw InputError(fmt::format("cannot resume {}: {} cannot be read", path, name));
+    if (is_leftover(found) && found.trials > 0) names.push_back(name);
+  }
+  return names;
+}
+
+std::size_t gather_leftovers(const std::string& path) {
+  std::size_t k = 0;
+  for (;; ++k) {
+    const auto [own, temporary, kept] = names_of(path, k);
+    const Found written = found_at(temporary);
+    const Found before = found_at(kept);
+    const bool has_written = is_leftover(written) && written.trials > 0;
+    const bool has_before = is_leftover(before) && before.trials > 0;
+    if (!has_written && !has_before) return k;
+    if (has_written && (!has_before || written.trials >= before.trials)) rename_file(temporary, kept);
+  }
 }
 
 void remove_temporary(const std::string& path, std::size_t first) {

@@ -170,6 +170,8 @@ EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
   trial.trial = record.trial;
   trial.material = record.material;
   trial.attributes = attributes_of(record);
+  // A record that was read has its sensors in another order, and is to give the same bytes.
+  std::ranges::stable_sort(trial.attributes, {}, &EncodedAttribute::path);
   const std::vector<ArrayView> arrays = arrays_of(record);
   for (const ArrayView& view : arrays) trial.arrays.push_back(state_->encode_array(view));
   trial.digest = digest_of_arrays(arrays);

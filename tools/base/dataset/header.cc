@@ -1,10 +1,43 @@
 #include "tools/base/dataset/header.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
 
 namespace slipbench {
+
+std::string failures_json(const std::vector<FailedTrial>& failed) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const FailedTrial& one : failed) list.push_back({{"trial", one.trial}, {"message", one.message}, {"command", one.command}});
+  return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::vector<FailedTrial> parse_failures(const std::string& file_name, const std::string& text) {
+  std::vector<FailedTrial> failed;
+  try {
+    for (const auto& one : nlohmann::json::parse(text)) failed.push_back({one.at("trial"), one.at("message"), one.at("command")});
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(file_name + ": /: attribute 'failed' is no list of failed trials");
+  }
+  return failed;
+}
+
+std::string failures_text(const std::vector<FailedTrial>& failed, std::size_t planned) {
+  if (failed.empty()) return "";
+  constexpr std::size_t most = 10;
+  std::vector<std::string> numbers;
+  for (std::size_t i = 0; i < std::min(failed.size(), most); ++i) numbers.push_back(std::to_string(failed[i].trial));
+  std::string list = numbers.front();
+  for (std::size_t i = 1; i < numbers.size(); ++i) {
+    list += (i + 1 == numbers.size() && failed.size() <= most ? " and " : ", ") + numbers[i];
+  }
+  if (failed.size() > most) list += fmt::format(" and {} more", failed.size() - most);
+  return fmt::format("{} of {} trials failed: {}", failed.size(), planned, list);
+}
 
 std::string shard_path(const std::string& path, std::size_t shard) {
   if (shard == 0) return path;

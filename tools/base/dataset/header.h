@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace slipbench {
 
@@ -20,6 +21,20 @@ struct DatasetHeader {
   std::uint64_t seed = 0;
   std::string command;  // canonical: without --jobs and -o, which do not change what is written
 };
+
+// A trial that could not be simulated.
+struct FailedTrial {
+  std::size_t trial = 0;
+  std::string message;  // why, with the trial's number
+  std::string command;  // runs it again, as a shell would be given it
+};
+
+// The JSON text of the root's attribute `failed`: [{"trial", "message", "command"}, ...].
+std::string failures_json(const std::vector<FailedTrial>& failed);
+// The inverse. Throws InputError, naming the file, when `text` is no such list.
+std::vector<FailedTrial> parse_failures(const std::string& file_name, const std::string& text);
+// "3 of 200 trials failed: 17, 44 and 90": of `planned` trials; the first ten numbers. Empty: none failed.
+std::string failures_text(const std::vector<FailedTrial>& failed, std::size_t planned);
 
 // Whether two files that say so are files of the same dataset.
 inline bool same_dataset(const DatasetHeader& a, const DatasetHeader& b) {

@@ -34,6 +34,12 @@ std::string beginning_of(const std::string& path) {
 
 }  // namespace
 
+void rename_file(const std::string& from, const std::string& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) {
+    throw InputError(fmt::format("cannot rename {} to {}: {}", from, to, std::strerror(errno)));
+  }
+}
+
 void check_target(const std::string& path) {
   if (path.empty() || path.back() == '/') {
     throw InputError(fmt::format("cannot write '{}': no file name; allowed: a path such as out.h5", path));

@@ -21,6 +21,9 @@ void check_target(const std::string& path);
 // Refuses besides the inputs themselves, and whatever holds something and does not begin as such a file.
 void check_text_target(const std::string& path, const std::vector<std::string>& inputs, const TextKind& kind);
 
+// Throws InputError with the system's reason.
+void rename_file(const std::string& from, const std::string& to);
+
 // Writes `text` to PATH.partial, syncs it and renames it. Throws InputError when that is not possible; then nothing is left behind.
 // Call check_text_target before.
 void write_text_file(const std::string& path, const std::string& text);

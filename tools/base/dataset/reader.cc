@@ -221,6 +221,10 @@ FileAbout read_about(const Place& place) {
   about.header = {read_text(place, object, "version"), read_text(place, object, "scene"), read_text(place, object, "overrides"),
                   read_number<std::uint64_t>(place, object, "seed"), read_text(place, object, "command")};
   about.shard = read_number<std::uint64_t>(place, object, "shard");
+  H5G_info_t list;
+  check(H5Gget_info_by_name(place.file, "/data", &list, H5P_DEFAULT));
+  about.trials = list.nlinks;
+  if (H5Aexists(object.get(), "failed") > 0) about.failed = parse_failures(place.file_name, read_text(place, object, "failed"));
   return about;
 }
 
@@ -265,6 +269,7 @@ struct DatasetReader::State {
   std::vector<File> files;
   std::vector<std::string> digests;
   bool complete = false;
+  std::vector<FailedTrial> failed;
   std::vector<std::size_t> trials;
   std::map<std::size_t, std::size_t> file_of;  // trial -> index into files
 
@@ -296,6 +301,7 @@ struct DatasetReader::State {
       place.fail(fmt::format("belongs to another dataset than {}", files.front().name));
     }
     header = std::move(about.header);
+    if (index == 0) failed = std::move(about.failed);
     for (const std::string& name : members_of({place.file, place.file_name, "/data"})) {
       const std::size_t trial = demo_number({place.file, place.file_name, "/data"}, name);
       trials.push_back(trial);
@@ -408,6 +414,7 @@ std::vector<std::string> DatasetReader::files() const {
 const std::vector<std::string>& DatasetReader::content_sha256() const { return state_->digests; }
 bool DatasetReader::complete() const { return state_->complete; }
 const std::vector<std::size_t>& DatasetReader::trials() const { return state_->trials; }
+const std::vector<FailedTrial>& DatasetReader::failed() const { return state_->failed; }
 
 std::size_t DatasetReader::file_of(std::size_t trial) const { return state_->index_of(trial); }
 
@@ -495,6 +502,9 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
   record.seed = demo.seed;
   record.params = std::move(demo.params);
   record.outcome = parse_outcome(demo.outcome);
+  const Place demo_place = state_->demo(trial);
+  const Handle demo_object = open_object(demo_place);
+  if (H5Aexists(demo_object.get(), "model_sha256") > 0) record.model_sha256 = read_text(demo_place, demo_object, "model_sha256");
   for (const std::string& sensor : sensors(trial)) record.sensors.push_back(read_sensor(trial, sensor));
   for (const std::string& body : bodies(trial)) {
     const Place place = state_->demo(trial).below(body_group(body));

@@ -25,7 +25,9 @@ struct FileAbout {
   DatasetHeader header;
   std::uint64_t shard = 0;              // which file of its dataset it is
   std::optional<std::uint64_t> shards;  // of how many; empty where the run was killed
+  std::uint64_t trials = 0;             // that it holds
   bool complete = false;                // whether the run came to its end
+  std::vector<FailedTrial> failed;
 };
 
 // Empty when the file is HDF5 and no dataset. Throws InputError when it cannot be read, also when it is an HDF5 file that holds
@@ -53,6 +55,8 @@ class DatasetReader {
 
   // The k of every demo_<k>, ascending.
   [[nodiscard]] const std::vector<std::size_t>& trials() const;
+  // The trials that failed, ascending: the dataset does not hold them.
+  [[nodiscard]] const std::vector<FailedTrial>& failed() const;
   // Index into files() of the one that holds a trial.
   [[nodiscard]] std::size_t file_of(std::size_t trial) const;
   // Trials of a split: "train", "valid" or "test". Empty where the file has no masks (a killed run).

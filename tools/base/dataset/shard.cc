@@ -288,7 +288,10 @@ void Shard::write(const Action& action) {
 }
 
 void Shard::append(const EncodedTrial& trial) {
-  write([&] { write_demo(file_.get(), list_.get(), trial); });
+  write([&] {
+    write_demo(file_.get(), list_.get(), trial);
+    file_.flush();
+  });
   trials_.push_back(trial.trial);
   digests_.push_back(trial.digest);
 }
@@ -301,15 +304,17 @@ void Shard::publish() {
 
 std::uint64_t Shard::size_bytes() const { return file_.size_bytes(); }
 
-void Shard::prepare(const Masks& masks, std::size_t shards, bool complete) {
+void Shard::prepare(const Masks& masks, const std::vector<FailedTrial>& failed, std::size_t shards, bool complete) {
   publish();
   write([&] {
     write_masks(file_.get(), masks, trials_);
     write_attribute(file_.get(), "content_sha256", content_digest(digests_));
+    if (!failed.empty()) write_attribute(file_.get(), "failed", failures_json(failed));
     write_attribute(file_.get(), "shards", static_cast<std::uint64_t>(shards));
     write_attribute(file_.get(), "complete", static_cast<std::uint64_t>(complete));
     list_.close();
     file_.flush();
+    file_.sync();
   });
   prepared_ = true;
 }

@@ -60,7 +60,7 @@ class Shard {
 
   // Publishes, and writes the attributes and masks of the whole, which nobody sees before close(). `shards`: number of files of the
   // dataset. `complete`: whether the run came to its end. Nothing can be appended any more.
-  void prepare(const Masks& masks, std::size_t shards, bool complete);
+  void prepare(const Masks& masks, const std::vector<FailedTrial>& failed, std::size_t shards, bool complete);
   [[nodiscard]] bool prepared() const { return prepared_; }
   // Shows what was prepared, which takes no further space, and closes and syncs the file.
   void close();

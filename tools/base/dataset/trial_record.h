@@ -168,7 +168,7 @@ struct TrialRecord {
   std::uint64_t seed = 0;         // the dataset's; the trial's draws are keyed by (seed, trial)
   std::string material;           // what /mask splits by
   std::string params = "{}";      // JSON object: path -> value of what was swept
-  std::string model_sha256 = {};  // of the scene's model file, 64 hexadecimal digits; empty: it has none. Not read back
+  std::string model_sha256 = {};  // of the scene's model file, 64 hexadecimal digits; empty: it has none
   TrialOutcome outcome;
   std::vector<SensorRecord> sensors;  // empty, as are the bodies: only the outcome was recorded
   std::vector<double> body_time;      // [T] s, samples of the fastest sensor that follows no other's pad

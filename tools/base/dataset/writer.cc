@@ -22,12 +22,6 @@ namespace {
 // Room for what a file gets when it is finished: masks and closing attributes [bytes].
 std::uint64_t closing_bytes(std::size_t trials) { return 32768 + 32 * static_cast<std::uint64_t>(trials); }
 
-void rename_file(const std::string& from, const std::string& to) {
-  if (std::rename(from.c_str(), to.c_str()) != 0) {
-    throw InputError(fmt::format("cannot rename {} to {}: {}", from, to, std::strerror(errno)));
-  }
-}
-
 // Makes renamings in the folder of `path` last.
 void sync_folder(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
@@ -46,6 +40,9 @@ struct DatasetWriter::State {
   std::uint64_t shard_limit = 0;
   std::vector<Shard> shards;
   std::vector<std::pair<std::size_t, std::string>> trials;  // number, material
+  std::vector<FailedTrial> failed;
+  std::vector<std::string> kept_files;  // of the run that this one goes on with
+  std::size_t kept = 0;                 // trials in them
   std::size_t checked = 0;                                  // files whose names were looked at before the run began
   bool ended = false;
 
@@ -83,7 +80,7 @@ struct DatasetWriter::State {
     for (Shard& shard : shards) {
       if (shard.failed() || shard.prepared()) continue;  // its trials stay as they are, without a mask
       try {
-        shard.prepare(masks, shards.size(), complete);
+        shard.prepare(masks, failed, shards.size(), complete);
         whole.push_back(&shard);
       } catch (const InputError&) {
         if (complete) throw;
@@ -106,10 +103,15 @@ struct DatasetWriter::State {
   }
 };
 
-DatasetWriter::DatasetWriter(std::string path, DatasetHeader header, std::size_t planned, std::uint64_t shard_limit)
+DatasetWriter::DatasetWriter(std::string path, DatasetHeader header, std::size_t planned, std::uint64_t shard_limit,
+                             const KeptTrials* kept)
     : state_(std::make_unique<State>()) {
   const std::size_t files = std::max<std::size_t>(1, (planned + most_trials_per_file - 1) / most_trials_per_file);
-  state_->checked = check_dataset_targets(path, files);
+  state_->checked = check_dataset_targets(path, files, kept != nullptr);
+  if (kept != nullptr) {
+    state_->kept = kept->size();
+    state_->kept_files = kept->files();
+  }
   state_->path = std::move(path);
   state_->header = std::move(header);
   state_->planned = planned;
@@ -138,6 +140,8 @@ void DatasetWriter::append(const EncodedTrial& trial) {
   state_->trials.emplace_back(trial.trial, trial.material);
 }
 
+void DatasetWriter::add_failed(FailedTrial failed) { state_->failed.push_back(std::move(failed)); }
+
 void DatasetWriter::publish() { state_->shards.back().publish(); }
 
 std::size_t DatasetWriter::size() const { return state_->trials.size(); }
@@ -154,7 +158,11 @@ std::vector<std::string> DatasetWriter::keep_partial() {
   if (state_->ended) return {};
   state_->ended = true;
   state_->drop_unpublished();
-  if (state_->shards.empty()) return {};
+  if (state_->published() < state_->kept) {
+    for (const Shard& shard : state_->shards) ::unlink(shard.path().c_str());
+    state_->shards.clear();
+  }
+  if (state_->shards.empty()) return state_->kept_files;
   return state_->finish_as(kept_path(state_->path), false);
 }
 

@@ -8,6 +8,7 @@
 
 #include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/header.h"
+#include "tools/base/dataset/kept_trials.h"
 
 namespace slipbench {
 
@@ -23,8 +24,10 @@ class DatasetWriter {
   // a target that another run is writing, and files that are not this dataset's to replace, such as the scene itself
   // (dataset_target.h). Call it before any thread is made.
   // `planned`: trials that will come, for which a file makes room in its list beforehand.
+  // `kept`: what a run that did not come to its end has left of this dataset, which stays until commit(), or until keep_partial() leaves as
+  // much; null: nothing may be there.
   DatasetWriter(std::string path, DatasetHeader header, std::size_t planned = most_trials_per_file,
-                std::uint64_t shard_limit = default_shard_limit);
+                std::uint64_t shard_limit = default_shard_limit, const KeptTrials* kept = nullptr);
   // Without commit() or keep_partial(): the same as keep_partial(), errors ignored.
   ~DatasetWriter();
   DatasetWriter(const DatasetWriter&) = delete;
@@ -32,6 +35,8 @@ class DatasetWriter {
 
   // Adds a trial. Trials come in ascending order. Refuses to begin a further file where another stands in its way.
   void append(const EncodedTrial& trial);
+  // Notes a trial that failed; the files get all of these when they are finished.
+  void add_failed(FailedTrial failed);
   // All trials so far are safe: whatever happens to the process or to the machine's power, the files can be read and hold them. Costs two
   // syncs of the disk; when it is called does not change a byte of the finished dataset.
   void publish();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
@@ -52,6 +53,12 @@ class OrderedWorkers {
   }
   OrderedWorkers(const OrderedWorkers&) = delete;
   OrderedWorkers& operator=(const OrderedWorkers&) = delete;
+
+  // Whether next() would return at once; waits for that until `deadline`.
+  bool ready_until(std::chrono::steady_clock::time_point deadline) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_until(lock, deadline, [&] { return place_of(delivered_).has_value() || active_ == 0; });
+  }
 
   // The next result; empty after the last one, or after the last that had begun before the interrupt. Rethrows what the work, or
   // the making of it, threw; no further work is begun after that.

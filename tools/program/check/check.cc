@@ -54,18 +54,35 @@ std::string limit_text(const ExpectationKind& kind, double limit) {
   throw std::logic_error("no such comparison");
 }
 
-double observed_in(const ExpectationKind& kind, const TrialSummary& trial) {
+// A trial that ran, or one that could not.
+struct CheckedTrial : TrialSummary {
+  std::string failure;  // why it could not; empty: it ran
+};
+
+// All trials of a sweep in order.
+std::vector<CheckedTrial> checked_trials(const SweepSummary& summary) {
+  std::vector<CheckedTrial> trials;
+  for (const TrialSummary& trial : summary.trials) trials.push_back(CheckedTrial{trial, ""});
+  for (const FailedTrial& failed : summary.failed) {
+    trials.emplace_back().trial = failed.trial;
+    trials.back().failure = failed.message;
+  }
+  std::ranges::sort(trials, {}, &CheckedTrial::trial);
+  return trials;
+}
+
+double observed_in(const ExpectationKind& kind, const CheckedTrial& trial) {
   return trial.failure.empty() ? kind.observed(trial.outcome) : never;
 }
 
-bool keeps(const Named& expectation, const TrialSummary& trial) {
+bool keeps(const Named& expectation, const CheckedTrial& trial) {
   const ExpectationKind& kind = kind_of(expectation.name);
   return trial.failure.empty() && kind.kept(kind.observed(trial.outcome), kind.limit(expectation.parameters));
 }
 
-std::size_t kept_by(const Named& expectation, const std::vector<TrialSummary>& trials) {
+std::size_t kept_by(const Named& expectation, const std::vector<CheckedTrial>& trials) {
   return static_cast<std::size_t>(
-      std::ranges::count_if(trials, [&](const TrialSummary& trial) { return keeps(expectation, trial); }));
+      std::ranges::count_if(trials, [&](const CheckedTrial& trial) { return keeps(expectation, trial); }));
 }
 
 // How many of the trials must keep an expectation for its `pass` alone, at least one.
@@ -102,29 +119,30 @@ SweepOptions replay_of(const CheckOptions& options, std::uint64_t seed, std::siz
   return run;
 }
 
-ExpectationResult result_of(const Named& expectation, const CheckOptions& options, const SweepSummary& summary) {
+ExpectationResult result_of(const Named& expectation, const CheckOptions& options, const SweepSummary& summary,
+                           const std::vector<CheckedTrial>& trials) {
   const ExpectationKind& kind = kind_of(expectation.name);
   const double limit = kind.limit(expectation.parameters);
   const double confidence = summary.scene.expect.confidence;
   ExpectationResult result;
   result.name = expectation.name;
   result.limit = limit_text(kind, limit);
-  result.trials = summary.trials.size();
-  result.kept = kept_by(expectation, summary.trials);
+  result.trials = trials.size();
+  result.kept = kept_by(expectation, trials);
   result.needed = needed_of(expectation, result.trials, confidence);
   result.rate = clopper_pearson(result.kept, result.trials, confidence);
 
   // A trial that fails to run is the worst; else that which does not keep it, then that of the worst value, then the earliest.
-  std::vector<const TrialSummary*> order;
-  for (const TrialSummary& trial : summary.trials) order.push_back(&trial);
-  const auto rank = [&](const TrialSummary* trial) {
+  std::vector<const CheckedTrial*> order;
+  for (const CheckedTrial& trial : trials) order.push_back(&trial);
+  const auto rank = [&](const CheckedTrial* trial) {
     return std::tuple(trial->failure.empty(), keeps(expectation, *trial), -kind.badness(observed_in(kind, *trial)));
   };
   std::ranges::stable_sort(order, {}, rank);
   result.worst = {order.front()->trial, observed_in(kind, *order.front())};
   result.worst_text = order.front()->failure.empty() ? value_text(kind, result.worst.value, limit) : "failed to run";
   // Of an even number the mean of the middle two, or the worse one where they have none.
-  const TrialSummary& middle = *order[(order.size() - 1) / 2];
+  const CheckedTrial& middle = *order[(order.size() - 1) / 2];
   const double other = observed_in(kind, *order[order.size() / 2]);
   result.median = observed_in(kind, middle);
   if (kind.comparison != Comparison::equal && !std::isnan(other)) result.median = 0.5 * (result.median + other);
@@ -135,12 +153,12 @@ ExpectationResult result_of(const Named& expectation, const CheckOptions& option
 
 // The trial that misses most of the expectations that failed; of those alike `worst`, else the earliest. Trials that fail to run leave
 // nothing to look at: one of them only where there is no other.
-std::size_t most_telling(const std::vector<TrialSummary>& trials, const std::vector<Named>& failed, std::size_t worst) {
-  const auto missed = [&](const TrialSummary& trial) {
+std::size_t most_telling(const std::vector<CheckedTrial>& trials, const std::vector<Named>& failed, std::size_t worst) {
+  const auto missed = [&](const CheckedTrial& trial) {
     return std::ranges::count_if(failed, [&](const Named& expectation) { return !keeps(expectation, trial); });
   };
   return std::ranges::max_element(trials, {},
-                                  [&](const TrialSummary& trial) {
+                                  [&](const CheckedTrial& trial) {
                                     return std::tuple(missed(trial) > 0 && trial.failure.empty(), missed(trial),
                                                       trial.trial == worst);
                                   })
@@ -213,7 +231,6 @@ SweepOptions sweep_of(const CheckOptions& options) {
   sweep.jobs = options.jobs;
   sweep.interrupt = options.interrupt;
   sweep.on_start = options.on_start;
-  sweep.keep_failed = true;
   return sweep;
 }
 
@@ -238,21 +255,20 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
   const SweepSummary summary = run_sweep(sweep, catalogues, progress);
   check.interrupted = summary.interrupted;
   if (check.interrupted) return check;
-  for (const Named& expectation : expectations) check.expectations.push_back(result_of(expectation, options, summary));
-  for (const TrialSummary& trial : summary.trials) {
-    if (!trial.failure.empty()) check.failures.push_back(trial.failure);
-  }
+  const std::vector<CheckedTrial> trials = checked_trials(summary);
+  for (const Named& expectation : expectations) check.expectations.push_back(result_of(expectation, options, summary, trials));
+  for (const FailedTrial& trial : summary.failed) check.failures.push_back(trial.message);
 
   bool control_fails = check.control.empty();
   if (!check.control.empty()) {
     const SweepSummary control = run_control(sweep, check.control, catalogues, progress);
     check.interrupted = control.interrupted;
     if (check.interrupted) return check;
-    check.control_trials = control.trials.size();
+    check.control_trials = control.planned;
     // A control that does not tighten fails what is asked of its reaction; that it keeps the box shows that the scene needs none.
     const bool about_box = std::ranges::any_of(expectations, [](const Named& asked) { return kind_of(asked.name).of_box; });
     for (std::size_t i = 0; i < expectations.size(); ++i) {
-      const std::size_t kept = kept_by(expectations[i], control.trials);
+      const std::size_t kept = kept_by(expectations[i], checked_trials(control));
       check.expectations[i].control_kept = kept;
       const bool counts = !about_box || kind_of(expectations[i].name).of_box;
       control_fails = control_fails || (counts && kept < share_of(expectations[i], check.control_trials));
@@ -268,8 +284,8 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
   }
   check.verdict = !failed.empty() ? Verdict::failed : control_fails ? Verdict::passed : Verdict::tests_nothing;
   if (failed.empty()) return check;
-  check.replayed = most_telling(summary.trials, failed, worst);
-  const bool runs = std::ranges::find(summary.trials, *check.replayed, &TrialSummary::trial)->failure.empty();
+  check.replayed = most_telling(trials, failed, worst);
+  const bool runs = std::ranges::find(trials, *check.replayed, &CheckedTrial::trial)->failure.empty();
   if (runs && !options.folder.empty()) {
     check.files = leave_trial(replay_of(options, summary.seed, *check.replayed), options.folder, catalogues);
   }

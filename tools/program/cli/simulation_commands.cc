@@ -1,8 +1,12 @@
 #include "tools/program/cli/simulation_commands.h"
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
@@ -30,11 +34,38 @@ struct Finished {
   double elapsed = 0.0;  // s
 };
 
+// The trials' part of the one JSON object: on the disk, since it may be larger than the memory.
+class TrialsJson {
+ public:
+  TrialsJson() : file_(std::tmpfile(), &std::fclose) {
+    if (!file_) throw InputError(fmt::format("cannot make a temporary file: {}", std::strerror(errno)));
+  }
+  void add(const TrialSummary& trial) {
+    fmt::print(file_.get(), "{}{}", empty_ ? "" : ",", trial_json(trial));
+    empty_ = false;
+  }
+  // Ends the object `head` with them.
+  void print(const std::string& head) {
+    fmt::print("{},\"trials\":[", head.substr(0, head.size() - 1));
+    std::fflush(file_.get());
+    std::rewind(file_.get());
+    std::array<char, 65536> block{};
+    while (const std::size_t count = std::fread(block.data(), 1, block.size(), file_.get())) std::fwrite(block.data(), 1, count, stdout);
+    if (std::ferror(file_.get()) != 0) throw InputError("cannot write or read a temporary file: the disk may be full");
+    fmt::print("]}}\n");
+  }
+
+ private:
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  bool empty_ = true;
+};
+
 Finished simulate(SweepOptions sweep, const Catalogues& catalogues, bool silent) {
   // Until the scene is checked there is nothing to keep: a signal ends the program as usual.
   std::optional<InterruptGuard> guard;
   sweep.on_start = [&guard] { guard.emplace(); };
   sweep.interrupt = &InterruptGuard::flag();
+  sweep.keep_units = false;
   Progress progress = Progress::for_stream(stderr, silent);
   const auto start = std::chrono::steady_clock::now();
   SweepSummary summary = run_sweep(
@@ -44,14 +75,14 @@ Finished simulate(SweepOptions sweep, const Catalogues& catalogues, bool silent)
 
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
-void print_json(const Finished& finished) {
+void print_json(const Finished& finished, TrialsJson& trials) {
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(summary_json(finished.summary));
   json["elapsed_s"] = finished.elapsed;
   json["computed_s"] = finished.summary.computed;
   json["times_real_time"] = finished.summary.simulated / finished.elapsed;
   json["times_real_time_per_core"] = finished.summary.simulated / finished.summary.computed;
   if (std::vector<GraspRow> rows = grasp_rows(finished.summary); !rows.empty()) json["grasps"] = grasp_json(rows);
-  fmt::print("{}\n", json.dump());
+  trials.print(json.dump());
 }
 
 void print_only_trial(const SweepOptions& options, const SweepSummary& summary, const Catalogues& catalogues,
@@ -73,6 +104,16 @@ void print_next(const SweepOptions& options, const SweepSummary& summary, const 
   }
 }
 
+// Which trials failed, why, and how to run them again.
+void print_failed(const SweepSummary& summary) {
+  constexpr std::size_t most = 10;
+  std::string text = fmt::format("slipbench: {}\n", failures_text(summary.failed, summary.planned));
+  for (std::size_t i = 0; i < std::min(most, summary.failed.size()); ++i) {
+    text += fmt::format("  {}\n    again: {}\n", summary.failed[i].message, summary.failed[i].command);
+  }
+  say(stderr, text);
+}
+
 void print_summary(const SweepOptions& options, const Finished& finished, const Catalogues& catalogues) {
   const SweepSummary& summary = finished.summary;
   const Style style = style_for(stdout);
@@ -86,7 +127,8 @@ void print_summary(const SweepOptions& options, const Finished& finished, const 
 }
 
 int report_interrupted(const SweepSummary& summary) {
-  const std::string kept = summary.files.empty() ? "nothing is kept" : "kept in " + joined(summary.files);
+  const std::string kept = summary.files.empty() ? "nothing is kept"
+                                                 : fmt::format("kept in {}; the same command with --resume goes on", joined(summary.files));
   say(stderr,
       fmt::format("slipbench: interrupted: {} of {} trials finished; {}\n", summary.trials.size(), summary.planned, kept));
   return exit_interrupted;
@@ -104,7 +146,9 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
   arguments.file("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5)");
   arguments.word("--record NAME", sweep.recording, "What -o writes: everything (full, the default), or outcomes alone (outcome)",
                  record_words);
+  arguments.flag("--resume", sweep.resume, "Go on with what a killed or interrupted run of the same command has left of FILE.h5");
   arguments.then([this] {
+    if (sweep.resume && sweep.output.empty()) throw InputError(sweep.verb + ": --resume goes on with a dataset; allowed: with -o");
     if (sweep.recording != Recording::full && sweep.output.empty()) {
       throw InputError(sweep.verb + ": --record says what -o writes; allowed: with -o");
     }
@@ -114,13 +158,22 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
 int SimulationCommand::run() {
   const Catalogues catalogues = program_catalogues();
   settle_accuracy(sweep, catalogues, *this);
+  TrialsJson trials;
+  if (json) sweep.on_trial = [&trials](const TrialSummary& trial) { trials.add(trial); };
   const Finished finished = simulate(sweep, catalogues, silent());
+  const SweepSummary& summary = finished.summary;
+  // A trial that was asked for alone is no part of a sweep that could go on.
+  if (summary.planned == 1 && !summary.failed.empty()) throw InputError(summary.failed.front().message);
   if (json) {
-    print_json(finished);
-  } else if (!quiet && !finished.summary.interrupted) {
+    print_json(finished, trials);
+  } else if (summary.was_complete) {
+    fmt::print("{} is complete: there is nothing to resume\n", sweep.output);
+  } else if (!quiet && !summary.interrupted && !summary.trials.empty()) {
     print_summary(sweep, finished, catalogues);
   }
-  return finished.summary.interrupted ? report_interrupted(finished.summary) : exit_good;
+  if (!summary.failed.empty()) print_failed(summary);
+  if (summary.interrupted) return report_interrupted(summary);
+  return summary.failed.empty() ? exit_good : exit_check_failed;
 }
 
 void RunCommand::declare(Arguments& arguments) {

@@ -4,7 +4,10 @@
 #include <cctype>
 #include <chrono>
 #include <cmath>
+#include <iterator>
+#include <memory>
 #include <new>
+#include <numeric>
 #include <stdexcept>
 #include <thread>
 
@@ -13,6 +16,7 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/kept_trials.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
@@ -61,6 +65,7 @@ struct FinishedTrial {
   double duration = 0.0;  // s, simulated
   double computed = 0.0;  // s, on the clock
   std::optional<EncodedTrial> encoded;
+  std::string failure = {};  // why the trial failed; empty: it did not
 };
 
 TrialSummary summary_of(TrialResult& result) {
@@ -171,20 +176,43 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
   }
 }
 
-OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepOptions& options) {
+// `trials`: the numbers of those that the workers simulate.
+OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepOptions& options, const std::vector<std::size_t>& trials) {
   std::shared_ptr<TrialEncoder> encoder = options.output.empty() ? nullptr : std::make_shared<TrialEncoder>();
-  return [plan, encoder, first = options.only.value_or(0), keep = options.keep_failed](std::size_t index) {
-    const std::size_t trial = first + index;
+  return [plan, encoder, &trials](std::size_t index) {
     try {
-      return run_numbered(plan, trial, encoder.get());
+      return run_numbered(plan, trials[index], encoder.get());
     } catch (const InputError& error) {
-      if (!keep) throw;
       FinishedTrial failed;
-      failed.summary.trial = trial;
-      failed.summary.failure = error.what();
+      failed.summary.trial = trials[index];
+      failed.failure = error.what();
       return failed;
     }
   };
+}
+
+// A trial of an earlier run, as it would be handed over by a worker.
+FinishedTrial resumed_trial(const KeptTrials& kept, const WorkPlan& plan, std::size_t index, TrialEncoder& encoder) {
+  TrialResult result;
+  result.record = kept.read(index);
+  result.units.resize(result.record.sensors.size());
+  const Scene scene = plan.trials.trial(index).scene;
+  result.record.material = scene.material;
+  FinishedTrial finished{summary_of(result), scene.duration, 0.0, encoder.encode(result.record)};
+  finished.summary.resumed = true;
+  return finished;
+}
+
+// The command that runs one trial of a sweep again.
+std::string repeating_command(const SweepOptions& options, std::uint64_t seed, std::size_t trial) {
+  SweepOptions run = options;
+  run.verb = "run";
+  run.recording = Recording::full;
+  run.seed = seed;
+  run.only = trial;
+  // `run` knows the trials of the scene's own sweep: their number goes there.
+  if (options.trials > 0) run.overrides.push_back({"sweep.trials", std::to_string(std::exchange(run.trials, 0))});
+  return canonical_command(run);
 }
 
 // Keeps the finished trials of a run that failed, and says where; empty when there are none.
@@ -259,27 +287,75 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   const Workforce workforce = check_cells(plan, options, summary.planned);
   if (options.on_start) options.on_start();
 
+  const DatasetHeader header{SLIPBENCH_VERSION, file.text(), overrides_json(options.overrides), summary.seed, summary.command};
+  std::optional<KeptTrials> kept;
+  if (options.resume) {
+    kept.emplace(options.output, header);
+    summary.was_complete = kept->size() == 0 && is_complete(options.output, header);
+    if (summary.was_complete) {
+      summary.files = {options.output};
+      return summary;
+    }
+  }
   std::unique_ptr<DatasetWriter> writer;
   if (!options.output.empty()) {
-    writer = std::make_unique<DatasetWriter>(
-        options.output,
-        DatasetHeader{SLIPBENCH_VERSION, file.text(), overrides_json(options.overrides), summary.seed, summary.command},
-        plan.size(), options.shard_limit);
+    writer = std::make_unique<DatasetWriter>(options.output, header, plan.size(), options.shard_limit, kept ? &*kept : nullptr);
   }
 
   // OpenSSL crashes where there is no memory to set itself up, which many workers may leave none for: it does so before them.
   if (writer) static_cast<void>(content_digest({}));
 
+  std::vector<std::size_t> trials(summary.planned);
+  std::iota(trials.begin(), trials.end(), options.only.value_or(0));
+  std::vector<std::size_t> missing;
+  std::ranges::copy_if(trials, std::back_inserter(missing), [&](std::size_t trial) { return !kept || !kept->holds(trial); });
+
+  std::size_t reported = 0;
+  const auto report_progress = [&] {
+    const std::size_t done = (writer ? writer->published() : summary.trials.size()) + summary.failed.size();
+    if (progress && done > reported) progress({done, summary.planned, summary.simulated});
+    reported = done;
+  };
+  const auto take = [&](FinishedTrial trial) {
+    if (!trial.failure.empty()) {
+      const std::size_t number = trial.summary.trial;
+      summary.failed.push_back({number, std::move(trial.failure), repeating_command(options, summary.seed, number)});
+      if (writer) writer->add_failed(summary.failed.back());
+      return;
+    }
+    if (writer) writer->append(*trial.encoded);
+    summary.simulated += trial.duration;
+    summary.computed += trial.computed;
+    if (trial.summary.resumed) ++summary.resumed;
+    if (options.on_trial) options.on_trial(trial.summary);
+    if (!options.keep_units && summary.planned > 1) {
+      for (SensorSummary& sensor : trial.summary.sensors) sensor.units = {};
+    }
+    summary.trials.push_back(std::move(trial.summary));
+  };
+
   const auto run_all = [&] {
     const WorkPlan work{plan, summary.seed, recording_of(options), workforce.max_bytes, options.interrupt};
+    TrialEncoder encoder;
     OrderedWorkers<FinishedTrial> workers(
-        summary.planned, workforce.threads, [&] { return make_work(work, options); }, options.interrupt);
-    while (std::optional<FinishedTrial> trial = workers.next()) {
-      if (writer) writer->append(*trial->encoded);
-      summary.simulated += trial->duration;
-      summary.computed += trial->computed;
-      summary.trials.push_back(std::move(trial->summary));
-      if (progress) progress({summary.trials.size(), summary.planned, summary.simulated});
+        missing.size(), workforce.threads, [&] { return make_work(work, options, missing); }, options.interrupt);
+    // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.
+    constexpr std::chrono::milliseconds longest_unsafe{250};
+    auto due = std::chrono::steady_clock::now() + longest_unsafe;
+    for (const std::size_t trial : trials) {
+      end_if(options.interrupt);
+      std::optional<FinishedTrial> finished;
+      if (kept && kept->holds(trial)) {
+        finished = resumed_trial(*kept, work, trial, encoder);
+      } else {
+        if (writer && writer->published() < writer->size() && !workers.ready_until(due)) writer->publish();
+        finished = workers.next();
+      }
+      if (!finished) break;
+      take(std::move(*finished));
+      if (writer && std::chrono::steady_clock::now() >= due) writer->publish();
+      if (std::chrono::steady_clock::now() >= due) due = std::chrono::steady_clock::now() + longest_unsafe;
+      report_progress();
     }
   };
 
@@ -288,50 +364,59 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
       run_all();
     } catch (const Interrupted&) {  // in the first of the trials that were running: those before it are in
     }
-    summary.interrupted = summary.trials.size() < summary.planned;
-    if (writer) summary.files = summary.interrupted ? writer->keep_partial() : writer->commit();
+    summary.interrupted = summary.trials.size() + summary.failed.size() < summary.planned;
+    const bool whole = !summary.interrupted && !summary.trials.empty();
+    if (writer) summary.files = whole ? writer->commit() : writer->keep_partial();
+    report_progress();
   } catch (const std::exception& error) {
     if (!writer) throw;
-    const std::string kept = keep_finished(*writer, summary.planned);
-    if (dynamic_cast<const InputError*>(&error) != nullptr) throw InputError(error.what() + kept);
-    if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) throw InputError("out of memory" + kept);
-    throw std::runtime_error(error.what() + kept);
+    const std::string left = keep_finished(*writer, summary.planned);
+    if (dynamic_cast<const InputError*>(&error) != nullptr) throw InputError(error.what() + left);
+    if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) throw InputError("out of memory" + left);
+    throw std::runtime_error(error.what() + left);
   }
   return summary;
 }
 
+std::string trial_json(const TrialSummary& trial) {
+  Json sensors = Json::object();
+  for (const SensorSummary& sensor : trial.sensors) {
+    if (trial.resumed) break;
+    sensors[sensor.name] = {{"touch_time_s", column(sensor.units, &UnitOutcome::touch_time)},
+                            {"onset_time_s", column(sensor.units, &UnitOutcome::onset_time)},
+                            {"micro_onset_time_s", column(sensor.units, &UnitOutcome::micro_onset_time)},
+                            {"slip_distance_m", column(sensor.units, &UnitOutcome::slip_distance)},
+                            {"load_N", column(sensor.units, &UnitOutcome::load)},
+                            {"margin", column(sensor.units, &UnitOutcome::margin)},
+                            {"state_count", sensor.state_count},
+                            {"state_micro_count", sensor.state_micro_count}};
+  }
+  Json json = {{"trial", trial.trial},
+               {"params", Json::parse(trial.params)},
+               {"outcome", Json::parse(outcome_json(trial.outcome))},
+               {"sensors", std::move(sensors)}};
+  if (trial.detector) {
+    json["detector"] = {{"type", trial.detector->type},
+                        {"oracle", trial.detector->type == oracle_type},
+                        {"sensor", trial.detector->sensor},
+                        {"confusion", trial.detector->confusion}};
+  }
+  if (!trial.controller.empty()) json["controller"] = trial.controller;
+  if (trial.resumed) json["resumed"] = true;
+  return json.dump();
+}
+
 std::string summary_json(const SweepSummary& summary) {
-  Json trials = Json::array();
-  for (const TrialSummary& trial : summary.trials) {
-    Json sensors = Json::object();
-    for (const SensorSummary& sensor : trial.sensors) {
-      sensors[sensor.name] = {{"touch_time_s", column(sensor.units, &UnitOutcome::touch_time)},
-                              {"onset_time_s", column(sensor.units, &UnitOutcome::onset_time)},
-                              {"micro_onset_time_s", column(sensor.units, &UnitOutcome::micro_onset_time)},
-                              {"slip_distance_m", column(sensor.units, &UnitOutcome::slip_distance)},
-                              {"load_N", column(sensor.units, &UnitOutcome::load)},
-                              {"margin", column(sensor.units, &UnitOutcome::margin)},
-                              {"state_count", sensor.state_count},
-                              {"state_micro_count", sensor.state_micro_count}};
-    }
-    Json json = {{"trial", trial.trial},
-                 {"params", Json::parse(trial.params)},
-                 {"outcome", Json::parse(outcome_json(trial.outcome))},
-                 {"sensors", std::move(sensors)}};
-    if (trial.detector) {
-      json["detector"] = {{"type", trial.detector->type},
-                          {"oracle", trial.detector->type == oracle_type},
-                          {"sensor", trial.detector->sensor},
-                          {"confusion", trial.detector->confusion}};
-    }
-    if (!trial.controller.empty()) json["controller"] = trial.controller;
-    trials.push_back(std::move(json));
+  Json failed = Json::array();
+  for (const FailedTrial& trial : summary.failed) {
+    failed.push_back({{"trial", trial.trial}, {"message", trial.message}, {"command", trial.command}});
   }
   const Json json = {{"command", summary.command},       {"seed", summary.seed},
                      {"planned", summary.planned},       {"finished", summary.trials.size()},
+                     {"resumed", summary.resumed},       {"failed", std::move(failed)},
                      {"simulated_s", summary.simulated}, {"interrupted", summary.interrupted},
-                     {"files", summary.files},           {"trials", std::move(trials)}};
-  return json.dump(2);
+                     {"files", summary.files}};
+  return json.dump();
 }
 
 }  // namespace slipbench

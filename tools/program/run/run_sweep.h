@@ -12,32 +12,16 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
+#include "tools/base/dataset/header.h"
 #include "tools/base/dataset/trial_record.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench {
 
-struct SweepOptions {
-  std::string verb = "sweep";  // the command's own name, for the dataset's attribute `command`
-  std::string scene_path;
-  std::vector<Override> overrides;
-  std::optional<std::uint64_t> seed;  // empty: the scene's
-  std::size_t trials = 0;             // repetitions of each cell of the grid; 0: the scene's
-  std::size_t limit = 0;              // run no more than the first so many trials, repeating cells as often as that needs; 0: all
-  std::optional<std::size_t> only = {};  // run no other than this one of those trials; empty: all
-  bool keep_failed = false;  // a trial that fails is summed up by why it did, and the others run; nothing is written then
-  std::size_t jobs = 0;      // worker threads; 0: as many as the machine has, or as their records have room for
-  std::string output;        // dataset; empty: nothing is written
-  Recording recording = Recording::full;  // what the dataset holds of a trial: its outcome alone takes some kB
-  std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
-  const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials end and count for nothing
-  std::function<void()> on_start;  // called once the scene is checked, before anything is written; may be empty
-};
-
 // Told from the calling thread after each trial, in order.
 struct SweepProgress {
-  std::size_t done = 0;
+  std::size_t done = 0;  // trials that failed, or are finished and, with a dataset, safe in it
   std::size_t total = 0;
   double simulated = 0.0;  // s, of the trials done
 };
@@ -63,7 +47,26 @@ struct TrialSummary {
   std::vector<SensorSummary> sensors;
   std::optional<DetectorSummary> detector;  // empty: the scene has none
   std::string controller = {};              // "step_on_slip"; empty: the scene has none
-  std::string failure = {};                 // why the trial failed; empty: it did not
+  bool resumed = false;                     // read from the dataset that the run went on with, which does not hold what became of units
+};
+
+struct SweepOptions {
+  std::string verb = "sweep";  // the command's own name, for the dataset's attribute `command`
+  std::string scene_path;
+  std::vector<Override> overrides;
+  std::optional<std::uint64_t> seed;  // empty: the scene's
+  std::size_t trials = 0;             // repetitions of each cell of the grid; 0: the scene's
+  std::size_t limit = 0;              // run no more than the first so many trials, repeating cells as often as that needs; 0: all
+  std::optional<std::size_t> only = {};  // run no other than this one of those trials; empty: all
+  bool resume = false;       // go on with what a run of the same that did not come to its end has left of `output`
+  bool keep_units = true;    // in the summary of every trial of several: some 100 B a unit
+  std::size_t jobs = 0;      // worker threads; 0: as many as the machine has, or as their records have room for
+  std::string output;        // dataset; empty: nothing is written
+  Recording recording = Recording::full;  // what the dataset holds of a trial: its outcome alone takes some kB
+  std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
+  const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials end and count for nothing
+  std::function<void()> on_start;  // called once the scene is checked, before anything is written; may be empty
+  std::function<void(const TrialSummary&)> on_trial = {};  // called with each finished trial, in order; may be empty
 };
 
 struct SweepSummary {
@@ -73,6 +76,9 @@ struct SweepSummary {
   std::size_t available = 0;         // trials that the scene's sweep has
   std::size_t planned = 0;           // trials asked for
   std::vector<TrialSummary> trials;  // finished, in order
+  std::vector<FailedTrial> failed;   // the others, in order
+  std::size_t resumed = 0;           // of the finished, those that an earlier run has simulated
+  bool was_complete = false;         // there was nothing to resume: the dataset is there, and whole; `trials` is empty
   double simulated = 0.0;            // s, of the finished trials
   double computed = 0.0;             // s, what their simulation took on the clock, summed over the workers
   bool interrupted = false;
@@ -95,13 +101,13 @@ std::string canonical_command(const SweepOptions& options);
 // A word as a shell has to be given it.
 std::string shell_word(const std::string& word);
 
-// Runs the sweep. Throws InputError for a scene or a target that cannot be used, when options.only is none of its trials, and, but
-// for options.keep_failed, when a trial fails ("trial 17: ..."): the trials before it are kept under OUT.partial.h5, which the
-// message names. A scene that wishes for accuracy is a std::logic_error: its setting is found before (tools/program/cost). What is written
+// Runs the sweep. A trial that fails is noted, in the summary and in the dataset, and the others run. Throws InputError for a scene or a target that cannot be used, and when options.only is none of its trials.
+// What is finished when the target fails is kept under OUT.partial.h5, which the message names. A scene that wishes for accuracy is a std::logic_error: its setting is found before (tools/program/cost). What is written
 // does not depend on `jobs`.
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 
-// The summary as the one JSON object of `--json`.
+// A trial as an element of `trials` in the one JSON object of `--json`, and the rest of that object.
+std::string trial_json(const TrialSummary& trial);
 std::string summary_json(const SweepSummary& summary);
 
 }  // namespace slipbench

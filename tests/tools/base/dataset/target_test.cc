@@ -29,12 +29,6 @@ class TargetTest : public FolderTest {
     for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));
     return writer.commit();
   }
-  // Leaves NAME.partial.EXT.
-  void interrupt(const std::string& name, std::size_t trials) {
-    DatasetWriter writer(path(name), {"1.2.3", "scene", "{}", 7, "slipbench sweep a.yaml"}, trials, several);
-    for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));
-    writer.keep_partial();
-  }
   std::string refusal(const std::string& name, std::size_t planned = 1) {
     return message_of<InputError>([&] { DatasetWriter writer(path(name), {}, planned); });
   }
@@ -62,13 +56,20 @@ TEST_F(TargetTest, FileUnderTheTemporaryNameIsKept) {
   EXPECT_EQ(bytes_of(path("out.h5.partial")), "precious");
 }
 
-TEST_F(TargetTest, EmptyOrUnreadableLeftoverIsReplaced) {
+TEST_F(TargetTest, LeftoverWithoutATrialIsReplaced) {
   write_text("out.h5.partial", "");
   write("out.h5", 1);
-  write_text("out.h5.partial", bytes_of(path("out.h5")).substr(0, 600));  // as a crash leaves it
+  write_text("out.h5.partial", std::string(600, '\0'));  // killed before it had a superblock
   write("out.h5", 2, DatasetWriter::default_shard_limit);
   EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 2U);
   EXPECT_THAT(names(), ElementsAre("out.h5"));
+}
+
+TEST_F(TargetTest, UnreadableLeftoverIsKept) {
+  write("out.h5", 1);
+  write_text("out.h5.partial", bytes_of(path("out.h5")).substr(0, 600));
+  EXPECT_THAT(refusal("out.h5"), HasSubstr("exists and cannot be read; allowed: a new name, or " + path("out.h5.partial") + " moved"));
+  EXPECT_EQ(bytes_of(path("out.h5.partial")).size(), 600U);
 }
 
 // A dataset that is whole goes only where the user names it, whatever it is called.
@@ -92,13 +93,22 @@ TEST_F(TargetTest, WholeDatasetThatCameMeanwhileIsNotRemoved) {
   EXPECT_THAT(names(), ElementsAre("out.h5", "out.partial.h5"));
 }
 
-TEST_F(TargetTest, InterruptedRunIsReplacedAndRemoved) {
-  interrupt("out.h5", 8);
-  ASSERT_GE(names().size(), 2U);
-  interrupt("out.h5", 1);
-  EXPECT_THAT(names(), ElementsAre("out.partial.h5"));
-  write("out.h5", 1);
-  EXPECT_THAT(names(), ElementsAre("out.h5"));
+// Finished work is thrown away by nobody but its owner.
+TEST_F(TargetTest, TrialsOfAnInterruptedRunAreKept) {
+  {
+    DatasetWriter writer(path("out.h5"), {}, 3);
+    for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
+    writer.keep_partial();
+  }
+  const std::string before = file_sha256(path("out.partial.h5"));
+  for (const std::string name : {"out.partial.h5", "out.h5.partial"}) {
+    std::filesystem::rename(path(names().front()), path(name));
+    EXPECT_EQ(refusal("out.h5"), "cannot write " + path("out.h5") + ": " + path(name) +
+                                     " holds 3 trials of a run that did not come to its end; allowed: --resume, which goes on with what is there, "
+                                     "a new name, or " +
+                                     path(name) + " moved away");
+    EXPECT_EQ(file_sha256(path(name)), before);
+  }
 }
 
 TEST_F(TargetTest, FileOfAnotherProgramIsKept) {
@@ -145,6 +155,7 @@ TEST_F(TargetTest, FileMetDuringTheRunIsKept) {
   EXPECT_THAT(names(), ElementsAre("out-0001.h5", "out.partial.h5"));
   EXPECT_GE(DatasetReader(path("out.partial.h5")).trials().size(), 1U);
   // A run that needs no second file does not mind.
+  std::filesystem::remove(path("out.partial.h5"));
   write("out.h5", 1);
   EXPECT_THAT(names(), ElementsAre("out-0001.h5", "out.h5"));
 }

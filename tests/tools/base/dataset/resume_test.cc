@@ -1,0 +1,166 @@
+// Going on with what a run that did not come to its end has left.
+#include <csignal>
+#include <functional>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/kept_trials.h"
+#include "tools/base/dataset/writer.h"
+
+namespace slipbench::testing::resume_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const DatasetHeader header{"1.2.3", "slipbench: 1\nseed: 7\n", "{}", 7, "slipbench sweep a.yaml"};
+constexpr std::size_t rows = 40;
+constexpr std::size_t trials = 9;
+constexpr std::uint64_t several = 100'000;  // bytes: nine trials fill more than one file
+
+class ResumeTest : public FolderTest {
+ protected:
+  // Writes the trials up to `end`, those that are kept from what is kept. Then the run ends as `finish` says.
+  void run(std::size_t end, const std::function<void(DatasetWriter&)>& finish, std::uint64_t limit = several) {
+    const KeptTrials kept(path("out.h5"), header);
+    DatasetWriter writer(path("out.h5"), header, trials, limit, &kept);
+    TrialEncoder encoder;
+    for (std::size_t k = 0; k < end; ++k) {
+      TrialRecord record = kept.holds(k) ? kept.read(k) : make_grasp_record(k, rows);
+      record.material = "acrylic";
+      writer.append(encoder.encode(record));
+    }
+    finish(writer);
+  }
+  void interrupt(std::size_t end) {
+    run(end, [](DatasetWriter& writer) { writer.keep_partial(); });
+  }
+  void kill(std::size_t end) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      run(end, [](DatasetWriter& writer) {
+        writer.publish();
+        ::raise(SIGKILL);
+      });
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status));
+  }
+  // Every file by its name and the digest of its bytes.
+  std::vector<std::string> all_bytes() {
+    std::vector<std::string> files;
+    for (const std::string& name : names()) files.push_back(name + " " + text_sha256(bytes_of(path(name))));
+    return files;
+  }
+  // What a run that nobody disturbs writes.
+  std::vector<std::string> undisturbed() {
+    run(trials, [](DatasetWriter& writer) { writer.commit(); });
+    const std::vector<std::string> bytes = all_bytes();
+    for (const std::string& name : names()) std::filesystem::remove(path(name));
+    return bytes;
+  }
+};
+
+TEST_F(ResumeTest, GivesTheBytesOfAnUndisturbedRun) {
+  const std::vector<std::string> expected = undisturbed();
+  for (std::size_t first = 0; first < trials; ++first) {
+    first % 2 == 0 ? interrupt(first) : kill(first);
+    kill(std::min(trials, first + 1));
+    interrupt(std::min(trials, first + 2));
+    run(trials, [](DatasetWriter& writer) { writer.commit(); });
+    EXPECT_EQ(all_bytes(), expected) << first;
+    for (const std::string& name : names()) std::filesystem::remove(path(name));
+  }
+}
+
+// The second run is ended before it has as much as the first.
+TEST_F(ResumeTest, ShorterRunDoesNotReplaceALongerOne) {
+  interrupt(7);
+  const std::vector<std::string> kept = all_bytes();
+  interrupt(2);
+  EXPECT_EQ(all_bytes(), kept);
+  kill(2);
+  EXPECT_EQ(KeptTrials(path("out.h5"), header).size(), 7U);
+  interrupt(8);
+  EXPECT_EQ(KeptTrials(path("out.h5"), header).size(), 8U);
+}
+
+TEST_F(ResumeTest, NothingLeftIsNothingKept) {
+  const KeptTrials kept(path("out.h5"), header);
+  EXPECT_EQ(kept.size(), 0U);
+  EXPECT_FALSE(kept.holds(0));
+  EXPECT_THAT(names(), IsEmpty());
+}
+
+TEST_F(ResumeTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
+  kill(3);
+  const std::vector<std::string> before = all_bytes();
+  const auto refusal = [&](DatasetHeader now) { return message_of<InputError>([&] { KeptTrials(path("out.h5"), now); }); };
+  const auto changed = [](const auto& change) {
+    DatasetHeader now = header;
+    change(now);
+    return now;
+  };
+  EXPECT_EQ(refusal(changed([](DatasetHeader& now) { now.seed = 8; })),
+            "cannot resume " + path("out.h5") + ": " + path("out.h5.partial") +
+                " was left by another run: seed 7, this run has 8; allowed: the same scene, seed, version, overrides and command");
+  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\nseed: 9\n"; })),
+              HasSubstr("scene with line 2 'seed: 7', this run's has 'seed: 9'"));
+  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\n"; })),
+              HasSubstr("scene with line 2 'seed: 7', this run's has '(its end)'"));
+  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.version = "1.2.4"; })), HasSubstr("version 1.2.3, this run has 1.2.4"));
+  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.overrides = R"({"a": "1"})"; })),
+              HasSubstr(R"(overrides {}, this run has {"a": "1"})"));
+  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.command += " --trials 3"; })), HasSubstr("command slipbench sweep a.yaml, this"));
+  EXPECT_EQ(all_bytes(), before);
+}
+
+TEST_F(ResumeTest, RunThatIsWritingIsLeftAlone) {
+  const DatasetWriter writer(path("out.h5"), header, 1);
+  EXPECT_THAT(message_of<InputError>([&] { KeptTrials(path("out.h5"), header); }), HasSubstr("another run is writing it"));
+}
+
+TEST_F(ResumeTest, WholeDatasetIsComplete) {
+  EXPECT_FALSE(is_complete(path("out.h5"), header));
+  run(trials, [](DatasetWriter& writer) { writer.commit(); });
+  EXPECT_TRUE(is_complete(path("out.h5"), header));
+  DatasetHeader other = header;
+  other.seed = 8;
+  EXPECT_FALSE(is_complete(path("out.h5"), other));
+  EXPECT_FALSE(is_complete(path("no.h5"), header));
+}
+
+TEST_F(ResumeTest, FailedTrialsAreInEveryFile) {
+  run(trials, [](DatasetWriter& writer) {
+    writer.add_failed({9, "trial 9: unstable", "slipbench run a.yaml --trial 9"});
+    writer.commit();
+  });
+  ASSERT_GE(names().size(), 2U);
+  for (const std::string& name : names()) {
+    const std::optional<FileAbout> about = file_about(path(name));
+    ASSERT_EQ(about->failed.size(), 1U);
+    EXPECT_EQ(about->failed[0].trial, 9U);
+    EXPECT_EQ(about->failed[0].message, "trial 9: unstable");
+    EXPECT_EQ(about->failed[0].command, "slipbench run a.yaml --trial 9");
+  }
+  EXPECT_EQ(DatasetReader(path("out.h5")).failed().size(), 1U);
+}
+
+TEST(Failures, AreToldByTheirNumbers) {
+  EXPECT_EQ(failures_text({}, 5), "");
+  EXPECT_EQ(failures_text({{17, "", ""}}, 200), "1 of 200 trials failed: 17");
+  EXPECT_EQ(failures_text({{17, "", ""}, {44, "", ""}, {90, "", ""}}, 200), "3 of 200 trials failed: 17, 44 and 90");
+  const std::vector<FailedTrial> many(12, {7, "", ""});
+  EXPECT_EQ(failures_text(many, 200), "12 of 200 trials failed: 7, 7, 7, 7, 7, 7, 7, 7, 7, 7 and 2 more");
+}
+
+}  // namespace
+}  // namespace slipbench::testing::resume_test

@@ -1,0 +1,125 @@
+"""Kills sweeps at random instants: what was counted as finished is readable, and --resume gives the bytes of an undisturbed run.
+
+usage: kill_test.py SLIPBENCH KILLS
+
+Half of the kills are SIGKILL; of the others a part is a disk that is full (a limit on the file's size), a part SIGTERM.
+"""
+import hashlib
+import os
+import pty
+import random
+import re
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+SCENE = """slipbench: 1
+description: short sweep
+duration: 0.3 s
+time_step: 1 ms
+seed: 7
+surface: {material: acrylic}
+motion: {kind: stage, gap: 0 mm, compression: 0.1 mm, approach_speed: 10 mm/s, start: 0.1 s, speed: 4 mm/s, acceleration: 1 m/s2}
+sensors:
+  pad: {type: papillarray, rate: 1 kHz, electronics: typical, bristles: 3}
+sweep:
+  motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]
+  motion.direction: {draw: uniform, min: 0 deg, max: 360 deg}
+  trials: 30
+"""
+
+# Reads every array and attribute of every trial, and prints how many trials there are.
+READ_ALL = """
+import h5py, sys
+def read(name, item):
+    dict(item.attrs)
+    if isinstance(item, h5py.Dataset):
+        item[()]
+with h5py.File(sys.argv[1]) as file:
+    for demo in file["data"].values():
+        dict(demo.attrs)
+        demo.visititems(read)
+    print(len(file["data"]))
+"""
+SECONDS = 60  # no reader and no run takes longer
+
+
+def digest(path):
+    with open(path, "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest()
+
+
+def counted(terminal):
+    """The highest number of finished trials that a progress bar has shown."""
+    text = b""
+    while True:
+        try:
+            block = os.read(terminal, 65536)
+        except OSError:  # the other end is closed
+            break
+        if not block:
+            break
+        text += block
+    return max([int(done) for done in re.findall(rb"(\d+)/90 ", text)], default=0)
+
+
+def readable_trials(path):
+    result = subprocess.run([sys.executable, "-c", READ_ALL, path], capture_output=True, text=True, timeout=SECONDS)
+    assert result.returncode == 0, f"{path}: {result.stderr}"
+    return int(result.stdout)
+
+
+def main(program, kills):
+    draw = random.Random(18)
+    with tempfile.TemporaryDirectory() as folder:
+        scene, whole, out = (os.path.join(folder, name) for name in ("scene.yaml", "whole.h5", "out.h5"))
+        with open(scene, "w", encoding="ascii") as file:
+            file.write(SCENE)
+        begin = time.monotonic()
+        subprocess.run([program, "sweep", scene, "-o", whole, "--quiet"], check=True, timeout=SECONDS)
+        duration = time.monotonic() - begin
+        size = os.path.getsize(whole)
+        lost = 0
+        for attempt in range(kills):
+            way = ("kill", "full", "kill", "term")[attempt % 4]
+            limit = draw.randrange(size // 20, size) if way == "full" else resource.RLIM_INFINITY
+            ours, theirs = pty.openpty()
+            sweep = subprocess.Popen(
+                [program, "sweep", scene, "-o", out, "--jobs", str(1 + attempt % 2)],
+                stdout=subprocess.DEVNULL,
+                stderr=theirs,
+                preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)),
+            )
+            os.close(theirs)
+            if way != "full":
+                time.sleep(draw.uniform(0.0, 1.2 * duration))
+                sweep.send_signal(signal.SIGKILL if way == "kill" else signal.SIGTERM)
+            shown = counted(ours)
+            os.close(ours)
+            status = sweep.wait(timeout=SECONDS)
+            if way == "full":
+                assert status == 2, f"attempt {attempt}: a full disk ended the sweep with {status}"
+            held = 0
+            for left in (out, out + ".partial", os.path.join(folder, "out.partial.h5")):
+                # A file that begins with zeros was killed before it began.
+                if os.path.exists(left) and open(left, "rb").read(8) != bytes(8) and os.path.getsize(left) > 0:
+                    held = max(held, readable_trials(left))
+            if held < shown:
+                lost += 1
+                print(f"attempt {attempt} ({way}): {shown} trials were counted as finished, {held} are readable")
+            subprocess.run([program, "sweep", scene, "-o", out, "--quiet", "--resume"], check=True, timeout=SECONDS, capture_output=True)
+            if digest(out) != digest(whole):
+                lost += 1
+                print(f"attempt {attempt} ({way}, {held} trials were left): --resume gave other bytes")
+            left = sorted(os.listdir(folder))
+            assert left == ["out.h5", "scene.yaml", "whole.h5"], left
+            os.remove(out)
+    print(f"{kills} runs were ended at random instants; {lost} lost a trial or were not resumed to the same bytes")
+    return 1 if lost else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], int(sys.argv[2])))

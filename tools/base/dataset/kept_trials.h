@@ -1,0 +1,42 @@
+// What a run that did not come to its end has left, for one that goes on with it.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/base/dataset/header.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/trial_record.h"
+
+namespace slipbench {
+
+// The trials that were left of the dataset `path`. A killed run leaves OUT.h5.partial, an interrupted one OUT.partial.h5; one that went on
+// with the other's and was killed leaves both, of which the one with more trials counts.
+class KeptTrials {
+ public:
+  // Without anything left it holds no trial. Otherwise what is left has the names after an interrupt from then on. Throws InputError when
+  // another run is writing it, when it cannot be read, and when what the runs say of themselves is not the same: the message names what
+  // differs, and nothing is changed. Call it before any thread is made (guarded.h).
+  KeptTrials(const std::string& path, const DatasetHeader& header);
+
+  [[nodiscard]] std::size_t size() const { return reader_ ? reader_->trials().size() : 0; }
+  [[nodiscard]] bool holds(std::size_t trial) const;
+  // The trial's record, whose material is empty.
+  [[nodiscard]] TrialRecord read(std::size_t trial) const { return reader_->read_trial(trial); }
+  // Names of its files.
+  [[nodiscard]] std::vector<std::string> files() const { return reader_ ? reader_->files() : std::vector<std::string>(); }
+
+ private:
+  std::optional<DatasetReader> reader_;
+};
+
+// Whether `path` is a dataset whose run came to its end and says `header` of itself. False where it cannot be read. Call it before any
+// thread is made (guarded.h).
+bool is_complete(const std::string& path, const DatasetHeader& header);
+
+// What two runs say differently of themselves, as a clause: "seed 7, this run has 8; ...". Empty: nothing.
+std::string header_difference(const DatasetHeader& left, const DatasetHeader& now);
+
+}  // namespace slipbench
