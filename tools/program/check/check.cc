@@ -228,6 +228,7 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
                    .confidence = expect.confidence,
                    .control = expect.control,
                    .expectations = {},
+                   .detectors = {},
                    .failures = {},
                    .replayed = {},
                    .files = {}};
@@ -238,6 +239,7 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
   const SweepSummary summary = run_sweep(sweep, catalogues, progress);
   check.interrupted = summary.interrupted;
   if (check.interrupted) return check;
+  check.detectors = detector_scores(summary.trials);
   for (const Named& expectation : expectations) check.expectations.push_back(result_of(expectation, options, summary));
   for (const TrialSummary& trial : summary.trials) {
     if (!trial.failure.empty()) check.failures.push_back(trial.failure);

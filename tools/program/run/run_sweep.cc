@@ -13,6 +13,7 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/encoder.h"
+#include "tools/base/statistics/confusion.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/run/recorder.h"
@@ -315,6 +316,11 @@ std::string summary_json(const SweepSummary& summary) {
       json["detector"] = {{"type", trial.detector->type},
                           {"oracle", trial.detector->type == oracle_type},
                           {"sensor", trial.detector->sensor},
+                          {"recall_of_slip", recall_of_slip(trial.detector->confusion)},
+                          {"balanced_accuracy", balanced_accuracy(trial.detector->confusion)},
+                          {"constant_balanced_accuracy", constant_balanced_accuracy(trial.detector->confusion)},
+                          {"accuracy", accuracy(trial.detector->confusion)},
+                          {"constant_accuracy", constant_accuracy(trial.detector->confusion)},
                           {"confusion", trial.detector->confusion}};
     }
     if (!trial.controller.empty()) json["controller"] = trial.controller;
