@@ -53,7 +53,7 @@ std::string draws_text(const TrainSummary& summary, const Style& style) {
 }
 
 std::string figures_text(const Evaluation& evaluation, const Style& style) {
-  Table table({"in %", ""});
+  Table table({"", "in %"});
   for (const Figure& row : figures) table.add({row.name, percent(row.of(evaluation.*row.frames))});
   return table.text(style);
 }
@@ -74,10 +74,10 @@ std::string confusion_text(const Confusion& confusion, const Style& style) {
 std::string delays_text(const Delays& delays) {
   return fmt::format(
       "  delay from the true onset: median {} ms, quartiles {} and {} ms, of the {} sequences seen\n"
-      "  of {} that slip: seen {}, early {} (called slip before the onset), missed {}; false alarms in {} of {} that do not\n",
+      "  of {} that slip: seen {}, early {} (called slip before the onset), missed {}; of {} that do not: false alarms {}\n",
       milliseconds(median(delays.delay)), milliseconds(quantile(delays.delay, 0.25)), milliseconds(quantile(delays.delay, 0.75)),
-      delays.delay.size(), delays.slipping, delays.delay.size(), delays.early, delays.missed, delays.false_alarms,
-      delays.sequences - delays.slipping);
+      delays.delay.size(), delays.slipping, delays.delay.size(), delays.early, delays.missed, delays.sequences - delays.slipping,
+      delays.false_alarms);
 }
 
 // How both read a dataset.

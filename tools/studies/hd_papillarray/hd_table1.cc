@@ -29,29 +29,27 @@ double accuracy_of(const Evaluation& e) { return accuracy(e.all); }
 double balanced(const Evaluation& e) { return balanced_accuracy(e.all); }
 double slip_recall(const Evaluation& e) { return recall_of_slip(e.all); }
 double moving_balanced(const Evaluation& e) { return balanced_accuracy(e.moving); }
-double moving_slip_recall(const Evaluation& e) { return recall_of_slip(e.moving); }
 
 ResultTable main_table(const EncoderDraws& by_sequence, const EncoderDraws& by_frame) {
   ResultTable table;
   table.title = "Recall of slip, balanced accuracy and the paper's accuracy, in %: mean +- SD of five draws";
-  table.head = {"model",           "recall of slip", "balanced accuracy",  "moving: recall of slip", "moving: balanced",
+  table.head = {"model",           "recall of slip", "balanced accuracy",  "moving: balanced",
                 "accuracy: paper", "accuracy: ours", "by frame: balanced", "by frame: accuracy"};
   const std::array<hd::Model, 4> models = ablation({});
   for (std::size_t i = 0; i < models.size(); ++i) {
     table.rows.push_back({model_name(models[i]), percent(over_draws(by_sequence[i], slip_recall)),
-                          percent(over_draws(by_sequence[i], balanced)), percent(over_draws(by_sequence[i], moving_slip_recall)),
-                          percent(over_draws(by_sequence[i], moving_balanced)),
+                          percent(over_draws(by_sequence[i], balanced)), percent(over_draws(by_sequence[i], moving_balanced)),
                           fmt::format("{:.2f} +- {:.2f}", published[i].accuracy, published[i].sd),
                           percent(over_draws(by_sequence[i], accuracy_of)), percent(over_draws(by_frame[i], balanced)),
                           percent(over_draws(by_frame[i], accuracy_of))});
   }
   const Evaluation sequences = pooled(std::span(by_sequence[0]).subspan(1));
   const Evaluation frames = pooled(std::span(by_frame[0]).subspan(1));
-  table.rows.push_back({"best constant answer", "-", percent(constant_balanced_accuracy(sequences.all)), "-",
+  table.rows.push_back({"best constant answer", "-", percent(constant_balanced_accuracy(sequences.all)),
                         percent(constant_balanced_accuracy(sequences.moving)), "-", percent(constant_accuracy(sequences.all)),
                         percent(constant_balanced_accuracy(frames.all)), percent(constant_accuracy(frames.all))});
   table.note =
-      "By sequence unless it says by frame. By sequence: no sequence is in both parts. By frame: frames of one sequence are, which flatters every detector. Recall of slip: share of the frames that slip that are called incipient or gross. Balanced: mean of the recalls. Moving: while the pad slides or turns; the rest is a pad at rest that cannot slip.";
+      "By sequence unless it says by frame. By sequence: no sequence is in both parts. By frame: frames of one sequence are, which flatters every detector. Recall of slip: share of the frames that slip that are called incipient or gross; by the paper's rule all of them move. Balanced: mean of the recalls. Moving: while the pad slides or turns; the rest is a pad at rest that cannot slip.";
   return table;
 }
 

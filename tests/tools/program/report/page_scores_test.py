@@ -26,6 +26,7 @@ class Page(HTMLParser):
     def __init__(self, text):
         super().__init__()
         self.tables, self.figures, self.path, self.cells, self.text = [], {}, [], [], None
+        self.source = text
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
@@ -63,6 +64,10 @@ class Page(HTMLParser):
 
 def percent(share):
     return f"{100 * share:.{1 if 0 < share < 0.1 else 0}f} %"
+
+
+def three_digits(value):
+    return f"{float(f'{value:.3g}'):g}"
 
 
 def scores(trials):
@@ -145,6 +150,20 @@ class PageScoresTest(unittest.TestCase):
         self.assertNotIn("detector right", grasps)
         shown = [trial["detector"] for trial in page.table(["", "trial"])]
         self.assertEqual(shown, [outcome["detection"].replace("_", " ") for outcome in self.outcomes])
+
+    # One trial with the oracle as it is, one with a tenth of its classes wrong, some of them long before slip.
+    def test_success_curves_go_by_balanced_accuracy(self):
+        flips = "sweep={detector.flip: [0, 0.1]}"
+        page = self.page(ROOT / "scenes/grasp/flips.yaml", "--set", flips, "--trials", "2", "--record", "outcome")
+        self.assertEqual([outcome["detection"] for outcome in self.outcomes], ["seen", "early"])
+        self.assertIsNone(self.outcomes[1]["reaction_time_s"])
+        (grasps,) = page.table(["", "held", "share"])
+        self.assertEqual(grasps["early"], "1 of 2")
+        self.assertEqual(grasps["delay, ms"], three_digits(1e3 * self.outcomes[0]["detection_delay_s"]))
+        self.assertEqual(grasps["reaction, ms"], three_digits(1e3 * self.outcomes[0]["reaction_time_s"]))
+        self.assertIn("balanced accuracy of the detector, %", page.source)
+        self.assertIn("share of slips seen, without an early alarm", page.source)
+        self.assertNotIn("detector right", page.source.split("<main")[1])
 
 
 if __name__ == "__main__":

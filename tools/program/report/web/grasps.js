@@ -63,7 +63,7 @@ const quantities = [
     key: 'delay',
     name: 'median delay of the detector',
     unit: 'ms',
-    one: ({detector}) => detector && detector.delay_s !== null ? 1e3 * detector.delay_s : null
+    one: ({detector}) => detector && detector.detection === 'seen' ? 1e3 * detector.delay_s : null
   },
   {
     key: 'seen',
