@@ -31,10 +31,13 @@ TEST_F(Table1Test, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(one.figures, three.figures);
 
   ASSERT_THAT(one.tables, SizeIs(4));
-  EXPECT_THAT(one.tables[0].rows, SizeIs(5));  // four models, and the commonest class
+  EXPECT_THAT(one.tables[0].rows, SizeIs(5));  // four models, and the best constant answer
   for (const ResultTable& table : one.tables) EXPECT_THAT(table.rows, Each(SizeIs(table.head.size()))) << table.title;
   EXPECT_EQ(one.tables[0].rows[3][0], "CL-gstHDC");
-  EXPECT_EQ(one.tables[0].rows[3][1], "91.78 +- 0.53");
+  EXPECT_EQ(one.tables[0].head[1], "recall of slip");
+  EXPECT_EQ(one.tables[0].head[4], "accuracy: paper");
+  EXPECT_EQ(one.tables[0].rows[3][4], "91.78 +- 0.53");
+  EXPECT_EQ(one.tables[0].rows[4][2], "33.33") << "of a constant answer, in three classes";
   EXPECT_THAT(one.setup[0], HasSubstr("data.h5"));
   EXPECT_FALSE(one.figures.contains("scatter"));
   // The model of the first row of the causes is that of the ablation.

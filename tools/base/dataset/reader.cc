@@ -495,6 +495,17 @@ SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& se
   return record;
 }
 
+namespace {
+
+// The outcome of a version before `detection`: slip to be judged by is what has a delay or, without one, any in the samples.
+void settle_old_detection(TrialOutcome& outcome, const Confusion& confusion) {
+  outcome.judged_slip_time = outcome.detection_time - outcome.detection_delay;
+  const bool in_samples = samples_in(confusion, PadState::incipient) + samples_in(confusion, PadState::gross) > 0;
+  settle_detection(outcome, in_samples || !std::isnan(outcome.judged_slip_time));
+}
+
+}  // namespace
+
 TrialRecord DatasetReader::read_trial(std::size_t trial) const {
   TrialRecord record;
   DemoInfo demo = info(trial);
@@ -523,6 +534,9 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
     record.bodies.push_back(std::move(columns));
   }
   record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp);
+  if (record.control && !record.control->detector.empty() && !record.outcome.detection) {
+    settle_old_detection(record.outcome, record.control->confusion);
+  }
   return record;
 }
 

@@ -69,7 +69,8 @@ class DatasetReader {
   // Throws InputError where only the outcome was recorded.
   void check_recorded(std::size_t trial) const;
 
-  // Everything of one trial. `material` is not stored a trial and stays empty.
+  // Everything of one trial. `material` is not stored a trial and stays empty. A file of a version before outcomes had `detection` gets one by
+  // today's rule (settle_detection).
   [[nodiscard]] TrialRecord read_trial(std::size_t trial) const;
   // What a sensor is: "papillarray".
   [[nodiscard]] std::string sensor_type(std::size_t trial, const std::string& sensor) const;

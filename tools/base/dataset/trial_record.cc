@@ -1,7 +1,7 @@
 #include "tools/base/dataset/trial_record.h"
 
+#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -18,6 +18,17 @@ Json nullable(double value) { return std::isnan(value) ? Json(nullptr) : Json(va
 
 double number_or_nan(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
+// By Detection.
+constexpr std::array<std::string_view, 5> detection_words{"quiet", "false_alarm", "early", "seen", "missed"};
+
+Detection detection_of(const std::string& word) {
+  const auto found = std::ranges::find(detection_words, word);
+  if (found == detection_words.end()) {
+    throw InputError(fmt::format("outcome has the detection '{}'; allowed: {}", word, fmt::join(detection_words, ", ")));
+  }
+  return static_cast<Detection>(found - detection_words.begin());
 }
 
 template <class Grasp, class Visit>
@@ -37,14 +48,17 @@ constexpr GraspOutcome no_grasp{.max_grip_force = std::numeric_limits<double>::q
 
 }  // namespace
 
-double accuracy(const Confusion& confusion) {
-  std::size_t right = 0;
-  std::size_t all = 0;
-  for (std::size_t truth = 1; truth < confusion.size(); ++truth) {
-    right += confusion[truth][truth];
-    all = std::accumulate(confusion[truth].begin(), confusion[truth].end(), all);
+std::string_view detection_word(Detection detection) { return detection_words.at(static_cast<std::size_t>(detection)); }
+
+void settle_detection(TrialOutcome& outcome, bool slips) {
+  if (!std::isnan(outcome.false_alarm_time)) {
+    outcome.detection = slips ? Detection::early : Detection::false_alarm;
+  } else {
+    outcome.detection = !slips ? Detection::quiet : std::isnan(outcome.detection_time) ? Detection::missed : Detection::seen;
   }
-  return static_cast<double>(right) / static_cast<double>(all);
+  if (outcome.detection != Detection::early) return;
+  outcome.detection_delay = std::numeric_limits<double>::quiet_NaN();
+  if (outcome.grasp) outcome.grasp->reaction_time = std::numeric_limits<double>::quiet_NaN();
 }
 
 std::string outcome_json(const TrialOutcome& outcome) {
@@ -66,6 +80,10 @@ std::string outcome_json(const TrialOutcome& outcome) {
   json["false_alarm_time_s"] = nullable(outcome.false_alarm_time);
   json["detection_time_s"] = nullable(outcome.detection_time);
   json["detection_delay_s"] = nullable(outcome.detection_delay);
+  if (outcome.detection) {
+    json["judged_slip_time_s"] = nullable(outcome.judged_slip_time);
+    json["detection"] = detection_word(*outcome.detection);
+  }
   if (!outcome.saturated.empty()) json["saturated_samples"] = outcome.saturated;
   return json.dump();
 }
@@ -82,6 +100,10 @@ TrialOutcome parse_outcome(const std::string& text) {
     outcome.false_alarm_time = number_or_nan(json.value("false_alarm_time_s", Json(nullptr)));
     outcome.detection_time = number_or_nan(json.value("detection_time_s", Json(nullptr)));
     outcome.detection_delay = number_or_nan(json.value("detection_delay_s", Json(nullptr)));
+    if (json.contains("detection")) {
+      outcome.judged_slip_time = number_or_nan(json.at("judged_slip_time_s"));
+      outcome.detection = detection_of(json.at("detection").get<std::string>());
+    }
     if (const Json dropped = json.value("dropped", Json(nullptr)); !dropped.is_null()) {
       outcome.grasp = no_grasp;
       outcome.grasp->dropped = dropped.get<bool>();

@@ -8,9 +8,11 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/core/contact_frame.h"
+#include "tools/base/statistics/confusion.h"
 
 namespace slipbench {
 
@@ -23,9 +25,6 @@ struct SensorColumn {
   std::optional<std::vector<double>> time =
       {};  // [T] s, of a channel with a time of its own (Channel); empty: the sensor's samples
 };
-
-// Number of samples in each PadState.
-using StateCounts = std::array<std::size_t, 4>;
 
 // The truth about one pad's contact, sampled with its sensor: L = T samples of N units. Meanings as in ContactFrame.
 struct LabelRecord {
@@ -71,12 +70,6 @@ struct SensorRecord {
   LabelRecord labels;
   std::string follows = {};  // the pad whose contact it reads and which carries, as the scene names it; empty: it has its own
 };
-
-// Samples by true state (strict) and by detector class: [truth][class].
-using Confusion = std::array<StateCounts, 4>;
-
-// Share of the samples in contact whose class is the true state; NaN where nothing ever touches.
-double accuracy(const Confusion& confusion);
 
 // The gripper in the loop, a row a sample of ControlRecord; all empty in a scene that is no grasp.
 struct GripRecord {
@@ -128,10 +121,25 @@ struct GraspOutcome {
   // N, m g/(2 mu_s), mu_s upwards: the least that could hold the box (HeldBox::ideal_force()); NaN where no force could.
   double ideal_grip_force = std::numeric_limits<double>::quiet_NaN();
   // s, from the first tick of the lift at which a unit of the sensor's pad truly slips until a command that follows from a later read, and
-  // closes further, begins to act; NaN: none before the drop.
+  // closes further, begins to act; NaN: none before the drop, or the detector is Detection::early.
   double reaction_time = std::numeric_limits<double>::quiet_NaN();
   std::optional<TurnOutcome> turn = {};  // empty where the arm's motion is prescribed
 };
+
+// How a detector did in a trial. An alarm is a tick at which the loop sees incipient or gross. The first one decides, as the stopping time does in
+// sequential change detection (A. N. Shiryaev, Theory Probab. Appl. 8, 1963; G. Lorden, Ann. Math. Stat. 42, 1971), where the delay is that of
+// the runs without an alarm before the change. So a detector that alarms before the slip has no delay in that trial, also where the alarm is
+// withdrawn and comes again after the slip began: a loop has acted on the first one, and one that comes and goes would meet any slip at once.
+enum class Detection : std::uint8_t {
+  quiet,        // no slip, no alarm
+  false_alarm,  // no slip, an alarm
+  early,        // an alarm before the slip
+  seen,         // the first alarm comes once slip has begun: the one case with a delay
+  missed,       // slip, no alarm
+};
+
+// "quiet", "false_alarm", "early", "seen", "missed"
+std::string_view detection_word(Detection detection);
 
 // How a trial ended. NaN: it never happened. With several sensors the earliest time and the largest distance count, but for those that follow
 // another's pad.
@@ -142,11 +150,15 @@ struct TrialOutcome {
   double gross_slip_time = std::numeric_limits<double>::quiet_NaN();        // s, all touching units slip
   double max_slip_distance = 0.0;                                           // m, of any unit
 
-  // Of the detector. Slip is that of the sensor that it reads, by the rule strict: it begins when a first unit slips as a whole. In a grasp
-  // only what is between the lift's beginning and a drop counts.
-  double false_alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, first tick before slip that shows incipient or gross
-  double detection_time = std::numeric_limits<double>::quiet_NaN();    // s, first tick after it began that does
-  double detection_delay = std::numeric_limits<double>::quiet_NaN();   // s, from when it began to detection_time
+  // Of the detector. Slip is that of the sensor that it reads, by the rule strict: it begins when a first unit slips as a whole. In a grasp it is
+  // the first of the lift, and nothing counts from a drop on. Alarms count from the trial's beginning; what closing fingers make slip is no false
+  // alarm, so in a grasp whose sensor slips before the lift none counts from that slip to the lift.
+  double false_alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, first alarm before slip
+  double detection_time = std::numeric_limits<double>::quiet_NaN();    // s, first alarm once slip has begun
+  double detection_delay =
+      std::numeric_limits<double>::quiet_NaN();  // s, from when it began to detection_time; of Detection::seen alone
+  double judged_slip_time = std::numeric_limits<double>::quiet_NaN();  // s, when it began
+  std::optional<Detection> detection = {};                             // empty: the scene has no detector
 
   std::optional<GraspOutcome> grasp;  // empty: the scene is none
 
@@ -156,12 +168,17 @@ struct TrialOutcome {
 };
 
 // The JSON object of a demo's attribute `outcome`: touch_time_s, first_micro_slip_time_s, first_slip_time_s, gross_slip_time_s,
-// max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s; and of a grasp, null without one: dropped, drop_time_s,
+// max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s; only with a detector: judged_slip_time_s, detection (a
+// detection_word()); and of a grasp, null without one: dropped, drop_time_s,
 // slip_translation_m, slip_rotation_rad, max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s; and only where the arm is guided: tilt_rad,
 // least_tilt_rad, standing. Only where a converter was at an end of its range: saturated_samples, an object {sensor: samples}.
 std::string outcome_json(const TrialOutcome& outcome);
 // The inverse. A dataset of a version without detectors has none of their keys. Throws InputError when `text` is no such object.
 TrialOutcome parse_outcome(const std::string& text);
+
+// Says how the detector did: sets `detection`, from `false_alarm_time`, `detection_time` and whether there is slip to be judged by. Of an early one
+// it takes away the delay, and the reaction time of a grasp, whose loop has closed for the alarm and not for the slip.
+void settle_detection(TrialOutcome& outcome, bool slips);
 
 struct TrialRecord {
   std::size_t trial = 0;          // k of demo_<k>

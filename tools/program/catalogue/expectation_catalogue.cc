@@ -99,12 +99,14 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
              "Largest distance that any unit slips over the surface; with fidelity mujoco_contact the unit's creep counts.",
              "max_slip_distance_m", [](const TrialOutcome& o) { return o.max_slip_distance; }),
 
-      of_detector(flag("false_alarm", "Whether the detector says slip before any unit of its sensor slips as a whole.",
-                       "false_alarm_time_s", [](const TrialOutcome& o) { return std::isnan(o.false_alarm_time) ? 0.0 : 1.0; })),
-      of_detector(
-          number("max_detection_delay", at_most, time, "50 ms",
-                 "Time from the first slip of a whole unit until the detector first reports slip. A trial without slip fails.",
-                 "detection_delay_s", [](const TrialOutcome& o) { return o.detection_delay; })),
+      of_detector(flag(
+          "false_alarm",
+          "Whether the detector says slip before any unit of its sensor slips as a whole; in a grasp also in the lift before its own first slip.",
+          "false_alarm_time_s", [](const TrialOutcome& o) { return std::isnan(o.false_alarm_time) ? 0.0 : 1.0; })),
+      of_detector(number(
+          "max_detection_delay", at_most, time, "50 ms",
+          "Time from the first slip of a whole unit until the detector first reports slip. A trial without slip fails, and so does one with an alarm before the slip.",
+          "detection_delay_s", [](const TrialOutcome& o) { return o.detection_delay; })),
 
       of_box(flag("dropped", "Whether the box falls.", "dropped",
                   [](const TrialOutcome& o) { return grasp_of(o).dropped ? 1.0 : 0.0; })),
@@ -127,7 +129,7 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
                       [](const TrialOutcome& o) { return grasp_of(o).max_grip_force / grasp_of(o).ideal_grip_force; })),
       of_grasp(number(
           "max_reaction_time", at_most, time, "150 ms",
-          "Time from the first true slip of a unit in the lift until the fingers close. A trial without slip fails: it shows no reaction.",
+          "Time from the first true slip of a unit in the lift until the fingers close. A trial without slip fails: it shows no reaction. Nor does one whose detector alarmed before the slip.",
           "reaction_time_s", [](const TrialOutcome& o) { return grasp_of(o).reaction_time; })),
   };
   return kinds;

@@ -245,6 +245,7 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
                    .confidence = expect.confidence,
                    .control = expect.control,
                    .expectations = {},
+                   .detectors = {},
                    .failures = {},
                    .replayed = {},
                    .files = {}};
@@ -255,6 +256,7 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
   const SweepSummary summary = run_sweep(sweep, catalogues, progress);
   check.interrupted = summary.interrupted;
   if (check.interrupted) return check;
+  check.detectors = detector_scores(summary.trials);
   const std::vector<CheckedTrial> trials = checked_trials(summary);
   for (const Named& expectation : expectations) check.expectations.push_back(result_of(expectation, options, summary, trials));
   for (const FailedTrial& trial : summary.failed) check.failures.push_back(trial.message);

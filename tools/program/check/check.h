@@ -12,6 +12,7 @@
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
 #include "tools/base/statistics/binomial.h"
+#include "tools/program/run/detector_score.h"
 #include "tools/program/run/run_sweep.h"
 
 namespace slipbench {
@@ -69,9 +70,10 @@ struct SceneCheck {
   Verdict verdict = Verdict::not_checked;
   bool interrupted = false;  // then nothing else is said
   std::vector<ExpectationResult> expectations;
-  std::vector<std::string> failures;    // why trials failed to run, in their order: "trial 3: ..."
-  std::optional<std::size_t> replayed;  // trial that the files below hold: it fails most of the expectations that failed
-  std::vector<std::string> files;       // dataset, then report
+  std::vector<DetectorScore> detectors;  // how they did over the trials
+  std::vector<std::string> failures;     // why trials failed to run, in their order: "trial 3: ..."
+  std::optional<std::size_t> replayed;   // trial that the files below hold: it fails most of the expectations that failed
+  std::vector<std::string> files;        // dataset, then report
 };
 
 // Whether the scene expects anything. Throws InputError for a scene that cannot be read.

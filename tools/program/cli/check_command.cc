@@ -21,6 +21,7 @@
 #include "tools/program/cli/accuracy_setting.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
+#include "tools/program/cli/sweep_text.h"
 #include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
 
@@ -45,7 +46,7 @@ std::string check_text(const SceneCheck& check, const Style& style) {
                result.control_kept ? count_text(*result.control_kept, check.control_trials) : "-",
                result.passed() ? "ok" : "FAIL"});
   }
-  text += table.text(style);
+  text += table.text(style) + detectors_text(check.detectors, style);
   for (const ExpectationResult& result : check.expectations) {
     if (!result.passed())
       text += fmt::format("  {} {}\n    replay: {}\n", style.error("FAIL"), failure_text(result), result.replay);
@@ -80,6 +81,7 @@ Json check_json(const SceneCheck& check) {
           {"control", check.control.empty() ? Json(nullptr) : Json(check.control)},
           {"control_trials", check.control_trials},
           {"expectations", std::move(expectations)},
+          {"detectors", detectors_json(check.detectors)},
           {"failures", check.failures},
           {"replayed", check.replayed ? Json(*check.replayed) : Json(nullptr)},
           {"files", check.files}};

@@ -81,6 +81,9 @@ void print_json(const Finished& finished, TrialsJson& trials) {
   json["computed_s"] = finished.summary.computed;
   json["times_real_time"] = finished.summary.simulated / finished.elapsed;
   json["times_real_time_per_core"] = finished.summary.simulated / finished.summary.computed;
+  if (const std::vector<DetectorScore> scores = detector_scores(finished.summary.trials); !scores.empty()) {
+    json["detectors"] = detectors_json(scores);
+  }
   if (std::vector<GraspRow> rows = grasp_rows(finished.summary); !rows.empty()) json["grasps"] = grasp_json(rows);
   trials.print(json.dump());
 }

@@ -15,6 +15,7 @@
 
 #include "sim/core/detector.h"
 #include "sim/core/sensor.h"
+#include "tools/base/statistics/confusion.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/cli/progress.h"
@@ -115,23 +116,14 @@ std::vector<std::string> stage_row(const std::string& name, const std::vector<Tr
   return {name, std::to_string(times.size()), onset_text(first), onset_text(median(times)), onset_text(last)};
 }
 
-std::string accuracy_text(const Confusion& confusion) {
-  const double share = accuracy(confusion);
-  return std::isnan(share) ? "nothing ever touches" : fmt::format("right in {:.1f} % of the time in contact", 100.0 * share);
-}
+std::string percent_text(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100.0 * share); }
+
+std::string milliseconds_text(double time) { return std::isnan(time) ? "-" : fmt::format("{:.1f} ms", 1e3 * time); }
+
+std::string count_of_text(std::size_t count, std::size_t of) { return of == 0 ? "-" : fmt::format("{} of {}", count, of); }
 
 // What stands before its figures: "force_ratio", "oracle (truth)".
 std::string detector_title(const std::string& type) { return type == oracle_type ? fmt::format("oracle ({})", type) : type; }
-
-// Whether the detector's sensor slipped: a slip too short for its samples shows by its detection alone.
-bool slipped(const TrialSummary& trial) {
-  const Confusion& confusion = trial.detector->confusion;
-  const auto samples = [&](PadState truth) {
-    const StateCounts& row = confusion[static_cast<std::size_t>(truth)];
-    return std::accumulate(row.begin(), row.end(), std::size_t{0});
-  };
-  return !std::isnan(trial.outcome.detection_delay) || samples(PadState::incipient) + samples(PadState::gross) > 0;
-}
 
 // How one trial's grasp ended.
 std::string grasp_text(const GraspOutcome& grasp, const Style& style) {
@@ -237,45 +229,28 @@ std::string saturations_text(const std::vector<TrialSummary>& trials, const Styl
   return text;
 }
 
-// When one trial's detector saw slip, against when it began.
-std::string detector_text(const TrialSummary& trial, const Style& style) {
-  const TrialOutcome& outcome = trial.outcome;
-  std::string text = fmt::format("  {} on {}: ", style.bold(detector_title(trial.detector->type)), trial.detector->sensor);
-  if (!slipped(trial)) {
-    text += "no slip to see";
-  } else if (std::isnan(outcome.detection_time)) {
-    text += "slip not seen";
-  } else {
-    text += fmt::format("slip seen at {}, {:.1f} ms after it began", onset_text(outcome.detection_time),
-                        1e3 * outcome.detection_delay);
+// What one trial's detector did about the slip.
+std::string detection_text(const TrialOutcome& outcome) {
+  switch (outcome.detection.value()) {
+    case Detection::quiet: return "no slip to see, and no alarm";
+    case Detection::false_alarm: return fmt::format("false alarm at {}, nothing slips", onset_text(outcome.false_alarm_time));
+    case Detection::early: return fmt::format("early: alarm at {}, before the slip", onset_text(outcome.false_alarm_time));
+    case Detection::seen:
+      return fmt::format("slip seen {} after it began, at {}", milliseconds_text(outcome.detection_delay),
+                         onset_text(outcome.detection_time));
+    case Detection::missed: return "slip missed";
   }
-  if (!std::isnan(outcome.false_alarm_time)) text += fmt::format("; false alarm at {}", onset_text(outcome.false_alarm_time));
-  return text + "; " + accuracy_text(trial.detector->confusion) + '\n';
+  throw std::logic_error("no such detection");
 }
 
-// The same of all trials with one type of detector.
-std::string detectors_text(const std::string& type, const std::vector<TrialSummary>& trials, const Style& style) {
-  std::size_t slips = 0;
-  std::size_t alarms = 0;
-  std::vector<double> delays;
-  Confusion confusion{};
-  for (const TrialSummary& trial : trials) {
-    if (!trial.detector || trial.detector->type != type) continue;
-    if (slipped(trial)) ++slips;
-    if (!std::isnan(trial.outcome.false_alarm_time)) ++alarms;
-    if (!std::isnan(trial.outcome.detection_delay)) delays.push_back(trial.outcome.detection_delay);
-    for (std::size_t truth = 0; truth < confusion.size(); ++truth) {
-      for (std::size_t seen = 0; seen < confusion.size(); ++seen)
-        confusion[truth][seen] += trial.detector->confusion[truth][seen];
-    }
-  }
-  std::string text =
-      fmt::format("  {}: slip seen in {} of {} trials that slip", style.bold(detector_title(type)), delays.size(), slips);
-  if (!delays.empty()) {
-    text += fmt::format(", {:.1f} ms after it began (median; at worst {:.1f} ms)", 1e3 * median(delays),
-                        1e3 * std::ranges::max(delays));
-  }
-  return text + fmt::format("; false alarm before it in {}; {}\n", alarms, accuracy_text(confusion));
+std::string detector_text(const TrialSummary& trial, const Style& style) {
+  const Confusion& confusion = trial.detector->confusion;
+  const std::string head = fmt::format("  {} on {}: {}", style.bold(detector_title(trial.detector->type)), trial.detector->sensor,
+                                       detection_text(trial.outcome));
+  if (samples_in_contact(confusion) == 0) return head + "; nothing ever touches\n";
+  return fmt::format("{}; recall of slip {}, balanced accuracy {} (any constant answer: {})\n", head,
+                     percent_text(recall_of_slip(confusion)), percent_text(balanced_accuracy(confusion)),
+                     percent_text(constant_balanced_accuracy(confusion)));
 }
 
 }  // namespace
@@ -351,12 +326,47 @@ std::string sweep_text(const SweepSummary& summary, const Style& style) {
   }
   std::string text = fmt::format("{}\n", style.heading(fmt::format("{} trials", summary.trials.size()))) + table.text(style) +
                      class_text(strict, micro) + saturations_text(summary.trials, style);
-  std::vector<std::string> types;
-  for (const TrialSummary& trial : summary.trials) {
-    if (trial.detector && std::ranges::find(types, trial.detector->type) == types.end()) types.push_back(trial.detector->type);
-  }
-  for (const std::string& type : types) text += detectors_text(type, summary.trials, style);
+  text += detectors_text(detector_scores(summary.trials), style);
   return text + grasps_text(grasp_rows(summary), style);
+}
+
+std::string detectors_text(const std::vector<DetectorScore>& scores, const Style& style) {
+  if (scores.empty()) return "";
+  Table table({"", "recall of slip", "balanced accuracy", "constant answer", "median delay", "worst", "seen", "early", "missed",
+               "false alarms"});
+  for (const DetectorScore& score : scores) {
+    table.add({detector_title(score.type), percent_text(recall_of_slip(score.confusion)),
+               percent_text(balanced_accuracy(score.confusion)), percent_text(constant_balanced_accuracy(score.confusion)),
+               milliseconds_text(median(score.delays)), milliseconds_text(quantile(score.delays, 1.0)),
+               count_of_text(score.seen(), score.slipping), count_of_text(score.early, score.slipping),
+               count_of_text(score.missed, score.slipping), count_of_text(score.false_alarms, score.trials - score.slipping)});
+  }
+  return fmt::format("{}: shares of samples in contact; delays of the trials seen; early: alarm before the slip\n",
+                     style.heading("detectors")) +
+         table.text(style);
+}
+
+nlohmann::ordered_json detectors_json(const std::vector<DetectorScore>& scores) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const DetectorScore& score : scores) {
+    list.push_back({{"type", score.type},
+                    {"oracle", score.type == oracle_type},
+                    {"recall_of_slip", recall_of_slip(score.confusion)},
+                    {"balanced_accuracy", balanced_accuracy(score.confusion)},
+                    {"constant_balanced_accuracy", constant_balanced_accuracy(score.confusion)},
+                    {"median_delay_s", median(score.delays)},
+                    {"worst_delay_s", quantile(score.delays, 1.0)},
+                    {"trials", score.trials},
+                    {"slipping", score.slipping},
+                    {"seen", score.seen()},
+                    {"early", score.early},
+                    {"missed", score.missed},
+                    {"false_alarms", score.false_alarms},
+                    {"accuracy", accuracy(score.confusion)},
+                    {"constant_accuracy", constant_accuracy(score.confusion)},
+                    {"confusion", score.confusion}});
+  }
+  return list;
 }
 
 std::vector<GraspRow> grasp_rows(const SweepSummary& summary) {

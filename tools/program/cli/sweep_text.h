@@ -10,6 +10,7 @@
 #include "sim/scene/scene.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/program/cli/terminal.h"
+#include "tools/program/run/detector_score.h"
 #include "tools/program/run/run_sweep.h"
 
 namespace slipbench {
@@ -58,8 +59,15 @@ std::vector<GraspRow> grasp_rows(const SweepSummary& summary);
 // "median_slip_rotation_rad", "median_force_ratio", "median_reaction_time_s"}; null for NaN.
 nlohmann::ordered_json grasp_json(const std::vector<GraspRow>& rows);
 
-// Several trials: how many reached each stage of slip and when (earliest, median, latest), the shares of the classes, a line for
-// each type of detector, and a table of the grasps.
+// A table of how the detectors did; empty where there is none.
+std::string detectors_text(const std::vector<DetectorScore>& scores, const Style& style);
+
+// The same as a JSON array: {"type", "oracle", "recall_of_slip", "balanced_accuracy", "constant_balanced_accuracy", "median_delay_s",
+// "worst_delay_s", "trials", "slipping", "seen", "early", "missed", "false_alarms", "accuracy", "constant_accuracy", "confusion"}; null for NaN.
+nlohmann::ordered_json detectors_json(const std::vector<DetectorScore>& scores);
+
+// Several trials: how many reached each stage of slip and when (earliest, median, latest), the shares of the classes, and tables of the
+// detectors and of the grasps.
 std::string sweep_text(const SweepSummary& summary, const Style& style);
 
 // "800 s simulated in 3.2 s: 250 x real time, 62 trials/s; one core steps at 400 x real time". The first rate is that of the whole

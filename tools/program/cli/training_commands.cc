@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/base/statistics/confusion.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/table.h"
@@ -27,25 +28,44 @@ std::string percent(double value) { return std::isnan(value) ? "-" : fmt::format
 std::string percent(const MeanSd& value) { return fmt::format("{} +- {}", percent(value.mean), percent(value.sd)); }
 std::string milliseconds(double value) { return std::isnan(value) ? "-" : fmt::format("{:.1f}", 1e3 * value); }
 
+// Accuracy comes last: it goes by what is common.
+struct Figure {
+  const char* name;
+  double (*of)(const Confusion&);
+  Confusion Evaluation::*frames;
+};
+constexpr std::array figures{Figure{"recall of slip", recall_of_slip, &Evaluation::all},
+                             Figure{"balanced accuracy", balanced_accuracy, &Evaluation::all},
+                             Figure{"balanced accuracy of a constant answer", constant_balanced_accuracy, &Evaluation::all},
+                             Figure{"moving frames: recall of slip", recall_of_slip, &Evaluation::moving},
+                             Figure{"moving frames: balanced accuracy", balanced_accuracy, &Evaluation::moving},
+                             Figure{"accuracy", accuracy, &Evaluation::all},
+                             Figure{"accuracy of the best constant answer", constant_accuracy, &Evaluation::all}};
+
 std::string draws_text(const TrainSummary& summary, const Style& style) {
-  Table table({"accuracy in %", "by sequence", "draw 0", "by frame"});
-  const auto add = [&](const char* name, auto&& figure) {
-    table.add({name, percent(over_draws(summary.by_sequence, figure)), percent(figure(summary.by_sequence.front())),
+  Table table({"in %", "by sequence", "draw 0", "by frame"});
+  for (const Figure& row : figures) {
+    const auto figure = [&](const Evaluation& e) { return row.of(e.*row.frames); };
+    table.add({row.name, percent(over_draws(summary.by_sequence, figure)), percent(figure(summary.by_sequence.front())),
                percent(over_draws(summary.by_frame, figure))});
-  };
-  add("all frames", [](const Evaluation& e) { return e.all.accuracy(); });
-  add("balanced", [](const Evaluation& e) { return e.all.balanced_accuracy(); });
-  add("moving frames", [](const Evaluation& e) { return e.moving.accuracy(); });
-  add("moving, balanced", [](const Evaluation& e) { return e.moving.balanced_accuracy(); });
+  }
   return table.text(style);
 }
 
-std::string confusion_text(const ConfusionMatrix& confusion, const Style& style) {
+std::string figures_text(const Evaluation& evaluation, const Style& style) {
+  Table table({"", "in %"});
+  for (const Figure& row : figures) table.add({row.name, percent(row.of(evaluation.*row.frames))});
+  return table.text(style);
+}
+
+std::string confusion_text(const Confusion& confusion, const Style& style) {
   Table table({"true class", "called non-slip", "called incipient", "called gross", "recall in %"});
   for (const auto& [name, truth] : classes) {
     std::vector<std::string> row{name};
-    for (const auto& [other, called] : classes) row.push_back(std::to_string(confusion.count(truth, called)));
-    row.push_back(percent(confusion.recall(truth)));
+    for (const auto& [other, called] : classes) {
+      row.push_back(std::to_string(confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(called)]));
+    }
+    row.push_back(percent(recall(confusion, truth)));
     table.add(std::move(row));
   }
   return table.text(style);
@@ -53,10 +73,11 @@ std::string confusion_text(const ConfusionMatrix& confusion, const Style& style)
 
 std::string delays_text(const Delays& delays) {
   return fmt::format(
-      "  first slip called after the true onset: median {} ms, quartiles {} and {} ms, of {} sequences\n"
-      "  early {}, missed {}, of {} that slip; false alarms before the onset in {} of {} sequences\n",
+      "  delay from the true onset: median {} ms, quartiles {} and {} ms, of the {} sequences seen\n"
+      "  of {} that slip: seen {}, early {} (called slip before the onset), missed {}; of {} that do not: false alarms {}\n",
       milliseconds(median(delays.delay)), milliseconds(quantile(delays.delay, 0.25)), milliseconds(quantile(delays.delay, 0.75)),
-      delays.delay.size(), delays.early, delays.missed, delays.slipping, delays.false_alarms, delays.sequences);
+      delays.delay.size(), delays.slipping, delays.delay.size(), delays.early, delays.missed, delays.sequences - delays.slipping,
+      delays.false_alarms);
 }
 
 // How both read a dataset.
@@ -115,7 +136,7 @@ int TrainCommand::run() {
              style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(options.model),
                                        slip_rule_name(options.sequences.labels), summary.sequences, summary.samples)),
              draws_text(summary, style), style.heading("by sequence, the tests of the five draws together"),
-             confusion_text(sum.all, style), delays_text(sum.delays), style.good("written:"), options.output, style.dim("next:"),
+             delays_text(sum.delays), confusion_text(sum.all, style), style.good("written:"), options.output, style.dim("next:"),
              options.dataset, options.output);
   return exit_good;
 }
@@ -143,13 +164,11 @@ int EvalCommand::run() {
   }
   const Style style = style_for(stdout);
   const Evaluation& result = summary.evaluation;
-  Table table({"accuracy in %", "all frames", "moving frames"});
-  table.add({"plain", percent(result.all.accuracy()), percent(result.moving.accuracy())});
-  table.add({"balanced", percent(result.all.balanced_accuracy()), percent(result.moving.balanced_accuracy())});
-  fmt::print("{}\n  trained on: {}\n{}\n{}{}",
-             style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(summary.model.model),
-                                       slip_rule_name(options.sequences.labels), summary.sequences, result.all.total())),
-             summary.model.trained, table.text(style), confusion_text(result.all, style), delays_text(result.delays));
+  fmt::print(
+      "{}\n  trained on: {}\n{}{}\n{}",
+      style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(summary.model.model),
+                                slip_rule_name(options.sequences.labels), summary.sequences, samples_in_contact(result.all))),
+      summary.model.trained, figures_text(result, style), delays_text(result.delays), confusion_text(result.all, style));
   return exit_good;
 }
 

@@ -104,6 +104,7 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
                        {"oracle", record.control->detector == oracle_type},
                        {"sensor", record.control->sensor},
                        {"confusion", record.control->confusion},
+                       {"detection", detection_word(record.outcome.detection.value())},
                        {"detection_s", report::number_or_null(record.outcome.detection_time)},
                        {"delay_s", report::number_or_null(record.outcome.detection_delay)},
                        {"false_alarm_s", report::number_or_null(record.outcome.false_alarm_time)}};

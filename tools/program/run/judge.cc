@@ -34,7 +34,9 @@ void Judge::note_events(std::size_t pad, const ContactFrame& truth, bool detecte
     if (slip) keep_earliest(unit.onset_time, event.time);
     // By the rule strict, on a pad of a single unit when a part of it slips (unit_rules.h).
     const bool begins = has_one_unit(pad) ? micro : slip;
-    if (begins && detected && event.time >= judged_from()) keep_earliest(slip_onset_, event.time);
+    if (!begins || !detected) continue;
+    keep_earliest(any_slip_onset_, event.time);
+    if (event.time >= judged_from()) keep_earliest(outcome_.judged_slip_time, event.time);
   }
 }
 
@@ -44,12 +46,14 @@ void Judge::note_gross_slip(std::size_t pad, const ContactFrame& truth) {
 }
 
 void Judge::judge_detection(const Tick& tick, const ContactFrame& truth, PadState seen) {
-  if (slips(seen) && truth.time >= judged_from() && !(outcome_.grasp && outcome_.grasp->dropped)) {
-    double& first = std::isnan(slip_onset_) ? outcome_.false_alarm_time : outcome_.detection_time;
+  // What is seen of the slip of closing fingers is neither a false alarm nor what is asked for.
+  const bool counts = std::isnan(any_slip_onset_) || truth.time >= judged_from();
+  if (slips(seen) && counts && !(outcome_.grasp && outcome_.grasp->dropped)) {
+    double& first = std::isnan(outcome_.judged_slip_time) ? outcome_.false_alarm_time : outcome_.detection_time;
     if (std::isnan(first)) first = truth.time;
   }
   if (tick.sample == nullptr) return;
-  ++result_.record.control->confusion[static_cast<std::size_t>(truth.state)][static_cast<std::size_t>(seen)];
+  count(result_.record.control->confusion, truth.state, seen);
 }
 
 void Judge::judge_grasp(const ContactFrame& truth, const ControlLoop::Tightening& tightening) {
@@ -81,7 +85,10 @@ void Judge::judge_turn() {
 }
 
 void Judge::finish(std::span<const std::unique_ptr<Sensor>> sensors) {
-  outcome_.detection_delay = outcome_.detection_time - slip_onset_;
+  if (result_.record.control && !result_.record.control->detector.empty()) {
+    outcome_.detection_delay = outcome_.detection_time - outcome_.judged_slip_time;
+    settle_detection(outcome_, !std::isnan(outcome_.judged_slip_time));
+  }
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
     const ContactFrame& last = simulation_.contact(pad);
     SensorRecord& sensor = result_.record.sensors[pad];

@@ -42,7 +42,7 @@ class Judge {
  private:
   [[nodiscard]] bool follows(std::size_t pad) const { return !scene_.sensors[pad].follows.empty(); }
   [[nodiscard]] bool has_one_unit(std::size_t pad) const { return result_.units[pad].size() == 1; }
-  // s, from when on the loop is judged.
+  // s, from when on slip is what the loop is judged by.
   [[nodiscard]] double judged_from() const {
     return box_ != nullptr ? box_->lift_start() : -std::numeric_limits<double>::infinity();
   }
@@ -63,7 +63,8 @@ class Judge {
   TrialOutcome& outcome_;
   double slip_tick_ =
       std::numeric_limits<double>::quiet_NaN();  // s, first tick of a grasp's lift at which a unit of its pad slips
-  double slip_onset_ = std::numeric_limits<double>::quiet_NaN();  // s, when a first unit of the detector's pad slips as a whole
+  double any_slip_onset_ = std::numeric_limits<
+      double>::quiet_NaN();  // s, when a first unit of the detector's pad slips as a whole, also before a lift
 };
 
 }  // namespace slipbench

@@ -17,6 +17,7 @@
 #include "sim/core/error.h"
 #include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/kept_trials.h"
+#include "tools/base/statistics/confusion.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
@@ -399,6 +400,11 @@ std::string trial_json(const TrialSummary& trial) {
     json["detector"] = {{"type", trial.detector->type},
                         {"oracle", trial.detector->type == oracle_type},
                         {"sensor", trial.detector->sensor},
+                        {"recall_of_slip", recall_of_slip(trial.detector->confusion)},
+                        {"balanced_accuracy", balanced_accuracy(trial.detector->confusion)},
+                        {"constant_balanced_accuracy", constant_balanced_accuracy(trial.detector->confusion)},
+                        {"accuracy", accuracy(trial.detector->confusion)},
+                        {"constant_accuracy", constant_accuracy(trial.detector->confusion)},
                         {"confusion", trial.detector->confusion}};
   }
   if (!trial.controller.empty()) json["controller"] = trial.controller;

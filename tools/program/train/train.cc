@@ -67,8 +67,8 @@ Evaluation judge(const Classifier& classifier, std::span<const Sequence> sequenc
     const Sample& sample = samples[i];
     if (judged(i)) {
       const PadState state = classifier.classify(sample);
-      evaluation.all.add(sample.label, state);
-      if (sample.moving != 0) evaluation.moving.add(sample.label, state);
+      count(evaluation.all, sample.label, state);
+      if (sample.moving != 0) count(evaluation.moving, sample.label, state);
       time.push_back(sequences[sample.sequence].time[sample.row]);
       called.push_back(state);
     }
@@ -188,7 +188,7 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
       draw_count, threads_for(jobs, draw_count), [&] { return work; }, nullptr);
   std::vector<Evaluation> evaluations;
   while (std::optional<Evaluation> evaluation = workers.next()) {
-    if (evaluation->all.total() == 0) {
+    if (samples_in_contact(evaluation->all) == 0) {
       throw InputError(fmt::format(
           "draw {} leaves no frame to test: {} sequences with contact after a window of {} frames are too few for their conditions",
           evaluations.size(), judged_sequences(samples), model.window));

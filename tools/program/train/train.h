@@ -13,7 +13,8 @@
 #include "detectors/hd/memories.h"
 #include "detectors/hd/memory_files.h"
 #include "detectors/hd/model.h"
-#include "tools/program/train/confusion_matrix.h"
+#include "tools/base/statistics/confusion.h"
+#include "tools/program/train/delays.h"
 #include "tools/program/train/draws.h"
 #include "tools/program/train/sequences.h"
 
@@ -56,8 +57,8 @@ struct Evaluation {
   std::size_t training = 0;  // items trained on, repeats counted: sequences, or frames where the split is by frame
   std::size_t distinct = 0;  // how many of them differ
   std::size_t tested = 0;    // items tested
-  ConfusionMatrix all;       // every sample
-  ConfusionMatrix moving;    // those while the pad moves
+  Confusion all{};           // every sample
+  Confusion moving{};        // those while the pad moves
   Delays delays;             // empty where the split is by frame
 };
 

@@ -16,17 +16,22 @@ constexpr std::array<std::pair<const char*, PadState>, 3> named_classes{
 
 Json number(double value) { return std::isnan(value) ? Json(nullptr) : Json(value); }
 
-Json confusion_json(const ConfusionMatrix& confusion) {
-  Json recall;
+Json confusion_json(const Confusion& confusion) {
+  Json recalls;
   Json counts;
   for (const auto& [name, truth] : named_classes) {
-    recall[name] = number(confusion.recall(truth));
-    for (const auto& [called_name, called] : named_classes) counts[name][called_name] = confusion.count(truth, called);
+    recalls[name] = number(recall(confusion, truth));
+    for (const auto& [called_name, called] : named_classes) {
+      counts[name][called_name] = confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(called)];
+    }
   }
-  return {{"frames", confusion.total()},
-          {"accuracy", number(confusion.accuracy())},
-          {"balanced_accuracy", number(confusion.balanced_accuracy())},
-          {"recall", recall},
+  return {{"frames", samples_in_contact(confusion)},
+          {"recall_of_slip", number(recall_of_slip(confusion))},
+          {"balanced_accuracy", number(balanced_accuracy(confusion))},
+          {"constant_balanced_accuracy", number(constant_balanced_accuracy(confusion))},
+          {"accuracy", number(accuracy(confusion))},
+          {"constant_accuracy", number(constant_accuracy(confusion))},
+          {"recall", recalls},
           {"called", counts}};
 }
 
@@ -63,8 +68,8 @@ Evaluation pooled(std::span<const Evaluation> draws) {
     sum.training += draw.training;
     sum.distinct += draw.distinct;
     sum.tested += draw.tested;
-    sum.all.add(draw.all);
-    sum.moving.add(draw.moving);
+    add(sum.all, draw.all);
+    add(sum.moving, draw.moving);
     sum.delays.add(draw.delays);
   }
   return sum;
@@ -83,11 +88,16 @@ Json evaluation_json(const Evaluation& evaluation) {
 Json draws_json(std::span<const Evaluation> draws) {
   Json each = Json::array();
   for (const Evaluation& draw : draws) each.push_back(evaluation_json(draw));
-  return {{"accuracy", mean_sd_json(over_draws(draws, [](const Evaluation& e) { return e.all.accuracy(); }))},
-          {"balanced_accuracy", mean_sd_json(over_draws(draws, [](const Evaluation& e) { return e.all.balanced_accuracy(); }))},
-          {"moving_accuracy", mean_sd_json(over_draws(draws, [](const Evaluation& e) { return e.moving.accuracy(); }))},
-          {"moving_balanced_accuracy",
-           mean_sd_json(over_draws(draws, [](const Evaluation& e) { return e.moving.balanced_accuracy(); }))},
+  const auto figure = [&draws](double (*of)(const Confusion&), Confusion Evaluation::*frames) {
+    return mean_sd_json(over_draws(draws, [&](const Evaluation& e) { return of(e.*frames); }));
+  };
+  return {{"recall_of_slip", figure(recall_of_slip, &Evaluation::all)},
+          {"balanced_accuracy", figure(balanced_accuracy, &Evaluation::all)},
+          {"accuracy", figure(accuracy, &Evaluation::all)},
+          {"constant_accuracy", figure(constant_accuracy, &Evaluation::all)},
+          {"moving_recall_of_slip", figure(recall_of_slip, &Evaluation::moving)},
+          {"moving_balanced_accuracy", figure(balanced_accuracy, &Evaluation::moving)},
+          {"moving_accuracy", figure(accuracy, &Evaluation::moving)},
           {"pooled", evaluation_json(pooled(draws.subspan(1)))},
           {"draws", each}};
 }

@@ -23,8 +23,8 @@ MeanSd over_draws(std::span<const Evaluation> draws, Figure&& figure) {
 // The same draws put together: their frames and their sequences, those tested in several draws each time.
 Evaluation pooled(std::span<const Evaluation> draws);
 
-// An evaluation: sizes, accuracy, balanced accuracy, recalls and counts, all frames and moving ones, and the delays where there are
-// any. What does not exist is null.
+// An evaluation: sizes, recall of slip, balanced accuracy, accuracy, the last two beside those of constant answers, recalls and
+// counts, all frames and moving ones, and the delays where there are any. What does not exist is null.
 nlohmann::ordered_json evaluation_json(const Evaluation& evaluation);
 
 // All draws: the one for choosing, and mean and standard deviation of the others beside them.

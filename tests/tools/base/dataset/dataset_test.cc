@@ -126,8 +126,35 @@ TEST_F(DatasetTest, DetectorComesBackAsItWasWritten) {
   EXPECT_EQ(found.control->time, expected.control->time);
   EXPECT_EQ(found.control->detector_class, expected.control->detector_class);
   EXPECT_EQ(found.control->confusion, expected.control->confusion);
+  EXPECT_EQ(found.outcome.detection, Detection::seen);
+  EXPECT_EQ(found.outcome.detection_delay, 0.1);
+  EXPECT_EQ(found.outcome.judged_slip_time, 0.3);
   EXPECT_FALSE(reader.read_trial(1).control.has_value());
   EXPECT_THAT(reader.content_sha256(), ElementsAre(content_digest({trial_digest(found), trial_digest(reader.read_trial(1))})));
+}
+
+// Versions before `detection` gave an early alarm a delay, and did not say from when. Slip that has no delay shows in the samples.
+TEST_F(DatasetTest, OldOutcomesAreJudgedByTodaysRule) {
+  TrialRecord seen = make_controlled_record(0, 41), early = make_controlled_record(1, 41), missed = make_controlled_record(2, 41);
+  early.outcome.false_alarm_time = 0.166;
+  missed.outcome.detection_time = missed.outcome.detection_delay = std::numeric_limits<double>::quiet_NaN();
+  {
+    DatasetWriter writer(path("a.h5"), header, 3);
+    for (TrialRecord* record : {&seen, &early, &missed}) {
+      record->outcome.detection.reset();
+      writer.append(TrialEncoder().encode(*record));
+    }
+    writer.commit();
+  }
+  const DatasetReader reader(path("a.h5"));
+  const TrialOutcome of_seen = reader.read_trial(0).outcome, of_early = reader.read_trial(1).outcome;
+  EXPECT_EQ(of_seen.detection, Detection::seen);
+  EXPECT_EQ(of_seen.detection_delay, 0.1);
+  EXPECT_NEAR(of_seen.judged_slip_time, 0.3, 1e-15);
+  EXPECT_EQ(of_early.detection, Detection::early);
+  EXPECT_TRUE(std::isnan(of_early.detection_delay));
+  EXPECT_EQ(of_early.detection_time, 0.4);
+  EXPECT_EQ(reader.read_trial(2).outcome.detection, Detection::missed);
 }
 
 TEST_F(DatasetTest, GripperComesBackAsItWasWritten) {

@@ -34,6 +34,66 @@ TEST(Outcome, KeepsWhatBecameOfTheDetector) {
   EXPECT_EQ(back.detection_delay, outcome.detection_delay);
 }
 
+// Scripts read the three times; the two other keys stand only where a detector is.
+TEST(Outcome, SaysHowTheDetectorDid) {
+  TrialOutcome outcome;
+  EXPECT_EQ(outcome_json(outcome).find("detection\""), std::string::npos);
+  EXPECT_EQ(outcome_json(outcome).find("judged_slip_time_s"), std::string::npos);
+  EXPECT_FALSE(parse_outcome(outcome_json(outcome)).detection.has_value());
+  outcome.judged_slip_time = 2.1651602564102563;
+  for (const Detection detection :
+       {Detection::quiet, Detection::false_alarm, Detection::early, Detection::seen, Detection::missed}) {
+    outcome.detection = detection;
+    const TrialOutcome back = parse_outcome(outcome_json(outcome));
+    EXPECT_EQ(back.detection, detection);
+    EXPECT_EQ(back.judged_slip_time, outcome.judged_slip_time);
+  }
+  EXPECT_THAT(outcome_json(outcome), ::testing::HasSubstr(R"("detection":"missed")"));
+  std::string wrong = outcome_json(outcome);
+  wrong.replace(wrong.find("missed"), 6, "mist");
+  try {
+    parse_outcome(wrong);
+    FAIL() << wrong;
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "outcome has the detection 'mist'; allowed: quiet, false_alarm, early, seen, missed");
+  }
+}
+
+// An outcome whose loop reacted 40 ms after a slip at 1 s.
+TrialOutcome judged(double false_alarm, double detection, bool slips) {
+  TrialOutcome outcome;
+  outcome.grasp = GraspOutcome{.reaction_time = 0.04};
+  outcome.false_alarm_time = false_alarm;
+  outcome.detection_time = detection;
+  if (slips) outcome.judged_slip_time = 1.0;
+  outcome.detection_delay = outcome.detection_time - outcome.judged_slip_time;
+  settle_detection(outcome, slips);
+  return outcome;
+}
+
+TEST(Detection, IsDecidedByTheFirstAlarm) {
+  constexpr double never = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(judged(never, never, false).detection, Detection::quiet);
+  EXPECT_EQ(judged(0.5, never, false).detection, Detection::false_alarm);
+  EXPECT_EQ(judged(never, never, true).detection, Detection::missed);
+  const TrialOutcome seen = judged(never, 1.25, true);
+  EXPECT_EQ(seen.detection, Detection::seen);
+  EXPECT_EQ(seen.detection_delay, 0.25);
+  EXPECT_EQ(seen.grasp->reaction_time, 0.04);
+}
+
+// Alarm at 0.166 s, and at 1.0004 s once more or still: 0.4 ms after the slip began are no delay.
+TEST(Detection, ThatIsEarlyHasNoDelay) {
+  constexpr double never = std::numeric_limits<double>::quiet_NaN();
+  for (const double later : {1.0004, never}) {
+    const TrialOutcome early = judged(0.166, later, true);
+    EXPECT_EQ(early.detection, Detection::early);
+    EXPECT_TRUE(std::isnan(early.detection_delay));
+    EXPECT_TRUE(std::isnan(early.grasp->reaction_time));
+  }
+  EXPECT_EQ(judged(0.166, 1.0004, true).detection_time, 1.0004);
+}
+
 TEST(Outcome, KeepsWhatBecameOfAGrasp) {
   TrialOutcome outcome;
   outcome.grasp =
@@ -75,12 +135,6 @@ TEST(Outcome, NeedsNoDetector) {
       R"({"touch_time_s":0.5,"first_micro_slip_time_s":null,"first_slip_time_s":null,"gross_slip_time_s":null,"max_slip_distance_m":0})");
   EXPECT_EQ(outcome.touch_time, 0.5);
   EXPECT_TRUE(std::isnan(outcome.detection_delay));
-}
-
-// Of 10 samples in contact 3 + 0 + 4 are right; those without contact do not count.
-TEST(Confusion, AccuracyIsThatInContact) {
-  EXPECT_EQ(accuracy({{{7, 1, 1, 1}, {0, 3, 1, 0}, {1, 0, 0, 0}, {0, 0, 1, 4}}}), 0.7);
-  EXPECT_TRUE(std::isnan(accuracy({{{7, 1, 0, 0}, {}, {}, {}}})));
 }
 
 TEST(Outcome, KeepsTheKeysOfAGraspAsNull) {

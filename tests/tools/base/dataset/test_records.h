@@ -91,6 +91,10 @@ inline TrialRecord make_controlled_record(std::size_t trial, std::size_t rows) {
     ++control.confusion[2][row % 4];
   }
   record.control = std::move(control);
+  record.outcome.detection_time = 0.4;
+  record.outcome.detection_delay = 0.1;
+  record.outcome.judged_slip_time = 0.3;
+  record.outcome.detection = Detection::seen;
   return record;
 }
 

@@ -73,6 +73,21 @@ TEST_F(CheckScene, WhatNeverHappensFailsByItsRule) {
   EXPECT_TRUE(still.expectations[1].passed());
 }
 
+// The ratio of tangential to normal force grows from 0 to mu while the pad sticks, so a tenth of mu is passed long before slip, and the alarm stands
+// when it begins. The oracle sees slip at the next sample, within 1 ms.
+TEST_F(CheckScene, AnEarlyAlarmHasNoDelayToKeep) {
+  const std::string delay = "friction: {static: 0.5, kinetic: 0.5}\nexpect: {max_detection_delay: 1.5 ms}\n";
+  const SceneCheck early = check("detector: {type: force_ratio, ratio: 0.05}\n" + delay);
+  EXPECT_EQ(early.verdict, Verdict::failed);
+  EXPECT_EQ(early.expectations[0].worst_text, "never");
+  ASSERT_EQ(early.detectors.size(), 1U);
+  EXPECT_EQ(early.detectors[0].early, 1U);
+  EXPECT_THAT(early.detectors[0].delays, IsEmpty());
+  const SceneCheck seen = check("detector: {type: truth}\n" + delay);
+  EXPECT_EQ(seen.verdict, Verdict::passed);
+  EXPECT_EQ(seen.detectors[0].seen(), 1U);
+}
+
 TEST_F(CheckScene, KOfN) {
   // 9 of 12 trials move.
   const std::string speeds = "sweep: {motion.speed: [20 mm/s, 0 mm/s, 21 mm/s, 22 mm/s], trials: 3}\n";

@@ -61,7 +61,7 @@ TEST(Summary, TrialShowsEveryUnit) {
             "  gross slip at 1.2500 s, 50.0 ms after the first micro-slip\n");
 }
 
-// 20 samples in contact, 3 + 2 + 12 of them right.
+// 20 samples in contact: recalls 3/4, 2/3 and 12/13, and 2 + 1 + 12 of 16 that slip are seen.
 DetectorSummary small_detector() { return {"ratio", "pad", {{{4, 1, 0, 0}, {0, 3, 1, 0}, {0, 1, 2, 0}, {0, 0, 1, 12}}}}; }
 
 TEST(Summary, SaysWhoseConverterWasAtItsEnd) {
@@ -76,22 +76,32 @@ TEST(Summary, SaysWhoseConverterWasAtItsEnd) {
               HasSubstr("\n  saturated: pad: its converter is at an end of its range in 2 of 3 trials, 2 samples of them\n"));
 }
 
-TEST(Summary, TrialSaysWhenTheDetectorSawSlip) {
+constexpr const char* small_figures = "; recall of slip 93.8 %, balanced accuracy 78.0 % (any constant answer: 33.3 %)\n";
+
+// A constant answer has the balanced accuracy of 1 in 3 states.
+TEST(Summary, TrialSaysHowTheDetectorDid) {
   TrialSummary trial = small_trial();
   trial.detector = small_detector();
-  EXPECT_THAT(trial_text(trial, sensors, Style(false)),
-              HasSubstr("\n  ratio on pad: slip not seen; right in 85.0 % of the time in contact\n"));
-  trial.outcome.false_alarm_time = 0.5;
+  const auto text = [&](Detection detection) {
+    trial.outcome.detection = detection;
+    return trial_text(trial, sensors, Style(false));
+  };
+  EXPECT_THAT(text(Detection::missed), HasSubstr(std::string("\n  ratio on pad: slip missed") + small_figures));
   trial.outcome.detection_time = 1.26;
   trial.outcome.detection_delay = 0.01;
+  EXPECT_THAT(text(Detection::seen),
+              HasSubstr(std::string("\n  ratio on pad: slip seen 10.0 ms after it began, at 1.2600 s") + small_figures));
+  trial.outcome.false_alarm_time = 0.5;
+  EXPECT_THAT(text(Detection::early),
+              AllOf(HasSubstr(std::string("\n  ratio on pad: early: alarm at 0.5000 s, before the slip") + small_figures),
+                    Not(HasSubstr("after it began"))));
+  trial.detector->confusion = {{{4, 0, 0, 0}, {0, 19, 1, 0}, {}, {}}};
   EXPECT_THAT(
-      trial_text(trial, sensors, Style(false)),
-      HasSubstr(
-          "\n  ratio on pad: slip seen at 1.2600 s, 10.0 ms after it began; false alarm at 0.5000 s; right in 85.0 % of the time in contact\n"));
+      text(Detection::false_alarm),
+      HasSubstr("\n  ratio on pad: false alarm at 0.5000 s, nothing slips; recall of slip -, balanced accuracy 95.0 % (any "
+                "constant answer: 100.0 %)\n"));
   trial.detector->confusion = {};
-  EXPECT_THAT(trial_text(trial, sensors, Style(false)), HasSubstr("; nothing ever touches\n"));
-  trial.outcome = {};
-  EXPECT_THAT(trial_text(trial, sensors, Style(false)), HasSubstr("\n  ratio on pad: no slip to see; nothing ever touches\n"));
+  EXPECT_THAT(text(Detection::quiet), HasSubstr("\n  ratio on pad: no slip to see, and no alarm; nothing ever touches\n"));
 }
 
 TEST(Summary, CallsTheOracleWhatItIs) {
@@ -99,27 +109,71 @@ TEST(Summary, CallsTheOracleWhatItIs) {
   summary.trials.assign(1, small_trial());
   summary.trials[0].detector = small_detector();
   summary.trials[0].detector->type = "truth";
-  EXPECT_THAT(trial_text(summary.trials[0], sensors, Style(false)), HasSubstr("\n  oracle (truth) on pad: slip not seen"));
-  EXPECT_THAT(sweep_text(summary, Style(false)), HasSubstr("\n  oracle (truth): slip seen in 0 of 1 trials"));
+  summary.trials[0].outcome.detection = Detection::missed;
+  EXPECT_THAT(trial_text(summary.trials[0], sensors, Style(false)), HasSubstr("\n  oracle (truth) on pad: slip missed"));
+  EXPECT_THAT(sweep_text(summary, Style(false)), HasSubstr("\n  oracle (truth) "));
 }
 
-// Four trials with `ratio`: two see their slip, after 10 and 30 ms, one misses it, one does not slip; one false alarm. One trial with
-// another detector.
-TEST(Summary, SweepSaysSoOfEachDetector) {
+// Six trials with `ratio`: two see their slip, after 10 and 30 ms, one alarms before it, one misses it; of two that do not slip one alarms. One
+// trial with another detector.
+SweepSummary detector_sweep() {
   SweepSummary summary;
-  summary.trials.assign(5, small_trial());
-  for (TrialSummary& trial : summary.trials) trial.detector = small_detector();
-  summary.trials[0].outcome.detection_delay = 0.01;
-  summary.trials[2].outcome.detection_delay = 0.03;
-  summary.trials[1].detector->confusion = {{{0, 0, 0, 0}, {0, 20, 0, 0}, {}, {}}};
-  summary.trials[1].outcome.false_alarm_time = 0.5;
-  summary.trials[3].detector->type = "other";
-  // Right: 17 of 20 in three trials and 20 of 20 in one.
+  summary.trials.assign(7, small_trial());
+  for (TrialSummary& trial : summary.trials) {
+    trial.detector = small_detector();
+    trial.outcome.detection = Detection::missed;
+  }
+  const auto see = [&summary](std::size_t trial, double delay) {
+    summary.trials[trial].outcome.detection = Detection::seen;
+    summary.trials[trial].outcome.detection_time = 1.25 + delay;
+    summary.trials[trial].outcome.detection_delay = delay;
+  };
+  see(0, 0.01);
+  see(2, 0.03);
+  // As an early one shows slip at once when it begins, 0.4 ms after: no delay.
+  summary.trials[1].outcome.false_alarm_time = 0.166;
+  summary.trials[1].outcome.detection_time = 1.2504;
+  summary.trials[1].outcome.detection = Detection::early;
+  for (const std::size_t trial : {4U, 5U}) {
+    summary.trials[trial].detector->confusion = {{{0, 0, 0, 0}, {0, 20, 0, 0}, {}, {}}};
+    summary.trials[trial].outcome.detection = Detection::quiet;
+  }
+  summary.trials[5].outcome.detection = Detection::false_alarm;
+  summary.trials[6].detector->type = "other";
+  return summary;
+}
+
+// Recalls of ratio over its trials: (4 3 + 40)/(4 4 + 40), 2/3 and 12/13, whose mean is 0.8394; of slip 15/16.
+TEST(Summary, SweepSaysHowEachDetectorDid) {
   EXPECT_THAT(
-      sweep_text(summary, Style(false)),
+      sweep_text(detector_sweep(), Style(false)),
       HasSubstr(
-          "\n  ratio: slip seen in 2 of 3 trials that slip, 20.0 ms after it began (median; at worst 30.0 ms); false alarm before it in 1; right in 88.8 % of the time in contact\n"
-          "  other: slip seen in 0 of 1 trials that slip; false alarm before it in 0; right in 85.0 % of the time in contact\n"));
+          "\ndetectors: shares of samples in contact; delays of the trials seen; early: alarm before the slip\n"
+          "         recall of slip  balanced accuracy  constant answer  median delay    worst    seen   early  missed  false alarms\n"
+          "  ratio          93.8 %             83.9 %           33.3 %       20.0 ms  30.0 ms  2 of 4  1 of 4  1 of 4        1 of 2\n"
+          "  other          93.8 %             78.0 %           33.3 %             -        -  0 of 1  0 of 1  1 of 1             -\n"));
+}
+
+TEST(Summary, JsonSaysTheSameOfEachDetector) {
+  const nlohmann::ordered_json scores = detectors_json(detector_scores(detector_sweep().trials));
+  ASSERT_EQ(scores.size(), 2U);
+  const nlohmann::ordered_json& ratio = scores[0];
+  EXPECT_EQ(ratio.at("type"), "ratio");
+  EXPECT_FALSE(ratio.at("oracle").get<bool>());
+  EXPECT_DOUBLE_EQ(ratio.at("recall_of_slip").get<double>(), 15.0 / 16.0);
+  EXPECT_DOUBLE_EQ(ratio.at("balanced_accuracy").get<double>(), (52.0 / 56.0 + 2.0 / 3.0 + 12.0 / 13.0) / 3.0);
+  EXPECT_DOUBLE_EQ(ratio.at("constant_balanced_accuracy").get<double>(), 1.0 / 3.0);
+  EXPECT_DOUBLE_EQ(ratio.at("median_delay_s").get<double>(), 0.02);
+  EXPECT_DOUBLE_EQ(ratio.at("worst_delay_s").get<double>(), 0.03);
+  EXPECT_EQ(ratio.at("trials"), 6);
+  EXPECT_EQ(ratio.at("slipping"), 4);
+  EXPECT_EQ(ratio.at("seen"), 2);
+  EXPECT_EQ(ratio.at("early"), 1);
+  EXPECT_EQ(ratio.at("missed"), 1);
+  EXPECT_EQ(ratio.at("false_alarms"), 1);
+  EXPECT_DOUBLE_EQ(ratio.at("accuracy").get<double>(), (4.0 * 17.0 + 40.0) / 120.0);
+  EXPECT_DOUBLE_EQ(ratio.at("constant_accuracy").get<double>(), 56.0 / 120.0);
+  EXPECT_TRUE(nlohmann::ordered_json::parse(scores[1].dump()).at("median_delay_s").is_null());
 }
 
 // A grasp by `type` and step_on_slip; of an ideal 2 N.
@@ -128,6 +182,7 @@ TrialSummary small_grasp(const std::string& type, bool dropped, const std::strin
   trial.params = params;
   trial.detector = small_detector();
   trial.detector->type = type;
+  trial.outcome.detection = Detection::missed;
   trial.controller = "step_on_slip";
   trial.outcome.grasp.emplace();
   trial.outcome.grasp->dropped = dropped;

@@ -201,6 +201,18 @@ TEST(Errors, OfTheOutcomeAreDecisionsThatDiffer) {
   EXPECT_NEAR(error_of(held, dropped, Measure::outcome)->worst, 1.0 / 5.0, 1e-15);
 }
 
+// Seen in both, but early in one: the fifth decision.
+TEST(Errors, OfTheOutcomeTellAnEarlyAlarmFromOneInTime) {
+  TrialResult reference = slipping_pad();
+  reference.record.control.emplace().detector = "force_ratio";
+  reference.record.outcome.detection_time = 0.5;
+  reference.record.outcome.detection = Detection::seen;
+  TrialResult run = reference;
+  EXPECT_FALSE(error_of(run, reference, Measure::outcome)->different);
+  run.record.outcome.detection = Detection::early;
+  EXPECT_NEAR(error_of(run, reference, Measure::outcome)->worst, 1.0 / 5.0, 1e-15);
+}
+
 TEST(Errors, OfTheDetectorAreClassesThatDiffer) {
   TrialResult reference = slipping_pad();
   ControlRecord& control = reference.record.control.emplace();

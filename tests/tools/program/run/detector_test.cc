@@ -49,13 +49,16 @@ double tick_after(double time) { return std::ceil(1e3 * time) * 1e-3; }
 
 std::size_t sum(std::span<const std::size_t> counts) { return std::accumulate(counts.begin(), counts.end(), std::size_t{0}); }
 
+// It warns before the slip and still does when slip begins: no delay comes of that.
 TEST(DetectorInTrial, WarnsWhenTheRatioIsPassed) {
   const TrialRecord record = run_trial(ratio_scene("0.3"), 0, Recording::full).record;
   const LabelRecord& labels = record.sensors[0].labels;
   EXPECT_NEAR(record.outcome.false_alarm_time, tick_after(time_of_ratio(labels, 0.3)), 1e-9);
   // Once slip begins it is seen at once: at the next tick.
   EXPECT_NEAR(record.outcome.detection_time, tick_after(record.outcome.first_slip_time), 1e-9);
-  EXPECT_EQ(record.outcome.detection_delay, record.outcome.detection_time - record.outcome.first_slip_time);
+  EXPECT_EQ(record.outcome.judged_slip_time, record.outcome.first_slip_time);
+  EXPECT_EQ(record.outcome.detection, Detection::early);
+  EXPECT_TRUE(std::isnan(record.outcome.detection_delay));
 
   ASSERT_TRUE(record.control.has_value());
   const ControlRecord& control = *record.control;
@@ -71,6 +74,29 @@ TEST(DetectorInTrial, WarnsWhenTheRatioIsPassed) {
   for (std::size_t truth = 0; truth < 4; ++truth) EXPECT_EQ(sum(control.confusion[truth]), labels.state_count[truth]);
 }
 
+// Of 1800 samples at rest a share of 2 % is flipped to slip, some of them single: the first decides, though the oracle sees the slip at once.
+TEST(DetectorInTrial, ThatWithdrewItsAlarmIsEarlyToo) {
+  const TrialRecord record = run_trial(stage_scene({{"detector", "{type: truth, flip: 0.02}"}}), 0, Recording::full).record;
+  const ControlRecord& control = *record.control;
+  std::size_t first = 0;
+  while (control.detector_class[first] < 2) ++first;
+  EXPECT_EQ(record.outcome.false_alarm_time, control.time[first]);
+  EXPECT_LT(control.time[first], 2.0) << "the stage rests until 2 s";
+  EXPECT_THAT(std::span(control.detector_class).subspan(first, 2000 - first), Contains(1)) << "withdrawn";
+  EXPECT_FALSE(std::isnan(record.outcome.detection_time));
+  EXPECT_EQ(record.outcome.detection, Detection::early);
+  EXPECT_TRUE(std::isnan(record.outcome.detection_delay));
+}
+
+// The stage rests until 2 s.
+TEST(DetectorInTrial, WithoutSlipIsQuietOrWrong) {
+  const auto outcome = [](const std::string& detector) {
+    return run_trial(stage_scene({{"duration", "1.9 s"}, {"detector", detector}}), 0, Recording::outcome).record.outcome;
+  };
+  EXPECT_EQ(outcome("{type: truth}").detection, Detection::quiet);
+  EXPECT_EQ(outcome("{type: truth, flip: 0.02}").detection, Detection::false_alarm);
+}
+
 // A slipping pillar has f_t = mu_k f_n: a ratio above that sees nothing, ever.
 TEST(DetectorInTrial, ThatSeesNothingHasNoDetection) {
   const TrialRecord record = run_trial(ratio_scene("0.501"), 0, Recording::full).record;
@@ -78,7 +104,10 @@ TEST(DetectorInTrial, ThatSeesNothingHasNoDetection) {
   EXPECT_TRUE(std::isnan(record.outcome.false_alarm_time));
   EXPECT_TRUE(std::isnan(record.outcome.detection_time));
   EXPECT_TRUE(std::isnan(record.outcome.detection_delay));
+  EXPECT_EQ(record.outcome.detection, Detection::missed);
   const Confusion& confusion = record.control->confusion;
+  EXPECT_EQ(recall_of_slip(confusion), 0.0);
+  EXPECT_LE(balanced_accuracy(confusion), 1.0 / 3.0) << "no more than a constant answer";
   EXPECT_EQ(confusion[2][1] + confusion[3][1], sum(confusion[2]) + sum(confusion[3]));
 }
 
@@ -97,6 +126,7 @@ TEST(DetectorInTrial, ChangesNothingElse) {
   const TrialRecord without = run_trial(stage_scene({{"motion.acceleration", "1 m/s2"}}), 0, Recording::full).record;
   EXPECT_FALSE(without.control.has_value());
   EXPECT_TRUE(std::isnan(without.outcome.detection_time));
+  EXPECT_FALSE(without.outcome.detection.has_value());
   EXPECT_NE(trial_digest(with), trial_digest(without));
   with.control.reset();
   EXPECT_EQ(trial_digest(with), trial_digest(without));
@@ -115,6 +145,8 @@ TEST(DetectorInTrial, ThatGoesByRatesTellsASlipWhenItsLawSays) {
     const TrialRecord record = run_trial(scene, 0, Recording::full).record;
     EXPECT_NEAR(record.outcome.detection_time, tick_after(record.outcome.first_slip_time + 10e-3), 1e-9) << type;
     EXPECT_TRUE(std::isnan(record.outcome.false_alarm_time)) << type;
+    EXPECT_EQ(record.outcome.detection, Detection::seen) << type;
+    EXPECT_EQ(record.outcome.detection_delay, record.outcome.detection_time - record.outcome.first_slip_time) << type;
     const std::vector<std::uint8_t>& classes = record.control->detector_class;
     const auto first = std::ranges::find(classes, 3) - classes.begin();
     ASSERT_LT(first, std::ssize(classes));
@@ -247,6 +279,9 @@ TEST_F(DetectorSweep, DatasetAndSummaryAgree) {
     EXPECT_EQ(said.at("type"), "gst_hd");
     EXPECT_EQ(said.at("sensor"), "pad");
     EXPECT_EQ(said.at("confusion").get<Confusion>(), trial.detector->confusion);
+    EXPECT_EQ(said.at("recall_of_slip"), recall_of_slip(trial.detector->confusion));
+    EXPECT_EQ(said.at("balanced_accuracy"), balanced_accuracy(trial.detector->confusion));
+    EXPECT_EQ(json.at("trials").at(trial.trial).at("outcome").at("detection"), detection_word(trial.outcome.detection.value()));
     // 400 samples, of which the first 140 come before the window of 15 frames at 100 Hz is full.
     std::size_t silent = 0;
     for (const StateCounts& row : trial.detector->confusion) silent += row[0];

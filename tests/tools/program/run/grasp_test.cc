@@ -157,6 +157,27 @@ TEST(Grasp, LabelsHoldTheTrialsOwnFriction) {
   }
 }
 
+// The fingers close and the box stands until the lift; the oracle is flipped in 2 % of some hundred samples. The loop has closed on the first alarm, long
+// before the lift, so neither it nor its detector has a delay, though the detector sees the slip of the lift.
+TEST(Grasp, AnAlarmBeforeTheLiftIsEarly) {
+  const Scene scene = grasp_scene("detector: {type: truth, flip: 0.02}\ncontroller: {type: step_on_slip}\n", "0.5 kg");
+  const TrialRecord record = run_trial(scene, 0, Recording::full).record;
+  const ControlRecord& control = record.control.value();
+  const std::vector<std::uint8_t>& truth = record.sensors.front().labels.state;
+  std::size_t first = 0;
+  while (control.detector_class[first] < 2) {
+    ASSERT_LT(truth[first], 2) << "it slips before any alarm";
+    ++first;
+  }
+  ASSERT_LT(control.time[first], lift_times(scene.motion.parameters).start);
+  ASSERT_LT(control.detector_class[first + 1], 2) << "withdrawn";
+  EXPECT_NEAR(record.outcome.false_alarm_time, control.time[first], 1e-9);
+  EXPECT_FALSE(std::isnan(record.outcome.detection_time));
+  EXPECT_EQ(record.outcome.detection, Detection::early);
+  EXPECT_TRUE(std::isnan(record.outcome.detection_delay));
+  EXPECT_TRUE(std::isnan(record.outcome.grasp->reaction_time));
+}
+
 // Slips and is lost; what the fingers do to the air afterwards is no reaction, and what the detector says of it no detection.
 TEST(Grasp, NothingIsJudgedAfterTheDrop) {
   const Scene scene =

@@ -149,7 +149,7 @@ TEST(CrossValidation, IsPerfectWhereTheClassIsInTheFrame) {
   const hd::Memories memories = hd::generate(model, 1);
   const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, sequences, 1);
   for (const Evaluation& draw : cross_validate(model, memories, sequences, samples, Split::by_sequence, 1, 1)) {
-    EXPECT_EQ(draw.all.accuracy(), 1.0);
+    EXPECT_EQ(accuracy(draw.all), 1.0);
     EXPECT_EQ(draw.delays.delay, std::vector<double>(draw.tested, 0.0));
     EXPECT_EQ(draw.delays.false_alarms, 0U);
   }
@@ -172,7 +172,7 @@ TEST(CrossValidation, TestsTheSequencesThatDidNotTrainAndNoOther) {
     const BootstrapDraw drawn = bootstrap(conditions, 9, draw);
     std::uint64_t expected = 0;
     for (std::size_t k = 0; k < 8; ++k) expected += drawn.tests(k) ? std::uint64_t{1} << k : 0;
-    EXPECT_EQ(draws[draw].all.total(), expected) << draw;
+    EXPECT_EQ(samples_in_contact(draws[draw].all), expected) << draw;
     EXPECT_EQ(draws[draw].training, 8U);
     EXPECT_EQ(draws[draw].tested + draws[draw].distinct, 8U);
   }
@@ -227,7 +227,7 @@ TEST_F(TrainTest, EvalReadsWhatTrainWrote) {
   const EvalSummary judged = eval_dataset(judging);
   EXPECT_EQ(judged.model.model, small_model());
   EXPECT_THAT(judged.model.trained, HasSubstr("labels paper, seed 1, all 24 sequences"));
-  EXPECT_EQ(judged.evaluation.all.total(), trained.samples);
+  EXPECT_EQ(samples_in_contact(judged.evaluation.all), trained.samples);
   EXPECT_EQ(judged.evaluation.tested, 24U);
   judging.memories = path("nowhere");
   EXPECT_THAT(message_of<InputError>([&] { eval_dataset(judging); }), HasSubstr("nowhere"));

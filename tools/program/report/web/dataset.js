@@ -440,6 +440,13 @@ const graspColumns = () => {
   ];
 };
 
+const detectorColumns = [
+  Object.assign(
+      number('detector', ({detector}) => detector && detector.detection, ({detector}) => detector ? detector.detection.replace('_', ' ') : '–'),
+      {kind: 'text'}),
+  number('delay, ms', ({detector}) => detector && detector.delay_s, ({detector}) => sb.fixed(detector && detector.delay_s !== null ? 1e3 * detector.delay_s : null, 1)),
+];
+
 // All trials; sortable, and opened from here. `sensor`: none where only outcomes were recorded.
 function table(sensor, open) {
   const columns = [
@@ -457,6 +464,7 @@ function table(sensor, open) {
                     kind: axis.numeric ? '' : 'text'
                   })),
     ...(page.trials.some(trial => trial.grasp) ? graspColumns() : []),
+    ...(page.trials.some(trial => trial.detector) ? detectorColumns : []),
     ...(sensor ? slipColumns(sensor) : []),
   ];
   const rows = new Map(page.trials.map(

@@ -6,54 +6,83 @@ const el = sb.element;
 // The detector `truth` is an oracle: no sensor could be it.
 sb.detectorName = type => type === 'truth' ? 'truth (oracle)' : type;
 
-// Sum of the trials' counts: [truth][class].
-const pooled = trials =>
-    d3.range(4).map(truth => d3.range(4).map(seen => d3.sum(trials, trial => trial.detector.confusion[truth][seen])));
-
-// Counts, a row a true state, and the share of the row that is right.
+// Counts, a row a true state, and its recall.
 function confusionTable(counts) {
-  const head = ['truth', ...sb.states.pad.map(state => 'seen as ' + state.name), 'right'];
+  const head = ['truth', ...sb.states.pad.map(state => 'seen as ' + state.name), 'recall'];
   return el(
       'div.scroll', {},
       el('table', {}, el('thead', {}, el('tr', {}, head.map((text, i) => el(i === 0 ? 'th.text' : 'th', {}, text)))),
          el('tbody', {}, counts.map((row, truth) => {
-           const all = d3.sum(row);
            return el(
                'tr', {}, el('td.text', {}, el('b', {}, sb.states.pad[truth].name)),
                row.map((count, seen) => el('td', {}, seen === truth ? el('b', {}, String(count)) : String(count))),
-               el('td', {}, truth === 0 || all === 0 ? '–' : sb.percent(row[truth] / all)));
+               el('td', {}, truth === 0 ? '–' : sb.percent(sb.scores.recall(counts, truth))));
          }))));
 }
 
-// A slip too short for the samples shows by its detection alone.
-const slipped = ({detector}) => detector.delay_s !== null || d3.sum(detector.confusion[2]) + d3.sum(detector.confusion[3]) > 0;
+// How the detector did in one trial: figure of the card, [name, value, note].
+sb.detectionFigure = detector => {
+  const by = sb.detectorName(detector.type);
+  return {
+    quiet: ['Slip seen', 'none', 'nothing slips; ' + by],
+    false_alarm: ['False alarm', sb.seconds(detector.false_alarm_s), 'nothing slips; ' + by],
+    early: ['Early alarm', sb.seconds(detector.false_alarm_s), 'before the slip, so without a delay; ' + by],
+    seen: ['Slip seen after', sb.milliseconds(detector.delay_s), 'at ' + sb.seconds(detector.detection_s) + '; ' + by],
+    missed: ['Slip seen', 'missed', by],
+  }[detector.detection];
+};
 
-function timesText(trials) {
-  const known = key => trials.map(trial => trial.detector[key]).filter(value => value !== null);
-  const delays = known('delay_s'), alarms = known('false_alarm_s');
-  if (trials.length > 1) {
-    return (delays.length ? 'Slip is seen in ' + delays.length + ' of ' + trials.filter(slipped).length + ' trials that slip, ' +
-                    sb.fixed(1e3 * d3.median(delays), 1) + ' ms after it began (median). ' :
-                            'Slip is seen in no trial. ') +
-        'A false alarm before it in ' + alarms.length + '.';
-  }
-  return (delays.length ? 'Slip is seen ' + sb.fixed(1e3 * delays[0], 1) + ' ms after it began.' :
-              slipped(trials[0]) ? 'Its slip is not seen.' :
-                                   'There is no slip to see.') +
-      (alarms.length ? ' False alarm before it at ' + sb.seconds(alarms[0]) + '.' : '');
+// How detectors did over trials.
+sb.detections = trials => {
+  const of = kind => trials.filter(trial => trial.detector && trial.detector.detection === kind);
+  const [seen, early, missed] = ['seen', 'early', 'missed'].map(of);
+  const delays = seen.map(trial => trial.detector.delay_s);
+  return {
+    delay_s: delays.length ? d3.median(delays) : null,
+    worst_s: delays.length ? d3.max(delays) : null,
+    seen: seen.length,
+    early: early.length,
+    missed: missed.length,
+    slipping: seen.length + early.length + missed.length,
+    falseAlarms: of('false_alarm').length,
+    still: of('false_alarm').length + of('quiet').length
+  };
+};
+
+// Recall of slip, balanced accuracy and delay first; accuracy last, beside that of the best constant answer.
+function figuresTable(trials, counts) {
+  const {scores} = sb;
+  const done = sb.detections(trials);
+  const of = (count, all) => all ? count + ' of ' + all : '–';
+  const columns = [
+    ['recall of slip', sb.percent(scores.recallOfSlip(counts))],
+    ['balanced accuracy', sb.percent(scores.balancedAccuracy(counts))],
+    ['of any constant answer', sb.percent(scores.constantBalancedAccuracy(counts))],
+    ['median delay', sb.milliseconds(done.delay_s)],
+    ['worst', sb.milliseconds(done.worst_s)],
+    ['seen', of(done.seen, done.slipping)],
+    ['early', of(done.early, done.slipping)],
+    ['missed', of(done.missed, done.slipping)],
+    ['false alarms', of(done.falseAlarms, done.still)],
+    ['accuracy', sb.percent(scores.accuracy(counts))],
+    ['of the best constant answer', sb.percent(scores.constantAccuracy(counts))],
+  ];
+  return el('div.scroll', {}, el('table', {}, el('thead', {}, el('tr', {}, columns.map(([name]) => el('th', {}, name)))),
+                                 el('tbody', {}, el('tr', {}, columns.map(([, value]) => el('td', {}, value))))));
 }
 
 // `trials`: all with a detector of the same type.
 sb.detectorSection = trials => {
-  const counts = pooled(trials);
-  const contact = d3.sum(d3.range(1, 4), truth => d3.sum(counts[truth]));
-  const right = d3.sum(d3.range(1, 4), truth => counts[truth][truth]);
+  const counts = sb.scores.pooled(trials);
   const {type, sensor} = trials[0].detector;
   return el(
       'section', {}, el('h2', {}, 'Detector ' + sb.detectorName(type) + ' against the truth'),
       el('p.note', {},
-         'Samples of ' + sensor + ' by true state (strict) and by the class that the loop saw at that instant, latency included. ' +
-             timesText(trials) + (contact ? ' Right in ' + sb.percent(right / contact) + ' of the time in contact.' : '')),
+         'Delays are of the trials seen: those without an alarm before the slip. Early: with one. Shares are of the samples in contact; recall of ' +
+             'slip: of those that slip, how many are seen as incipient or gross; balanced accuracy: mean of the recalls.'),
+      figuresTable(trials, counts),
+      el('p.note', {},
+         'Samples of ' + sensor + ' by true state (strict) and by the class that the loop saw at that instant, latency included.'),
       confusionTable(counts));
 };
 

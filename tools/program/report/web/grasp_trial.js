@@ -65,7 +65,8 @@ function outcomeFigures(trial, grasp, recording) {
       el('div', {}, el('div.k', {}, name), el('div.v' + (kind ? '.' + kind : ''), {}, value), el('div.s', {}, note || ''));
   const states = recording.padStates.strict;
   const slip_s = recording.time.find((t, sample) => t >= grasp.lift_s && states[sample] > 1);
-  const reaction = ended.reaction_s === null ? (slip_s === undefined ? 'no slip in the lift' : 'it slips, and the drive does not close') :
+  const early = trial.detector && trial.detector.detection === 'early';
+  const reaction = ended.reaction_s === null ? (early ? 'does not apply: alarm before the slip' : slip_s === undefined ? 'no slip in the lift' : 'it slips, and the drive does not close') :
       ended.dropped && slip_s + ended.reaction_s >= ended.drop_s ? 'true slip to the drive’s closing: after the drop' :
                                                                    'true slip to the drive’s closing';
   const ratio = force => ended.ideal_force_N === null ? '' : sb.fixed(force / ended.ideal_force_N, 2) + ' × ideal';

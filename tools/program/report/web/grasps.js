@@ -59,6 +59,18 @@ const quantities = [
     unit: 'ms',
     one: ({grasp}) => grasp.reaction_s === null ? null : 1e3 * grasp.reaction_s
   },
+  {
+    key: 'delay',
+    name: 'median delay of the detector',
+    unit: 'ms',
+    one: ({detector}) => detector && detector.detection === 'seen' ? 1e3 * detector.delay_s : null
+  },
+  {
+    key: 'seen',
+    name: 'share of slips seen, without an early alarm',
+    unit: '%',
+    good: ({detector}) => detector && ['seen', 'early', 'missed'].includes(detector.detection) ? detector.detection === 'seen' : null
+  },
 ];
 const held = trials => trials.filter(trial => !trial.grasp.dropped).length;
 const medians = quantities.filter(quantity => quantity.one);
@@ -83,16 +95,16 @@ const heldText = trials => {
   const [low, high] = interval(held(trials), trials.length).map(share => sb.fixed(100 * share, 1));
   return 'held ' + held(trials) + ' of ' + trials.length + ' (95 %: ' + low + ' to ' + high + ' %)';
 };
-const accuracyOf = trials => {
-  let right = 0, all = 0;
-  for (const {detector} of trials) {
-    if (!detector) continue;
-    for (const truth of [1, 2, 3]) {
-      right += detector.confusion[truth][truth];
-      all += d3.sum(detector.confusion[truth]);
-    }
-  }
-  return all ? right / all : null;
+// Of the trials that have a detector: their counts in one; null where none has.
+const countsOf = trials => {
+  const judged = trials.filter(trial => trial.detector);
+  return judged.length ? sb.scores.pooled(judged) : null;
+};
+const balancedOf = trials => countsOf(trials) && sb.scores.balancedAccuracy(countsOf(trials));
+const recallOf = trials => countsOf(trials) && sb.scores.recallOfSlip(countsOf(trials));
+const earlyText = trials => {
+  const {early, slipping} = sb.detections(trials);
+  return slipping ? early + ' of ' + slipping : sb.missing;
 };
 
 // What tells the grasps apart: the numbers that can be an axis, and the names of the maps.
@@ -219,7 +231,7 @@ sb.replayCommand = trial => {
 // How each series ended, in a table.
 function overview(swept) {
   const head =
-      ['', 'held', 'share', '95 % interval', 'slip, mm', 'turn, °', 'largest / ideal force', 'reaction, ms', 'detector right'];
+      ['', 'held', 'share', '95 % interval', 'slip, mm', 'turn, °', 'largest / ideal force', 'reaction, ms', 'delay, ms', 'early', 'recall of slip', 'balanced accuracy'];
   const rows = swept.series(swept.numbers).slice(0, 200).map(({name, trials, control}) => {
     const [low, high] = interval(held(trials), trials.length);
     return el(
@@ -227,12 +239,13 @@ function overview(swept) {
         el('td', {}, held(trials) + ' of ' + trials.length), el('td', {}, sb.fixed(100 * held(trials) / trials.length, 0) + ' %'),
         el('td', {}, sb.fixed(100 * low, 1) + ' to ' + sb.fixed(100 * high, 1) + ' %'),
         medians.map(quantity => el('td', {}, sb.significant(valueIn(quantity, trials), 3))),
-        el('td', {}, control ? '–' : sb.percent(accuracyOf(trials))));
+        [earlyText(trials), sb.percent(recallOf(trials)), sb.percent(balancedOf(trials))].map(text => el('td', {}, control ? '–' : text)));
   });
   return el(
       'section', {}, el('h2', {}, 'How the grasps ended'),
       el('p.note', {},
-         'Medians; slip and turn of the trials held, the force ratio of all. Intervals are exact (Clopper and Pearson).'),
+         'Medians; slip and turn of the trials held, the force ratio of all. ' +
+             'Reaction and delay (of the detector) leave out trials with an early alarm: one before the slip. Intervals are exact (Clopper and Pearson).'),
       el('div.scroll.tall', {},
          el('table', {}, el('thead', {}, el('tr', {}, head.map((text, i) => el(i ? 'th' : 'th.text', {}, text)))),
             el('tbody', {}, rows))));
@@ -246,7 +259,9 @@ sb.grasps = {
   rangeIn,
   withUnit,
   heldText,
-  accuracyOf
+  balancedOf,
+  recallOf,
+  earlyText
 };
 
 // The sections of a dataset of grasps; none where it is no such.

@@ -2,7 +2,7 @@
 (function(sb) {
 'use strict';
 const el = sb.element;
-const {quantities, medians, held, valueIn, rangeIn, withUnit, heldText, accuracyOf} = sb.grasps;
+const {quantities, medians, held, valueIn, rangeIn, withUnit, heldText, balancedOf, recallOf, earlyText} = sb.grasps;
 
 const hues = ['#2f78b7', '#d99500', '#0a7d66', '#a5559b', '#cc4b1c', '#5b6570', '#59b3d8', '#8a7a00'];
 const shapes = ['circle', 'square', 'triangle-up', 'diamond', 'cross', 'triangle-down'];
@@ -276,6 +276,13 @@ class Maps {
     ];
   }
 
+  saidOfDetector(trials) {
+    return balancedOf(trials) === null ? [] : [
+      'recall of slip: ' + sb.percent(recallOf(trials)), 'balanced accuracy: ' + sb.percent(balancedOf(trials)),
+      'early: ' + earlyText(trials)
+    ];
+  }
+
   // A tip at the pointer.
   explain(node, lines) {
     node.on('mousemove', () => {
@@ -306,14 +313,14 @@ class Maps {
                el('td.text', {},
                   el('button.link', {onclick: event => sb.copy(event.target, sb.replayCommand(trial))},
                      'copy command of its replay'))));
-    const head = ['trial', 'end', 'slip, mm', 'turn, °', 'largest / ideal force', 'reaction, ms', 'here', 'replay'];
+    const head = ['trial', 'end', 'slip, mm', 'turn, °', 'largest / ideal force', 'reaction, ms', 'delay, ms', 'here', 'replay'];
     this.detail.replaceChildren(
         el('h3', {}, where.filter(text => text).join(', ')),
         el('p.note', {}, heldText(trials) + '. Trial ' + example.index + ' again, with its recording:'),
         el('pre.mono', {}, sb.replayCommand(example)),
         el('div.scroll.tall', {},
            el('table', {},
-              el('thead', {}, el('tr', {}, head.map((text, i) => el([1, 6, 7].includes(i) ? 'th.text' : 'th', {}, text)))),
+              el('thead', {}, el('tr', {}, head.map((text, i) => el([1, 7, 8].includes(i) ? 'th.text' : 'th', {}, text)))),
               el('tbody', {}, rows))));
     this.detail.scrollIntoView({block: 'nearest', behavior: 'smooth'});
   }
@@ -355,17 +362,17 @@ class Maps {
       ...more
     });
     const [share, ...others] = quantities;
-    const accuracy = point => accuracyOf(point.trials) === null ? null : 100 * accuracyOf(point.trials);
+    const balanced = point => balancedOf(point.trials) === null ? null : 100 * balancedOf(point.trials);
     chart(share);
     if (this.x.path === 'detector.flip') {
-      chart(share, {title: 'detector right, %', value: accuracy, range: () => null});
-      chart(share, {across: null, at: accuracy});
-      chart(others[0], {across: null, at: accuracy});
+      chart(share, {title: 'balanced accuracy of the detector, %', value: balanced, range: () => null});
+      chart(share, {across: null, at: balanced});
+      chart(others[0], {across: null, at: balanced});
     }
     for (const quantity of others) chart(quantity);
   }
 
-  // One chart of all series. `across`: the axis that stands below, or null where it is the detector's accuracy.
+  // One chart of all series. `across`: the axis that stands below, or null where it is the detector's balanced accuracy.
   drawCurve(all, pick, {title, across, at, value, range, percent}) {
     const there = point => at(point) !== null && isFinite(at(point)) && value(point) !== null;
     const points = all.flatMap(({points}) => points.filter(there));
@@ -386,7 +393,7 @@ class Maps {
     this.host.append(panel);
     const svg = sb.frame(
         panel, box, x, y,
-        across ? sb.sweptValues.label(across) + (xLog ? ' (log)' : '') : 'detector right, % of the time in contact', title, xLog,
+        across ? sb.sweptValues.label(across) + (xLog ? ' (log)' : '') : 'balanced accuracy of the detector, %', title, xLog,
         false);
     all.forEach(({series, points}, i) => {
       const {colour, shape} = pick(i);
@@ -416,9 +423,7 @@ class Maps {
             mark,
             () =>
                 [series.name, sb.pathWord(this.x.path) + ': ' + point.level.text, ...this.said(point.trials),
-                 ...(accuracyOf(point.trials) === null ?
-                         [] :
-                         ['detector right: ' + sb.fixed(100 * accuracyOf(point.trials), 1) + ' %'])]);
+                 ...this.saidOfDetector(point.trials)]);
       }
     });
   }

@@ -15,11 +15,7 @@ function keyFigures(trial, summary) {
       figure('Gross slip', sb.seconds(summary.gross_s), after(summary.gross_s)),
       figure('Incipient phase', sb.milliseconds(summary.incipient_s), 'first micro-slip to gross slip'),
       figure('Longest slip', sb.quantity(summary.max_slip_m, 'm'), 'path slipped by one ' + sb.unitWord(summary.type)),
-      trial.detector ? figure(
-                           'Slip seen', sb.seconds(trial.detector.detection_s),
-                           trial.detector.delay_s === null ? sb.detectorName(trial.detector.type) :
-                                                             sb.milliseconds(trial.detector.delay_s) + ' after it began') :
-                       null);
+      trial.detector ? figure(...sb.detectionFigure(trial.detector)) : null);
 }
 
 // Slider, play button and readings below the pad.

@@ -1,0 +1,170 @@
+"""What a report says of detectors, read from its page in headless Chromium, against the same figures computed from the arrays with numpy.
+
+Arguments: Chromium, the project's root, the program.
+"""
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from html.parser import HTMLParser
+from pathlib import Path
+
+import h5py
+import numpy
+
+PROGRAM = Path(sys.argv.pop(3)).resolve()
+ROOT = Path(sys.argv.pop(2)).resolve()
+CHROMIUM = sys.argv.pop(1)
+
+
+class Page(HTMLParser):
+    """The tables of a page as [{head: cell}], and the figures of its cards as {name: (value, note)}."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tables, self.figures, self.path, self.cells, self.text = [], {}, [], [], None
+        self.source = text
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        kind = dict(attributes).get("class", "")
+        if tag == "table":
+            self.tables.append([])
+        elif tag == "tr":
+            self.cells = []
+        elif tag in ("th", "td") or (tag == "div" and kind.split(" ")[0] in ("k", "v", "s")):
+            self.text = ""
+            self.path.append(kind)
+
+    def handle_data(self, data):
+        if self.text is not None:
+            self.text += data
+
+    def handle_endtag(self, tag):
+        if tag in ("th", "td") and self.text is not None:
+            self.cells.append(self.text)
+        elif tag == "tr" and self.tables:
+            self.tables[-1].append(self.cells)
+        elif tag == "div" and self.text is not None:
+            self.cells = [self.text] if self.path[-1] == "k" else [*self.cells, self.text]
+            if len(self.cells) == 3:
+                self.figures[self.cells[0]] = tuple(self.cells[1:])
+        else:
+            return
+        self.text = None
+
+    def table(self, first):
+        """Rows of the first table whose head begins so."""
+        head, *rows = next(rows for rows in self.tables if rows and rows[0][: len(first)] == list(first))
+        return [dict(zip(head, row)) for row in rows]
+
+
+def percent(share):
+    return f"{100 * share:.{1 if 0 < share < 0.1 else 0}f} %"
+
+
+def three_digits(value):
+    return f"{float(f'{value:.3g}'):g}"
+
+
+def scores(trials):
+    """Recall of slip, balanced accuracy, accuracy and that of the best constant answer, of all trials' samples in contact."""
+    truth = numpy.concatenate([trial[f"labels/{trial['control'].attrs['sensor']}/state"][:] for trial in trials])
+    seen = numpy.concatenate([trial["control/detector_class"][:] for trial in trials])
+    truth, seen = truth[truth > 0], seen[truth > 0]
+    recalls = [(seen[truth == state] == state).mean() for state in numpy.unique(truth)]
+    return {
+        "recall of slip": percent((seen[truth > 1] > 1).mean()),
+        "balanced accuracy": percent(numpy.mean(recalls)),
+        "of any constant answer": percent(1 / len(recalls)),
+        "accuracy": percent((seen == truth).mean()),
+        "of the best constant answer": percent(max((truth == state).mean() for state in numpy.unique(truth))),
+    }
+
+
+class PageScoresTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def page(self, *arguments):
+        dataset, report = self.folder / "a.h5", self.folder / "a.html"
+        for command in (("run", *arguments, "-o", dataset), ("report", dataset, "-o", report)):
+            subprocess.run([PROGRAM, *command], check=True, capture_output=True)
+        self.file = h5py.File(dataset)
+        self.addCleanup(self.file.close)
+        self.trials = [self.file["data"][name] for name in sorted(self.file["data"], key=lambda name: int(name[5:]))]
+        self.outcomes = [json.loads(trial.attrs["outcome"]) for trial in self.trials]
+        browser = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={self.folder / 'profile'}"]
+        dump = subprocess.run(
+            [*browser, "--virtual-time-budget=20000", "--dump-dom", report.as_uri()], check=True, capture_output=True, timeout=300
+        )
+        return Page(dump.stdout.decode())
+
+    def look_at_scores(self, page):
+        (row,) = page.table(["recall of slip", "balanced accuracy"])
+        for name, text in scores(self.trials).items():
+            self.assertEqual(row[name], text, name)
+        self.assertEqual([*row][-2:], ["accuracy", "of the best constant answer"], "accuracy is no headline")
+        return row
+
+    # The ratio is passed long before slip, and the alarm stands when slip begins: 1 ms later is no delay.
+    def test_an_early_alarm_has_no_delay(self):
+        page = self.page(ROOT / "scenes/papillarray/stage.yaml", "--set", "detector={type: force_ratio, ratio: 0.3}")
+        (outcome,) = self.outcomes
+        self.assertLess(outcome["false_alarm_time_s"], outcome["judged_slip_time_s"])
+        value, note = page.figures["Early alarm"]
+        self.assertEqual(value, f"{outcome['false_alarm_time_s']:.3f} s")
+        self.assertNotIn("after it began", note)
+        self.assertFalse([name for name in page.figures if name.startswith("Slip seen")])
+        row = self.look_at_scores(page)
+        self.assertEqual((row["median delay"], row["seen"], row["early"]), ("–", "0 of 1", "1 of 1"))
+
+    def test_a_slip_seen_has_its_delay(self):
+        page = self.page(ROOT / "scenes/papillarray/stage.yaml", "--set", "detector={type: shear_rate}")
+        (outcome,) = self.outcomes
+        self.assertEqual(outcome["detection"], "seen")
+        delay = f"{1e3 * outcome['detection_delay_s']:.1f} ms"
+        self.assertEqual(page.figures["Slip seen after"][0], delay)
+        self.assertEqual(self.look_at_scores(page)["median delay"], delay)
+
+    # The detector that the scene ships with sees next to nothing of the slip, and its accuracy is above 90 %.
+    def test_grasps_show_what_accuracy_hides(self):
+        page = self.page(ROOT / "scenes/grasp/lift.yaml", "--trials", "5")
+        row = self.look_at_scores(page)
+        self.assertGreater(float(row["accuracy"].split(" ")[0]), 90)
+        self.assertLess(float(row["recall of slip"].split(" ")[0]), 50)
+        delays = [outcome["detection_delay_s"] for outcome in self.outcomes if outcome["detection"] == "seen"]
+        median = "–" if not delays else numpy.median(delays)
+        self.assertEqual(re.sub(r" .*", "", row["seen"]), str(len(delays)))
+        if delays:
+            self.assertIn(row["median delay"], (f"{1e3 * median:.1f} ms", f"{1e3 * median:.0f} ms"))
+        (grasps,) = page.table(["", "held", "share"])
+        self.assertEqual(grasps["recall of slip"], row["recall of slip"])
+        self.assertEqual(grasps["balanced accuracy"], row["balanced accuracy"])
+        self.assertEqual(grasps["early"], row["early"])
+        self.assertNotIn("detector right", grasps)
+        shown = [trial["detector"] for trial in page.table(["", "trial"])]
+        self.assertEqual(shown, [outcome["detection"].replace("_", " ") for outcome in self.outcomes])
+
+    # One trial with the oracle as it is, one with a tenth of its classes wrong, some of them long before slip.
+    def test_success_curves_go_by_balanced_accuracy(self):
+        flips = "sweep={detector.flip: [0, 0.1]}"
+        page = self.page(ROOT / "scenes/grasp/flips.yaml", "--set", flips, "--trials", "2", "--record", "outcome")
+        self.assertEqual([outcome["detection"] for outcome in self.outcomes], ["seen", "early"])
+        self.assertIsNone(self.outcomes[1]["reaction_time_s"])
+        (grasps,) = page.table(["", "held", "share"])
+        self.assertEqual(grasps["early"], "1 of 2")
+        self.assertEqual(grasps["delay, ms"], three_digits(1e3 * self.outcomes[0]["detection_delay_s"]))
+        self.assertEqual(grasps["reaction, ms"], three_digits(1e3 * self.outcomes[0]["reaction_time_s"]))
+        self.assertIn("balanced accuracy of the detector, %", page.source)
+        self.assertIn("share of slips seen, without an early alarm", page.source)
+        self.assertNotIn("detector right", page.source.split("<main")[1])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,87 @@
+#include "tools/base/statistics/confusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "tools/base/statistics/descriptive.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::array contact_states{PadState::non_slip, PadState::incipient, PadState::gross};
+constexpr std::array slip_states{PadState::incipient, PadState::gross};
+
+std::size_t counted(const Confusion& confusion, PadState truth, PadState seen) {
+  return confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(seen)];
+}
+
+double share_of(std::size_t part, std::size_t all) {
+  return all == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(part) / static_cast<double>(all);
+}
+
+// The recalls of the states that occur.
+std::vector<double> recalls(const Confusion& confusion) {
+  std::vector<double> found;
+  for (const PadState truth : contact_states) {
+    if (samples_in(confusion, truth) > 0) found.push_back(recall(confusion, truth));
+  }
+  return found;
+}
+
+}  // namespace
+
+void count(Confusion& confusion, PadState truth, PadState seen) {
+  ++confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(seen)];
+}
+
+void add(Confusion& sum, const Confusion& other) {
+  for (std::size_t truth = 0; truth < sum.size(); ++truth) {
+    for (std::size_t seen = 0; seen < sum.size(); ++seen) sum[truth][seen] += other[truth][seen];
+  }
+}
+
+std::size_t samples_in(const Confusion& confusion, PadState truth) {
+  const StateCounts& row = confusion[static_cast<std::size_t>(truth)];
+  return std::accumulate(row.begin(), row.end(), std::size_t{0});
+}
+
+std::size_t samples_in_contact(const Confusion& confusion) {
+  std::size_t all = 0;
+  for (const PadState truth : contact_states) all += samples_in(confusion, truth);
+  return all;
+}
+
+double recall(const Confusion& confusion, PadState truth) {
+  return share_of(counted(confusion, truth, truth), samples_in(confusion, truth));
+}
+
+double recall_of_slip(const Confusion& confusion) {
+  std::size_t seen = 0;
+  std::size_t all = 0;
+  for (const PadState truth : slip_states) {
+    for (const PadState answer : slip_states) seen += counted(confusion, truth, answer);
+    all += samples_in(confusion, truth);
+  }
+  return share_of(seen, all);
+}
+
+double balanced_accuracy(const Confusion& confusion) { return mean_sd(recalls(confusion)).mean; }
+
+double constant_balanced_accuracy(const Confusion& confusion) { return share_of(1, recalls(confusion).size()); }
+
+double accuracy(const Confusion& confusion) {
+  std::size_t right = 0;
+  for (const PadState truth : contact_states) right += counted(confusion, truth, truth);
+  return share_of(right, samples_in_contact(confusion));
+}
+
+double constant_accuracy(const Confusion& confusion) {
+  std::size_t most = 0;
+  for (const PadState truth : contact_states) most = std::max(most, samples_in(confusion, truth));
+  return share_of(most, samples_in_contact(confusion));
+}
+
+}  // namespace slipbench
