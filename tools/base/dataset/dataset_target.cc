@@ -53,12 +53,10 @@ std::string found_text(const std::string& path) {
     const std::optional<FileAbout> about = file_about(path);
     if (!about) return nlohmann::json{{"kind", Found::Kind::other}}.dump();
     const DatasetHeader& header = about->header;
-    return nlohmann::json{{"kind", Found::Kind::dataset},
-                          {"shard", about->shard},
-                          {"shards", about->shards.value_or(0)},
-                          {"trials", about->trials},
-                          {"complete", about->complete},
-                          {"dataset", fmt::format("{}\n{}\n{}", header.seed, header.command, header.scene)}}
+    return nlohmann::json{
+        {"kind", Found::Kind::dataset},        {"shard", about->shard},
+        {"shards", about->shards.value_or(0)}, {"trials", about->trials},
+        {"complete", about->complete},         {"dataset", fmt::format("{}\n{}\n{}", header.seed, header.command, header.scene)}}
         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   } catch (const std::exception&) {
     return nlohmann::json{{"kind", Found::Kind::damaged}}.dump();
@@ -84,8 +82,8 @@ Found found_at(const std::string& path) {
   if (beginning != hdf5) return {Found::Kind::other};
   try {
     const nlohmann::json json = nlohmann::json::parse(guarded(path, [&] { return found_text(path); }));
-    return {json.at("kind").get<Found::Kind>(), json.value("shard", std::uint64_t{0}), json.value("shards", std::uint64_t{0}),
-            json.value("trials", std::uint64_t{0}), json.value("complete", false), json.value("dataset", "")};
+    return {json.at("kind").get<Found::Kind>(),     json.value("shard", std::uint64_t{0}), json.value("shards", std::uint64_t{0}),
+            json.value("trials", std::uint64_t{0}), json.value("complete", false),         json.value("dataset", "")};
   } catch (const InputError&) {
     return {Found::Kind::damaged};
   }
@@ -130,10 +128,12 @@ void check_leftover_name(const std::string& path, const std::string& name, const
   const std::string allowed = fmt::format("a new name, or {} moved away", name);
   if (is_leftover(found)) {
     if (resumes || found.trials == 0) return;
-    refuse(path, fmt::format("{} holds {} trial{} of a run that did not come to its end", name, found.trials, found.trials == 1 ? "" : "s"),
+    refuse(path,
+           fmt::format("{} holds {} trial{} of a run that did not come to its end", name, found.trials,
+                       found.trials == 1 ? "" : "s"),
            "--resume, which goes on with what is there, " + allowed);
   }
-  const char* what = found.kind == Found::Kind::dataset  ? "holds a complete dataset"
+  const char* what = found.kind == Found::Kind::dataset   ? "holds a complete dataset"
                      : found.kind == Found::Kind::damaged ? "cannot be read"
                                                           : "is no dataset";
   refuse(path, fmt::format("{}, {}, exists and {}", name, use, what), allowed);

@@ -54,9 +54,9 @@ struct EncodedAttribute {
 struct EncodedTrial {
   std::size_t trial = 0;
   std::string material;
-  std::vector<EncodedArray> arrays;  // in ascending order of path
+  std::vector<EncodedArray> arrays;          // in ascending order of path
   std::vector<EncodedAttribute> attributes;  // likewise
-  Digest digest{};  // of the arrays' paths and uncompressed bytes, see README.md
+  Digest digest{};                           // of the arrays' paths and uncompressed bytes, see README.md
 
   // Bytes that the chunks take in the file.
   [[nodiscard]] std::size_t stored_bytes() const;

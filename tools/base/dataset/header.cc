@@ -12,7 +12,8 @@ namespace slipbench {
 
 std::string failures_json(const std::vector<FailedTrial>& failed) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const FailedTrial& one : failed) list.push_back({{"trial", one.trial}, {"message", one.message}, {"command", one.command}});
+  for (const FailedTrial& one : failed)
+    list.push_back({{"trial", one.trial}, {"message", one.message}, {"command", one.command}});
   return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

@@ -67,8 +67,6 @@ KeptTrials::KeptTrials(const std::string& path, const DatasetHeader& header) {
   if (gather_leftovers(path) > 0) reader_.emplace(kept_path(path));
 }
 
-bool KeptTrials::holds(std::size_t trial) const {
-  return reader_ && std::ranges::binary_search(reader_->trials(), trial);
-}
+bool KeptTrials::holds(std::size_t trial) const { return reader_ && std::ranges::binary_search(reader_->trials(), trial); }
 
 }  // namespace slipbench

@@ -43,7 +43,7 @@ struct DatasetWriter::State {
   std::vector<FailedTrial> failed;
   std::vector<std::string> kept_files;  // of the run that this one goes on with
   std::size_t kept = 0;                 // trials in them
-  std::size_t checked = 0;                                  // files whose names were looked at before the run began
+  std::size_t checked = 0;              // files whose names were looked at before the run began
   bool ended = false;
 
   void add_shard() {

@@ -120,7 +120,7 @@ SweepOptions replay_of(const CheckOptions& options, std::uint64_t seed, std::siz
 }
 
 ExpectationResult result_of(const Named& expectation, const CheckOptions& options, const SweepSummary& summary,
-                           const std::vector<CheckedTrial>& trials) {
+                            const std::vector<CheckedTrial>& trials) {
   const ExpectationKind& kind = kind_of(expectation.name);
   const double limit = kind.limit(expectation.parameters);
   const double confidence = summary.scene.expect.confidence;

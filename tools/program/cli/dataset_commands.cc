@@ -7,10 +7,24 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 
 namespace slipbench {
+namespace {
+
+// Which trials of its run a dataset does not hold.
+void say_failed(const std::string& dataset) {
+  const std::string text = guarded(dataset, [&] {
+    const DatasetReader reader(dataset);
+    return failures_text(reader.failed(), reader.trials().size() + reader.failed().size());
+  });
+  if (!text.empty()) say(stderr, fmt::format("slipbench: {}: {}; the dataset says why in its attribute failed\n", dataset, text));
+}
+
+}  // namespace
 
 void ReportCommand::declare(Arguments& arguments) {
   arguments.about("report", "Turn a dataset into an HTML page", R"(
@@ -27,6 +41,7 @@ Examples:
 int ReportCommand::run() {
   const std::string page = output.empty() ? std::filesystem::path(dataset).replace_extension(".html").string() : output;
   write_report(dataset, page, options);
+  say_failed(dataset);
   if (json) {
     fmt::print("{}\n", nlohmann::ordered_json{{"report", page}}.dump());
   } else {
@@ -72,6 +87,7 @@ Examples:
 
 int ExportCommand::run() {
   const std::vector<std::string> files = export_dataset(dataset, output, options);
+  say_failed(dataset);
   if (json) {
     fmt::print("{}\n", nlohmann::ordered_json{{"files", files}}.dump());
   } else {

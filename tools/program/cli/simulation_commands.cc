@@ -50,7 +50,8 @@ class TrialsJson {
     std::fflush(file_.get());
     std::rewind(file_.get());
     std::array<char, 65536> block{};
-    while (const std::size_t count = std::fread(block.data(), 1, block.size(), file_.get())) std::fwrite(block.data(), 1, count, stdout);
+    while (const std::size_t count = std::fread(block.data(), 1, block.size(), file_.get()))
+      std::fwrite(block.data(), 1, count, stdout);
     if (std::ferror(file_.get()) != 0) throw InputError("cannot write or read a temporary file: the disk may be full");
     fmt::print("]}}\n");
   }
@@ -130,8 +131,9 @@ void print_summary(const SweepOptions& options, const Finished& finished, const 
 }
 
 int report_interrupted(const SweepSummary& summary) {
-  const std::string kept = summary.files.empty() ? "nothing is kept"
-                                                 : fmt::format("kept in {}; the same command with --resume goes on", joined(summary.files));
+  const std::string kept = summary.files.empty()
+                               ? "nothing is kept"
+                               : fmt::format("kept in {}; the same command with --resume goes on", joined(summary.files));
   say(stderr,
       fmt::format("slipbench: interrupted: {} of {} trials finished; {}\n", summary.trials.size(), summary.planned, kept));
   return exit_interrupted;
@@ -151,7 +153,8 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
                  record_words);
   arguments.flag("--resume", sweep.resume, "Go on with what a killed or interrupted run of the same command has left of FILE.h5");
   arguments.then([this] {
-    if (sweep.resume && sweep.output.empty()) throw InputError(sweep.verb + ": --resume goes on with a dataset; allowed: with -o");
+    if (sweep.resume && sweep.output.empty())
+      throw InputError(sweep.verb + ": --resume goes on with a dataset; allowed: with -o");
     if (sweep.recording != Recording::full && sweep.output.empty()) {
       throw InputError(sweep.verb + ": --record says what -o writes; allowed: with -o");
     }

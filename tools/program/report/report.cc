@@ -145,6 +145,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
                {"overrides", parse_json(header.overrides, dataset_path + ": attribute overrides")},
                {"content_sha256", dataset.content_sha256()},
                {"complete", dataset.complete()},
+               {"failed", Json::parse(failures_json(dataset.failed()))},
                {"open", options.trial ? Json(*options.trial) : Json(nullptr)}};
 
   Json rows = Json::array();

@@ -178,7 +178,8 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
 }
 
 // `trials`: the numbers of those that the workers simulate.
-OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepOptions& options, const std::vector<std::size_t>& trials) {
+OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepOptions& options,
+                                              const std::vector<std::size_t>& trials) {
   std::shared_ptr<TrialEncoder> encoder = options.output.empty() ? nullptr : std::make_shared<TrialEncoder>();
   return [plan, encoder, &trials](std::size_t index) {
     try {
@@ -417,10 +418,14 @@ std::string summary_json(const SweepSummary& summary) {
   for (const FailedTrial& trial : summary.failed) {
     failed.push_back({{"trial", trial.trial}, {"message", trial.message}, {"command", trial.command}});
   }
-  const Json json = {{"command", summary.command},       {"seed", summary.seed},
-                     {"planned", summary.planned},       {"finished", summary.trials.size()},
-                     {"resumed", summary.resumed},       {"failed", std::move(failed)},
-                     {"simulated_s", summary.simulated}, {"interrupted", summary.interrupted},
+  const Json json = {{"command", summary.command},
+                     {"seed", summary.seed},
+                     {"planned", summary.planned},
+                     {"finished", summary.trials.size()},
+                     {"resumed", summary.resumed},
+                     {"failed", std::move(failed)},
+                     {"simulated_s", summary.simulated},
+                     {"interrupted", summary.interrupted},
                      {"files", summary.files}};
   return json.dump();
 }

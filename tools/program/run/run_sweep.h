@@ -47,7 +47,7 @@ struct TrialSummary {
   std::vector<SensorSummary> sensors;
   std::optional<DetectorSummary> detector;  // empty: the scene has none
   std::string controller = {};              // "step_on_slip"; empty: the scene has none
-  bool resumed = false;                     // read from the dataset that the run went on with, which does not hold what became of units
+  bool resumed = false;  // read from the dataset that the run went on with, which does not hold what became of units
 };
 
 struct SweepOptions {
@@ -57,11 +57,11 @@ struct SweepOptions {
   std::optional<std::uint64_t> seed;  // empty: the scene's
   std::size_t trials = 0;             // repetitions of each cell of the grid; 0: the scene's
   std::size_t limit = 0;              // run no more than the first so many trials, repeating cells as often as that needs; 0: all
-  std::optional<std::size_t> only = {};  // run no other than this one of those trials; empty: all
-  bool resume = false;       // go on with what a run of the same that did not come to its end has left of `output`
-  bool keep_units = true;    // in the summary of every trial of several: some 100 B a unit
-  std::size_t jobs = 0;      // worker threads; 0: as many as the machine has, or as their records have room for
-  std::string output;        // dataset; empty: nothing is written
+  std::optional<std::size_t> only = {};   // run no other than this one of those trials; empty: all
+  bool resume = false;                    // go on with what a run of the same that did not come to its end has left of `output`
+  bool keep_units = true;                 // in the summary of every trial of several: some 100 B a unit
+  std::size_t jobs = 0;                   // worker threads; 0: as many as the machine has, or as their records have room for
+  std::string output;                     // dataset; empty: nothing is written
   Recording recording = Recording::full;  // what the dataset holds of a trial: its outcome alone takes some kB
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
   const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials end and count for nothing

@@ -148,7 +148,8 @@ TEST_F(CrashTest, EveryPrefixOfTheWritesIsReadable) {
 TEST_F(CrashTest, NoHeapIsWrittenAgainOnceItsTrialIsPublished) {
   std::map<std::size_t, std::size_t> heaps;  // trials that were published when it was written first, by address
   for (const Operation& operation : operations_) {
-    for (std::size_t found = operation.bytes.find("GCOL"); found != std::string::npos; found = operation.bytes.find("GCOL", found + 1)) {
+    for (std::size_t found = operation.bytes.find("GCOL"); found != std::string::npos;
+         found = operation.bytes.find("GCOL", found + 1)) {
       const auto [heap, first] = heaps.try_emplace(operation.at + found, operation.published);
       EXPECT_EQ(heap->second, operation.published) << "the heap at " << heap->first;
     }

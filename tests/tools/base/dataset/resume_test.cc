@@ -109,17 +109,20 @@ TEST_F(ResumeTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
     change(now);
     return now;
   };
-  EXPECT_EQ(refusal(changed([](DatasetHeader& now) { now.seed = 8; })),
-            "cannot resume " + path("out.h5") + ": " + path("out.h5.partial") +
-                " was left by another run: seed 7, this run has 8; allowed: the same scene, seed, version, overrides and command");
+  EXPECT_EQ(
+      refusal(changed([](DatasetHeader& now) { now.seed = 8; })),
+      "cannot resume " + path("out.h5") + ": " + path("out.h5.partial") +
+          " was left by another run: seed 7, this run has 8; allowed: the same scene, seed, version, overrides and command");
   EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\nseed: 9\n"; })),
               HasSubstr("scene with line 2 'seed: 7', this run's has 'seed: 9'"));
   EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\n"; })),
               HasSubstr("scene with line 2 'seed: 7', this run's has '(its end)'"));
-  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.version = "1.2.4"; })), HasSubstr("version 1.2.3, this run has 1.2.4"));
+  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.version = "1.2.4"; })),
+              HasSubstr("version 1.2.3, this run has 1.2.4"));
   EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.overrides = R"({"a": "1"})"; })),
               HasSubstr(R"(overrides {}, this run has {"a": "1"})"));
-  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.command += " --trials 3"; })), HasSubstr("command slipbench sweep a.yaml, this"));
+  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.command += " --trials 3"; })),
+              HasSubstr("command slipbench sweep a.yaml, this"));
   EXPECT_EQ(all_bytes(), before);
 }
 

@@ -68,7 +68,8 @@ TEST_F(TargetTest, LeftoverWithoutATrialIsReplaced) {
 TEST_F(TargetTest, UnreadableLeftoverIsKept) {
   write("out.h5", 1);
   write_text("out.h5.partial", bytes_of(path("out.h5")).substr(0, 600));
-  EXPECT_THAT(refusal("out.h5"), HasSubstr("exists and cannot be read; allowed: a new name, or " + path("out.h5.partial") + " moved"));
+  EXPECT_THAT(refusal("out.h5"),
+              HasSubstr("exists and cannot be read; allowed: a new name, or " + path("out.h5.partial") + " moved"));
   EXPECT_EQ(bytes_of(path("out.h5.partial")).size(), 600U);
 }
 
@@ -103,10 +104,11 @@ TEST_F(TargetTest, TrialsOfAnInterruptedRunAreKept) {
   const std::string before = file_sha256(path("out.partial.h5"));
   for (const std::string name : {"out.partial.h5", "out.h5.partial"}) {
     std::filesystem::rename(path(names().front()), path(name));
-    EXPECT_EQ(refusal("out.h5"), "cannot write " + path("out.h5") + ": " + path(name) +
-                                     " holds 3 trials of a run that did not come to its end; allowed: --resume, which goes on with what is there, "
-                                     "a new name, or " +
-                                     path(name) + " moved away");
+    EXPECT_EQ(refusal("out.h5"),
+              "cannot write " + path("out.h5") + ": " + path(name) +
+                  " holds 3 trials of a run that did not come to its end; allowed: --resume, which goes on with what is there, "
+                  "a new name, or " +
+                  path(name) + " moved away");
     EXPECT_EQ(file_sha256(path(name)), before);
   }
 }

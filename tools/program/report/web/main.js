@@ -19,8 +19,17 @@ function header() {
       page.complete ?
           null :
           el('p.warning', {}, 'The run that wrote this file was interrupted: it holds the trials that were finished.'),
+      page.failed.length ? failures() : null,
       el('dl.meta', {}, rows.map(([name, value]) => el('div', {}, el('dt', {}, name), el('dd', {}, value)))),
       el('details.scene', {}, el('summary', {}, 'Scene file'), el('pre.mono', {}, page.scene)));
+}
+
+// Trials of the run that the file does not hold.
+function failures() {
+  const planned = page.trials.length + page.failed.length;
+  return el(
+      'details.warning', {}, el('summary', {}, page.failed.length + ' of ' + planned + ' trials failed and are not in this file'),
+      el('ul', {}, page.failed.map(trial => el('li', {}, trial.message, ' ', el('code', {}, trial.command)))));
 }
 
 function footer() {
