@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/base/dataset/content_walk.h"
 
 namespace slipbench {
 namespace {
@@ -141,6 +142,7 @@ void write_array(hid_t demo, const EncodedArray& array) {
     offset[0] += array.chunk_rows;
   }
   write_attribute(dataset.get(), "unit", array.unit);
+  if (!array.codes.empty()) write_attribute(dataset.get(), "codes", array.codes);
   dataset.close();
 }
 
@@ -227,7 +229,7 @@ Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t ind
   try {
     file_ = create_file(path_);
     const hid_t root = file_.get();
-    write_attribute(root, "schema", static_cast<std::uint64_t>(dataset_schema));
+    write_attribute(root, "schema", dataset_schema);
     write_attribute(root, "version", header.version);
     write_attribute(root, "scene", header.scene);
     write_attribute(root, "overrides", header.overrides);
@@ -294,10 +296,12 @@ std::uint64_t Shard::size_bytes() const {
 
 void Shard::finish(const Masks& masks, std::size_t shards, bool complete) {
   try {
-    write_attribute(file_.get(), "content_sha256", content_digest(digests_));
     write_attribute(file_.get(), "shards", static_cast<std::uint64_t>(shards));
     write_attribute(file_.get(), "complete", static_cast<std::uint64_t>(complete));
     write_masks(file_.get(), masks, trials_);
+    std::vector<std::pair<std::size_t, Digest>> digests;
+    for (std::size_t i = 0; i < trials_.size(); ++i) digests.emplace_back(trials_[i], digests_[i]);
+    write_attribute(file_.get(), file_sha256_name, hexadecimal(stored_file_digest({file_.get(), path_, "/"}, digests)));
     check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
     file_.close();
   } catch (const std::runtime_error& error) {
