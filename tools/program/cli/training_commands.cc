@@ -149,7 +149,7 @@ int EvalCommand::run() {
   fmt::print("{}\n  trained on: {}\n{}\n{}{}",
              style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(summary.model.model),
                                        slip_rule_name(options.sequences.labels), summary.sequences, result.all.total())),
-             summary.model.trained, table.text(style), confusion_text(result.all, style), delays_text(result.delays));
+             printable(summary.model.trained), table.text(style), confusion_text(result.all, style), delays_text(result.delays));
   return exit_good;
 }
 

@@ -54,7 +54,7 @@ Exit status 1: something does not hold; 2: a file cannot be read.
 
 Examples:
   slipbench verify hexapod.h5
-  slipbench verify lift.partial.h5 --json)");
+  slipbench verify hexapod.h5 --json)");
   arguments.texts("FILE ...", datasets, "Datasets (HDF5), by their first files").required();
 }
 
