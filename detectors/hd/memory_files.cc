@@ -16,6 +16,7 @@
 #include "detectors/hd/folder_output.h"
 #include "detectors/hd/words.h"
 #include "sim/core/error.h"
+#include "sim/core/regular_file.h"
 
 namespace slipbench::hd {
 namespace {
@@ -25,6 +26,8 @@ namespace fs = std::filesystem;
 constexpr const char* description_file = "model.txt";
 constexpr std::array<const char*, 4> memory_files{"AM.hex", "CIM.hex", "CM.hex", "IM.hex"};
 constexpr std::size_t published_item_rows = 14;
+// 21 levels of the largest dimension, 65,535, take 344 kB.
+constexpr std::uintmax_t largest_file = 1'000'000;
 
 constexpr std::array version_words{Word<int>{"1", 1}};
 constexpr std::array flag_words{Word<bool>{"false", false}, Word<bool>{"true", true}};
@@ -33,6 +36,7 @@ std::string at(const fs::path& file, std::size_t line) { return file.string() + 
 
 // A file's lines. The last may lack its newline.
 std::vector<std::string> lines_of(const fs::path& file) {
+  check_regular_file(file.string(), largest_file);
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw InputError(file.string() + ": " + std::generic_category().message(errno));
   std::vector<std::string> lines;

@@ -23,22 +23,32 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-std::string quote(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  std::string result(1, '\'');
-  for (const char c : text.substr(0, longest)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f) {
-      std::array<char, 5> escape{};
-      std::snprintf(escape.data(), escape.size(), "\\x%02x", byte);
-      result += escape.data();
+std::string printable(std::string_view text, bool lines) {
+  std::string result;
+  const auto escape = [&result](unsigned char byte) {
+    std::array<char, 5> digits{};
+    std::snprintf(digits.data(), digits.size(), "\\x%02x", byte);
+    result += digits.data();
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+    if (byte == 0xc2 && next >= 0x80 && next <= 0x9f) {  // U+0080 to U+009F, which some terminals obey
+      escape(byte);
+      escape(next);
+      ++i;
+    } else if ((byte < 0x20 && !(lines && byte == '\n')) || byte == 0x7f) {
+      escape(byte);
     } else {
-      result += c;
+      result += text[i];
     }
   }
-  if (text.size() > longest) result.append("...");
-  result.push_back('\'');
   return result;
+}
+
+std::string quote(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  return "'" + printable(text.substr(0, longest)) + (text.size() > longest ? "...'" : "'");
 }
 
 }  // namespace slipbench

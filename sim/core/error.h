@@ -32,6 +32,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 // `text` in single quotes for a message: unprintable bytes as \xNN, long text cut after 60 bytes with "...".
 std::string quote(std::string_view text);
 
+// `text` for a terminal or a file name, to which it may come from a file: control characters, those of ASCII (but line ends, where
+// `lines`) and those of Unicode's second block, as \xNN.
+std::string printable(std::string_view text, bool lines = false);
+
 // The candidate nearest to `word` in edit distance when it is close enough to be a likely typing error, else "".
 template <class Names>
 std::string nearest_name(std::string_view word, const Names& candidates) {

@@ -19,6 +19,7 @@
 #include "sim/mujoco/articulated.h"
 #include "sim/mujoco/geom_surface.h"
 #include "sim/mujoco/implicit.h"
+#include "sim/mujoco/mjcf_check.h"
 #include "sim/mujoco/register_plugin.h"
 #include "sim/mujoco/stability.h"
 
@@ -308,6 +309,11 @@ class Builder {
     if (scene_.model.empty()) {
       spec.reset(mj_parseXMLString(fmt::format("<mujoco>{}</mujoco>", extension_text).c_str(), nullptr, error.data(), size));
     } else {
+      try {
+        check_mjcf(scene_.model);
+      } catch (const InputError& error) {
+        throw SceneValueError("model", error.what());
+      }
       if (!std::ifstream(scene_.model)) throw SceneValueError("model", quote(scene_.model) + " cannot be read");
       const std::filesystem::path file(scene_.model);
       const std::string wrapper = (file.parent_path() / wrapper_name).string();

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "sim/core/error.h"
+#include "sim/core/regular_file.h"
 #include "sim/scene/sweep.h"
 
 namespace slipbench {
@@ -36,21 +36,6 @@ nlohmann::json json_of(const YamlNode& node) {
   throw std::logic_error("no such kind of node");
 }
 
-// Opening a pipe waits for a writer, and a device may have no end: neither is opened.
-void check_file_kind(const std::string& path) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  const fs::file_type type = fs::status(path, error).type();
-  switch (type) {
-    case fs::file_type::fifo: throw InputError(path + ": is a pipe, no file");
-    case fs::file_type::socket: throw InputError(path + ": is a socket, no file");
-    case fs::file_type::block:
-    case fs::file_type::character: throw InputError(path + ": is a device, no file");
-    case fs::file_type::directory: throw InputError(path + ": is a folder, no file");
-    default: return;  // a file, or nothing that can be opened: reading it says why
-  }
-}
-
 }  // namespace
 
 // A checked file, ready to be expanded: shared by the copies of a plan.
@@ -61,7 +46,7 @@ struct TrialPlan::Plan {
 };
 
 SceneFile SceneFile::load(const std::string& path) {
-  check_file_kind(path);
+  check_regular_file(path);
   std::ifstream stream(path, std::ios::binary);
   // One byte more than is allowed: enough to see that a file is too long, whatever it is.
   std::string text(max_yaml_bytes + 1, '\0');

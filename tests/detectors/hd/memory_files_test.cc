@@ -1,9 +1,11 @@
 #include "detectors/hd/memory_files.h"
 
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -79,6 +81,29 @@ TEST_F(MemoryFiles, WhatIsSavedIsLoaded) {
   EXPECT_EQ(loaded.memories, saved_.memories);
   EXPECT_EQ(lines("IM.hex").size(), 12U);
   EXPECT_EQ(lines("IM.hex")[11], to_hex(saved_.memories.item[11]));
+}
+
+// Whatever bytes have changed or are missing: a classifier that fits together, or a refusal that names the file.
+TEST_F(MemoryFiles, DamagedMemoriesAreRefusedOrFit) {
+  save(folder_, saved_);
+  for (std::size_t step = 0; step < 500; ++step) {
+    const std::string file = folder_ + "/" + std::array{"AM.hex", "CIM.hex", "CM.hex", "IM.hex", "model.txt"}[step % 5];
+    std::ifstream stream(file, std::ios::binary);
+    const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+    std::string damaged = whole;
+    if (step % 3 == 0) {
+      damaged.resize(whole.size() * step / 500);
+    } else {
+      damaged[(step * 7919) % whole.size()] ^= static_cast<char>(1 + step % 255);
+    }
+    std::ofstream(file, std::ios::binary) << damaged;
+    const std::string message = message_of([&] {
+      const SavedModel loaded = load(folder_);
+      check(loaded.model, loaded.memories, true);
+    });
+    EXPECT_TRUE(message == "accepted" || message.starts_with(file)) << step << ": " << message;
+    std::ofstream(file, std::ios::binary) << whole;
+  }
 }
 
 TEST_F(MemoryFiles, AModelIsReplacedWholeAndNothingElseIsLeft) {

@@ -20,6 +20,13 @@ TEST(EditDistance, CountsInsertionsDeletionsAndSubstitutions) {
   EXPECT_EQ(edit_distance("sitting", "kitten"), 3u);  // symmetric
 }
 
+TEST(Printable, EscapesWhatATerminalObeys) {
+  EXPECT_EQ(printable("a\x1b[31m\x07\x7f\n"), R"(a\x1b[31m\x07\x7f\x0a)");
+  EXPECT_EQ(printable("one\ntwo\t", true), "one\ntwo\\x09");
+  EXPECT_EQ(printable("\xc2\x9b"), R"(\xc2\x9b)");                           // U+009B, the one-byte form of ESC [
+  EXPECT_EQ(printable("\xc2\xb5m \xe2\x82\xac"), "\xc2\xb5m \xe2\x82\xac");  // letters stay
+}
+
 TEST(NearestName, IsGivenOnlyWhenATypingErrorIsLikely) {
   const std::vector<std::string> names{"rotation", "speed", "start", "stop"};
   EXPECT_EQ(nearest_name("sped", names), "speed");

@@ -33,7 +33,8 @@ constexpr ElementType type_of<std::uint8_t>() {
 
 template <class T>
 ArrayView view_of(std::string path, std::string unit, std::size_t rows, const Extents& tail, const std::vector<T>& values) {
-  ArrayView view{std::move(path), std::move(unit), type_of<T>(), {rows}, reinterpret_cast<const std::uint8_t*>(values.data())};
+  ArrayView view{std::move(path), std::move(unit), {},
+                 type_of<T>(),    {rows},          reinterpret_cast<const std::uint8_t*>(values.data())};
   view.shape.insert(view.shape.end(), tail.begin(), tail.end());
   if (view.size_bytes() != values.size() * sizeof(T)) {
     throw std::logic_error(fmt::format("{}: {} values do not fill {} rows", view.path, values.size(), rows));
@@ -59,10 +60,12 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
     for_each_label(sensor.labels, sensor.labels.units(),
                    [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
                      arrays.push_back(view_of(labels + name, unit, rows, tail, column));
+                     arrays.back().codes = codes_of(name);
                    });
     const std::size_t events = sensor.labels.event_time.size();
     for_each_event_column(sensor.labels, [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
       arrays.push_back(view_of(labels + name, unit, events, tail, column));
+      arrays.back().codes = codes_of(name);
     });
   }
   for (const BodyRecord& body : record.bodies) {
@@ -78,6 +81,7 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
     arrays.push_back(view_of(control + "t", "s", rows, {}, record.control->time));
     const auto add = [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
       arrays.push_back(view_of(control + name, unit, rows, tail, column));
+      arrays.back().codes = codes_of(name);
     };
     for_each_control_column(*record.control, add);
     if (record.outcome.grasp) for_each_grip_column(record.control->grip, add);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/base/dataset/encoder.h"
@@ -12,8 +13,9 @@ namespace slipbench {
 
 // A column of a record and where it goes. It looks into the record.
 struct ArrayView {
-  std::string path;  // inside the demo: "labels/pad/state"
-  std::string unit;  // SI symbol, "1" for a pure number
+  std::string path;        // inside the demo: "labels/pad/state"
+  std::string unit;        // SI symbol, "1" for a pure number
+  std::string_view codes;  // of JSON, what its numbers stand for; empty: they are quantities
   ElementType type = ElementType::f32;
   Extents shape;                        // a row a sample first
   const std::uint8_t* bytes = nullptr;  // little-endian values in C order

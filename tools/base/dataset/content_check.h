@@ -1,30 +1,31 @@
 // Whether a dataset still holds what was written.
 #pragma once
 
+#include <cstddef>
+#include <utility>
 #include <vector>
 
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/reader.h"
 
 namespace slipbench {
 
-// Compares the arrays of trials, as they are read anyway, with the content_sha256 of their files.
+// Compares what the trials hold with their own digests, and their files with content_sha256. A file of schema 1 has its arrays checked
+// only, which one line on stderr says; that of a killed run, which has no content_sha256, its trials.
 class ContentCheck {
  public:
   // `reader` must outlive the check.
   explicit ContentCheck(const DatasetReader& reader) : reader_(&reader), digests_(reader.files().size()) {}
 
-  // Takes the next trial; they come in ascending order.
-  void add(const TrialRecord& record) { digests_[reader_->file_of(record.trial)].push_back(trial_digest(record)); }
-  // Call after the last trial of a file. Throws InputError when it does not hold what was written. A file without a digest, that of
-  // a killed run, is not judged.
+  // Reads the next trial; they come in ascending order. Throws InputError when it does not hold what was written.
+  void add(std::size_t trial);
+  // Call after the last trial of a file. Throws InputError when the rest of it does not hold what was written.
   void finish(std::size_t file) const;
   // The same for all files.
   void finish() const;
 
  private:
   const DatasetReader* reader_;
-  std::vector<std::vector<Digest>> digests_;  // by file
+  std::vector<std::vector<std::pair<std::size_t, Digest>>> digests_;  // by file
 };
 
 // Reads all trials of a file for that.

@@ -1,16 +1,20 @@
 #include "tools/base/dataset/encoder.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <libdeflate.h>
-#include <openssl/evp.h>
 
 #include "sim/core/error.h"
+#include "sim/core/regular_file.h"
 #include "tools/base/dataset/arrays.h"
+#include "tools/base/dataset/content_digest.h"
+#include "tools/base/dataset/content_walk.h"
 #include "tools/base/dataset/layout.h"
 
 namespace slipbench {
@@ -61,37 +65,41 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
   return attributes;
 }
 
-class Sha256 {
- public:
-  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
-    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) {
-      throw std::runtime_error("OpenSSL offers no SHA-256");
-    }
+std::string_view numpy_name(ElementType type) {
+  switch (type) {
+    case ElementType::f64: return "<f8";
+    case ElementType::f32: return "<f4";
+    case ElementType::u32: return "<u4";
+    case ElementType::u8: return "|u1";
   }
-  void update(const void* bytes, std::size_t size) { EVP_DigestUpdate(context_.get(), bytes, size); }
-  Digest finish() {
-    Digest digest{};
-    EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr);
-    return digest;
-  }
-
- private:
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
-};
-
-std::string hexadecimal(const Digest& digest) {
-  std::string text;
-  for (const std::uint8_t byte : digest) text += fmt::format("{:02x}", byte);
-  return text;
+  return {};
 }
 
-Digest digest_of_arrays(const std::vector<ArrayView>& arrays) {
-  Sha256 hash;
+void add_attribute(ContentDigest& digest, const EncodedAttribute& attribute) {
+  struct Adder {
+    ContentDigest& digest;
+    std::string key;
+    void operator()(std::uint64_t value) const { digest.add_numbers(key, "<u8", {}, &value, sizeof value); }
+    void operator()(double value) const { digest.add_numbers(key, "<f8", {}, &value, sizeof value); }
+    void operator()(const std::string& text) const { digest.add_text(key, text); }
+    void operator()(const std::vector<std::string>& texts) const { digest.add_texts(key, {texts.size()}, texts); }
+    void operator()(const EncodedAttribute::Doubles& matrix) const {
+      digest.add_numbers(key, "<f8", matrix.shape, matrix.values.data(), matrix.values.size() * sizeof(double));
+    }
+  };
+  std::visit(Adder{digest, attribute.path + "@" + attribute.name}, attribute.value);
+}
+
+// The same entries that content_walk.h finds in the file.
+Digest digest_of(const std::vector<ArrayView>& arrays, const std::vector<EncodedAttribute>& attributes) {
+  ContentDigest digest;
   for (const ArrayView& view : arrays) {
-    hash.update(view.path.c_str(), view.path.size() + 1);  // with its final zero byte
-    hash.update(view.bytes, view.size_bytes());
+    digest.add_numbers(view.path, numpy_name(view.type), view.shape, view.bytes, view.size_bytes());
+    digest.add_text(view.path + "@unit", view.unit);
+    if (!view.codes.empty()) digest.add_text(view.path + "@codes", std::string(view.codes));
   }
-  return hash.finish();
+  for (const EncodedAttribute& attribute : attributes) add_attribute(digest, attribute);
+  return digest.finish();
 }
 
 // HDF5's shuffle filter: all first bytes of the elements, then all second bytes, and so on.
@@ -129,7 +137,7 @@ struct TrialEncoder::State {
   }
 
   EncodedArray encode_array(const ArrayView& view) {
-    EncodedArray array{view.path, view.unit, view.type, view.shape, 0, {}};
+    EncodedArray array{view.path, view.unit, std::string(view.codes), view.type, view.shape, 0, {}};
     const std::size_t rows = view.shape[0];
     const std::size_t row_bytes = view.row_bytes();
     if (rows == 0 || row_bytes == 0) return array;
@@ -174,11 +182,12 @@ EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
   std::ranges::stable_sort(trial.attributes, {}, &EncodedAttribute::path);
   const std::vector<ArrayView> arrays = arrays_of(record);
   for (const ArrayView& view : arrays) trial.arrays.push_back(state_->encode_array(view));
-  trial.digest = digest_of_arrays(arrays);
+  trial.digest = digest_of(arrays, trial.attributes);
+  trial.attributes.push_back({"", trial_sha256_name, hexadecimal(trial.digest)});
   return trial;
 }
 
-Digest trial_digest(const TrialRecord& record) { return digest_of_arrays(arrays_of(record)); }
+Digest trial_digest(const TrialRecord& record) { return digest_of(arrays_of(record), attributes_of(record)); }
 
 std::string content_digest(const std::vector<Digest>& digests) {
   Sha256 hash;
@@ -193,6 +202,7 @@ std::string text_sha256(const std::string& text) {
 }
 
 std::string file_sha256(const std::string& path) {
+  check_regular_file(path);
   std::ifstream stream(path, std::ios::binary);
   Sha256 hash;
   std::array<char, 65536> block;

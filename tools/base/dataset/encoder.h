@@ -1,7 +1,6 @@
 // A trial turned into the bytes that a dataset stores: the costly part of writing, done by worker threads.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -9,11 +8,10 @@
 #include <variant>
 #include <vector>
 
+#include "tools/base/dataset/sha256.h"
 #include "tools/base/dataset/trial_record.h"
 
 namespace slipbench {
-
-using Digest = std::array<std::uint8_t, 32>;  // SHA-256
 
 enum class ElementType : std::uint8_t { f64, f32, u32, u8 };
 
@@ -31,8 +29,9 @@ constexpr std::size_t size_of(ElementType type) {
 // One dataset of a demo: little-endian values in C order, cut along the first axis into chunks of equal extent, each shuffled and
 // deflated as HDF5's filters would.
 struct EncodedArray {
-  std::string path;  // inside the demo: "labels/pad/state"
-  std::string unit;  // SI symbol, "1" for a pure number
+  std::string path;   // inside the demo: "labels/pad/state"
+  std::string unit;   // SI symbol, "1" for a pure number
+  std::string codes;  // JSON, what its numbers stand for; empty: they are quantities
   ElementType type = ElementType::f32;
   std::vector<std::size_t> shape;
   std::size_t chunk_rows = 0;  // extent of a chunk along the first axis; 0: the array is empty
@@ -56,7 +55,7 @@ struct EncodedTrial {
   std::string material;
   std::vector<EncodedArray> arrays;          // in ascending order of path
   std::vector<EncodedAttribute> attributes;  // likewise
-  Digest digest{};                           // of the arrays' paths and uncompressed bytes, see README.md
+  Digest digest{};                           // of all arrays and attributes, see README.md; also the attribute `sha256`
 
   // Bytes that the chunks take in the file.
   [[nodiscard]] std::size_t stored_bytes() const;
@@ -84,7 +83,7 @@ class TrialEncoder {
 // EncodedTrial::digest of a trial, without encoding it.
 Digest trial_digest(const TrialRecord& record);
 
-// SHA-256 over the trials' digests in order, as 64 hexadecimal digits: a file's content_sha256.
+// SHA-256 over the trials' digests in order, as 64 hexadecimal digits: the content_sha256 of schema 1.
 std::string content_digest(const std::vector<Digest>& digests);
 
 // SHA-256 of the bytes of a text as 64 hexadecimal digits.

@@ -29,6 +29,7 @@ void initialise() {
   static const bool done = [] {
     H5dont_atexit();
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    H5PLset_loading_state(0);  // a file may name a filter, which would be loaded as a library
     return true;
   }();
   static_cast<void>(done);

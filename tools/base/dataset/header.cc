@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -47,6 +48,12 @@ std::string shard_path(const std::string& path, std::size_t shard) {
   name += fmt::format("-{:04}", shard);
   name += whole.extension();
   return (whole.parent_path() / name).string();
+}
+
+std::string sibling_path(const std::string& path, std::size_t k) {
+  constexpr std::string_view mark = ".partial";
+  if (!path.ends_with(mark)) return shard_path(path, k);
+  return temporary_path(shard_path(path.substr(0, path.size() - mark.size()), k));
 }
 
 std::string kept_path(const std::string& path) {

@@ -8,7 +8,8 @@
 
 namespace slipbench {
 
-inline constexpr std::int64_t dataset_schema = 1;
+inline constexpr std::uint64_t dataset_schema = 2;         // what is written
+inline constexpr std::uint64_t oldest_dataset_schema = 1;  // what is read still
 
 // A file lists no more demos, so that the list stays one block of HDF5, which can be rewritten at one go (shard.h).
 inline constexpr std::size_t most_trials_per_file = 2000;
@@ -43,6 +44,8 @@ inline bool same_dataset(const DatasetHeader& a, const DatasetHeader& b) {
 
 // Name of the k-th file of a dataset: OUT.h5, OUT-0001.h5, OUT-0002.h5, ...
 std::string shard_path(const std::string& path, std::size_t shard);
+// Name of the k-th file of the dataset whose first is `path`, be it finished, kept or that of a killed run.
+std::string sibling_path(const std::string& path, std::size_t k);
 // Where an interrupted run leaves the trials it finished: OUT.partial.h5.
 std::string kept_path(const std::string& path);
 // Where a running one writes: OUT.h5.partial.

@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/hdf5_handle.h"
+#include "tools/base/dataset/content_walk.h"
+#include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/hdf5_place.h"
 #include "tools/base/dataset/heap_check.h"
 #include "tools/base/dataset/layout.h"
 
@@ -17,9 +19,10 @@ namespace {
 
 using hdf5::check;
 using hdf5::Handle;
-
-// No array of a sound dataset is larger: a file that claims one is broken [bytes].
-constexpr std::uint64_t largest_array = std::uint64_t{16} << 30;
+using hdf5::members_of;
+using hdf5::open_file;
+using hdf5::open_object;
+using hdf5::Place;
 
 template <class T>
 hid_t memory_type();
@@ -44,40 +47,6 @@ hid_t memory_type<std::uint8_t>() {
   return H5T_NATIVE_UINT8;
 }
 
-// An object of an open file, for messages.
-struct Place {
-  hid_t file;
-  const std::string& file_name;
-  std::string object;  // "/data/demo_0"
-
-  [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: {}: {}", file_name, object, what)); }
-  [[nodiscard]] Place below(const std::string& name) const { return {file, file_name, object + "/" + name}; }
-};
-
-Handle open_object(const Place& place) {
-  const hid_t id = H5Oopen(place.file, place.object.c_str(), H5P_DEFAULT);
-  if (id < 0) place.fail("missing or damaged");
-  return {id, &H5Oclose};
-}
-
-std::vector<std::size_t> extents_of(const Place& place, const Handle& space) {
-  const int rank = H5Sget_simple_extent_ndims(space.get());
-  if (rank < 0) place.fail("its extents cannot be read");
-  std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
-  check(H5Sget_simple_extent_dims(space.get(), extents.data(), nullptr));
-  return {extents.begin(), extents.end()};
-}
-
-// Number of elements, refused where it cannot be.
-std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents) {
-  std::uint64_t count = 1;
-  for (const std::size_t extent : extents) {
-    if (extent != 0 && count > largest_array / extent) place.fail("its extents are beyond all measure");
-    count *= extent;
-  }
-  return count;
-}
-
 template <class T>
 struct Array {
   std::vector<std::size_t> shape;
@@ -87,10 +56,8 @@ struct Array {
 template <class T>
 Array<T> read_array(const Place& place) {
   const Handle object = open_object(place);
-  if (H5Iget_type(object.get()) != H5I_DATASET) place.fail("is no array");
-  const Handle space(H5Dget_space(object.get()), &H5Sclose);
-  Array<T> array{extents_of(place, space), {}};
-  array.values.resize(count_of(place, array.shape));
+  Array<T> array{hdf5::array_extents(place, object), {}};
+  array.values.resize(hdf5::count_of(place, array.shape, 1, hdf5::best_compression));
   if (!array.values.empty() && H5Dread(object.get(), memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0) {
     place.fail("cannot be read: " + hdf5::last_error());
   }
@@ -109,25 +76,10 @@ std::vector<T> read_column(const Place& place, std::size_t rows, const Extents& 
   return std::move(array.values);
 }
 
-struct Attribute {
-  Handle handle;
-  Handle type;
-  std::vector<std::size_t> shape;
-};
-
-Attribute open_attribute(const Place& place, const Handle& object, const std::string& name) {
-  if (H5Aexists(object.get(), name.c_str()) <= 0) place.fail("has no attribute '" + name + "'");
-  Attribute attribute;
-  attribute.handle = Handle(H5Aopen(object.get(), name.c_str(), H5P_DEFAULT), &H5Aclose);
-  attribute.type = Handle(H5Aget_type(attribute.handle.get()), &H5Tclose);
-  attribute.shape = extents_of(place, Handle(H5Aget_space(attribute.handle.get()), &H5Sclose));
-  return attribute;
-}
-
 template <class T>
 Array<T> read_numbers(const Place& place, const Handle& object, const std::string& name) {
-  const Attribute attribute = open_attribute(place, object, name);
-  Array<T> array{attribute.shape, std::vector<T>(count_of(place, attribute.shape))};
+  const hdf5::Attribute attribute = hdf5::open_attribute(place, object, name);
+  Array<T> array{attribute.shape, std::vector<T>(hdf5::count_of(place, attribute.shape, 1, 1))};
   const H5T_class_t kind = H5Tget_class(attribute.type.get());
   if ((kind != H5T_INTEGER && kind != H5T_FLOAT) ||
       (!array.values.empty() && H5Aread(attribute.handle.get(), memory_type<T>(), array.values.data()) < 0)) {
@@ -144,43 +96,13 @@ T read_number(const Place& place, const Handle& object, const std::string& name)
 }
 
 std::vector<std::string> read_texts(const Place& place, const Handle& object, const std::string& name) {
-  const Attribute attribute = open_attribute(place, object, name);
-  if (H5Tis_variable_str(attribute.type.get()) <= 0) place.fail("attribute '" + name + "' is no text");
-  std::vector<char*> texts(count_of(place, attribute.shape), nullptr);
-  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
-  check(H5Tset_size(type.get(), H5T_VARIABLE));
-  check(H5Tset_cset(type.get(), H5Tget_cset(attribute.type.get())));
-  if (!texts.empty() && H5Aread(attribute.handle.get(), type.get(), texts.data()) < 0) {
-    place.fail("attribute '" + name + "' cannot be read: " + hdf5::last_error());
-  }
-  std::vector<std::string> result;
-  for (char* text : texts) {
-    result.emplace_back(text != nullptr ? text : "");
-    if (text != nullptr) check(H5free_memory(text));
-  }
-  return result;
+  return hdf5::texts_of(place, hdf5::open_attribute(place, object, name), name);
 }
 
 std::string read_text(const Place& place, const Handle& object, const std::string& name) {
   std::vector<std::string> texts = read_texts(place, object, name);
   if (texts.size() != 1) place.fail("attribute '" + name + "' is no single text");
   return std::move(texts.front());
-}
-
-herr_t add_name(hid_t, const char* name, const H5L_info_t*, void* names) {
-  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
-  return 0;
-}
-
-// Names of a group's members in ascending order.
-std::vector<std::string> members_of(const Place& place) {
-  const Handle group = open_object(place);
-  std::vector<std::string> names;
-  hsize_t position = 0;
-  if (H5Literate(group.get(), H5_INDEX_NAME, H5_ITER_INC, &position, &add_name, &names) < 0) {
-    place.fail("its members cannot be listed: " + hdf5::last_error());
-  }
-  return names;
 }
 
 // k of "demo_<k>".
@@ -194,25 +116,14 @@ std::size_t demo_number(const Place& place, const std::string& name) {
   return number;
 }
 
-// Opens one file and hands back its root.
-Handle open_file(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw InputError(fmt::format("{}: is a folder, not a dataset", path));
-  if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
-  Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
-  check(H5Pset_file_locking(access.get(), false, true));
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get());
-  if (file < 0) throw InputError(fmt::format("{}: is no readable HDF5 file: {}", path, hdf5::last_error()));
-  return {file, &H5Fclose};
-}
-
 FileAbout read_about(const Place& place) {
   const Handle object = open_object(place);
   const auto schema = read_number<std::uint64_t>(place, object, "schema");
-  if (schema != static_cast<std::uint64_t>(dataset_schema)) {
-    place.fail(fmt::format("has schema {}; this program reads {}", schema, dataset_schema));
+  if (schema < oldest_dataset_schema || schema > dataset_schema) {
+    place.fail(fmt::format("has schema {}; this program reads {} to {}", schema, oldest_dataset_schema, dataset_schema));
   }
   FileAbout about;
+  about.schema = schema;
   if (H5Aexists(object.get(), "shards") > 0) {
     check_heaps(place.file_name);
     about.shards = read_number<std::uint64_t>(place, object, "shards");
@@ -226,13 +137,6 @@ FileAbout read_about(const Place& place) {
   about.trials = list.nlinks;
   if (H5Aexists(object.get(), "failed") > 0) about.failed = parse_failures(place.file_name, read_text(place, object, "failed"));
   return about;
-}
-
-// Name of the k-th file of the dataset whose first is `path`, be it finished, kept or that of a killed run.
-std::string sibling(const std::string& path, std::size_t k) {
-  constexpr std::string_view mark = ".partial";
-  if (!path.ends_with(mark)) return shard_path(path, k);
-  return temporary_path(shard_path(path.substr(0, path.size() - mark.size()), k));
 }
 
 StateCounts count_states(const Place& place, const std::vector<std::uint8_t>& states) {
@@ -268,6 +172,7 @@ struct DatasetReader::State {
   DatasetHeader header;
   std::vector<File> files;
   std::vector<std::string> digests;
+  std::vector<std::uint64_t> schemas;
   bool complete = false;
   std::vector<FailedTrial> failed;
   std::vector<std::size_t> trials;
@@ -300,15 +205,17 @@ struct DatasetReader::State {
     if (index > 0 && !same_dataset(about.header, header)) {
       place.fail(fmt::format("belongs to another dataset than {}", files.front().name));
     }
+    schemas.push_back(about.schema);
     header = std::move(about.header);
     if (index == 0) failed = std::move(about.failed);
     for (const std::string& name : members_of({place.file, place.file_name, "/data"})) {
       const std::size_t trial = demo_number({place.file, place.file_name, "/data"}, name);
       trials.push_back(trial);
-      file_of.emplace(trial, index);
+      if (!file_of.emplace(trial, index).second)
+        place.fail(fmt::format("holds trial {}, as does another file of the dataset", trial));
     }
-    digests.push_back(about.shards ? read_text(place, open_object(place), "content_sha256") : "");
-    if (!about.shards) return index + (std::filesystem::exists(sibling(files.front().name, index + 1)) ? 2 : 1);
+    digests.push_back(about.shards ? read_text(place, open_object(place), file_sha256_name) : "");
+    if (!about.shards) return index + (std::filesystem::exists(sibling_path(files.front().name, index + 1)) ? 2 : 1);
     complete = about.complete;
     return *about.shards;
   }
@@ -392,7 +299,7 @@ DatasetReader::DatasetReader(const std::string& path) : state_(std::make_unique<
   hdf5::initialise();
   try {
     std::size_t shards = state_->add_file(path);
-    for (std::size_t k = 1; k < shards; ++k) shards = state_->add_file(sibling(path, k));
+    for (std::size_t k = 1; k < shards; ++k) shards = state_->add_file(sibling_path(path, k));
   } catch (const InputError&) {
     throw;
   } catch (const std::runtime_error& error) {
@@ -412,6 +319,7 @@ std::vector<std::string> DatasetReader::files() const {
   return names;
 }
 const std::vector<std::string>& DatasetReader::content_sha256() const { return state_->digests; }
+std::uint64_t DatasetReader::schema(std::size_t file) const { return state_->schemas[file]; }
 bool DatasetReader::complete() const { return state_->complete; }
 const std::vector<std::size_t>& DatasetReader::trials() const { return state_->trials; }
 const std::vector<FailedTrial>& DatasetReader::failed() const { return state_->failed; }
@@ -425,18 +333,8 @@ std::vector<std::size_t> DatasetReader::mask(const std::string& split) const {
     if (H5Lexists(root.file, "/mask", H5P_DEFAULT) <= 0) continue;
     const Place place{root.file, root.file_name, "/mask/" + split};
     const Handle object = open_object(place);
-    const Handle type(H5Dget_type(object.get()), &H5Tclose);
-    if (H5Tget_class(type.get()) != H5T_STRING) place.fail("is no list of names");
-    const std::size_t width = H5Tget_size(type.get());
-    const std::size_t count = count_of(place, extents_of(place, Handle(H5Dget_space(object.get()), &H5Sclose)));
-    std::string names(count_of(place, {count, width}), '\0');
-    if (count > 0 && H5Dread(object.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, names.data()) < 0) {
-      place.fail("cannot be read: " + hdf5::last_error());
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::string padded = names.substr(i * width, width);
-      trials.push_back(demo_number(place, padded.substr(0, padded.find('\0'))));
-    }
+    if (H5Iget_type(object.get()) != H5I_DATASET) place.fail("is no array");
+    for (const std::string& name : hdf5::texts_of(place, object)) trials.push_back(demo_number(place, name));
   }
   return trials;
 }
@@ -481,6 +379,8 @@ SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& se
   record.channel_names = read_texts(place, group, "channel_names");
   record.time = read_array<double>(place.below("t")).values;
   for (const std::string& name : read_texts(place, group, "channels")) {
+    if (printable(name) != name)
+      place.fail("attribute 'channels' holds " + quote(name) + "; allowed: names without control characters");
     const Place channel = place.below(name);
     Array<float> array = read_array<float>(channel);
     const std::string own_time = own_time_path(name);
@@ -493,6 +393,23 @@ SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& se
   }
   record.labels = state_->read_labels(demo.below(label_group(sensor)), record.time);
   return record;
+}
+
+Digest DatasetReader::stored_digest(std::size_t trial) const {
+  const Place demo = state_->demo(trial);
+  return schema(file_of(trial)) == 1 ? stored_arrays_digest(demo) : stored_trial_digest(demo);
+}
+
+std::string DatasetReader::trial_sha256(std::size_t trial) const {
+  const Place demo = state_->demo(trial);
+  return schema(file_of(trial)) == 1 ? "" : read_text(demo, open_object(demo), trial_sha256_name);
+}
+
+std::string DatasetReader::stored_sha256(std::size_t file, const std::vector<std::pair<std::size_t, Digest>>& trials) const {
+  if (schema(file) > 1) return hexadecimal(stored_file_digest(state_->root(file), trials));
+  std::vector<Digest> digests;
+  for (const auto& [trial, digest] : trials) digests.push_back(digest);
+  return content_digest(digests);
 }
 
 namespace {
@@ -552,9 +469,7 @@ template std::vector<std::uint32_t> DatasetReader::read<std::uint32_t>(std::size
 
 std::vector<std::size_t> DatasetReader::shape(std::size_t trial, const std::string& path) const {
   const Place place = state_->demo(trial).below(path);
-  const Handle object = open_object(place);
-  if (H5Iget_type(object.get()) != H5I_DATASET) place.fail("is no array");
-  return extents_of(place, Handle(H5Dget_space(object.get()), &H5Sclose));
+  return hdf5::array_extents(place, open_object(place));
 }
 
 }  // namespace slipbench

@@ -5,9 +5,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/base/dataset/header.h"
+#include "tools/base/dataset/sha256.h"
 #include "tools/base/dataset/trial_record.h"
 
 namespace slipbench {
@@ -23,6 +25,7 @@ struct DemoInfo {
 // What the root of one file says, whatever the other files of its dataset.
 struct FileAbout {
   DatasetHeader header;
+  std::uint64_t schema = 0;             // version of the format
   std::uint64_t shard = 0;              // which file of its dataset it is
   std::optional<std::uint64_t> shards;  // of how many; empty where the run was killed
   std::uint64_t trials = 0;             // that it holds
@@ -50,6 +53,8 @@ class DatasetReader {
   [[nodiscard]] std::vector<std::string> files() const;
   // The digest of each shard in order (README.md says over what); empty strings where the run was killed.
   [[nodiscard]] const std::vector<std::string>& content_sha256() const;
+  // Version of the format of one shard.
+  [[nodiscard]] std::uint64_t schema(std::size_t file) const;
   // Whether the run that wrote it came to its end.
   [[nodiscard]] bool complete() const;
 
@@ -76,6 +81,13 @@ class DatasetReader {
   [[nodiscard]] std::string sensor_type(std::size_t trial, const std::string& sensor) const;
   // One sensor's samples and labels.
   [[nodiscard]] SensorRecord read_sensor(std::size_t trial, const std::string& sensor) const;
+
+  // The digest of what the file holds of a trial, as README.md says for the schema of its file.
+  [[nodiscard]] Digest stored_digest(std::size_t trial) const;
+  // What its attribute `sha256` says, 64 hexadecimal digits; empty in a file of schema 1, which has none.
+  [[nodiscard]] std::string trial_sha256(std::size_t trial) const;
+  // What a file's content_sha256 should say, made of the digests of all of its trials in ascending order and of what it holds beside them.
+  [[nodiscard]] std::string stored_sha256(std::size_t file, const std::vector<std::pair<std::size_t, Digest>>& trials) const;
 
   // One array by its path inside the demo, e.g. read<std::uint8_t>(3, "labels/pad/state"), converted to T (float, double,
   // std::uint8_t or std::uint32_t), in C order.

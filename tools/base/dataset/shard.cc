@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/base/dataset/content_walk.h"
 
 namespace slipbench {
 namespace {
@@ -142,6 +143,7 @@ void write_array(hid_t demo, const EncodedArray& array) {
     offset[0] += array.chunk_rows;
   }
   write_attribute(dataset.get(), "unit", array.unit);
+  if (!array.codes.empty()) write_attribute(dataset.get(), "codes", array.codes);
   dataset.close();
 }
 
@@ -253,7 +255,7 @@ Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t ind
     write([&] {
       file_ = hdf5::CrashSafeFile(descriptor_.get(), file_properties().get());
       const hid_t root = file_.get();
-      write_attribute(root, "schema", static_cast<std::uint64_t>(dataset_schema));
+      write_attribute(root, "schema", dataset_schema);
       write_attribute(root, "version", header.version);
       write_attribute(root, "scene", header.scene);
       write_attribute(root, "overrides", header.overrides);
@@ -308,10 +310,12 @@ void Shard::prepare(const Masks& masks, const std::vector<FailedTrial>& failed, 
   publish();
   write([&] {
     write_masks(file_.get(), masks, trials_);
-    write_attribute(file_.get(), "content_sha256", content_digest(digests_));
     if (!failed.empty()) write_attribute(file_.get(), "failed", failures_json(failed));
     write_attribute(file_.get(), "shards", static_cast<std::uint64_t>(shards));
     write_attribute(file_.get(), "complete", static_cast<std::uint64_t>(complete));
+    std::vector<std::pair<std::size_t, Digest>> digests;
+    for (std::size_t i = 0; i < trials_.size(); ++i) digests.emplace_back(trials_[i], digests_[i]);
+    write_attribute(file_.get(), file_sha256_name, hexadecimal(stored_file_digest({file_.get(), path_, "/"}, digests)));
     list_.close();
     file_.flush();
     file_.sync();

@@ -6,15 +6,14 @@
 #include <charconv>
 #include <cstddef>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <string_view>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/regular_file.h"
 
 namespace slipbench {
 namespace {
@@ -46,8 +45,7 @@ std::vector<Column> needed_columns() {
 }  // namespace
 
 std::vector<HdVector> read_hd_vectors(const std::string& file) {
-  if (std::error_code ignored; std::filesystem::is_directory(file, ignored))
-    throw InputError(fmt::format("{}: is a folder; needed: a CSV file", file));
+  check_regular_file(file);
   std::ifstream stream(file);
   std::string line;
   if (!stream) throw InputError(fmt::format("{}: {}", file, std::strerror(errno)));

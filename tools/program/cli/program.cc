@@ -46,7 +46,8 @@ int dispatch(const Commands& commands, const std::vector<std::string>& words) {
 // `message` and `detail` in one line on stderr. It is called where nothing catches any more, so it must not throw.
 void print_error(const char* message, const char* detail = "") noexcept {
   try {
-    say(stderr, fmt::format("{} {}{}\n", style_for(stderr).error("slipbench:"), message, detail));
+    say(stderr,
+        fmt::format("{} {}{}\n", style_for(stderr).error("slipbench:"), printable(message, true), printable(detail, true)));
   } catch (const std::bad_alloc&) {
     std::fputs("slipbench: out of memory\n", stderr);
   }

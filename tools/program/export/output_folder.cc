@@ -1,5 +1,6 @@
 #include "tools/program/export/output_folder.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -25,6 +26,13 @@ std::string OutputFolder::write(const std::string& name, const TextKind& kind, c
 }
 
 std::string OutputFolder::prepare(const std::string& name) {
+  // Sensors, materials and channels give files their names, and a dataset's texts may be anybody's.
+  const std::filesystem::path parts(name);
+  if (printable(name) != name || parts.is_absolute() || std::ranges::find(parts, std::filesystem::path("..")) != parts.end()) {
+    throw InputError(
+        fmt::format("cannot write a file called {}; allowed: names of the dataset without control characters, that stay in {}",
+                    quote(name), path_));
+  }
   make(path_);
   const std::filesystem::path path = std::filesystem::path(path_) / name;
   if (const std::string folder = path.parent_path().string(); name.find('/') != std::string::npos) make(folder);

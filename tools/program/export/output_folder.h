@@ -20,7 +20,8 @@ class OutputFolder {
   // Writes PATH/NAME, where NAME may begin with one folder more, and returns that path. Throws InputError when it cannot be written or
   // something stands there that is not of this kind.
   std::string write(const std::string& name, const TextKind& kind, const std::string& bytes);
-  // Makes the folder, and returns PATH/NAME for a file that someone else will write.
+  // Makes the folder, and returns PATH/NAME for a file that someone else will write. Throws InputError for a name with control characters
+  // and for one that leads out of the folder.
   std::string prepare(const std::string& name);
 
   [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }

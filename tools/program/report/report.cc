@@ -157,7 +157,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   for (const std::size_t trial : trials) {
     const bool embed = std::find(embedded.begin(), embedded.end(), trial) != embedded.end();
     const TrialRecord record = dataset.read_trial(trial);
-    check.add(record);
+    check.add(trial);
     rows.push_back(trial_row(record, dataset_path, embed ? curve_values : 0, curves, grasps));
     drawn.push_back(rows.back()["params"]);
     for (const SensorRecord& sensor : record.sensors) types[sensor.type] = report::view_payload(sensor.type);

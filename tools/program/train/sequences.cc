@@ -164,7 +164,7 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
     const std::string subject = fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
     const std::string sensor = chosen_sensor(reader, trial, options.sensor, subject);
     const TrialRecord record = reader.read_trial(trial);
-    check.add(record);
+    check.add(trial);
     const Sequence sequence = sequence_of(record, sensor, commanded_motion(reader, trial), options, subject);
     for_each_member(
         sequence, [&](const auto& value) { packed.put(value); }, [&](const auto& column) { packed.put_all(column); });

@@ -126,7 +126,7 @@ std::vector<PiezoRecording> read_recordings(const std::string& path) {
     for (const std::size_t trial : reader.trials()) {
       reader.check_recorded(trial);
       const TrialRecord record = reader.read_trial(trial);
-      check.add(record);
+      check.add(record.trial);
       pack(make_recording(record), bytes);
     }
     check.finish();

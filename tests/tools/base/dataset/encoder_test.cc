@@ -88,6 +88,12 @@ TEST(TrialEncoder, DigestFollowsEveryByte) {
   record = make_record(0, 10);
   record.sensors[0].channels[0].name = "forces";
   EXPECT_NE(TrialEncoder().encode(record).digest, digest);
+  record = make_record(0, 10);
+  record.sensors[0].labels.onset_time[1] = 1.2345;
+  EXPECT_NE(TrialEncoder().encode(record).digest, digest);
+  record = make_record(0, 10);
+  record.params = "{}";
+  EXPECT_NE(TrialEncoder().encode(record).digest, digest);
 }
 
 TEST(ContentDigest, IsSha256) {

@@ -14,6 +14,7 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/writer.h"
@@ -220,10 +221,10 @@ TEST_F(FailureTest, DamagedFilesAreRefusedOrRead) {
     writer.commit();
   }
   const std::string whole = bytes_of(path("whole.h5"));
-  for (std::size_t step = 0; step < 300; ++step) {
+  for (std::size_t step = 0; step < 1000; ++step) {
     std::string damaged = whole;
     if (step % 3 == 0) {
-      damaged.resize(whole.size() * step / 300);
+      damaged.resize(whole.size() * step / 1000);
     } else {
       damaged[(step * 7919) % whole.size()] ^= static_cast<char>(1 + step % 255);
     }
@@ -231,6 +232,7 @@ TEST_F(FailureTest, DamagedFilesAreRefusedOrRead) {
     const auto read_all = [&] {
       const DatasetReader reader(path("damaged.h5"));
       for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_trial(trial));
+      check_content(reader, 0);
       return std::string("read");
     };
     try {

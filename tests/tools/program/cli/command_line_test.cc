@@ -278,8 +278,8 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
 }
 
 TEST(CommandLine, EveryCommandExplainsItself) {
-  for (const std::string name : {"run", "sweep", "check", "report", "export", "hd", "train", "eval", "reproduce", "cost", "bench",
-                                 "list", "describe", "doctor", "plugin-path"}) {
+  for (const std::string name : {"run", "sweep", "check", "report", "export", "verify", "hd", "train", "eval", "reproduce",
+                                 "cost", "bench", "list", "describe", "doctor", "plugin-path"}) {
     const std::string text = parse({name, "--help"}).help;
     EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
     EXPECT_THAT(text, HasSubstr("--json")) << name;
@@ -314,7 +314,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{
             {"--json"},
             "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
-        Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"describe"}, "describe: NAME is required"},
+        Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"verify"}, "verify: FILE is required"},
+        Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{
             {"run", "s.yaml", "--job", "2"},
             "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --trial"},

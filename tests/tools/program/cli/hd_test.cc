@@ -173,7 +173,7 @@ TEST(HdReplay, BadRowsAreRefusedWithFileAndLine) {
   EXPECT_EQ(refusal([](Lines& l) { l[3] = "9,0,1,2,3,4,5,6,7,20"; }), "v.csv:4: 10 cells; the header has 11\n");
   EXPECT_EQ(refusal([](Lines& l) { l[3] += ",0"; }), "v.csv:4: 12 cells; the header has 11\n");
   EXPECT_EQ(refusal([](Lines& l) { l.erase(l.begin() + 2); }), "v.csv:3: step 9 after step 7; a window has no gaps\n");
-  EXPECT_EQ(replay({"--encoder", "paper"}, published).err, "slipbench: " + published + ": is a folder; needed: a CSV file\n");
+  EXPECT_EQ(replay({"--encoder", "paper"}, published).err, "slipbench: " + published + ": is a folder, no file\n");
   EXPECT_THAT(replay({"--encoder", "paper"}, "nowhere.csv").err, HasSubstr("nowhere.csv: No such file or directory"));
 }
 

@@ -405,7 +405,7 @@ TEST_F(ExportTest, ChangedArraysAreRefused) {
   first.trial = 0;
   for (const ExportOptions& options : {vendor, training, first}) {
     EXPECT_THAT(message_of<InputError>([&] { run(path("a.h5"), options); }),
-                HasSubstr("a.h5: is damaged: its arrays have the SHA-256"));
+                HasSubstr("a.h5: is damaged: its content has the SHA-256"));
     EXPECT_FALSE(std::filesystem::exists(path("out")));
   }
 }

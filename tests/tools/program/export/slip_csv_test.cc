@@ -66,6 +66,16 @@ TEST_F(SlipCsv, FolderIsTheClassThatTheSceneCommands) {
             "aw/felt_cylinder3.csv");
 }
 
+// A dataset's texts may be anybody's, and are part of the name.
+TEST_F(SlipCsv, NameStaysInTheFolder) {
+  const auto refusal = [&](const std::string& params) { return message_of<InputError>([&] { name(params); }); };
+  EXPECT_THAT(refusal(R"({"surface.material": "x/../../../evil"})"),
+              HasSubstr("cannot write a file called 't/x/../../../evil3.csv'; allowed: "));
+  EXPECT_THAT(refusal(R"({"surface.material": "glass\u001b[31m"})"),
+              HasSubstr(R"(cannot write a file called 't/glass\x1b[31m3.csv')"));
+  EXPECT_EQ(names(), std::vector<std::string>{"a.h5"});
+}
+
 // The motion is up at start + 2 approach = 0.05 + 0.2 s, which is row 24: rows 24 to 39 are written.
 TEST_F(SlipCsv, BeginsWhereTheMotionHasComeUp) {
   const std::string file = exported(finger("{}"), "slipbench: 1\nmotion: {kind: rub, start: 50 ms, approach: 0.1 s}\n").front();

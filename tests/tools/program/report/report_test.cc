@@ -367,7 +367,7 @@ TEST(Report, RefusesArraysOfAnotherDigest) {
   writer.append(changed);
   writer.commit();
   EXPECT_THAT(refusal(page_path("report_changed.h5"), page_path("x.html")),
-              HasSubstr("report_changed.h5: is damaged: its arrays have the SHA-256"));
+              HasSubstr("report_changed.h5: is damaged: its content has the SHA-256"));
 }
 
 // However a file is damaged, the report is made or refused, never ended by a signal.

@@ -1,0 +1,132 @@
+#include "sim/mujoco/mjcf_check.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "sim/core/error.h"
+#include "sim/core/regular_file.h"
+
+namespace slipbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t largest_file = 100'000'000;  // bytes
+constexpr double most_cells = 1e8;
+constexpr double most_copies = 1e6;
+constexpr double most_memory = 4e9;  // bytes
+
+struct Tag {
+  std::string name;
+  std::map<std::string, std::string> attributes;
+  std::size_t line = 1;
+};
+
+// The tags of a text, comments left out. What is no XML gives any tags.
+std::vector<Tag> tags_of(std::string_view text) {
+  constexpr std::string_view space = " \t\r\n";
+  std::vector<Tag> tags;
+  std::size_t line = 1, counted = 0;
+  for (std::size_t at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {
+    if (text.substr(at, 4) == "<!--") {
+      at = std::min(text.find("-->", at), text.size());
+      continue;
+    }
+    for (; counted < at; ++counted) line += text[counted] == '\n' ? 1U : 0U;
+    Tag tag;
+    tag.line = line;
+    std::size_t end = std::min(text.find_first_of(" \t\r\n/>", at + 1), text.size());
+    tag.name = text.substr(at + 1, end - at - 1);
+    while (true) {
+      const std::size_t begin = text.find_first_not_of(space, end);
+      const std::size_t equals = text.find_first_of("=><", begin == std::string_view::npos ? end : begin);
+      if (begin == std::string_view::npos || equals == std::string_view::npos || text[equals] != '=') break;
+      const std::size_t open = text.find_first_of("\"'", equals);
+      if (open == std::string_view::npos) break;
+      const std::size_t close = text.find(text[open], open + 1);
+      if (close == std::string_view::npos) break;
+      std::string_view name = text.substr(begin, equals - begin);
+      name = name.substr(0, name.find_last_not_of(space) + 1);
+      tag.attributes.emplace(name, text.substr(open + 1, close - open - 1));
+      end = close + 1;
+    }
+    tags.push_back(std::move(tag));
+    at = std::max(end, at + 1);
+  }
+  return tags;
+}
+
+// The product of an attribute's numbers, 1 where it is not there: "3 4" is 12, "2M" is 2^21.
+double product_of(const Tag& tag, const std::string& attribute) {
+  const auto found = tag.attributes.find(attribute);
+  if (found == tag.attributes.end()) return 1.0;
+  double product = 1.0;
+  const char* text = found->second.c_str();
+  for (char* stop = nullptr;; text = stop) {
+    const double value = std::strtod(text, &stop);
+    if (stop == text) return product;
+    product *= value;
+    constexpr std::string_view prefixes = "KMGTPE";
+    const std::size_t power = *stop == '\0' ? std::string_view::npos : prefixes.find(static_cast<char>(std::toupper(*stop)));
+    if (power == std::string_view::npos) continue;
+    for (std::size_t i = 0; i <= power; ++i) product *= 1024.0;
+    ++stop;
+  }
+}
+
+void check_size(const std::string& file, const Tag& tag, const char* what, double found, double most) {
+  if (!(found > most)) return;
+  throw InputError(file + ":" + std::to_string(tag.line) + ": <" + printable(tag.name) + "> " + what + " " +
+                   std::to_string(found) + "; allowed: at most " + std::to_string(most));
+}
+
+void check_file(const fs::path& path, const fs::path& root, std::set<std::string>& seen) {
+  check_regular_file(path.string(), largest_file);
+  if (!seen.insert(path.lexically_normal().string()).second) return;  // MuJoCo refuses one that includes itself
+  std::ifstream stream(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::vector<Tag> tags = tags_of(text);
+  std::vector<fs::path> folders{root, path.parent_path()};
+  for (const Tag& tag : tags) {
+    for (const char* key : {"assetdir", "meshdir", "texturedir"}) {
+      if (const auto found = tag.attributes.find(key); found != tag.attributes.end()) folders.push_back(root / found->second);
+    }
+  }
+  for (const Tag& tag : tags) {
+    check_size(path.string(), tag, "has the cells", product_of(tag, "nrow") * product_of(tag, "ncol"), most_cells);
+    check_size(path.string(), tag, "has the cells", product_of(tag, "width") * product_of(tag, "height"), most_cells);
+    check_size(path.string(), tag, "has the count", product_of(tag, "count"), most_copies);
+    check_size(path.string(), tag, "has the memory", product_of(tag, "memory"), most_memory);
+    for (const auto& [key, value] : tag.attributes) {
+      if (!key.starts_with("file")) continue;  // of a cube's sides too
+      for (const fs::path& folder : folders) {
+        std::error_code error;
+        if (!fs::exists(folder / value, error)) continue;
+        if (tag.name == "include") {
+          check_file(folder / value, root, seen);
+        } else {
+          check_regular_file((folder / value).string(), largest_file);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void check_mjcf(const std::string& path) {
+  std::set<std::string> seen;
+  check_file(path, fs::path(path).parent_path(), seen);
+}
+
+}  // namespace slipbench

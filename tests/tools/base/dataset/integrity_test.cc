@@ -1,0 +1,267 @@
+// What a digest covers, and what is refused before it is read.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <functional>
+#include <new>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/content_check.h"
+#include "tools/base/dataset/content_walk.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/writer.h"
+
+namespace slipbench::testing::integrity_test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+const DatasetHeader header{"1.2.3", "scene", "{}", 7, "slipbench sweep a.yaml"};
+constexpr std::size_t rows = 40;
+
+// Takes the first float64 or text value of an attribute or array away and puts another one there.
+void change_attribute(hid_t file, const std::string& object, const std::string& name, double value) {
+  const hid_t holder = H5Oopen(file, object.c_str(), H5P_DEFAULT), attribute = H5Aopen(holder, name.c_str(), H5P_DEFAULT);
+  const std::vector<double> values(static_cast<std::size_t>(H5Aget_storage_size(attribute)) / 8, value);
+  EXPECT_GE(H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()), 0);
+  H5Aclose(attribute);
+  H5Oclose(holder);
+}
+
+void change_text(hid_t file, const std::string& object, const std::string& name, const char* text) {
+  const hid_t holder = H5Oopen(file, object.c_str(), H5P_DEFAULT), attribute = H5Aopen(holder, name.c_str(), H5P_DEFAULT);
+  const hid_t type = H5Aget_type(attribute);
+  EXPECT_GE(H5Awrite(attribute, type, &text), 0);
+  H5Tclose(type);
+  H5Aclose(attribute);
+  H5Oclose(holder);
+}
+
+class IntegrityTest : public FolderTest {
+ protected:
+  IntegrityTest() {
+    DatasetWriter writer(path("a.h5"), header, 3);
+    for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
+    writer.commit();
+  }
+  void change(const std::function<void(hid_t)>& action) const {
+    const hid_t file = H5Fopen(path("a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    ASSERT_GE(file, 0);
+    action(file);
+    H5Fclose(file);
+  }
+  void check() const {
+    const DatasetReader reader(path("a.h5"));
+    check_content(reader, 0);
+  }
+  [[nodiscard]] std::string refusal() const {
+    return message_of<InputError>([&] {
+      const DatasetReader reader(path("a.h5"));
+      for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_trial(trial));
+      check_content(reader, 0);
+    });
+  }
+};
+
+TEST_F(IntegrityTest, WholeFileHolds) { EXPECT_NO_THROW(check()); }
+
+// The issue's reproducer: the onset times of all units, which report and every export took without a word.
+TEST_F(IntegrityTest, AttributeOfATrialIsCovered) {
+  change([](hid_t file) { change_attribute(file, "/data/demo_1/labels/pad", "onset_time_s", 1.2345); });
+  EXPECT_THAT(message_of<InputError>([&] { check(); }),
+              HasSubstr("a.h5: /data/demo_1: is damaged: its content has the SHA-256 "));
+}
+
+TEST_F(IntegrityTest, EveryKindOfValueOfATrialIsCovered) {
+  const std::vector<std::function<void(hid_t)>> changes{
+      [](hid_t file) { change_text(file, "/data/demo_0", "params", "{}"); },
+      [](hid_t file) { change_text(file, "/data/demo_0/labels/pad/force", "unit", "kN"); },
+      [](hid_t file) { change_text(file, "/data/demo_0/labels/pad/unit_state", "codes", "{}"); },
+      [](hid_t file) { change_attribute(file, "/data/demo_0/sensors/pad", "rate_hz", 999.0); },
+      [](hid_t file) { H5Adelete_by_name(file, "/data/demo_0/labels/pad", "unit_heights", H5P_DEFAULT); },
+      [](hid_t file) { H5Arename_by_name(file, "/data/demo_0/labels/pad", "k_normal", "k_normals", H5P_DEFAULT); },
+      [](hid_t file) { H5Ldelete(file, "/data/demo_0/labels/pad/margin", H5P_DEFAULT); },
+      [](hid_t file) {
+        H5Lmove(file, "/data/demo_0/truth/pad/pose", file, "/data/demo_0/truth/pad/poses", H5P_DEFAULT, H5P_DEFAULT);
+      },
+  };
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const std::string whole = bytes_of(path("a.h5"));
+    change(changes[i]);
+    EXPECT_THAT(message_of<InputError>([&] { check(); }), HasSubstr("/data/demo_0: is damaged")) << i;
+    std::ofstream(path("a.h5"), std::ios::binary) << whole;
+  }
+}
+
+TEST_F(IntegrityTest, WhatStandsBesideTheTrialsIsCovered) {
+  const std::vector<std::function<void(hid_t)>> changes{
+      [](hid_t file) { change_text(file, "/", "scene", "another"); },
+      [](hid_t file) { change_text(file, "/", "command", "another"); },
+      [](hid_t file) { change_text(file, "/mask", "rule", "another"); },
+      [](hid_t file) { H5Ldelete(file, "/mask/valid", H5P_DEFAULT); },
+      [](hid_t file) { H5Lmove(file, "/data/demo_2", file, "/data/demo_3", H5P_DEFAULT, H5P_DEFAULT); },
+      [](hid_t file) { H5Ldelete(file, "/data/demo_2", H5P_DEFAULT); },
+  };
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const std::string whole = bytes_of(path("a.h5"));
+    change(changes[i]);
+    EXPECT_THAT(message_of<InputError>([&] { check(); }), HasSubstr("a.h5: is damaged: its content has the SHA-256 ")) << i;
+    std::ofstream(path("a.h5"), std::ios::binary) << whole;
+  }
+}
+
+// A file as version 1 wrote it: no digest of a trial, no codes, arrays alone in content_sha256.
+TEST_F(IntegrityTest, SchemaOneHasItsArraysChecked) {
+  change([&](hid_t file) {
+    std::vector<Digest> digests;
+    for (const char* demo : {"/data/demo_0", "/data/demo_1", "/data/demo_2"}) {
+      H5Adelete_by_name(file, demo, "sha256", H5P_DEFAULT);
+      digests.push_back(stored_arrays_digest({file, path("a.h5"), demo}));
+    }
+    change_text(file, "/", "content_sha256", content_digest(digests).c_str());
+    const hid_t schema = H5Aopen(file, "schema", H5P_DEFAULT);
+    const std::uint64_t one = 1;
+    EXPECT_GE(H5Awrite(schema, H5T_NATIVE_UINT64, &one), 0);
+    H5Aclose(schema);
+  });
+  ::testing::internal::CaptureStderr();
+  EXPECT_NO_THROW(check());
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(said, "slipbench: " + path("a.h5") +
+                      ": schema 1: its digest covers arrays alone, so attributes such as onset_time_s go unchecked\n");
+  change([](hid_t file) {
+    const hid_t array = H5Dopen2(file, "/data/demo_1/labels/pad/margin", H5P_DEFAULT);
+    const std::vector<float> other(rows * 2, 0.5F);
+    EXPECT_GE(H5Dwrite(array, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, other.data()), 0);
+    H5Dclose(array);
+  });
+  EXPECT_THAT(message_of<InputError>([&] { check(); }), HasSubstr("is damaged: its content has the SHA-256"));
+}
+
+TEST_F(IntegrityTest, WhatLiesInOtherFilesIsRefused) {
+  const auto without = [&](const std::string& object, const std::function<void(hid_t)>& action) {
+    const std::string whole = bytes_of(path("a.h5"));
+    change([&](hid_t file) {
+      H5Ldelete(file, object.c_str(), H5P_DEFAULT);
+      action(file);
+    });
+    const std::string message = refusal();
+    std::ofstream(path("a.h5"), std::ios::binary) << whole;
+    return message;
+  };
+  const std::string margin = "/data/demo_1/labels/pad/margin";
+  EXPECT_THAT(without("/data/demo_1/labels",
+                      [](hid_t file) {
+                        H5Lcreate_external("other.h5", "/data/demo_0/labels", file, "/data/demo_1/labels", H5P_DEFAULT,
+                                           H5P_DEFAULT);
+                      }),
+              HasSubstr("/data/demo_1/labels: is a link to elsewhere, not data of this file"));
+  EXPECT_THAT(without(margin,
+                      [&](hid_t file) {
+                        H5Lcreate_soft("/data/demo_0/labels/pad/margin", file, margin.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+                      }),
+              HasSubstr(margin + ": is a link to elsewhere"));
+  EXPECT_THAT(
+      without("/data/demo_1", [](hid_t file) { H5Lcreate_soft("/data/demo_0", file, "/data/demo_1", H5P_DEFAULT, H5P_DEFAULT); }),
+      HasSubstr("/data/demo_1: is a link to elsewhere"));
+
+  const hsize_t extents[2] = {rows, 2};
+  const hid_t space = H5Screate_simple(2, extents, nullptr);
+  EXPECT_THAT(without(margin,
+                      [&](hid_t file) {
+                        const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+                        H5Pset_external(properties, "/etc/passwd", 0, rows * 2 * 4);
+                        H5Dclose(H5Dcreate2(file, margin.c_str(), H5T_IEEE_F32LE, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+                        H5Pclose(properties);
+                      }),
+              HasSubstr(margin + ": its values lie in another file"));
+  EXPECT_THAT(without(margin,
+                      [&](hid_t file) {
+                        const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+                        H5Pset_virtual(properties, space, "other.h5", "/values", space);
+                        H5Dclose(H5Dcreate2(file, margin.c_str(), H5T_IEEE_F32LE, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+                        H5Pclose(properties);
+                      }),
+              HasSubstr(margin + ": is a virtual dataset, whose values lie in other files"));
+  H5Sclose(space);
+}
+
+// 16 TB declared, nothing stored.
+TEST_F(IntegrityTest, DeclaredSizeIsCheckedBeforeMemoryIsTaken) {
+  change([](hid_t file) {
+    H5Ldelete(file, "/data/demo_1/labels/pad/margin", H5P_DEFAULT);
+    const hsize_t extents[2] = {hsize_t{1} << 41, 2}, chunk[2] = {100, 2};
+    const hid_t space = H5Screate_simple(2, extents, nullptr), properties = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(properties, 2, chunk);
+    H5Pset_deflate(properties, 4);
+    H5Dclose(H5Dcreate2(file, "/data/demo_1/labels/pad/margin", H5T_IEEE_F32LE, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+    H5Pclose(properties);
+    H5Sclose(space);
+  });
+  EXPECT_THAT(refusal(),
+              AllOf(HasSubstr(
+                  "/data/demo_1/labels/pad/margin: its extents [2199023255552, 2] are more than a file of this size can hold")));
+}
+
+TEST_F(IntegrityTest, NamesWithControlCharactersAreRefused) {
+  change([](hid_t file) {
+    H5Lmove(file, "/data/demo_1/sensors/pad", file, "/data/demo_1/sensors/p\x1b[31m", H5P_DEFAULT, H5P_DEFAULT);
+  });
+  EXPECT_THAT(refusal(),
+              HasSubstr(R"(/data/demo_1/sensors: holds the name 'p\x1b[31m'; allowed: names without control characters)"));
+}
+
+TEST_F(IntegrityTest, PipeIsRefused) {
+  ASSERT_EQ(::mkfifo(path("pipe.h5").c_str(), 0600), 0);
+  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(path("pipe.h5")); }), EndsWith("pipe.h5: is a pipe, no file"));
+}
+
+TEST(GuardedLimits, EndlessReadingEnds) {
+  constexpr std::uint64_t plenty = 8'000'000'000;
+  const auto message = [](const ReadingLimits& limits, const std::function<std::string()>& action) {
+    return message_of<InputError>([&] { guarded("a.h5", limits, action); });
+  };
+  EXPECT_EQ(message({1, 60, plenty},
+                    []() -> std::string {
+                      volatile std::uint64_t count = 0;
+                      while (true) count = count + 1;
+                    }),
+            "a.h5: cannot be read: reading took longer than 1 s of the processor");
+  EXPECT_EQ(message({60, 1, plenty},
+                    []() -> std::string {
+                      while (true) ::pause();
+                    }),
+            "a.h5: cannot be read: reading took longer than 1 s");
+  EXPECT_EQ(message({60, 60, 2'000'000'000}, []() -> std::string { throw std::bad_alloc(); }),
+            "a.h5: cannot be read: reading needed more than 2 GB");
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(GuardedLimits, MemoryHasALimit) {
+  EXPECT_EQ(message_of<InputError>([] {
+              guarded("a.h5", {60, 60, 2'000'000'000}, [] { return std::string(4'000'000'000, 'x').substr(0, 1); });
+            }),
+            "a.h5: cannot be read: reading needed more than 2 GB");
+}
+#endif
+
+// 8 s and 2 s for each MB, of all files of the dataset.
+TEST_F(FolderTest, LimitsGrowWithTheFiles) {
+  for (const char* name : {"a.h5", "a-0001.h5"}) {
+    std::ofstream(path(name)) << "x";
+    std::filesystem::resize_file(path(name), 3'000'000);
+  }
+  EXPECT_EQ(reading_limits(path("a.h5")).cpu, 8U + 2U * 6U);
+  EXPECT_EQ(reading_limits(path("a.h5")).wait, 120U + 20U * 6U);
+  EXPECT_EQ(reading_limits(path("none.h5")).cpu, 8U);
+}
+
+}  // namespace
+}  // namespace slipbench::testing::integrity_test

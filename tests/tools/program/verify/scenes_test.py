@@ -1,0 +1,54 @@
+"""A trial of every shipped scene holds, and one of each effect. Arguments: the project's root, the program."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = Path(sys.argv.pop(2)).resolve()
+ROOT = Path(sys.argv.pop(1)).resolve()
+STAGE = ROOT / "scenes/papillarray/stage.yaml"
+# What a scene needs beside the effect.
+WITH = {"asperities": ["effects=[inertia, asperities]"], "roughness": ["effects=[roughness]", "time_step=auto"]}
+
+
+def run(path, scene, *options):
+    subprocess.run([PROGRAM, "run", scene, "--quiet", *options, "-o", path], check=True, stdout=subprocess.DEVNULL)
+    return path
+
+
+class ScenesTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def expect_to_hold(self, paths):
+        result = subprocess.run([PROGRAM, "verify", *paths, "--json"], stdout=subprocess.PIPE, check=False)
+        datasets = json.loads(result.stdout)["datasets"]
+        for dataset in datasets:
+            self.assertEqual([], dataset["failures"], dataset["file"])
+            self.assertTrue(all(check["checked"] > 0 for check in dataset["checks"]), dataset["file"])
+        self.assertEqual(result.returncode, 0)
+        return datasets
+
+    def test_shipped_scenes(self):
+        scenes = sorted((ROOT / "scenes").glob("*/*.yaml"))
+        self.expect_to_hold([run(self.folder / f"{k}.h5", scene) for k, scene in enumerate(scenes)])
+
+    def test_effects(self):
+        listed = json.loads(subprocess.run([PROGRAM, "list", "effects", "--json"], check=True, stdout=subprocess.PIPE).stdout)
+        names = [entry["name"] for entry in listed["effects"]]
+        self.assertIn("stribeck", names)
+        for name in names:
+            path = run(self.folder / f"{name}.h5", STAGE, "--set", *WITH.get(name, [f"effects=[{name}]"]))
+            (dataset,) = self.expect_to_hold([path])
+            (cone,) = (check for check in dataset["checks"] if check["check"] == "cone")
+            exempt = name not in ("lean", "texture", "roughness", "viscoelastic")  # which change no friction
+            self.assertEqual(exempt, any(name in why for why in cone["left_out"]), name)
+
+
+if __name__ == "__main__":
+    unittest.main()

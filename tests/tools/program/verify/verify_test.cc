@@ -1,0 +1,163 @@
+#include "tools/program/verify/verify.h"
+
+#include <functional>
+#include <limits>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/scene/parser.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/writer.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/run/run_trial.h"
+
+namespace slipbench::testing::verify_test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// Pressed until 0.46 s, then moved sideways at 4 mm/s: all pillars slip from some 0.6 s on, as `sliding` says.
+const std::string scene_text = R"(slipbench: 1
+duration: 0.9 s
+time_step: 1 ms
+surface: {material: acrylic}
+friction: {static: 0.5, kinetic: 0.4}
+motion: {kind: stage, compression: 1 mm, start: 0.5 s, speed: 8 mm/s}
+sensors:
+  pad: {type: papillarray, rate: 100 Hz}
+)";
+constexpr std::size_t pressed = 48, sliding = 88;  // samples, 10 ms each
+
+class VerifyTest : public FolderTest {
+ protected:
+  static const TrialRecord& sound() {
+    static const TrialRecord record =
+        run_trial(parse_scene(SceneFile::from_text(scene_text, "scene"), program_catalogues()), 0, Recording::full).record;
+    return record;
+  }
+  // A dataset of trials 0 to 2, of which 1 is changed.
+  std::string write(const std::function<void(TrialRecord&)>& change, bool complete = true,
+                    std::uint64_t limit = DatasetWriter::default_shard_limit) {
+    DatasetWriter writer(path("a.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, 3, limit);
+    for (std::size_t k = 0; k < 3; ++k) {
+      TrialRecord record = sound();
+      record.trial = k;
+      if (k == 1) change(record);
+      writer.append(TrialEncoder().encode(record));
+    }
+    return complete ? (writer.commit(), path("a.h5")) : writer.keep_partial().front();
+  }
+  // What fails: "cone: trial 1, labels/pad/force, sample 3: ...".
+  std::vector<std::string> failures(const std::function<void(TrialRecord&)>& change) {
+    const Verified verified = verify_datasets({write(change)});
+    std::vector<std::string> list;
+    EXPECT_TRUE(verified.readable);
+    for (const auto& failure : verified.datasets.at(0).at("failures")) {
+      EXPECT_EQ(failure.at("trial"), 1U);
+      list.push_back(failure.at("check").get<std::string>() + ": " + failure.at("array").get<std::string>() +
+                     (failure.at("sample").is_null() ? "" : " " + std::to_string(failure.at("sample").get<std::size_t>())) +
+                     ": " + failure.at("what").get<std::string>());
+    }
+    EXPECT_EQ(verified.holds, list.empty());
+    return list;
+  }
+};
+
+LabelRecord& labels_of(TrialRecord& record) { return record.sensors[0].labels; }
+
+TEST_F(VerifyTest, SoundDatasetHolds) {
+  EXPECT_THAT(failures([](TrialRecord&) {}), IsEmpty());
+  const LabelRecord& labels = sound().sensors[0].labels;
+  ASSERT_EQ(labels.state.at(pressed), 1U);  // the samples that the tests below change are what they take them for
+  ASSERT_EQ(labels.state.at(sliding), 3U);
+}
+
+TEST_F(VerifyTest, ConeIsHeldForEveryUnit) {
+  const auto with_pull = [&](std::size_t sample, double share) {
+    return failures([=](TrialRecord& record) {
+      float* force = labels_of(record).force.data() + 3 * (9 * sample + 4);
+      force[0] = static_cast<float>(share * static_cast<double>(force[2]));
+      force[1] = 0.0F;
+    });
+  };
+  EXPECT_THAT(with_pull(pressed, 0.51).at(0), HasSubstr("cone: labels/pad/force 48: unit 4: sticks at f_t = "));
+  EXPECT_THAT(with_pull(pressed, 0.49).at(0), HasSubstr("cone: labels/pad/margin 48: unit 4: is "));
+  EXPECT_THAT(with_pull(sliding, 0.41).at(0), HasSubstr("cone: labels/pad/force 88: unit 4: slips at f_t = "));
+  EXPECT_THAT(with_pull(sliding, 0.39).at(0), HasSubstr("less than mu_kinetic f_n"));
+}
+
+TEST_F(VerifyTest, EventsAreHeldAgainstOnsetsAndStates) {
+  EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).onset_time.assign(9, 1.2345); }).at(0),
+              HasSubstr("events: labels/pad/events/t: unit 0: onset_time_s is 1.2345 s, its first such event is at "));
+  EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).unit_state[9 * sliding + 3] = 3; }),
+              ::testing::Contains(HasSubstr("events: labels/pad/unit_state 88: unit 3: is 3 at 0.88 s")));
+  EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).state[sliding] = 2; }).at(0),
+              HasSubstr("events: labels/pad/state 88: is 2, by unit_state 3"));
+  EXPECT_THAT(failures([](TrialRecord& record) {
+                std::swap(labels_of(record).event_time.front(), labels_of(record).event_time.back());
+              }).at(0),
+              HasSubstr("events: labels/pad/events/t "));
+  EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).event_unit[2] = 9; }).at(0),
+              HasSubstr("events: labels/pad/events/unit 2: 9 is no unit"));
+}
+
+TEST_F(VerifyTest, ValuesAreFinite) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(failures([](TrialRecord& record) { record.sensors[0].channels[0].values[27 * 5 + 2] = nan; }).at(0),
+              HasSubstr("values: sensors/pad/force 5: value 2 of the row is nan"));
+  EXPECT_THAT(failures([](TrialRecord& record) { record.bodies[0].pose[7 * 4] = std::numeric_limits<float>::infinity(); }).at(0),
+              HasSubstr("values: truth/" + sound().bodies[0].name + "/pose 4: value 0 of the row is inf"));
+  EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).margin[9 * sliding] = nan; }).at(0),
+              HasSubstr("values: labels/pad/margin 88: value 0 of the row is nan"));
+}
+
+TEST_F(VerifyTest, TimesRiseAtTheRate) {
+  EXPECT_THAT(failures([](TrialRecord& record) { record.sensors[0].time[7] += 1e-4; }),
+              ::testing::Contains(HasSubstr("times: sensors/pad/t 7: ")));
+  EXPECT_THAT(failures([](TrialRecord& record) { record.body_time[7] = record.body_time[6]; }).at(0), HasSubstr("times: truth/"));
+}
+
+TEST_F(VerifyTest, GapIsNamed) {
+  DatasetWriter writer(path("gap.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, 2);
+  for (const std::size_t k : {0U, 2U}) {
+    TrialRecord record = sound();
+    record.trial = k;
+    writer.append(TrialEncoder().encode(record));
+  }
+  writer.commit();
+  const Verified verified = verify_datasets({path("gap.h5")});
+  EXPECT_FALSE(verified.holds);
+  EXPECT_EQ(verified.datasets.at(0).at("failures").at(0).at("what"), "comes after trial 0: those between them are missing");
+}
+
+TEST_F(VerifyTest, PartialRunAndSeveralFilesAreVerified) {
+  const Verified partial = verify_datasets({write([](TrialRecord&) {}, false)});
+  EXPECT_TRUE(partial.holds);
+  EXPECT_FALSE(partial.datasets.at(0).at("complete"));
+  const std::string first = write([](TrialRecord&) {}, true, 100'000);  // a trial takes more: a file each
+  const Verified verified = verify_datasets({path("a-0002.h5"), first, path("none.h5")});
+  EXPECT_TRUE(verified.holds);
+  EXPECT_FALSE(verified.readable);
+  EXPECT_EQ(verified.datasets.at(0).at("files").size(), 3U);
+  EXPECT_THAT(verified.datasets.at(1).at("error").get<std::string>(), HasSubstr("none.h5: no such file"));
+  EXPECT_EQ(verified.datasets.at(2).at("file"), path("a-0002.h5"));
+  EXPECT_TRUE(verified.datasets.at(2).contains("part_of"));
+  EXPECT_FALSE(verify_datasets({path("a-0001.h5")}).readable);
+}
+
+// A killed run has no content_sha256; its trials have digests of their own.
+TEST_F(VerifyTest, KilledRunHasItsTrialsVerified) {
+  DatasetWriter writer(path("a.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, 2);
+  writer.append(TrialEncoder().encode(sound()));
+  const Verified verified = verify_datasets({path("a.h5.partial")});
+  EXPECT_TRUE(verified.holds);
+  const auto digests = verified.datasets.at(0).at("checks").at(0);
+  EXPECT_EQ(digests.at("checked"), 1U);
+  EXPECT_EQ(digests.at("left_out").at(0), "the file's own attributes: the run was killed before it wrote content_sha256");
+}
+
+}  // namespace
+}  // namespace slipbench::testing::verify_test

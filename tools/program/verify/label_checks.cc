@@ -1,0 +1,246 @@
+#include "tools/program/verify/label_checks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "sim/core/contact_frame.h"
+#include "tools/base/dataset/layout.h"
+
+namespace slipbench::verify {
+namespace {
+
+// An event at the instant of a sample may stand on either side of it [s].
+constexpr double same_instant = 1e-9;
+constexpr double of_a_sample = 1e-6;
+
+void check_rising(const std::vector<double>& times, std::optional<double> rate, const Where& where, Verification& verification) {
+  verification.count(Check::times, times.size());
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    const double step = times[i] - times[i - 1];
+    const Where here{where.trial, where.array, i};
+    if (!(step > 0.0)) {
+      verification.fail(Check::times, here, fmt::format("{} s after {} s", times[i], times[i - 1]));
+    } else if (rate && std::abs(step * *rate - 1.0) > of_a_sample) {
+      verification.fail(Check::times, here, fmt::format("{} s after the last one; rate_hz says {} s", step, 1.0 / *rate));
+    }
+  }
+}
+
+// Values of a column, of which row i may be NaN where `nan(i)`, and is NaN there where `always`.
+template <class T, class Nan>
+void check_finite(const std::vector<T>& values, std::size_t rows, const Where& where, Verification& verification, const Nan& nan,
+                  bool always = false) {
+  verification.count(Check::values, values.size());
+  const std::size_t width = rows == 0 ? 1 : std::max<std::size_t>(1, values.size() / rows);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i]) && !(always && nan(i))) continue;
+    if (std::isnan(values[i]) && nan(i)) continue;
+    verification.fail(Check::values, {where.trial, where.array, i / width},
+                      fmt::format("value {} of the row is {}", i % width, static_cast<double>(values[i])));
+  }
+}
+
+constexpr auto never = [](std::size_t) { return false; };
+
+// State of a unit after an event of each kind.
+constexpr std::array<UnitState, 6> state_after{UnitState::stick,    UnitState::slip,    UnitState::stick,
+                                               UnitState::detached, UnitState::partial, UnitState::partial};
+
+// The first time of each unit of events whose kind `counts`.
+template <class Counts>
+std::vector<double> first_times(const LabelRecord& labels, const Counts& counts) {
+  std::vector<double> first(labels.units(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t e = 0; e < labels.event_time.size(); ++e) {
+    if (counts(static_cast<EventKind>(labels.event_kind[e])))
+      first[labels.event_unit[e]] = std::fmin(first[labels.event_unit[e]], labels.event_time[e]);
+  }
+  return first;
+}
+
+PadState judged(std::size_t touching, std::size_t slipping) {
+  if (touching == 0) return PadState::no_contact;
+  if (slipping == 0) return PadState::non_slip;
+  return slipping < touching ? PadState::incipient : PadState::gross;
+}
+
+class EventCheck {
+ public:
+  EventCheck(const SensorRecord& sensor, std::size_t trial, Verification& verification)
+      : labels_(sensor.labels),
+        time_(sensor.time),
+        group_(label_group(sensor.name) + "/"),
+        trial_(trial),
+        verification_(verification) {}
+
+  void run() {
+    if (!events_are_sound()) return;
+    check_onsets("onset_time_s", labels_.onset_time,
+                 first_times(labels_, [](EventKind kind) { return kind == EventKind::slip; }));
+    check_onsets("micro_onset_time_s", labels_.micro_onset_time,
+                 first_times(labels_, [](EventKind kind) { return kind == EventKind::slip || kind == EventKind::micro; }));
+    for (std::size_t unit = 0; unit < labels_.units(); ++unit) check_unit(unit);
+    check_pad();
+  }
+
+ private:
+  void fail(const char* array, std::optional<std::size_t> sample, const std::string& what) {
+    verification_.fail(Check::events, {trial_, group_ + array, sample}, what);
+  }
+
+  bool events_are_sound() {
+    bool sound = true;
+    const auto refuse = [&](const char* array, std::size_t event, const std::string& what) {
+      fail(array, event, what);
+      sound = false;
+    };
+    for (std::size_t e = 0; e < labels_.event_time.size(); ++e) {
+      if (labels_.event_kind[e] >= state_after.size())
+        refuse("events/kind", e, fmt::format("{} is no kind of event", labels_.event_kind[e]));
+      if (labels_.event_unit[e] >= labels_.units()) refuse("events/unit", e, fmt::format("{} is no unit", labels_.event_unit[e]));
+      if (!std::isfinite(labels_.event_time[e])) refuse("events/t", e, fmt::format("{} is no time", labels_.event_time[e]));
+      if (e > 0 && labels_.event_time[e] < labels_.event_time[e - 1])
+        refuse("events/t", e, fmt::format("{} s after {} s", labels_.event_time[e], labels_.event_time[e - 1]));
+    }
+    return sound;
+  }
+
+  void check_onsets(const char* name, const std::vector<double>& written, const std::vector<double>& first) {
+    for (std::size_t unit = 0; unit < first.size(); ++unit) {
+      if (written[unit] == first[unit] || (std::isnan(written[unit]) && std::isnan(first[unit]))) continue;
+      fail("events/t", std::nullopt,
+           fmt::format("unit {}: {} is {} s, its first such event is at {} s", unit, name, written[unit], first[unit]));
+    }
+  }
+
+  // The state of each sample is that after the last event before it.
+  void check_unit(std::size_t unit) {
+    std::vector<std::size_t> events;
+    for (std::size_t e = 0; e < labels_.event_time.size(); ++e) {
+      if (labels_.event_unit[e] == unit) events.push_back(e);
+    }
+    std::size_t before = 0, until = 0;  // events surely before the sample, and those that may be
+    for (std::size_t row = 0; row < time_.size(); ++row) {
+      while (before < events.size() && labels_.event_time[events[before]] <= time_[row] - same_instant) ++before;
+      while (until < events.size() && labels_.event_time[events[until]] <= time_[row] + same_instant) ++until;
+      const auto state = labels_.unit_state[row * labels_.units() + unit];
+      bool fits = false;
+      for (std::size_t k = before; k <= until && !fits; ++k) {
+        const UnitState left = k == 0 ? UnitState::detached : state_after[labels_.event_kind[events[k - 1]]];
+        fits = state == static_cast<std::uint8_t>(left);
+      }
+      if (!fits)
+        fail("unit_state", row,
+             fmt::format("unit {}: is {} at {} s, which its events do not leave behind", unit, state, time_[row]));
+    }
+    verification_.count(Check::events, time_.size());
+  }
+
+  void check_pad() {
+    const std::size_t units = labels_.units();
+    for (std::size_t row = 0; row < time_.size(); ++row) {
+      const std::span<const std::uint8_t> states(labels_.unit_state.data() + row * units, units);
+      const auto at_least = [&](UnitState state) {
+        return static_cast<std::size_t>(
+            std::ranges::count_if(states, [state](std::uint8_t value) { return value >= static_cast<std::uint8_t>(state); }));
+      };
+      const std::size_t touching = at_least(UnitState::stick), micro = at_least(UnitState::slip);
+      const auto whole = static_cast<std::size_t>(std::ranges::count(states, static_cast<std::uint8_t>(UnitState::slip)));
+      // A pad of a single unit has none that could be told apart: strict is micro there.
+      const auto expected = static_cast<std::uint8_t>(judged(touching, micro));
+      if (units > 1 && labels_.state[row] != static_cast<std::uint8_t>(judged(touching, whole)))
+        fail("state", row, fmt::format("is {}, by unit_state {}", labels_.state[row], static_cast<int>(judged(touching, whole))));
+      if (units == 1 && labels_.state[row] != labels_.state_micro[row])
+        fail("state", row,
+             fmt::format("is {}, of a single unit, whose state_micro is {}", labels_.state[row], labels_.state_micro[row]));
+      if (units > 1 && labels_.state_micro[row] != expected)
+        fail("state_micro", row, fmt::format("is {}, by unit_state {}", labels_.state_micro[row], expected));
+    }
+  }
+
+  const LabelRecord& labels_;
+  const std::vector<double>& time_;
+  std::string group_;
+  std::size_t trial_;
+  Verification& verification_;
+};
+
+void check_label_values(const SensorRecord& sensor, std::size_t trial, Verification& verification) {
+  const LabelRecord& labels = sensor.labels;
+  const std::size_t units = labels.units(), rows = sensor.time.size();
+  const auto at = [&](const char* name) { return Where{trial, label_group(sensor.name) + "/" + name}; };
+  const auto touches = [&](std::size_t row) { return labels.state[row] != static_cast<std::uint8_t>(PadState::no_contact); };
+  const auto slips = [&](std::size_t row) { return labels.state_micro[row] > static_cast<std::uint8_t>(PadState::non_slip); };
+  check_finite(labels.slip_velocity, rows, at("slip_velocity"), verification, never);
+  check_finite(labels.slip_distance, rows, at("slip_distance"), verification, never);
+  check_finite(labels.force, rows, at("force"), verification, never);
+  check_finite(labels.slip_angle, rows, at("slip_angle"), verification, never);
+  check_finite(
+      labels.margin, rows, at("margin"), verification,
+      [&](std::size_t i) { return labels.unit_state[i] == static_cast<std::uint8_t>(UnitState::detached); }, true);
+  check_finite(
+      labels.stuck_fraction, rows, at("stuck_fraction"), verification, [&](std::size_t row) { return !touches(row); }, true);
+  check_finite(
+      labels.slip_direction, rows, at("slip_direction"), verification, [&](std::size_t row) { return !slips(row); }, true);
+  // Its NaN says besides that the slip does not turn.
+  check_finite(labels.slip_centre, rows, at("slip_centre"), verification, [](std::size_t) { return true; });
+  const auto each = [&](const char* name, const std::vector<double>& values) {
+    check_finite(values, units, at(name), verification, never);
+  };
+  each("unit_positions", labels.unit_positions);
+  each("unit_heights", labels.unit_heights);
+  each("k_normal", labels.k_normal);
+  each("k_tangential", labels.k_tangential);
+  each("mu_static", labels.mu_static);
+  each("mu_kinetic", labels.mu_kinetic);
+  for (std::size_t i = 0; i < labels.unit_state.size(); ++i) {
+    if (labels.unit_state[i] > static_cast<std::uint8_t>(UnitState::partial))
+      verification.fail(Check::values, {trial, at("unit_state").array, i / units},
+                        fmt::format("{} is no state of a unit", labels.unit_state[i]));
+  }
+}
+
+}  // namespace
+
+void check_times(const TrialRecord& record, Verification& verification) {
+  for (const SensorRecord& sensor : record.sensors) {
+    check_rising(sensor.time, sensor.rate, {record.trial, sensor_group(sensor.name) + "/t"}, verification);
+    for (const SensorColumn& channel : sensor.channels) {
+      if (channel.time)
+        check_rising(*channel.time, std::nullopt, {record.trial, sensor_group(sensor.name) + "/" + own_time_path(channel.name)},
+                     verification);
+    }
+  }
+  if (!record.bodies.empty())
+    check_rising(record.body_time, std::nullopt, {record.trial, body_group(record.bodies.front().name) + "/t"}, verification);
+}
+
+void check_values(const TrialRecord& record, Verification& verification) {
+  for (const SensorRecord& sensor : record.sensors) {
+    for (const SensorColumn& channel : sensor.channels) {
+      const std::size_t rows = channel.time ? channel.time->size() : sensor.time.size();
+      check_finite(channel.values, rows, {record.trial, sensor_group(sensor.name) + "/" + channel.name}, verification, never);
+    }
+    check_label_values(sensor, record.trial, verification);
+  }
+  for (const BodyRecord& body : record.bodies) {
+    check_finite(body.pose, record.body_time.size(), {record.trial, body_group(body.name) + "/pose"}, verification, never);
+    check_finite(body.velocity, record.body_time.size(), {record.trial, body_group(body.name) + "/velocity"}, verification,
+                 never);
+  }
+  if (record.control) {
+    const std::size_t rows = record.control->time.size();
+    check_finite(record.control->grip.grip_force, rows, {record.trial, "control/grip_force"}, verification, never);
+    check_finite(record.control->grip.arm, rows, {record.trial, "control/arm_speed"}, verification, never);
+  }
+}
+
+void check_events(const SensorRecord& sensor, std::size_t trial, Verification& verification) {
+  EventCheck(sensor, trial, verification).run();
+}
+
+}  // namespace slipbench::verify

@@ -1,0 +1,265 @@
+#include "tools/program/verify/verify.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/verify/cone_law.h"
+#include "tools/program/verify/label_checks.h"
+#include "tools/program/verify/verification.h"
+
+namespace slipbench {
+namespace {
+
+using verify::Check;
+using verify::Verification;
+using Json = nlohmann::ordered_json;
+
+// The scene that a trial ran: the file's, with what was set and drawn.
+Scene scene_of(const DatasetReader& reader, const TrialRecord& record, const Catalogues& catalogues) {
+  SceneFile file = SceneFile::from_text(reader.header().scene, "attribute scene");
+  const auto apply = [&file](const std::string& text) {
+    const Json values = Json::parse(text);
+    for (const auto& [path, value] : values.items()) {
+      if (path != "sweep" && !path.starts_with("sweep.") && !value.is_null()) {
+        file.apply({path, value.is_string() ? value.get<std::string>() : value.dump()});
+      }
+    }
+  };
+  apply(reader.header().overrides);
+  file.apply({"sweep", "{}"});
+  apply(record.params);
+  return parse_scene(file, catalogues);
+}
+
+class DatasetCheck {
+ public:
+  explicit DatasetCheck(const std::string& path)
+      : reader_(path), catalogues_(program_catalogues()), digests_(reader_.files().size()) {}
+
+  Json run() {
+    check_order();
+    for (const std::size_t trial : reader_.trials()) {
+      check_digest(trial);
+      check_content(trial);
+    }
+    check_file_digests();
+    Json result{{"files", reader_.files()},
+                {"schema", reader_.schema(0)},
+                {"complete", reader_.complete()},
+                {"trials", reader_.trials().size()}};
+    result.update(verification_.json());
+    return result;
+  }
+
+ private:
+  // What reading refuses does not hold.
+  template <class Action>
+  void hold(Check check, std::optional<std::size_t> trial, const Action& action) {
+    try {
+      action();
+    } catch (const std::runtime_error& error) {
+      verification_.fail(check, {trial}, error.what());
+    }
+  }
+
+  void check_digest(std::size_t trial) {
+    hold(Check::digests, trial, [&] {
+      const std::size_t file = reader_.file_of(trial);
+      const Digest found = reader_.stored_digest(trial);
+      digests_[file].emplace_back(trial, found);
+      const std::string written = reader_.trial_sha256(trial);
+      if (!written.empty() && written != hexadecimal(found)) {
+        verification_.fail(
+            Check::digests, {trial},
+            fmt::format("its content has the SHA-256 {}, its attribute sha256 says {}", hexadecimal(found), written));
+      }
+      verification_.count(Check::digests, 1);
+    });
+  }
+
+  void check_file_digests() {
+    for (std::size_t file = 0; file < digests_.size(); ++file) {
+      const std::string name = reader_.files()[file];
+      if (reader_.schema(file) == 1) {
+        verification_.leave_out(Check::digests, "attributes: the dataset has schema 1, whose digest covers arrays alone");
+      }
+      const std::string& written = reader_.content_sha256()[file];
+      if (written.empty()) {
+        verification_.leave_out(Check::digests,
+                                reader_.schema(file) == 1
+                                    ? "arrays: the run was killed before it wrote content_sha256"
+                                    : "the file's own attributes: the run was killed before it wrote content_sha256");
+        continue;
+      }
+      hold(Check::digests, std::nullopt, [&] {
+        const std::string found = reader_.stored_sha256(file, digests_[file]);
+        if (found == written) return;
+        verification_.fail(Check::digests, {},
+                           fmt::format("{}: its content has the SHA-256 {}, content_sha256 says {}", name, found, written));
+      });
+    }
+  }
+
+  void check_order() {
+    const std::vector<std::size_t>& trials = reader_.trials();
+    verification_.count(Check::order, trials.size());
+    for (std::size_t i = 1; i < trials.size(); ++i) {
+      if (trials[i] > trials[i - 1] + 1) {
+        verification_.fail(Check::order, {trials[i]},
+                           fmt::format("comes after trial {}: those between them are missing", trials[i - 1]));
+      }
+      if (reader_.file_of(trials[i]) < reader_.file_of(trials[i - 1])) {
+        verification_.fail(Check::order, {trials[i]}, fmt::format("lies in a file before that of trial {}", trials[i - 1]));
+      }
+    }
+    hold(Check::order, std::nullopt, [&] { check_masks(); });
+  }
+
+  void check_masks() {
+    std::vector<std::size_t> listed;
+    for (const char* part : {"train", "valid", "test"}) {
+      const std::vector<std::size_t> members = reader_.mask(part);
+      if (!std::ranges::is_sorted(members))
+        verification_.fail(Check::order, {{}, fmt::format("mask/{}", part)}, "is not in order");
+      listed.insert(listed.end(), members.begin(), members.end());
+    }
+    if (listed.empty() && !reader_.complete()) {
+      verification_.leave_out(Check::order, "masks: the run did not come to its end and wrote none");
+      return;
+    }
+    std::ranges::sort(listed);
+    for (std::size_t i = 1; i < listed.size(); ++i) {
+      if (listed[i] == listed[i - 1]) verification_.fail(Check::order, {listed[i], "mask"}, "is listed twice");
+    }
+    for (const std::size_t trial : listed) {
+      if (!std::ranges::binary_search(reader_.trials(), trial))
+        verification_.fail(Check::order, {trial, "mask"}, "is listed and not there");
+    }
+    for (const std::size_t trial : reader_.trials()) {
+      if (!std::ranges::binary_search(listed, trial)) verification_.fail(Check::order, {trial, "mask"}, "is in no part");
+    }
+  }
+
+  void check_content(std::size_t trial) {
+    hold(Check::values, trial, [&] {
+      const TrialRecord record = reader_.read_trial(trial);
+      if (record.seed != reader_.header().seed) {
+        verification_.fail(Check::order, {trial},
+                           fmt::format("has the seed {}, its file {}", record.seed, reader_.header().seed));
+      }
+      if (record.sensors.empty()) {
+        for (const Check check : {Check::times, Check::values, Check::events, Check::cone}) {
+          verification_.leave_out(check, "trials without arrays (--record outcome)");
+        }
+        return;
+      }
+      verify::check_times(record, verification_);
+      verify::check_values(record, verification_);
+      check_samples(trial, record);
+      for (const SensorRecord& sensor : record.sensors) verify::check_events(sensor, trial, verification_);
+      check_cones(record);
+    });
+  }
+
+  // A sensor's labels have its times, and num_samples is the bodies' count.
+  void check_samples(std::size_t trial, const TrialRecord& record) {
+    for (const SensorRecord& sensor : record.sensors) {
+      const std::string path = "labels/" + sensor.name + "/t";
+      if (reader_.read<double>(trial, path) != sensor.time)
+        verification_.fail(Check::times, {trial, path}, "are not the times of the sensor");
+    }
+    if (const std::size_t samples = reader_.info(trial).num_samples; samples != record.body_time.size()) {
+      verification_.fail(Check::times, {trial, "truth"},
+                         fmt::format("has {} rows, num_samples says {}", record.body_time.size(), samples));
+    }
+  }
+
+  void check_cones(const TrialRecord& record) {
+    std::optional<Scene> scene;
+    try {
+      scene = scene_of(reader_, record, catalogues_);
+    } catch (const std::exception& error) {
+      verification_.leave_out(Check::cone, fmt::format("all: this program does not know the scene ({})", error.what()));
+      return;
+    }
+    for (const SensorRecord& sensor : record.sensors) {
+      const auto found = std::ranges::find(scene->sensors, sensor.name, &SensorScene::name);
+      if (found == scene->sensors.end()) {
+        verification_.fail(Check::cone, {record.trial, "sensors/" + sensor.name}, "is no sensor of the scene");
+        continue;
+      }
+      verify::check_cone(verify::cone_law(*scene, static_cast<std::size_t>(found - scene->sensors.begin())), sensor, record.trial,
+                         verification_);
+    }
+  }
+
+  DatasetReader reader_;
+  Catalogues catalogues_;
+  std::vector<std::vector<std::pair<std::size_t, Digest>>> digests_;  // by file
+  Verification verification_;
+};
+
+std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+// Which file of its dataset it is.
+std::uint64_t shard_of(const std::string& path) {
+  const std::string shard = guarded(path, [&] {
+    const std::optional<FileAbout> about = file_about(path);
+    if (!about) throw InputError(path + ": is no dataset");
+    return std::to_string(about->shard);
+  });
+  return std::stoull(shard);
+}
+
+}  // namespace
+
+Verified verify_datasets(const std::vector<std::string>& paths) {
+  Verified verified;
+  std::set<std::string> seen;  // files of datasets that are verified
+  std::vector<std::string> further;
+  const auto run = [&](const std::string& path, const auto& action) {
+    try {
+      action();
+    } catch (const std::runtime_error& error) {
+      verified.readable = false;
+      verified.datasets.push_back({{"file", path}, {"error", error.what()}});
+    }
+  };
+  for (const std::string& path : paths) {
+    run(path, [&] {
+      if (shard_of(path) != 0) {
+        further.push_back(path);
+        return;
+      }
+      Json result = Json::parse(guarded(path, [&] { return dumped(DatasetCheck(path).run()); }));
+      for (const Json& file : result["files"])
+        seen.insert(std::filesystem::path(file.get<std::string>()).lexically_normal().string());
+      verified.holds = verified.holds && result["holds"].get<bool>();
+      Json dataset{{"file", path}};
+      dataset.update(result);
+      verified.datasets.push_back(std::move(dataset));
+    });
+  }
+  for (const std::string& path : further) {
+    run(path, [&] {
+      if (!seen.contains(std::filesystem::path(path).lexically_normal().string())) {
+        throw InputError(path + ": is a further file of a dataset; allowed: its first file, with which it is verified");
+      }
+      verified.datasets.push_back({{"file", path}, {"part_of", "a dataset above"}});
+    });
+  }
+  return verified;
+}
+
+}  // namespace slipbench
