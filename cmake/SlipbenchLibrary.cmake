@@ -40,6 +40,22 @@ function(slipbench_library)
   set_property(GLOBAL APPEND PROPERTY SLIPBENCH_TARGETS ${target})
 endfunction()
 
+# slipbench_test_plugin(TEST controllers NAME echo SOURCE plugins/echo.cc DEFINES VERSION=3)
+# A shared library as a user would build one, plugins/echo.so in the build folder of the test that loads it, which knows that folder as
+# SLIPBENCH_TEST_PLUGINS.
+function(slipbench_test_plugin)
+  cmake_parse_arguments(ARG "" "TEST;NAME;SOURCE" "DEFINES" ${ARGN})
+  set(target ${ARG_TEST}_${ARG_NAME})
+  add_library(${target} MODULE ${ARG_SOURCE})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_definitions(${target} PRIVATE ${ARG_DEFINES})
+  target_link_libraries(${target} PRIVATE slipbench_flags)
+  set_target_properties(${target} PROPERTIES
+    PREFIX "" SUFFIX .so OUTPUT_NAME ${ARG_NAME} LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/plugins)
+  add_dependencies(${ARG_TEST}_test ${target})
+  target_compile_definitions(${ARG_TEST}_test PRIVATE SLIPBENCH_TEST_PLUGINS="${CMAKE_CURRENT_BINARY_DIR}/plugins")
+endfunction()
+
 # slipbench_test(NAME units SOURCES quantity_test.cc DEPENDS slipbench::core)
 # A GoogleTest program whose tests ctest lists one by one.
 function(slipbench_test)

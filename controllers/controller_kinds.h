@@ -16,6 +16,8 @@ struct GripSource {
   bool detected = true;             // the scene has a detector; without one every estimate is that of no contact
   std::vector<Feature> features{};  // what the estimates hold that update() will be handed: Detector::features()
   bool guided = false;              // the scene's motion takes GripCommand::arm; elsewhere a controller must command none
+  std::vector<SensorSource>
+      sensors{};  // all of the scene in its order; the first is the one whose frames update() will be handed
 };
 
 // A controller that a scene may name.

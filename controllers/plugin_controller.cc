@@ -1,112 +1,87 @@
-#include <dlfcn.h>
-
-#include <exception>
-#include <filesystem>
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "controllers/controller_kinds.h"
-#include "controllers/grip.h"
 #include "controllers/plugin_abi.h"
 #include "sim/core/error.h"
+#include "sim/core/plugin_library.h"
 
 namespace slipbench::controllers {
 namespace {
 
-constexpr const char* no_library = "none";
-
-[[noreturn]] void refuse(const std::string& what) { throw SceneValueError("controller.library", what); }
-
-// A shared library, for as long as the object lives.
-class Library {
+class PluginController final : public Controller, private SampleListener {
  public:
-  explicit Library(const std::string& path) : name_("'" + path + "'") {
-    if (!std::filesystem::exists(path)) refuse("no file " + name_ + "; allowed: the path of a shared library");
-    handle_.reset(dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL));  // a bare name would be searched for
-    if (!handle_) refuse("cannot load " + name_ + ": " + dlerror() + "; allowed: a shared library");
+  PluginController(const Parameters& parameters, const GripSource& source)
+      : library_("controller", parameters.path("library"), SLIPBENCH_CONTROLLER_BUILD),
+        preset_(source.preset),
+        samples_(source.sensors) {
+    const PluginLibrary::Values values = library_.parameters(parameters.map("parameters"));
+    const PluginSensors sensors(source.sensors);
+    const slipbench_source about{.sensors = sensors.handed().data(),
+                                 .sensor_count = sensors.handed().size(),
+                                 .sensor = 0,
+                                 .parameters = values.handed().data(),
+                                 .parameter_count = values.handed().size()};
+    const auto make = library_.maker<decltype(slipbench_make_controller)>();
+    library_.guarded("slipbench_make_controller", [&] { make(&about, &controller_); });
+    if (controller_.update != nullptr) return;
+    finish();
+    library_.refuse_scene(controller_.refusal);
   }
 
-  [[nodiscard]] const std::string& name() const { return name_; }  // for messages
-
-  [[nodiscard]] void* symbol(const char* name) const {
-    void* address = dlsym(handle_.get(), name);
-    if (address == nullptr) {
-      refuse(name_ + " has no symbol '" + name + "'; allowed: a library that exports what controllers/plugin_abi.h declares");
-    }
-    return address;
-  }
-
- private:
-  struct Close {
-    void operator()(void* handle) const { dlclose(handle); }
-  };
-  std::string name_;
-  std::unique_ptr<void, Close> handle_;
-};
-
-class Plugin final : public Controller {
- public:
-  Plugin(const std::string& path, const GripSource& source) : library_(path), preset_(source.preset) {
-    const unsigned version = *static_cast<const unsigned*>(library_.symbol("slipbench_controller_abi"));
-    if (version != SLIPBENCH_CONTROLLER_ABI) {
-      refuse(library_.name() + " was built for version " + std::to_string(version) +
-             " of the interface; allowed: " + std::to_string(SLIPBENCH_CONTROLLER_ABI));
-    }
-    const auto make =
-        reinterpret_cast<decltype(&slipbench_make_controller)>(library_.symbol("slipbench_make_controller"));  // as POSIX has it
-    std::vector<slipbench_channel> announced;
-    for (const Channel& channel : source.channels) {
-      announced.push_back({channel.name.c_str(), channel.unit.c_str(), channel.shape.data(), channel.shape.size()});
-    }
-    controller_ = guarded([&] { return make(announced.data(), announced.size()); });
-    if (controller_.update == nullptr) {
-      destroy();
-      refuse(library_.name() + " makes no controller for this sensor; allowed: a sensor with channels that it can work with");
+  PluginController(const PluginController&) = delete;  // owns what the library made
+  PluginController& operator=(const PluginController&) = delete;
+  ~PluginController() override {
+    try {
+      finish();
+    } catch (const SceneValueError&) {
+      // Another error is under way: a trial that ends well calls finish() itself.
     }
   }
-
-  Plugin(const Plugin&) = delete;  // owns what the library made
-  Plugin& operator=(const Plugin&) = delete;
-  ~Plugin() override { destroy(); }
 
   GripCommand update(const ControlInput& input) override {
+    const std::span<const slipbench_samples> sensors = samples_.handed();
     const slipbench_control_input handed{
         .slip_time = input.slip.time,
         .slip_latency = input.slip.latency,
         .slip_state = static_cast<int>(input.slip.state),
         .stuck_fraction = input.slip.stuck_fraction,
-        .frame_time = input.frame.time,
-        .values = input.frame.values.data(),
-        .value_count = input.frame.values.size(),
+        .sensors = sensors.data(),
+        .sensor_count = sensors.size(),
         .status_time = input.gripper.time,
         .position = input.gripper.position,
         .moving = input.gripper.moving ? 1 : 0,
         .stopped = input.gripper.stopped ? 1 : 0,
         .preset = preset_,
     };
-    const slipbench_grip_command command = guarded([&] { return controller_.update(controller_.self, &handed); });
-    return {.position = command.position, .speed = command.speed, .force = command.force};
+    slipbench_grip_command said{.position = -1, .speed = 0, .force = 0};
+    library_.guarded("update", [&] { controller_.update(controller_.self, &handed, &said); });
+    samples_.forget();
+    for (const auto& [name, value] : {std::pair{"position", said.position}, {"speed", said.speed}, {"force", said.force}}) {
+      if (value >= 0 && value <= max_register) continue;
+      library_.refuse("commands in update " + std::string(name) + " " + std::to_string(value) + "; allowed: 0 to " +
+                      std::to_string(max_register));
+    }
+    return {.position = said.position, .speed = said.speed, .force = said.force};
+  }
+
+  [[nodiscard]] SampleListener* listener() override { return this; }
+
+  void finish() override {
+    const auto destroy = std::exchange(controller_.destroy, nullptr);
+    if (destroy != nullptr && !library_.has_crashed()) library_.guarded("destroy", [&] { destroy(controller_.self); });
+    library_.close();
   }
 
  private:
-  // What a library throws against the rule is its fault, not the program's.
-  template <class Call>
-  auto guarded(Call&& call) const -> decltype(call()) {
-    try {
-      return call();
-    } catch (const std::exception& error) {
-      throw InputError("controller plugin: " + library_.name() + " threw '" + error.what() + "'; allowed: no exceptions");
-    } catch (...) {
-      throw InputError("controller plugin: " + library_.name() + " threw an exception; allowed: none");
-    }
-  }
+  void hear(std::size_t sensor, const SensorFrame& sample) override { samples_.add(sensor, sample); }
 
-  void destroy() {
-    if (controller_.destroy != nullptr) controller_.destroy(controller_.self);
-  }
-
-  Library library_;  // outlives the controller it made
-  double preset_;    // N
+  PluginLibrary library_;  // outlives what it made
+  double preset_;          // N
+  PluginSamples samples_;
   slipbench_controller controller_{};
 };
 
@@ -114,14 +89,11 @@ class Plugin final : public Controller {
 
 ControllerKind plugin() {
   return {
-      {"plugin",
-       "Your own controller, from a shared library.",
-       "The library computes the command. It exports slipbench_controller_abi and slipbench_make_controller (controllers/plugin_abi.h; example: controllers/example).",
-       "the library's author",
-       {path_spec("library", no_library, "The shared library.", "free")}},
+      {"plugin", "Your own controller, from a shared library.",
+       "The library computes the command from the estimate and the samples of all sensors. It exports slipbench_controller_abi and slipbench_make_controller (controllers/plugin_abi.h; example: controllers/example).",
+       "the library's author", plugin_specs()},
       [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
-        if (p.path("library") == no_library) refuse("no library is named; allowed: the path of a shared library");
-        return std::make_unique<Plugin>(p.path("library"), source);
+        return std::make_unique<PluginController>(p, source);
       }};
 }
 

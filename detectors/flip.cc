@@ -37,6 +37,8 @@ class Flipped final : public Detector {
   }
 
   [[nodiscard]] const std::vector<Feature>& features() const override { return detector_->features(); }
+  [[nodiscard]] SampleListener* listener() override { return detector_->listener(); }
+  void finish() override { detector_->finish(); }
 
  private:
   // By the class that stands `further` places after the told one, in a circle.

@@ -21,6 +21,10 @@ class Controller {
 
   // The command that follows from what is known now. Called once a period of the loop, in order of time.
   virtual GripCommand update(const ControlInput& input) = 0;
+  // As Detector::listener().
+  [[nodiscard]] virtual SampleListener* listener() { return nullptr; }
+  // As Detector::finish().
+  virtual void finish() {}
 };
 
 }  // namespace slipbench

@@ -37,6 +37,7 @@ struct FrameSource {
   std::uint64_t trial = 0;                                    // of the dataset
   double duration = std::numeric_limits<double>::infinity();  // s, of the trial
   std::uint64_t seed = 0;                                     // of the dataset
+  std::vector<SensorSource> sensors{};                        // all of the scene in its order, this one among them
 };
 
 // What a scene names as its detector to get the truth in a detector's place (tools/program/catalogue/oracle.h). Wherever a person reads, it is called
@@ -55,6 +56,11 @@ class Detector {
     static const std::vector<Feature> none;
     return none;
   }
+  // Who has to be handed the samples of all sensors, before the update() of the same instant; the detector's own part. Null, which most say:
+  // nobody.
+  [[nodiscard]] virtual SampleListener* listener() { return nullptr; }
+  // Once after the last update(). Throws InputError where what stands behind the detector fails as it ends.
+  virtual void finish() {}
 };
 
 }  // namespace slipbench

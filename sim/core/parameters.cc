@@ -22,6 +22,7 @@ std::string_view type_name(ParameterType type) {
     case ParameterType::choice: return "choice";
     case ParameterType::vector: return "vector";
     case ParameterType::path: return "path";
+    case ParameterType::map: return "map";
   }
   throw std::logic_error("no such parameter type");
 }
@@ -155,6 +156,16 @@ ParameterSpec path_spec(std::string name, std::string default_text, std::string 
   return spec_of(ParameterType::path, std::move(name), std::move(default_text), std::move(doc), std::move(source));
 }
 
+ParameterSpec map_spec(std::string name, std::string doc, std::string source) {
+  return spec_of(ParameterType::map, std::move(name), "{}", std::move(doc), std::move(source));
+}
+
+bool is_identifier(std::string_view name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  return !name.empty() && letter(name.front()) &&
+         std::ranges::all_of(name, [&](char c) { return letter(c) || (c >= '0' && c <= '9'); });
+}
+
 std::vector<ParameterSpec> joined(std::vector<ParameterSpec> first, std::vector<ParameterSpec> second) {
   std::ranges::move(second, std::back_inserter(first));
   return first;
@@ -180,12 +191,17 @@ const std::vector<double>& Parameters::vector(std::string_view name) const {
   return value_of<std::vector<double>>(values_, name, ParameterType::vector);
 }
 
+const ParameterMap& Parameters::map(std::string_view name) const {
+  return value_of<ParameterMap>(values_, name, ParameterType::map);
+}
+
 Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text) {
   switch (spec.type) {
     case ParameterType::integer: return parse_integer(spec, text);
     case ParameterType::flag: return parse_flag(text);
     case ParameterType::choice: return parse_choice(spec, text);
     case ParameterType::path: return parse_path(spec, text);
+    case ParameterType::map: throw std::invalid_argument(quote(text) + " is no map; allowed: {name: value, ...}");
     case ParameterType::number:
     case ParameterType::vector: {
       const double value = parse_quantity(text, spec.quantity);
@@ -197,6 +213,7 @@ Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text)
 }
 
 Parameters::Value default_of(const ParameterSpec& spec) {
+  if (spec.type == ParameterType::map) return ParameterMap{};
   try {
     return spec.type == ParameterType::vector ? default_vector(spec) : parse_scalar(spec, spec.default_text);
   } catch (const std::invalid_argument& error) {

@@ -23,6 +23,7 @@ enum class ParameterType {
   choice,
   vector,
   path,  // of a file or folder; all but the default is taken from the folder of the scene that names it
+  map,   // names and values that somebody else declares, a plugin's library; the default is none
 };
 
 // Allowed interval of a number (or of each entry of a vector), in SI. Bounds are included unless `open_min` is set. Infinity is
@@ -66,14 +67,22 @@ ParameterSpec choice_spec(std::string name, std::string default_text, std::vecto
                           std::string source);
 ParameterSpec path_spec(std::string name, std::string default_text, std::string doc, std::string source);
 
+ParameterSpec map_spec(std::string name, std::string doc, std::string source);
+
 // Two tables, one after the other.
 std::vector<ParameterSpec> joined(std::vector<ParameterSpec> first, std::vector<ParameterSpec> second);
+
+// ParameterType::map: in the scene's order each name with its value as the scene writes it, "4 mm/s".
+using ParameterMap = std::vector<std::pair<std::string, std::string>>;
+
+// Whether `name` can name what a scene brings: letters, digits and '_', no digit first.
+bool is_identifier(std::string_view name);
 
 // Values of a set of parameters, every one present: defaults are filled in by the reader.
 // An accessor asked for a name or type that was not declared throws std::logic_error: that is a bug, not bad input.
 class Parameters {
  public:
-  using Value = std::variant<double, std::int64_t, bool, std::string, std::vector<double>>;
+  using Value = std::variant<double, std::int64_t, bool, std::string, std::vector<double>, ParameterMap>;
 
   void set(std::string name, Value value) { values_.insert_or_assign(std::move(name), std::move(value)); }
 
@@ -83,6 +92,7 @@ class Parameters {
   [[nodiscard]] const std::string& choice(std::string_view name) const;
   [[nodiscard]] const std::string& path(std::string_view name) const;
   [[nodiscard]] const std::vector<double>& vector(std::string_view name) const;  // SI
+  [[nodiscard]] const ParameterMap& map(std::string_view name) const;
   [[nodiscard]] const std::map<std::string, Value, std::less<>>& values() const { return values_; }
 
  private:
@@ -96,7 +106,7 @@ Parameters::Value default_of(const ParameterSpec& spec);
 Parameters defaults_of(const std::vector<ParameterSpec>& specs);
 
 // Turns the text of one scalar into a value of `spec`'s type and checks range and choices. Vectors are read entry by entry with
-// this. Throws std::invalid_argument: what was found, what is allowed, the nearest known choice.
+// this, maps not at all. Throws std::invalid_argument: what was found, what is allowed, the nearest known choice.
 Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text);
 
 // A catalogue entry named by a scene, with the values of its parameters.

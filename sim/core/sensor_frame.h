@@ -34,4 +34,21 @@ struct SensorFrame {
   std::span<const float> values;  // all channels in order, each in C order
 };
 
+// One sensor of a scene, as a detector or a controller may know it.
+struct SensorSource {
+  std::string name;               // the scene's own: "pad"
+  std::string type;               // "papillarray"
+  double rate = 0.0;              // Hz, of its samples
+  std::vector<Channel> channels;  // what a sample holds
+};
+
+// Who is handed the samples of every sensor of a scene.
+class SampleListener {
+ public:
+  virtual ~SampleListener() = default;
+
+  // The next sample of sensor number `sensor` in the scene's order, in order of time. `sample` is valid during the call only.
+  virtual void hear(std::size_t sensor, const SensorFrame& sample) = 0;
+};
+
 }  // namespace slipbench

@@ -19,6 +19,7 @@ std::string allowed_form(const ParameterSpec& spec) {
     case ParameterType::choice: return "a name such as " + spec.default_text;
     case ParameterType::vector: return "a sequence of " + std::to_string(spec.size) + " such as " + spec.default_text;
     case ParameterType::path: return "a path from the scene's own folder, or " + spec.default_text;
+    case ParameterType::map: return "a map of numbers, texts and booleans such as {threshold: 0.3}";
   }
   throw std::logic_error("no such parameter type");
 }
@@ -33,7 +34,18 @@ struct ToJson {
     for (const double value : values) text.append(text.size() > 1 ? "," : "").append(json_number(value));
     return text.append("]");
   }
+  std::string operator()(const ParameterMap&) const { throw std::logic_error("a map is recorded by its entries"); }
 };
+
+// A value that nobody has declared: true, false, a number with or without a unit in SI, else text.
+Parameters::Value undeclared_value(const std::string& text) {
+  if (text == "true" || text == "false") return text == "true";
+  try {
+    return parse_quantity(text, quantity_of(text));
+  } catch (const std::invalid_argument&) {
+    return text;
+  }
+}
 
 }  // namespace
 
@@ -73,6 +85,7 @@ Parameters::Value scalar(const YamlNode& node, const std::string& path, const Pa
 }
 
 Parameters::Value EntryReader::value(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
+  if (spec.type == ParameterType::map) return node == nullptr ? default_of(spec) : map(*node, path, spec);
   Parameters::Value result = node == nullptr                      ? default_at(path, spec)
                              : spec.type == ParameterType::vector ? vector(*node, path, spec)
                                                                   : scalar(*node, path, spec);
@@ -102,6 +115,21 @@ Parameters::Value EntryReader::vector(const YamlNode& node, const std::string& p
     const std::string entry_path = path + "." + std::to_string(i);
     entries.push_back(std::get<double>(scalar(node.children[i], entry_path, spec)));
     record(entry_path, entries.back());
+  }
+  return entries;
+}
+
+Parameters::Value EntryReader::map(const YamlNode& node, const std::string& path, const ParameterSpec& spec) {
+  if (node.kind != YamlNode::Kind::map) fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed_form(spec));
+  ParameterMap entries;
+  for (const YamlNode& child : node.children) {
+    if (!is_identifier(child.key)) {
+      fail(child.key_origin, quote(child.key) + " cannot name a parameter; allowed: letters, digits and '_', no digit first");
+    }
+    const std::string entry_path = path + "." + child.key;
+    const std::string& text = text_of(child, entry_path, "a number, a text, true or false");
+    record(entry_path, undeclared_value(text));
+    entries.emplace_back(child.key, text);
   }
   return entries;
 }

@@ -44,12 +44,6 @@ const YamlNode* find_kept(const YamlNode& root, std::string_view key) {
   return std::ranges::any_of(withdrawals, taken_back) ? nullptr : node;
 }
 
-bool is_identifier(const std::string& name) {
-  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
-  return !name.empty() && letter(name.front()) &&
-         std::ranges::all_of(name, [&](char c) { return letter(c) || (c >= '0' && c <= '9'); });
-}
-
 class SceneReader : EntryReader {
  public:
   SceneReader(const YamlNode& root, const Catalogues& catalogues, Trace* trace)

@@ -24,6 +24,11 @@ set(program ${WORK}/prefix/bin/slipbench)
 run(IN ${WORK}/elsewhere COMMAND ${program} doctor)
 run(IN ${WORK}/elsewhere COMMAND ${program} run ${WORK}/prefix/share/slipbench/scenes/papillarray/stage.yaml --seed 3 -o stage.h5)
 run(IN ${WORK}/elsewhere COMMAND ${program} report stage.h5 -o stage.html)
+# A detector of one's own needs nothing but the installed headers.
+run(IN ${WORK}/elsewhere COMMAND ${CXX} -shared -fPIC -I ${WORK}/prefix/include/slipbench
+  ${CONSUMER}/../../../detectors/example/ratio_gate.cc -o ratio_gate.so)
+run(IN ${WORK}/elsewhere COMMAND ${program} run ${WORK}/prefix/share/slipbench/scenes/papillarray/stage.yaml
+  --set "detector={type: plugin, library: ${WORK}/elsewhere/ratio_gate.so}" -o plugin.h5)
 foreach(file stage.h5 stage.html)
   file(SIZE ${WORK}/elsewhere/${file} size)
   if(size EQUAL 0)

@@ -2,9 +2,10 @@
 #include "controllers/plugin_abi.h"
 
 #ifdef VERSION
-const unsigned slipbench_controller_abi = VERSION;
+const slipbench_abi slipbench_controller_abi = {VERSION, SLIPBENCH_SHARED_SIZES, sizeof(slipbench_controller),
+                                                sizeof(slipbench_control_input), sizeof(slipbench_grip_command)};
 #endif
 
 #ifdef MAKES
-slipbench_controller slipbench_make_controller(const slipbench_channel* /*channels*/, size_t /*count*/) { return {}; }
+void slipbench_make_controller(const slipbench_source* /*source*/, slipbench_controller* /*controller*/) {}
 #endif

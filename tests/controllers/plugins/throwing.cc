@@ -5,18 +5,19 @@
 
 namespace {
 
-slipbench_grip_command update(void* /*self*/, const slipbench_control_input* input) {
+void update(void* /*self*/, const slipbench_control_input* input, slipbench_grip_command* /*command*/) {
   if (input->position == 0) throw 42;
+  if (input->position == 1) return;  // without a command
   throw std::runtime_error("out of ideas");
 }
 
 }  // namespace
 
-const unsigned slipbench_controller_abi = SLIPBENCH_CONTROLLER_ABI;
+const slipbench_abi slipbench_controller_abi = SLIPBENCH_CONTROLLER_BUILD;
 
-slipbench_controller slipbench_make_controller(const slipbench_channel* /*channels*/, size_t /*count*/) {
+void slipbench_make_controller(const slipbench_source* /*source*/, slipbench_controller* controller) {
 #ifdef MAKES
   throw std::runtime_error("no controller today");
 #endif
-  return {nullptr, update, nullptr};
+  controller->update = update;
 }

@@ -5,6 +5,7 @@
 #include "detectors/hd/hd_detector.h"
 #include "detectors/nib/linear_slip.h"
 #include "detectors/nib/slip_kind.h"
+#include "detectors/plugin_detector.h"
 #include "detectors/shear_rate.h"
 #include "detectors/spectral/band_energy.h"
 #include "detectors/stuck_fraction.h"
@@ -33,6 +34,7 @@ const std::vector<DetectorKind>& detector_catalogue() {
       {gst_hd_rtl_entry(), make_gst_hd_rtl, check_waveform_trial},
       {nib_linear_slip_entry(), make_nib_linear_slip},
       {nib_slip_kind_entry(), make_nib_slip_kind},
+      {plugin_detector_entry(), make_plugin_detector},
       {oracle_entry(), nullptr},
   };
   return kinds;

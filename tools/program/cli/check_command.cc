@@ -147,7 +147,7 @@ what can be asked. An expectation passes where enough trials keep it (`pass`, `r
 passes as well, the scene tests nothing, which is a failure. A scene without `expect` is not checked.
 
 A scene that fails leaves the trial that shows most of it as DIR/SCENE/trial_K.h5 and .html, and the command that replays it. To put a
-controller of one's own to the test: --set "controller={type: plugin, library: /path/to/mine.so}".
+controller of one's own to the test: --set "controller={type: plugin, library: /path/to/mine.so}"; a detector likewise.
 
 Examples:
   slipbench check scenes/grasp/*.yaml --junit check.xml

@@ -39,6 +39,7 @@ std::string type_text(const ParameterSpec& spec) {
     case ParameterType::choice: return "choice";
     case ParameterType::vector: return fmt::format("{} numbers", spec.size);
     case ParameterType::path: return "path";
+    case ParameterType::map: return "map";
   }
   throw std::logic_error("parameter type without a name");
 }
@@ -65,6 +66,7 @@ std::string allowed_text(const ParameterSpec& spec) {
   if (spec.type == ParameterType::choice) return fmt::format("{}", fmt::join(spec.choices, ", "));
   if (spec.type == ParameterType::flag) return "true, false";
   if (spec.type == ParameterType::path) return fmt::format("{}, or a path from the scene's own folder", spec.default_text);
+  if (spec.type == ParameterType::map) return "numbers, texts and booleans by name, as the library declares them";
   const bool below = std::isfinite(spec.range.min);
   const bool above = std::isfinite(spec.range.max);
   const std::string lower = below ? fmt::format("{} {}", spec.range.open_min ? ">" : ">=", bound_text(spec, spec.range.min)) : "";

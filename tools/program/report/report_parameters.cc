@@ -68,6 +68,8 @@ const std::vector<Entry>& entries_below(std::string_view first) {
 // What the path's parameter is measured in, where all entries that have one of this name agree; the path does not say which entry it is.
 Quantity quantity_of_path(const std::string& path) {
   const std::string_view key = key_of(path);
+  // What a plugin's library declares is in no catalogue, whatever it is called.
+  if (path.starts_with("detector.parameters.") || path.starts_with("controller.parameters.")) return Quantity::none;
   std::optional<Quantity> found;
   for (const Entry& entry : entries_below(std::string_view(path).substr(0, path.find('.')))) {
     for (const ParameterSpec& spec : entry.parameters) {

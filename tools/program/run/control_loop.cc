@@ -10,6 +10,15 @@ ControlLoop::ControlLoop(std::optional<DelayedDetector> detector, std::size_t pa
                          HeldBox* box)
     : detector_(std::move(detector)), pad_(pad), controller_(std::move(controller)), box_(box) {
   if (box != nullptr) command_.position = written_.position = input_.gripper.position = box->gripper().position(0.0);
+  for (SampleListener* const listener :
+       {detector_ ? detector_->listener() : nullptr, controller_ ? controller_->listener() : nullptr}) {
+    if (listener != nullptr) listeners_.push_back(listener);
+  }
+}
+
+void ControlLoop::finish() {
+  if (detector_) detector_->finish();
+  if (controller_) controller_->finish();
 }
 
 void ControlLoop::act_at(double time) {

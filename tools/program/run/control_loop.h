@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "sim/core/controller.h"
 #include "sim/grasp/held_box.h"
@@ -22,9 +23,15 @@ class ControlLoop {
   explicit ControlLoop(std::optional<DelayedDetector> detector = {}, std::size_t pad = 0,
                        std::unique_ptr<Controller> controller = nullptr, HeldBox* box = nullptr);
 
-  // Hands the samples that are complete to the detector; the controller gets those of the first pad, whose values must stay until the next.
+  // Hands the samples that are complete to who listens to all sensors, then to the detector; the controller gets those of the first pad,
+  // whose values must stay until the next.
   void update(std::span<const Tick> ticks) {
     if (!closed()) return;
+    for (SampleListener* const listener : listeners_) {
+      for (const Tick& tick : ticks) {
+        if (tick.sample != nullptr) listener->hear(tick.pad, *tick.sample);
+      }
+    }
     for (const Tick& tick : ticks) {
       if (tick.sample == nullptr) continue;
       if (tick.pad == 0) frame_ = *tick.sample;
@@ -41,6 +48,9 @@ class ControlLoop {
       if (tick.pad == (box_ != nullptr ? 0 : pad_)) act_at(tick.time);
     }
   }
+
+  // Once after the trial. Throws what the detector and the controller throw as they end.
+  void finish();
 
   // The pad whose sensor the detector, else the controller reads.
   [[nodiscard]] std::size_t pad() const { return pad_; }
@@ -69,6 +79,7 @@ class ControlLoop {
   std::size_t pad_;
   std::unique_ptr<Controller> controller_;
   HeldBox* box_;
+  std::vector<SampleListener*> listeners_;  // of the detector and the controller; usually none
   SensorFrame frame_;
   ControlInput input_;
   GripCommand command_, written_;

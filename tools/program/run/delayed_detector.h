@@ -15,6 +15,8 @@ class DelayedDetector {
   explicit DelayedDetector(std::unique_ptr<Detector> detector) : detector_(std::move(detector)) {}
 
   [[nodiscard]] const std::vector<Feature>& features() const { return detector_->features(); }
+  [[nodiscard]] SampleListener* listener() { return detector_->listener(); }
+  void finish() { detector_->finish(); }
 
   // The next frame of its sensor. Throws std::logic_error when the detector's estimate is older than its last one, or has a latency that is
   // negative or no number.

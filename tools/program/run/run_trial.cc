@@ -66,12 +66,22 @@ std::unique_ptr<Simulation> make_simulation(const Scene& scene, const Sensors& s
   return std::make_unique<StageSimulation>(scene, pads, rates, trial);
 }
 
+std::vector<SensorSource> sources_of(const Scene& scene, const Sensors& sensors) {
+  std::vector<SensorSource> sources;
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    sources.push_back({scene.sensors[i].name, scene.sensors[i].type, sensors[i]->rate(), sensors[i]->channels()});
+  }
+  return sources;
+}
+
 DelayedDetector make_delayed_detector(const DetectorScene& detector, const Scene& scene, const Sensors& sensors,
                                       const Simulation& simulation, std::uint64_t trial) {
   const SensorScene& about = scene.sensors[detector.sensor];
   const Sensor& sensor = *sensors[detector.sensor];
   return DelayedDetector(make_detector(
-      detector, {about.name, about.type, sensor.rate(), sensor.channels(), trial, scene.duration, scene.seed}, simulation));
+      detector,
+      {about.name, about.type, sensor.rate(), sensor.channels(), trial, scene.duration, scene.seed, sources_of(scene, sensors)},
+      simulation));
 }
 
 ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& simulation, std::uint64_t trial) {
@@ -88,7 +98,8 @@ ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& si
                                                      .preset = scene.grasp->grip.number("preset"),
                                                      .detected = detector.has_value(),
                                                      .features = detector ? detector->features() : std::vector<Feature>{},
-                                                     .guided = scene.guided()});
+                                                     .guided = scene.guided(),
+                                                     .sensors = sources_of(scene, sensors)});
   }
   return ControlLoop(std::move(detector), scene.detector ? scene.detector->sensor : 0, std::move(controller), box);
 }
@@ -115,7 +126,7 @@ double check_trial(const Scene& scene, std::uint64_t trial) {
   const Sensors sensors = make_sensors(scene, trial);
   const std::unique_ptr<Simulation> simulation = make_simulation(scene, sensors, trial);
   const Sampler sampler(scene, sensors, *simulation);
-  static_cast<void>(make_loop(scene, sensors, *simulation, trial));
+  make_loop(scene, sensors, *simulation, trial).finish();
   return record_bytes(scene, sensors, *simulation, sampler);
 }
 
@@ -141,6 +152,7 @@ TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recordi
     if (recorder) recorder->record(ticks, loop);
   }
 
+  loop.finish();
   judge.finish(sensors);
   if (recorder) check_finite(result.record);
   check_last_tick(result.record, sensors, *simulation, sampler);

@@ -23,6 +23,8 @@ TEST(PlainValue, TakesTheUnitOfABareNumberFromItsKey) {
   EXPECT_EQ(plain_value("box.mass", 0.1).at("unit"), "kg");
   EXPECT_EQ(plain_value("motion.vibration", 2.0).at("unit"), "") << "a level";
   EXPECT_EQ(plain_value("duration", 2.0).at("unit"), "s");
+  EXPECT_EQ(plain_value("detector.window", 0.1).at("unit"), "s");
+  EXPECT_EQ(plain_value("detector.parameters.window", 0.1).at("unit"), "") << "a library's own, which only the library knows";
 }
 
 TEST(PlainValue, HasNoNumberForInfinity) {

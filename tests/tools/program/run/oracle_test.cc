@@ -39,6 +39,8 @@ Scene scene_with(const std::string& detector) {
   file.apply({"sensors.pad.electronics", "typical"});
   if (hears) file.apply({"duration", "2 s"});
   file.apply({"detector", detector});
+  if (detector.find("type: plugin") != std::string::npos)
+    file.apply({"detector.library", SLIPBENCH_TEST_PLUGINS "/ratio_gate.so"});
   if (nibs) file.apply({"detector.tare", "0.1 s"});
   if (detector.find("nib_linear_slip") != std::string::npos) file.apply({"detector.counter_max", "3"});
   return parse_scene(file, program_catalogues());
@@ -96,7 +98,8 @@ TEST(Truth, IsSeenByTheOracleAlone) {
     const double rates[] = {device->rate()};
     StageSimulation simulation(scene, pads, rates, 0);
     Liar liar(simulation);
-    const FrameSource source{"pad", scene.sensors[0].type, device->rate(), device->channels(), 0, scene.duration, scene.seed};
+    const SensorSource pad{"pad", scene.sensors[0].type, device->rate(), device->channels()};
+    const FrameSource source{pad.name, pad.type, pad.rate, pad.channels, 0, scene.duration, scene.seed, {pad}};
     DelayedDetector honest(make_detector(*scene.detector, source, simulation));
     DelayedDetector misled(make_detector(*scene.detector, source, liar));
     std::size_t differ = 0;

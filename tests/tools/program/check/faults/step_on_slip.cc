@@ -26,8 +26,9 @@ class Controller {
   Controller(std::size_t first, std::size_t units) : first_(first), units_(units) {}
 
   slipbench_grip_command update(const slipbench_control_input& input) {
+    const float* const values = input.sensors[0].latest;
     double grip = 0.0;
-    for (std::size_t unit = 0; unit < units_; ++unit) grip += static_cast<double>(input.values[first_ + 3 * unit + 2]);
+    for (std::size_t unit = 0; unit < units_; ++unit) grip += static_cast<double>(values[first_ + 3 * unit + 2]);
     if (fault == Fault::stuck_sensor && held_ >= input.preset) grip = held_;
     held_ = grip;
     const bool tightens = slips(input.slip_state >= 2) || grip < input.preset;
@@ -57,23 +58,24 @@ class Controller {
   std::deque<bool> line_;
 };
 
-slipbench_grip_command update(void* self, const slipbench_control_input* input) {
-  return static_cast<Controller*>(self)->update(*input);
+void update(void* self, const slipbench_control_input* input, slipbench_grip_command* command) {
+  *command = static_cast<Controller*>(self)->update(*input);
 }
 
 void destroy(void* self) { delete static_cast<Controller*>(self); }
 
 }  // namespace
 
-const unsigned slipbench_controller_abi = SLIPBENCH_CONTROLLER_ABI;
+const slipbench_abi slipbench_controller_abi = SLIPBENCH_CONTROLLER_BUILD;
 
-slipbench_controller slipbench_make_controller(const slipbench_channel* channels, size_t count) {
-  size_t first = 0;
-  for (size_t i = 0; i < count; ++i) {
-    if (std::strcmp(channels[i].name, "force") == 0) return {new Controller(first, channels[i].shape[0]), update, destroy};
-    size_t size = 1;
-    for (size_t d = 0; d < channels[i].dimensions; ++d) size *= channels[i].shape[d];
-    first += size;
+void slipbench_make_controller(const slipbench_source* source, slipbench_controller* controller) {
+  const slipbench_sensor& sensor = source->sensors[0];
+  for (size_t i = 0; i < sensor.channel_count; ++i) {
+    const slipbench_channel& channel = sensor.channels[i];
+    if (std::strcmp(channel.name, "force") != 0) continue;
+    controller->self = new Controller(channel.first, channel.shape[0]);
+    controller->update = update;
+    controller->destroy = destroy;
+    return;
   }
-  return {};
 }

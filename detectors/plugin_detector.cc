@@ -1,0 +1,136 @@
+#include "detectors/plugin_detector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "detectors/plugin_abi.h"
+#include "sim/core/plugin_library.h"
+#include "sim/core/quantity.h"
+
+namespace slipbench {
+namespace {
+
+constexpr double max_stride = 1e9;  // samples from one update to the next
+
+std::size_t index_of(const FrameSource& source) {
+  const auto found = std::ranges::find(source.sensors, source.sensor, &SensorSource::name);
+  if (found == source.sensors.end()) throw std::logic_error("a detector's own sensor is none of the scene's");
+  return static_cast<std::size_t>(found - source.sensors.begin());
+}
+
+class PluginDetector final : public Detector, private SampleListener {
+ public:
+  PluginDetector(const Parameters& parameters, const FrameSource& source)
+      : library_("detector", parameters.path("library"), SLIPBENCH_DETECTOR_BUILD),
+        own_(index_of(source)),
+        samples_(source.sensors) {
+    const PluginLibrary::Values values = library_.parameters(parameters.map("parameters"));
+    const PluginSensors sensors(source.sensors);
+    const slipbench_source about{.sensors = sensors.handed().data(),
+                                 .sensor_count = sensors.handed().size(),
+                                 .sensor = own_,
+                                 .parameters = values.handed().data(),
+                                 .parameter_count = values.handed().size()};
+    detector_.rate = source.rate;
+    const auto make = library_.maker<decltype(slipbench_make_detector)>();
+    library_.guarded("slipbench_make_detector", [&] { make(&about, &detector_); });
+    try {
+      if (detector_.update == nullptr) library_.refuse_scene(detector_.refusal);
+      stride_ = stride_of(detector_.rate, source);
+    } catch (const SceneValueError&) {
+      finish();
+      throw;
+    }
+  }
+
+  PluginDetector(const PluginDetector&) = delete;  // owns what the library made
+  PluginDetector& operator=(const PluginDetector&) = delete;
+  ~PluginDetector() override {
+    try {
+      finish();
+    } catch (const SceneValueError&) {
+      // Another error is under way: a trial that ends well calls finish() itself.
+    }
+  }
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    samples_.add(own_, frame);
+    if (frames_++ % stride_ != 0) return estimate_;
+    const std::span<const slipbench_samples> sensors = samples_.handed();
+    const slipbench_detector_input input{.time = frame.time, .sensors = sensors.data(), .sensor_count = sensors.size()};
+    slipbench_estimate said{.state = -1, .latency = 0.0, .stuck_fraction = std::numeric_limits<double>::quiet_NaN()};
+    library_.guarded("update", [&] { detector_.update(detector_.self, &input, &said); });
+    samples_.forget();
+    check(said, frame.time);
+    estimate_ = {frame.time, said.latency, static_cast<PadState>(said.state), said.stuck_fraction};
+    return estimate_;
+  }
+
+  [[nodiscard]] SampleListener* listener() override { return this; }
+
+  void finish() override {
+    const auto destroy = std::exchange(detector_.destroy, nullptr);
+    if (destroy != nullptr && !library_.has_crashed()) library_.guarded("destroy", [&] { destroy(detector_.self); });
+    library_.close();
+  }
+
+ private:
+  // Its own sensor's samples come with update().
+  void hear(std::size_t sensor, const SensorFrame& sample) override {
+    if (sensor != own_) samples_.add(sensor, sample);
+  }
+
+  [[nodiscard]] std::size_t stride_of(double rate, const FrameSource& source) const {
+    const double frames = std::round(source.rate / rate);
+    const bool whole =
+        rate > 0.0 && frames >= 1.0 && frames <= max_stride && std::abs(frames * rate - source.rate) <= 1e-9 * source.rate;
+    if (!whole) {
+      library_.refuse("makes a detector of " + format_number(rate) + " Hz, which does not divide the " +
+                      format_quantity(source.rate, Quantity::frequency) + " of sensors." + source.sensor +
+                      "; allowed: that over a whole number");
+    }
+    return static_cast<std::size_t>(frames);
+  }
+
+  void check(const slipbench_estimate& said, double time) const {
+    const auto refuse = [&](const char* member, const std::string& value, const char* allowed) {
+      library_.refuse("says in update " + std::string(member) + " " + value + " at " + format_number(time) +
+                      " s; allowed: " + allowed);
+    };
+    if (said.state < 0 || said.state > 3) {
+      refuse("state", std::to_string(said.state), "0 no contact, 1 non-slip, 2 incipient, 3 gross");
+    }
+    if (!(said.latency >= 0.0) || std::isinf(said.latency)) refuse("latency", format_number(said.latency), "0 s or more, finite");
+    if (said.stuck_fraction < 0.0 || said.stuck_fraction > 1.0) {
+      refuse("stuck_fraction", format_number(said.stuck_fraction), "0 to 1, or NaN for none");
+    }
+  }
+
+  PluginLibrary library_;  // outlives what it made
+  slipbench_detector detector_{};
+  std::size_t own_;
+  PluginSamples samples_;
+  std::size_t stride_ = 1;
+  std::size_t frames_ = 0;
+  SlipEstimate estimate_;
+};
+
+}  // namespace
+
+Entry plugin_detector_entry() {
+  return {
+      "plugin", "Your own detector, from a shared library.",
+      "The library computes the class from the samples of all sensors. It exports slipbench_detector_abi and slipbench_make_detector (detectors/plugin_abi.h; example: detectors/example).",
+      "the library's author", plugin_specs()};
+}
+
+std::unique_ptr<Detector> make_plugin_detector(const Parameters& parameters, const FrameSource& source) {
+  return std::make_unique<PluginDetector>(parameters, source);
+}
+
+}  // namespace slipbench

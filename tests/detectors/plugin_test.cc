@@ -1,0 +1,266 @@
+#include "detectors/plugin_detector.h"
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/detectors/frames.h"
+
+namespace slipbench {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string file(const std::string& name) { return SLIPBENCH_TEST_PLUGINS "/" + name + ".so"; }
+
+// A pad of 1 kHz, and beside it a skin of one value.
+FrameSource two_sensors() {
+  FrameSource source = vector_source({"force", "displacement"}, 9, 1000.0);
+  source.sensors = {{"skin", "piezo_skin", 4000.0, {{"signal", "counts", {1}, {}}}},
+                    {"pad", "papillarray", 1000.0, source.channels}};
+  return source;
+}
+
+std::unique_ptr<Detector> load(const std::string& path, const ParameterMap& parameters = {}) {
+  Parameters given;
+  given.set("library", path);
+  given.set("parameters", parameters);
+  return make_plugin_detector(given, two_sensors());
+}
+
+// What comes of a trial of four samples, if not "accepted".
+std::string outcome(const std::string& path, const ParameterMap& parameters = {}) {
+  const std::vector<float> zeros(54);
+  try {
+    const auto detector = load(path, parameters);
+    for (int i = 0; i < 4; ++i) static_cast<void>(detector->update({.time = 1e-3 * i, .values = zeros}));
+    detector->finish();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// wrong.so as a new file: what has crashed stays loaded, and a name that is loaded already is not loaded again.
+class FreshLibrary {
+ public:
+  explicit FreshLibrary(const std::string& wrong) {
+    static int count = 0;
+    path_ = testing::TempDir() + "wrong_" + std::to_string(::getpid()) + "_" + std::to_string(count++) + ".so";
+    std::filesystem::copy_file(file("wrong"), path_, std::filesystem::copy_options::overwrite_existing);
+    ::setenv("SLIPBENCH_WRONG", wrong.c_str(), 1);
+  }
+  ~FreshLibrary() {
+    ::unsetenv("SLIPBENCH_WRONG");
+    std::filesystem::remove(path_);
+  }
+  FreshLibrary(const FreshLibrary&) = delete;
+  FreshLibrary& operator=(const FreshLibrary&) = delete;
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+// The message for a library that is wrong as `wrong` asks for, without the library's name.
+std::string outcome_of(const std::string& wrong, const ParameterMap& parameters = {}) {
+  const FreshLibrary library(wrong);
+  std::string message = outcome(library.path(), parameters);
+  const std::string name = "'" + library.path() + "'";
+  const std::size_t at = message.find(name);
+  return at == std::string::npos ? message : message.replace(at, name.size(), "IT");
+}
+
+TEST(PluginDetector, RunsTheExample) {
+  const auto detector = load(file("ratio_gate"), {{"threshold", "0.5"}, {"rate", "500 Hz"}});
+  std::vector<float> values(54);
+  const auto state_at = [&](double time, double ratio) {
+    for (std::size_t i = 0; i < 9; ++i) {
+      values[3 * i] = static_cast<float>(0.6 * ratio);
+      values[3 * i + 1] = static_cast<float>(0.8 * ratio);  // together as long as `ratio`
+      values[3 * i + 2] = 1.0F;
+    }
+    return detector->update({.time = time, .values = values}).state;
+  };
+  EXPECT_EQ(detector->update({.time = 0.0, .values = values}).state, PadState::no_contact);
+  EXPECT_EQ(state_at(1e-3, 0.6), PadState::no_contact) << "between two updates";
+  EXPECT_EQ(state_at(2e-3, 0.39), PadState::non_slip) << "below 0.8 of 0.5";
+  EXPECT_EQ(state_at(3e-3, 0.6), PadState::non_slip);
+  EXPECT_EQ(state_at(4e-3, 0.41), PadState::incipient);
+  static_cast<void>(state_at(5e-3, 0.0));
+  EXPECT_EQ(state_at(6e-3, 0.51), PadState::gross);
+  EXPECT_EQ(detector->update({.time = 7e-3, .values = values}).time, 6e-3);
+  detector->finish();
+}
+
+// A skin of 4 kHz beside a pad of 1 kHz, and an update at every second sample of the pad: eight samples of the one and two of the other.
+TEST(PluginDetector, HearsEverySampleOfEverySensor) {
+  const auto detector = load(file("ears"), {{"sensor", "skin"}, {"threshold", "7.5"}, {"rate", "0.5 kHz"}});
+  const std::vector<float> zeros(54);
+  SlipEstimate said = detector->update({.time = 0.0, .values = zeros});
+  EXPECT_EQ(said.state, PadState::incipient) << "nothing heard yet";
+  EXPECT_EQ(said.latency, 1e-3);
+  for (int sample = 1; sample <= 2; ++sample) {
+    for (int i = 0; i < 4; ++i) {
+      const auto value = static_cast<float>(4 * (sample - 1) + i + 1);  // 1 to 8
+      detector->listener()->hear(0, {.time = 1e-3 * (sample - 1) + 2.5e-4 * (i + 1), .values = {&value, 1}});
+    }
+    said = detector->update({.time = 1e-3 * sample, .values = zeros});
+  }
+  EXPECT_EQ(said.time, 2e-3);
+  EXPECT_EQ(said.state, PadState::gross) << "8 is over 7.5";
+  EXPECT_DOUBLE_EQ(said.stuck_fraction, 0.8);
+  EXPECT_DOUBLE_EQ(said.latency, 2e-3);
+  static_cast<void>(detector->update({.time = 3e-3, .values = zeros}));
+  said = detector->update({.time = 4e-3, .values = zeros});
+  EXPECT_EQ(said.state, PadState::gross) << "the newest is still 8";
+  EXPECT_EQ(said.stuck_fraction, 0.0) << "and no longer new";
+}
+
+TEST(PluginDetector, RefusesWhatIsNoDetector) {
+  EXPECT_EQ(outcome("none"), "detector.library: no library is named; allowed: the path of a shared library");
+  EXPECT_EQ(outcome(file("absent")), "detector.library: no file '" + file("absent") + "'; allowed: the path of a shared library");
+  EXPECT_EQ(outcome(file("other_part")),
+            "detector.library: '" + file("other_part") +
+                "' has no symbol 'slipbench_detector_abi'; allowed: a library that exports what detectors/plugin_abi.h declares");
+  EXPECT_EQ(outcome(file("ears"), {{"sensor", "nose"}}),
+            "detector.library: '" + file("ears") + "' makes no detector for this scene: 'no sensor of this name has one value'");
+}
+
+TEST(PluginDetector, RefusesAnotherBuild) {
+  EXPECT_EQ(outcome_of(""), "accepted");
+  EXPECT_EQ(outcome_of("version=7"), "detector.library: IT was built for version 7 of the detector interface; allowed: 1");
+  // Sizes on a machine of 64 bits: pointers, doubles and size_t of 8 bytes.
+  const std::array<std::string, 8> sizes{
+      "slipbench_parameter of 1 bytes; allowed: 40",      "slipbench_channel of 1 bytes; allowed: 48",
+      "slipbench_sensor of 1 bytes; allowed: 48",         "slipbench_source of 1 bytes; allowed: 40",
+      "slipbench_samples of 1 bytes; allowed: 40",        "slipbench_detector of 1 bytes; allowed: 288",
+      "slipbench_detector_input of 1 bytes; allowed: 24", "slipbench_estimate of 1 bytes; allowed: 24"};
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    EXPECT_EQ(outcome_of("size" + std::to_string(i) + "=1"), "detector.library: IT was built with a " + sizes[i]);
+  }
+}
+
+TEST(PluginDetector, RefusesARateThatDoesNotDivideTheSensors) {
+  for (const std::string rate : {"nan", "inf", "-inf", "0", "-100", "300", "2000", "1e-300", "1e300"}) {
+    EXPECT_THAT(outcome_of("rate=" + rate),
+                AllOf(StartsWith("detector.library: IT makes a detector of "),
+                      HasSubstr(" Hz, which does not divide the 1 kHz of sensors.pad; allowed: that over a whole number")))
+        << rate;
+  }
+  EXPECT_EQ(outcome_of("rate=250"), "accepted");
+}
+
+TEST(PluginDetector, RefusesWhatIsNoEstimate) {
+  for (const std::string state : {"-1", "4", "1000000"}) {
+    EXPECT_EQ(outcome_of("state=" + state), "detector.library: IT says in update state " + state +
+                                                " at 0 s; allowed: 0 no contact, 1 non-slip, 2 incipient, 3 gross");
+  }
+  for (const std::string latency : {"nan", "inf", "-1"}) {
+    EXPECT_EQ(outcome_of("latency=" + latency),
+              "detector.library: IT says in update latency " + latency + " at 0 s; allowed: 0 s or more, finite");
+  }
+  for (const std::string stuck : {"inf", "-0.5", "1.5"}) {
+    EXPECT_EQ(outcome_of("stuck=" + stuck),
+              "detector.library: IT says in update stuck_fraction " + stuck + " at 0 s; allowed: 0 to 1, or NaN for none");
+  }
+  EXPECT_EQ(outcome_of("stuck=nan"), "accepted");
+}
+
+TEST(PluginDetector, RefusesAFaultyDeclarationOfParameters) {
+  const std::string where = "detector.library: IT declares in slipbench_detector_parameters ";
+  EXPECT_EQ(outcome_of("rows=2"), where + "'no name' as a name; allowed: letters, digits and '_', no digit first");
+  EXPECT_THAT(outcome_of("rows=4"), StartsWith(where + "'threshold' of type 1000000; allowed: SLIPBENCH_NUMBER"));
+  EXPECT_EQ(outcome_of("rows=5"), where + "'threshold' with the default nan; allowed: a finite number");
+  EXPECT_THAT(outcome_of("rows=6"), StartsWith(where + "'threshold' in the unit 'bananas'; allowed: an SI unit"));
+  EXPECT_THAT(outcome_of("rows=7"), StartsWith(where + "'threshold' in the unit 'mN'; allowed: an SI unit"));
+  EXPECT_EQ(outcome_of("rows=9"), where + "'threshold' twice; allowed: each name once");
+  EXPECT_EQ(outcome_of("rows=10"), where + "more than 1000 parameters; allowed: SLIPBENCH_NO_MORE as the last row");
+  EXPECT_EQ(outcome_of("rows=1"), "detector.library: IT crashed in slipbench_detector_parameters: SIGSEGV (segmentation fault)");
+  EXPECT_EQ(outcome_of("", {{"threshold", "300 mN"}}), "accepted");
+  EXPECT_EQ(outcome_of("", {{"treshold", "1"}}),
+            "detector.parameters.treshold: IT has no parameter 'treshold'; did you mean 'threshold'? allowed: threshold");
+}
+
+TEST(PluginDetector, ThatCrashesIsNamedWithItsFunction) {
+  const std::array<std::string, 6> signals{"SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS", "SIGSEGV"};  // the last: its stack
+  const std::array<std::string, 3> functions{"slipbench_make_detector", "update", "destroy"};
+  for (std::size_t crash = 0; crash < signals.size(); ++crash) {
+    for (std::size_t in = 0; in < functions.size(); ++in) {
+      EXPECT_THAT(outcome_of("crash=" + std::to_string(crash + 1) + ",in=" + std::to_string(in + 2)),
+                  StartsWith("detector.library: IT crashed in " + functions[in] + ": " + signals[crash]));
+    }
+  }
+  for (std::size_t in = 0; in < functions.size(); ++in) {
+    EXPECT_EQ(outcome_of("crash=7,in=" + std::to_string(in + 2)),
+              "detector.library: IT threw 'out of ideas' in " + functions[in] + "; allowed: no exceptions");
+  }
+}
+
+// A crash inside of the loader is named as well; no library is loaded after it, so each runs in a process of its own.
+TEST(PluginDetectorDeathTest, ThatCrashesWhileItIsLoadedOrUnloadedIsNamed) {
+  testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  const auto tell = [](const std::string& first) {
+    std::fprintf(stderr, "%s\n%s\n", first.c_str(), outcome(file("ears")).c_str());
+    std::_Exit(0);
+  };
+  const std::string then = "[^\n]*\n[^\n]*cannot be loaded: a library crashed while it was loaded or unloaded";
+  EXPECT_EXIT(tell(outcome_of("crash=1,in=1")), testing::ExitedWithCode(0),
+              "IT crashed in a constructor of the library: SIGSEGV" + then);
+  EXPECT_EXIT(tell(outcome(file("unloads_badly"))), testing::ExitedWithCode(0),
+              "' crashed in a destructor of the library: SIGSEGV" + then);
+}
+
+// Five hundred libraries whose structures hold anything: each is accepted or refused with a message that names it, and none ends the
+// program.
+TEST(PluginDetector, SurvivesFiveHundredWrongLibraries) {
+  std::mt19937 random(18);
+  const auto pick = [&](const std::vector<std::string>& values) { return values[random() % values.size()]; };
+  const std::vector<std::string> numbers{"0",     "1",          "2",   "3",    "-1",    "4",     "24",
+                                         "40",    "1e-300",     "7.5", "1000", "-1000", "1e300", "4294967295",
+                                         "65536", "2147483647", "nan", "inf",  "-inf"};
+  const std::vector<std::string> counts{"0", "1", "2", "3", "4", "24", "40", "288", "4294967295", "65536"};
+  int refused = 0;
+  for (int i = 0; i < 500; ++i) {
+    std::string wrong;
+    const auto add = [&](const std::string& key, const std::string& value) {
+      wrong += (wrong.empty() ? "" : ",") + key + "=" + value;
+    };
+    for (auto faults = 1 + random() % 3; faults > 0; --faults) {
+      switch (random() % 9) {
+        case 0: add("version", pick(counts)); break;
+        case 1: add("size" + std::to_string(random() % 8), pick(counts)); break;
+        case 2: add("rows", std::to_string(random() % 12)); break;
+        case 3: add("rate", pick(numbers)); break;
+        case 4: add("state", pick({"-2147483648", "-1", "0", "1", "2", "3", "4", "2147483647"})); break;
+        case 5: add("latency", pick(numbers)); break;
+        case 6: add("stuck", pick(numbers)); break;
+        case 7: add("function", std::to_string(random() % 4)); break;
+        default:
+          add("make", std::to_string(random() % 3));
+          add("crash", std::to_string(random() % 8));
+          add("in", std::to_string(2 + random() % 3));
+      }
+    }
+    const std::string said = outcome_of(wrong);
+    if (said != "accepted") ++refused;
+    EXPECT_THAT(said, AnyOf("accepted", StartsWith("detector.library: IT "))) << wrong;
+  }
+  EXPECT_GT(refused, 250) << "most of them would have been right: this would test little";
+}
+
+}  // namespace
+}  // namespace slipbench

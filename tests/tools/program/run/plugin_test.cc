@@ -1,0 +1,139 @@
+// A detector from a shared library inside whole trials: its parameters as a scene gives them and as a sweep does, and all sensors.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/run/run_sweep.h"
+#include "tools/program/run/run_trial.h"
+
+namespace slipbench {
+namespace {
+
+using ::testing::Contains;
+
+const std::string plugins = SLIPBENCH_TEST_PLUGINS;
+
+SceneFile stage(const std::string& more, const std::string& sensors = "pad: {type: papillarray}") {
+  return SceneFile::from_text(
+      "slipbench: 1\nduration: 1 s\nfriction: {static: 0.5, kinetic: 0.5}\n"
+      "motion: {compression: 1 mm, start: 0.5 s, speed: 4 mm/s}\nsensors: {" +
+          sensors + "}\n" + more + "\n",
+      "stage.yaml");
+}
+
+std::string with_parameters(const std::string& parameters) {
+  return "detector: {type: plugin, library: " + plugins + "/ratio_gate.so, parameters: " + parameters + "}";
+}
+
+Scene scene_of(const SceneFile& file) { return parse_scene(file, program_catalogues()); }
+
+std::string refusal_of(const std::string& more) {
+  try {
+    static_cast<void>(scene_of(stage(more)));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// What the example says of a sample of nine forces.
+std::uint8_t gate(const float* force, double threshold) {
+  double x = 0.0, y = 0.0, z = 0.0;
+  for (std::size_t i = 0; i < 9; ++i) {
+    x += static_cast<double>(force[3 * i]);
+    y += static_cast<double>(force[3 * i + 1]);
+    z += static_cast<double>(force[3 * i + 2]);
+  }
+  if (z < 0.05) return 0;
+  const double ratio = std::sqrt(x * x + y * y) / z;
+  return ratio < 0.8 * threshold ? 1 : ratio < threshold ? 2 : 3;
+}
+
+TEST(PluginInTrial, SaysWhatItsLawSaysOfTheSamples) {
+  for (const double threshold : {0.3, 0.45}) {
+    const Scene scene = scene_of(stage(with_parameters("{threshold: " + std::to_string(threshold) + ", rate: 100 Hz}")));
+    const TrialRecord record = run_trial(scene, 0, Recording::full).record;
+    EXPECT_EQ(record.control->detector, "plugin");
+    ASSERT_EQ(record.sensors[0].channels[0].name, "force");
+    const std::vector<float>& force = record.sensors[0].channels[0].values;
+    std::vector<std::uint8_t> expected;
+    for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
+      expected.push_back(gate(force.data() + 27 * (i - i % 10), threshold));  // of 1 kHz every tenth
+    }
+    EXPECT_EQ(record.control->detector_class, expected);
+    for (const int state : {0, 1, 2, 3}) EXPECT_THAT(expected, Contains(state));
+  }
+}
+
+TEST(PluginInTrial, ThresholdsAreSwept) {
+  const SceneFile file = stage(with_parameters("{rate: 100 Hz}") + "\nsweep: {detector.parameters.threshold: [0.3, 0.45]}");
+  const Catalogues catalogues = program_catalogues();
+  const TrialPlan plan(file, catalogues, 0, 0);
+  ASSERT_EQ(plan.size(), 2U);
+  std::vector<std::vector<std::uint8_t>> classes;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const TrialPlan::Trial trial = plan.trial(i);
+    ASSERT_EQ(trial.drawn.size(), 1U);
+    EXPECT_EQ(trial.drawn[0].first, "detector.parameters.threshold");
+    EXPECT_EQ(trial.drawn[0].second, i == 0 ? "0.3" : "0.45");
+    EXPECT_EQ(trial.scene.detector->parameters.map("parameters"),
+              (ParameterMap{{"rate", "100 Hz"}, {"threshold", i == 0 ? "0.3" : "0.45"}}));
+    classes.push_back(run_trial(trial.scene, i, Recording::full).record.control->detector_class);
+  }
+  EXPECT_NE(classes[0], classes[1]);
+}
+
+// Values are reported in SI, and as what they are.
+TEST(PluginInTrial, SweptValuesAreReportedAsWhatTheyAre) {
+  const SceneFile file =
+      stage(with_parameters("{}") + "\nsweep: {scene: [{detector: {parameters: {a: 4 mm/s, b: true, c: soft rubber, d: 1e3}}}]}");
+  const Catalogues catalogues = program_catalogues();
+  const TrialPlan::Trial trial = TrialPlan(file, catalogues, 0, 0).trial(0);
+  const std::vector<std::pair<std::string, std::string>> expected{{"detector.parameters.a", "0.004"},
+                                                                  {"detector.parameters.b", "true"},
+                                                                  {"detector.parameters.c", "\"soft rubber\""},
+                                                                  {"detector.parameters.d", "1000"}};
+  EXPECT_EQ(trial.drawn, expected);
+}
+
+TEST(PluginInTrial, ParametersAreAMapOfPlainValues) {
+  EXPECT_EQ(refusal_of(with_parameters("0.3")),
+            "stage.yaml:6: detector.parameters is '0.3'; allowed: a map of numbers, texts and booleans such as {threshold: 0.3}");
+  EXPECT_EQ(refusal_of(with_parameters("{threshold: [1, 2]}")),
+            "stage.yaml:6: detector.parameters.threshold is a sequence; allowed: a number, a text, true or false");
+  EXPECT_EQ(refusal_of(with_parameters("{thres.hold: 1}")),
+            "stage.yaml:6: 'thres.hold' cannot name a parameter; allowed: letters, digits and '_', no digit first");
+}
+
+// A skin of 10 kHz beside the pad of 1 kHz. The library is asked at every sample of the pad; what it says is seen a millisecond later, its
+// latency.
+TEST(PluginInTrial, HearsASensorThatItDoesNotRead) {
+  const std::string sensors = "pad: {type: papillarray}, skin: {type: piezo_skin}";
+  const TrialRecord bare = run_trial(scene_of(stage("", sensors)), 0, Recording::full).record;
+  ASSERT_EQ(bare.sensors[1].channels[0].values.size(), bare.sensors[1].time.size()) << "one value a sample";
+  const std::vector<float>& signal = bare.sensors[1].channels[0].values;
+  const double threshold = 0.5 * static_cast<double>(*std::ranges::max_element(signal));
+  const Scene scene = scene_of(stage("detector: {type: plugin, sensor: pad, library: " + plugins +
+                                         "/ears.so, parameters: {sensor: skin, threshold: " + std::to_string(threshold) + "}}",
+                                     sensors));
+  const TrialRecord record = run_trial(scene, 0, Recording::full).record;
+  ASSERT_EQ(record.sensors[1].channels[0].values, signal) << "who listens changes nothing";
+  const std::vector<std::uint8_t>& seen = record.control->detector_class;
+  std::vector<std::uint8_t> expected{0};
+  for (std::size_t i = 0; i + 1 < seen.size(); ++i) {
+    expected.push_back(static_cast<double>(signal[10 * i]) > threshold ? 3 : 1);
+  }
+  EXPECT_EQ(seen, expected);
+  EXPECT_THAT(expected, Contains(3));
+}
+
+}  // namespace
+}  // namespace slipbench
