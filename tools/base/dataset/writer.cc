@@ -57,7 +57,7 @@ struct DatasetWriter::State {
 
   // Finishes every file and gives it its name under `target`, the first file last: once it is there, all are.
   std::vector<std::string> finish_as(const std::string& target, bool complete) {
-    const Masks masks = split_trials(trials, header.seed);
+    const Masks masks = split_trials(trials, header.seed, header.split);
     for (Shard& shard : shards) {
       if (complete) {
         shard.finish(masks, shards.size(), complete);

@@ -17,6 +17,8 @@
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/sweep_text.h"
 #include "tools/program/cli/terminal.h"
+#include "tools/program/cli/warning_text.h"
+#include "tools/program/run/warnings.h"
 
 namespace slipbench {
 namespace {
@@ -44,12 +46,13 @@ Finished simulate(SweepOptions sweep, const Catalogues& catalogues, bool silent)
 
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
-void print_json(const Finished& finished) {
+void print_json(const Finished& finished, const std::vector<Warning>& warnings) {
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(summary_json(finished.summary));
   json["elapsed_s"] = finished.elapsed;
   json["computed_s"] = finished.summary.computed;
   json["times_real_time"] = finished.summary.simulated / finished.elapsed;
   json["times_real_time_per_core"] = finished.summary.simulated / finished.summary.computed;
+  json["warnings"] = warnings_json(warnings);
   if (std::vector<GraspRow> rows = grasp_rows(finished.summary); !rows.empty()) json["grasps"] = grasp_json(rows);
   fmt::print("{}\n", json.dump());
 }
@@ -114,9 +117,14 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
 int SimulationCommand::run() {
   const Catalogues catalogues = program_catalogues();
   settle_accuracy(sweep, catalogues, *this);
+  std::vector<Warning> warnings = scene_warnings(sweep, catalogues);
+  print_warnings(warnings);
   const Finished finished = simulate(sweep, catalogues, silent());
+  const std::vector<Warning> shown = converter_warnings(finished.summary.trials);
+  print_warnings(shown);
+  warnings.insert(warnings.end(), shown.begin(), shown.end());
   if (json) {
-    print_json(finished);
+    print_json(finished, warnings);
   } else if (!quiet && !finished.summary.interrupted) {
     print_summary(sweep, finished, catalogues);
   }

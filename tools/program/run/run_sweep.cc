@@ -18,6 +18,7 @@
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/run/recorder.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/run/split.h"
 
 namespace slipbench {
 namespace {
@@ -95,6 +96,7 @@ struct WorkPlan {
 };
 
 FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
+  const InterruptScope scope(plan.interrupt);
   TrialPlan::Trial trial = plan.trials.trial(index);
   trial.scene.seed = plan.seed;
   const auto start = std::chrono::steady_clock::now();
@@ -137,7 +139,7 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
   std::size_t largest = index;  // trial of the largest record
   double bytes = 0.0;
   try {
-    for (; index < end; index += plan.draws()) {
+    for (; index < end && !(options.interrupt != nullptr && *options.interrupt); index += plan.draws()) {
       const Scene scene = plan.trial(index).scene;
       if (scene.detector) check_run(*scene.detector, options.only ? end : trials);
       const double size = check_trial(scene, index);
@@ -261,10 +263,10 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
 
   std::unique_ptr<DatasetWriter> writer;
   if (!options.output.empty()) {
-    writer = std::make_unique<DatasetWriter>(
-        options.output,
-        DatasetHeader{SLIPBENCH_VERSION, file.text(), overrides_json(options.overrides), summary.seed, summary.command},
-        plan.size(), options.shard_limit);
+    writer = std::make_unique<DatasetWriter>(options.output,
+                                             DatasetHeader{SLIPBENCH_VERSION, file.text(), overrides_json(options.overrides),
+                                                           summary.seed, summary.command, split_rule(summary.scene)},
+                                             plan.size(), options.shard_limit);
   }
 
   // OpenSSL crashes where there is no memory to set itself up, which many workers may leave none for: it does so before them.
