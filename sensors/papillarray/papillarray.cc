@@ -56,6 +56,7 @@ PadLayout make_layout(const Parameters& parameters, RandomStream stream) {
   const double log_variance = std::log1p(stiffness_sd * stiffness_sd);
 
   PadLayout layout;
+  layout.unit_height = pillar_height;
   for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
     const double scatter = std::exp(std::sqrt(log_variance) * stream.normal() - 0.5 * log_variance);
     layout.units.push_back({layout.elements.size(), count});

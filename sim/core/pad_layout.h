@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -31,6 +32,8 @@ struct PadLayout {
   std::vector<UnitRange> units;
   // Whether frames also tell what each element does (ContactFrame::element_depth), for a sensor that reads between its units.
   bool element_truth = false;
+  // How high a unit stands over its base: pressed in farther, the device is no field of springs [m]; infinite: nobody knows.
+  double unit_height = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace slipbench

@@ -11,6 +11,7 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
+#include "sim/core/interrupted.h"
 #include "sim/mujoco/articulated.h"
 #include "sim/mujoco/mujoco_call.h"
 
@@ -119,6 +120,7 @@ const ContactFrame& ArticulatedStage::frame() const { return world_->frame; }
 void ArticulatedStage::World::place(const Pose& pad, double time) {
   const int steps = contact->steps_to_settle(contact->begin_on(model.get(), data.get(), surface, pad));
   for (int k = 0; k < steps; ++k) {
+    end_if_interrupted();
     step_part(pad, pad, time);
     contact->read(model.get(), data.get(), time, dt);
   }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/interrupted.h"
 #include "sim/mujoco/dynamic_state.h"
 #include "sim/mujoco/geom_surface.h"
 #include "sim/mujoco/model_builder.h"
@@ -74,6 +75,7 @@ void DynamicSimulation::State::settle_tips() {
   const int steps = pads.front().pillars->steps_to_settle(indent_tips(held.get(), settled.get()));
   std::vector<mjtNum> qpos(settled->qpos, settled->qpos + m()->nq), qvel(static_cast<std::size_t>(m()->nv), 0.0);
   for (int k = 0; k < steps; ++k) {
+    end_if_interrupted();
     std::ranges::copy(qpos, settled->qpos);
     std::ranges::copy(qvel, settled->qvel);
     call_mujoco([&] { mj_step(held.get(), settled.get()); });

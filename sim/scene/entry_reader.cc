@@ -58,8 +58,8 @@ const std::string& text_of(const YamlNode& node, const std::string& path, const 
   return node.text;
 }
 
-void EntryReader::record(const std::string& path, const Parameters::Value& value) {
-  if (trace_ != nullptr) trace_->insert_or_assign(path, std::visit(ToJson{}, value));
+void EntryReader::record(const std::string& path, const Parameters::Value& value, Quantity quantity, const std::string& written) {
+  if (trace_ != nullptr) trace_->insert_or_assign(path, ReadValue{std::visit(ToJson{}, value), quantity, written});
 }
 
 void require_map(const YamlNode& node, const std::string& where, const std::string& allowed) {
@@ -89,7 +89,7 @@ Parameters::Value EntryReader::value(const YamlNode* node, const std::string& pa
   Parameters::Value result = node == nullptr                      ? default_at(path, spec)
                              : spec.type == ParameterType::vector ? vector(*node, path, spec)
                                                                   : scalar(*node, path, spec);
-  record(path, result);
+  record(path, result, spec.quantity, node == nullptr ? std::string() : node->text);
   if (node != nullptr && spec.type == ParameterType::path && node->text != spec.default_text) return in_folder(node->text);
   return result;
 }
@@ -114,7 +114,7 @@ Parameters::Value EntryReader::vector(const YamlNode& node, const std::string& p
   for (std::size_t i = 0; i < spec.size; ++i) {
     const std::string entry_path = path + "." + std::to_string(i);
     entries.push_back(std::get<double>(scalar(node.children[i], entry_path, spec)));
-    record(entry_path, entries.back());
+    record(entry_path, entries.back(), spec.quantity, node.children[i].text);
   }
   return entries;
 }

@@ -17,8 +17,17 @@
 
 namespace slipbench {
 
-// Every value that a scene was read from or that was filled in by default: path -> JSON, numbers in SI.
-using Trace = std::map<std::string, std::string, std::less<>>;
+// A value that a scene was read from or that was filled in by default.
+struct ReadValue {
+  std::string json;                    // numbers in SI
+  Quantity quantity = Quantity::none;  // of a number
+  std::string written = {};            // as the scene has it; empty: a default, or no scalar
+
+  friend bool operator==(const ReadValue&, const ReadValue&) = default;
+};
+
+// All of them, by path.
+using Trace = std::map<std::string, ReadValue, std::less<>>;
 
 // A text as a JSON string.
 std::string json_text(const std::string& text);
@@ -64,7 +73,8 @@ class EntryReader {
   // From here on a protocol's figures are the defaults.
   void use(const Protocol& protocol) { protocol_ = &protocol; }
 
-  void record(const std::string& path, const Parameters::Value& value);
+  void record(const std::string& path, const Parameters::Value& value, Quantity quantity = Quantity::none,
+              const std::string& written = {});
 
   // A path as the scene writes it, from the scene's own folder.
   [[nodiscard]] std::string in_folder(const std::string& path) const;

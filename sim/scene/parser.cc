@@ -5,7 +5,9 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/core/error.h"
 #include "sim/core/regular_file.h"
@@ -34,6 +36,72 @@ nlohmann::json json_of(const YamlNode& node) {
     }
   }
   throw std::logic_error("no such kind of node");
+}
+
+// What a scene calls by a name whose figures other keys may replace, all of them.
+struct NamedFigures {
+  std::string path;
+  std::vector<std::string> replaced_by;
+};
+
+std::vector<NamedFigures> named_figures(const Catalogues& catalogues) {
+  std::vector<NamedFigures> names{{"surface.material", {"friction.static", "friction.kinetic"}}, {"grip.protocol", {}}};
+  for (const Protocol& protocol : catalogues.protocols) {
+    for (const auto& [path, value] : protocol.defaults) names.back().replaced_by.push_back(path);
+  }
+  return names;
+}
+
+// "friction.static (stage.yaml:7), friction.kinetic (stage.yaml:7)": those that the scene has.
+std::string replacements_in(const YamlNode& root, const NamedFigures& name) {
+  std::string text;
+  for (const std::string& path : name.replaced_by) {
+    const YamlNode* node = node_at(root, split_path(path, {}));
+    if (node != nullptr) text += (text.empty() ? "" : ", ") + path + " (" + node->origin.text() + ")";
+  }
+  return text;
+}
+
+// Refuses entry number `entry` of the sweep where every value of it makes the same scene: trials would differ in the name alone.
+void refuse_idle(const YamlNode& scene, const Sweep& sweep, std::size_t entry, const NamedFigures& name,
+                 const Catalogues& catalogues) {
+  std::size_t contexts = 1;
+  for (const SweptPath& other : sweep.paths()) contexts = std::max(contexts, other.values.size());
+  const SweptPath& swept = sweep.paths()[entry];
+  for (std::size_t others = 0; others < contexts; ++others) {
+    std::optional<Trace> first;
+    for (std::size_t value = 0; value < swept.values.size(); ++value) {
+      YamlNode root = scene;
+      sweep.apply_one(root, entry, value, others);
+      Trace read;
+      try {
+        read_scene(root, catalogues, &read);
+      } catch (const InputError&) {
+        return;  // without its draws it is no scene
+      }
+      read.erase(name.path);
+      if (first && read != *first) return;
+      first = std::move(read);
+    }
+  }
+  YamlNode root = scene;
+  sweep.apply_one(root, entry, 0, 0);
+  const std::string replacements = replacements_in(root, name);
+  if (replacements.empty()) return;  // the same value again
+  fail(swept.origin, "sweep." + swept.path + " changes nothing: what " + quote(name.path) + " stands for is replaced by " +
+                         replacements + "; allowed: a sweep of those, or a scene without them");
+}
+
+void refuse_idle(const YamlNode& scene, const Sweep& sweep, const Catalogues& catalogues) {
+  for (const NamedFigures& name : named_figures(catalogues)) {
+    for (std::size_t entry = 0; entry < sweep.paths().size(); ++entry) {
+      const SweptPath& swept = sweep.paths()[entry];
+      if (swept.values.size() < 2) continue;
+      const std::vector<std::string> leaves = leaves_of(swept);
+      const bool of_names = std::ranges::all_of(leaves, [&](const std::string& leaf) { return leaf == name.path; });
+      if (of_names) refuse_idle(scene, sweep, entry, name, catalogues);
+    }
+  }
 }
 
 }  // namespace
@@ -96,6 +164,12 @@ TrialPlan::TrialPlan(const SceneFile& file, const Catalogues& catalogues, std::s
     YamlNode root = plan_->scene;
     scene_of(cell * draws_, root, nullptr);
   }
+  refuse_idle(plan_->scene, plan_->sweep, catalogues);
+}
+
+Scene TrialPlan::read(std::size_t index, Trace& values) const {
+  YamlNode root = plan_->scene;
+  return scene_of(index, root, &values);
 }
 
 Scene TrialPlan::scene_of(std::size_t index, YamlNode& root, Trace* trace) const {
@@ -127,7 +201,7 @@ TrialPlan::Trial TrialPlan::trial(std::size_t index) const {
     const std::string& path = plan_->sweep.leaves()[i];
     const auto read = trace.find(path);
     const YamlNode* node = read == trace.end() ? node_at(root, plan_->leaves[i]) : nullptr;
-    trial.drawn.emplace_back(path, read != trace.end() ? read->second : node != nullptr ? json_of(*node).dump() : "null");
+    trial.drawn.emplace_back(path, read != trace.end() ? read->second.json : node != nullptr ? json_of(*node).dump() : "null");
   }
   return trial;
 }

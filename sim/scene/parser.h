@@ -57,7 +57,8 @@ class TrialPlan {
   // Checks the sweep, and every cell of the grid with its first draw (the cells after the 10,000th when they are asked for).
   // `draws`: repetitions of each grid cell; 0 takes sweep.trials, or 1.
   // `seed`: the dataset's seed, from which random draws come; it replaces the scene's own.
-  // `catalogues` must outlive the plan. Throws InputError; more than 1,000,000 trials are refused.
+  // `catalogues` must outlive the plan. Throws InputError; more than 1,000,000 trials are refused, and a sweep over names (materials,
+  // protocols) whose figures the scene replaces, so that its trials would differ in nothing.
   TrialPlan(const SceneFile& file, const Catalogues& catalogues, std::size_t draws, std::uint64_t seed);
 
   [[nodiscard]] std::size_t size() const { return count_; }
@@ -71,6 +72,9 @@ class TrialPlan {
   };
   // Thread-safe. Throws InputError when drawn values do not make a valid scene.
   [[nodiscard]] Trial trial(std::size_t index) const;
+
+  // The same scene; puts every value that it is read from into `values`. Throws as trial().
+  Scene read(std::size_t index, Trace& values) const;
 
   // Where a value of that trial was written: "stage.yaml:12". The nearest map around it where the scene leaves it at its default.
   [[nodiscard]] std::string where(std::size_t index, const std::string& path) const;

@@ -101,6 +101,7 @@ struct Scene {
   std::vector<Named> effects;
   std::optional<DetectorScene> detector = {};  // empty: none
   ExpectScene expect = {};                     // what must come out
+  std::optional<Parameters> split = {};        // of a dataset, as split_entry declares it; empty: by material
 
   // Bodies that move by forces. Without a model, bodies and a grasp all of it is empty, and everything moves as prescribed.
   std::string model = {};              // path of an MJCF file; empty: none

@@ -54,7 +54,7 @@ class SceneReader : EntryReader {
     check_keys(root, "the scene", {"accuracy", "bodies",    "box",        "contact", "controller", "controls",     "description",
                                    "detector", "duration",  "effects",    "expect",  "fidelity",   "field_solver", "friction",
                                    "gravity",  "grip",      "integrator", "model",   "motion",     "scatter",      "seed",
-                                   "sensors",  "slipbench", "surface",    "sweep",   "time_step"});
+                                   "sensors",  "slipbench", "split",      "surface", "sweep",      "time_step"});
     read_version(root);
     Scene scene;
     scene.grasp = read_grasp(root);  // first: its protocol is the default of others
@@ -65,6 +65,7 @@ class SceneReader : EntryReader {
     scene.fidelity = read_fidelity(root.find("fidelity"));
     scene.contact = read_contact(find_kept(root, "contact"), scene.fidelity);
     scene.seed = read_seed(root);
+    scene.split = read_split(root.find("split"));
     const Material& material = read_surface(root.find("surface"), scene);
     scene.friction = read_friction(root.find("friction"), material);
     scene.motion = read_kind(root.find("motion"), "motion", "kind", scene.grasp ? std::string(arm_motions.front()) : "stage",
@@ -142,6 +143,20 @@ class SceneReader : EntryReader {
     return contact;
   }
 
+  std::optional<Parameters> read_split(const YamlNode* node) {
+    if (node == nullptr) return std::nullopt;
+    require_map(*node, "split", "'by' and 'shares'");
+    Parameters split = parameters(node, "split", "split", split_entry, {});
+    const std::vector<double>& shares = split.vector("shares");
+    constexpr double rounding = 1e-9;
+    if (std::abs(shares[0] + shares[1] + shares[2] - 1.0) > rounding || shares[0] == 0.0) {
+      fail(node->find("shares")->origin,
+           "split.shares: " + format_number(shares[0]) + ", " + format_number(shares[1]) + ", " + format_number(shares[2]) +
+               "; allowed: shares of train, valid and test that are 1 in all, some of it for train");
+    }
+    return split;
+  }
+
   // MuJoCo takes its defaults for a reference of mixed signs.
   static void refuse_mixed(const YamlNode* node, const Parameters& contact, const std::string& name, const std::string& allowed,
                            bool or_none) {
@@ -181,8 +196,12 @@ class SceneReader : EntryReader {
       }
       friction.scale = number(node->find("scale"), "friction.scale", scale_spec);
     }
-    record("friction.static", friction.static_coefficient);
-    record("friction.kinetic", friction.kinetic_coefficient);
+    const auto written = [node](std::string_view key) {
+      const YamlNode* child = node == nullptr ? nullptr : node->find(key);
+      return child == nullptr ? std::string() : child->text;
+    };
+    record("friction.static", friction.static_coefficient, Quantity::none, written("static"));
+    record("friction.kinetic", friction.kinetic_coefficient, Quantity::none, written("kinetic"));
     record("friction.scale", friction.scale);
     friction.static_coefficient *= friction.scale;
     friction.kinetic_coefficient *= friction.scale;

@@ -66,6 +66,14 @@ inline const Entry contact_entry{
         number_spec("tip_damping", Quantity::none, "0.3", non_negative, "Damping ratio of a free tip on its springs.",
                     "assumed")}};
 
+inline const Entry split_entry{
+    "split",
+    "How a dataset's trials are divided into /mask/train, valid and test.",
+    "",
+    "free",
+    {choice_spec("by", "material", {"material", "object", "speed", "trial"}, "What no two parts share.", "free"),
+     vector_spec(3, "shares", Quantity::none, "[0.7, 0.15, 0.15]", fraction, "Of train, valid and test; 1 in all.", "free")}};
+
 inline const ParameterSpec confidence_spec =
     number_spec("confidence", Quantity::none, "0.95", {0.5, 0.999999},
                 "Confidence of the interval of the rate of trials that keep an expectation.", "free");

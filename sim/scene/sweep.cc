@@ -223,7 +223,7 @@ void collect(const YamlNode& value, const std::string& path, std::vector<std::st
 
 // What a sweep must leave alone.
 bool is_fixed(std::string_view key) {
-  constexpr std::array<std::string_view, 5> fixed{"accuracy", "expect", "seed", "slipbench", "sweep"};
+  constexpr std::array<std::string_view, 6> fixed{"accuracy", "expect", "seed", "slipbench", "split", "sweep"};
   return std::ranges::find(fixed, key) != fixed.end();
 }
 
@@ -232,6 +232,13 @@ bool is_fixed(std::string_view key) {
 }
 
 }  // namespace
+
+std::vector<std::string> leaves_of(const SweptPath& swept) {
+  std::vector<std::string> found;
+  if (swept.values.empty()) found.push_back(swept.path);
+  for (const YamlNode& value : swept.values) collect(value, swept.path, found);
+  return found;
+}
 
 Sweep::Sweep(const YamlNode* node, const std::vector<std::vector<std::string>>& overridden) {
   if (node == nullptr) return;
@@ -333,10 +340,7 @@ void Sweep::collect_leaves() {
   std::vector<Leaf> sorted;
   std::set<std::string> seen;
   for (const SweptPath& swept : paths_) {
-    std::vector<std::string> found;
-    if (swept.values.empty()) found.push_back(swept.path);
-    for (const YamlNode& value : swept.values) collect(value, swept.path, found);
-    for (const std::string& leaf : found) {
+    for (const std::string& leaf : leaves_of(swept)) {
       sorted.push_back({split_path(leaf, swept.origin), &swept});
       if (seen.insert(leaf).second) leaves_.push_back(leaf);
     }
@@ -350,6 +354,14 @@ void Sweep::collect_leaves() {
       const auto [first, second] = std::minmax(above->owner, leaf.owner);
       fail(second->origin, named(*second) + " sets what " + named(*first) + " sets, too; allowed: each value once");
     }
+  }
+}
+
+void Sweep::apply_one(YamlNode& scene, std::size_t entry, std::size_t value, std::size_t others) const {
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
+    const SweptPath& swept = paths_[i];
+    if (swept.values.empty()) continue;
+    merge(place_at(scene, swept.parts, swept.origin), swept.values[(i == entry ? value : others) % swept.values.size()]);
   }
 }
 

@@ -39,6 +39,9 @@ struct SweptPath {
   std::optional<Draw> draw;
 };
 
+// Every path that the entry sets: a map on an axis stands for the keys in it.
+std::vector<std::string> leaves_of(const SweptPath& swept);
+
 class Sweep {
  public:
   // `node`: the scene's `sweep`, or null where it has none. `overridden`: paths fixed on the command line, which leave the sweep.
@@ -50,6 +53,13 @@ class Sweep {
 
   // Every path that some trial sets, in file order: a map on an axis stands for the keys in it.
   [[nodiscard]] const std::vector<std::string>& leaves() const { return leaves_; }
+
+  // What it sets, in file order.
+  [[nodiscard]] const std::vector<SweptPath>& paths() const { return paths_; }
+
+  // Puts into the scene what entry `entry` of paths() sets with its value number `value`, and what all others set with their value number
+  // `others`, counted round. Drawn numbers are left out. Throws as apply().
+  void apply_one(YamlNode& scene, std::size_t entry, std::size_t value, std::size_t others) const;
 
   // Puts the values of one trial into the scene. The last axis varies fastest. Throws InputError where a path does not fit the
   // scene or a truncated draw finds no value.

@@ -1,6 +1,7 @@
 // Values given on the command line.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,9 @@ TEST(Override, TakesKeysBackInEveryScene) {
   const auto trace_of = [&](const std::string& text, const std::vector<Override>& changes) {
     Trace trace;
     read_scene(with(changes, text).root(), catalogues, &trace);
-    return trace;
+    std::map<std::string, std::string> values;  // however they are written
+    for (const auto& [path, read] : trace) values[path] = read.json;
+    return values;
   };
   const std::string head = "slipbench: 1\n", bodies = head + "bodies: {box: {shape: box}}\n";
   const std::string prescribed = head + "sensors: {pad: {type: papillarray}}\n";

@@ -44,7 +44,7 @@ TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().m
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
 
 const std::string scene_keys =
-    "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, gravity, grip, integrator, model, motion, scatter, seed, sensors, slipbench, surface, sweep, time_step";
+    "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, gravity, grip, integrator, model, motion, scatter, seed, sensors, slipbench, split, surface, sweep, time_step";
 const std::string sensor_keys =
     "bias, bristle_spread, bristles, damping, electronics, follows, profile, rate, site, touches, type";
 const std::string materials =
@@ -438,6 +438,15 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"SweptSeed", sweep("{seed: [1, 2]}"), "s.yaml:3: 'seed' cannot be swept; allowed: any other key of the scene"},
         Case{"SweptItemOfNothing", sweep("{motion.tilt.0: [1]}"),
              "s.yaml:3: no item '0' in 'motion.tilt', which the scene does not give"},
+        Case{"SplitKey", head + "split: {by: material, share: [1, 0, 0]}\n",
+             "s.yaml:3: unknown key 'share' in split; did you mean 'shares'? allowed: by, shares"},
+        Case{"SplitBy", head + "split: {by: colour}\n",
+             "s.yaml:3: split.by: unknown value 'colour'; allowed: material, object, speed, trial"},
+        Case{
+            "SplitShares", head + "split: {shares: [0.7, 0.2, 0.2]}\n",
+            "s.yaml:3: split.shares: 0.7, 0.2, 0.2; allowed: shares of train, valid and test that are 1 in all, some of it for train"},
+        Case{"SplitSwept", sweep("{split: [{by: trial}]}"),
+             "s.yaml:3: 'split' cannot be swept; allowed: any other key of the scene"},
         Case{"SweptTwice", sweep("{motion: [{speed: 1}, {gap: 2}], motion.speed: [1]}"),
              "s.yaml:3: sweep.motion.speed sets what sweep.motion sets, too; allowed: each value once"},
         Case{"SweptBelow", sweep("{motion.tilt: [[0, 0]], motion.tilt.0: [1]}"),

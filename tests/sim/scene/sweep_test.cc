@@ -51,6 +51,35 @@ TEST_F(SweepTest, TheLastAxisVariesFastest) {
   }
 }
 
+// Trials that would differ in a name alone are no sweep: ptfe and rubber came out alike.
+TEST_F(SweepTest, NamesWhoseFiguresTheSceneReplacesAreRefused) {
+  const std::string friction = "friction: {static: 0.5, kinetic: 0.4}\n";
+  const auto refusal = [&](const std::string& text) -> std::string {
+    try {
+      static_cast<void>(plan(text));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(
+      refusal(friction + "sweep: {surface.material: [ptfe, felt]}\n"),
+      "s.yaml:4: sweep.surface.material changes nothing: what 'surface.material' stands for is replaced by friction.static (s.yaml:3), "
+      "friction.kinetic (s.yaml:3); allowed: a sweep of those, or a scene without them");
+  EXPECT_NE(refusal(friction + "sweep: {surface: [{material: ptfe}, {material: felt}], motion.speed: [1, 2]}\n"), "");
+  EXPECT_NE(refusal(friction + "sweep: {surface.material: {draw: choice, values: [ptfe, felt]}}\n"), "");
+  // The material's ratio is left of it; a scale multiplies it; one value of another axis leaves it alone; other keys go with it.
+  EXPECT_EQ(refusal("friction: {static: 0.3}\nsweep: {surface.material: [acrylic, felt]}\n"), "");
+  EXPECT_EQ(refusal("friction: {scale: 0.5}\nsweep: {surface.material: [ptfe, felt]}\n"), "");
+  EXPECT_EQ(
+      refusal("sweep: {scene: [{friction: {static: 0.5, kinetic: 0.4}}, {duration: 4 s}], surface.material: [ptfe, felt]}\n"),
+      "");
+  EXPECT_EQ(refusal(friction +
+                    "sweep: {scene: [{surface: {material: ptfe}, duration: 1 s}, {surface: {material: felt}, duration: 2 s}]}\n"),
+            "");
+  EXPECT_EQ(refusal(friction + "sweep: {surface.material: [ptfe]}\n"), "");
+}
+
 // A parameter of one detector is null in the trials of another.
 TEST_F(SweepTest, DetectorsOfAnAxisBringTheirOwnParameters) {
   const TrialPlan grid = plan(

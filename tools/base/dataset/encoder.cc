@@ -11,6 +11,7 @@
 #include <libdeflate.h>
 
 #include "sim/core/error.h"
+#include "sim/core/interrupted.h"
 #include "sim/core/regular_file.h"
 #include "tools/base/dataset/arrays.h"
 #include "tools/base/dataset/content_digest.h"
@@ -144,6 +145,7 @@ struct TrialEncoder::State {
     const std::size_t parts = std::max<std::size_t>(1, (view.size_bytes() + chunk_bytes - 1) / chunk_bytes);
     array.chunk_rows = (rows + parts - 1) / parts;
     for (std::size_t first = 0; first < rows; first += array.chunk_rows) {
+      end_if_interrupted();
       const std::uint8_t* bytes = view.bytes + first * row_bytes;
       const std::size_t present = std::min(array.chunk_rows, rows - first) * row_bytes;
       const std::size_t whole = array.chunk_rows * row_bytes;
@@ -195,11 +197,13 @@ std::string content_digest(const std::vector<Digest>& digests) {
   return hexadecimal(hash.finish());
 }
 
-std::string text_sha256(const std::string& text) {
+Digest text_digest(const std::string& text) {
   Sha256 hash;
   hash.update(text.data(), text.size());
-  return hexadecimal(hash.finish());
+  return hash.finish();
 }
+
+std::string text_sha256(const std::string& text) { return hexadecimal(text_digest(text)); }
 
 std::string file_sha256(const std::string& path) {
   check_regular_file(path);

@@ -88,6 +88,8 @@ std::string content_digest(const std::vector<Digest>& digests);
 
 // SHA-256 of the bytes of a text as 64 hexadecimal digits.
 std::string text_sha256(const std::string& text);
+// Its bytes.
+Digest text_digest(const std::string& text);
 
 // SHA-256 of a file's bytes as 64 hexadecimal digits, as sha256sum prints it. Throws InputError when it cannot be read.
 std::string file_sha256(const std::string& path);

@@ -3,8 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "tools/base/dataset/mask.h"
 
 namespace slipbench {
 
@@ -20,7 +23,8 @@ struct DatasetHeader {
   std::string scene;             // text of the scene file
   std::string overrides = "{}";  // JSON object: path -> YAML text given with --set
   std::uint64_t seed = 0;
-  std::string command;  // canonical: without --jobs and -o, which do not change what is written
+  std::string command;                  // canonical: without --jobs and -o, which do not change what is written
+  std::optional<SplitRule> split = {};  // of the scene, which says it; not read back
 };
 
 // A trial that could not be simulated.

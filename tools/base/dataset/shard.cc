@@ -188,10 +188,7 @@ void write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>&
   Handle group;
   forget_heaps(file, [&] { group = create_group(file, "mask"); });
   write_attribute(group.get(), "split_by", masks.split_by);
-  write_attribute(group.get(), "rule",
-                  masks.split_by == "material"
-                      ? std::string("70/15/15 % of the materials, shuffled by the seed; no material is in two parts")
-                      : std::string("70/15/15 % of the trials, shuffled by the seed, since all share one material"));
+  write_attribute(group.get(), "rule", masks.rule);
   write_mask(group.get(), "train", masks.train, held);
   write_mask(group.get(), "valid", masks.valid, held);
   write_mask(group.get(), "test", masks.test, held);

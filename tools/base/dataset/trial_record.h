@@ -183,7 +183,7 @@ void settle_detection(TrialOutcome& outcome, bool slips);
 struct TrialRecord {
   std::size_t trial = 0;          // k of demo_<k>
   std::uint64_t seed = 0;         // the dataset's; the trial's draws are keyed by (seed, trial)
-  std::string material;           // what /mask splits by
+  std::string material;           // what /mask splits by, or what else the scene's `split` says
   std::string params = "{}";      // JSON object: path -> value of what was swept
   std::string model_sha256 = {};  // of the scene's model file, 64 hexadecimal digits; empty: it has none
   TrialOutcome outcome;

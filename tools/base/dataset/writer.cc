@@ -75,7 +75,7 @@ struct DatasetWriter::State {
 
   // Finishes every file and gives it its name under `target`, the first file last: once it is there, all are.
   std::vector<std::string> finish_as(const std::string& target, bool complete) {
-    const Masks masks = split_trials(trials, header.seed);
+    const Masks masks = split_trials(trials, header.seed, header.split);
     std::vector<Shard*> whole;
     for (Shard& shard : shards) {
       if (shard.failed() || shard.prepared()) continue;  // its trials stay as they are, without a mask

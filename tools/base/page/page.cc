@@ -4,6 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tools/base/dataset/encoder.h"
+#include "tools/base/page/pack.h"
+
 namespace slipbench::page {
 
 namespace {
@@ -31,13 +34,33 @@ std::string filled(std::string_view html, const std::vector<Part>& parts) {
   }
 }
 
-// `styles` follow the kit's.
-std::string skeleton(const Page& page, const std::string& styles, std::string body, std::string scripts) {
+// What stands between the tags of the elements `style` and `script`, where a marker has lines of its own.
+std::string on_own_lines(const std::string& text) { return "\n" + text + "\n"; }
+
+// As Content-Security-Policy names an inline element: by what stands in it.
+std::string policy_hash(const std::string& content) {
+  const Digest digest = text_digest(content);
+  return "'sha256-" + base64(digest) + "'";
+}
+
+// Nothing but the page's own style and script is applied or run, whatever got into the page; the empty picture of its tab is data. Dygraphs
+// draws with style attributes.
+std::string policy(const std::string& styles, const std::string& scripts) {
+  std::string text = "default-src 'none'; style-src-elem " + policy_hash(on_own_lines(styles));
+  if (!scripts.empty()) text += "; style-src-attr 'unsafe-inline'; script-src " + policy_hash(on_own_lines(scripts));
+  return text + "; img-src data:; base-uri 'none'; form-action 'none'";
+}
+
+// `own_styles` follow the kit's. `scripts`: what the element `script` in `elements` holds, which come after the body.
+std::string skeleton(const Page& page, const std::string& own_styles, std::string body, const std::string& scripts,
+                     std::string elements) {
+  const std::string styles = joined(assets(), ".css") + own_styles;
   return filled(embedded(assets(), "page.html"), {{"generator", escape_html(page.generator)},
+                                                  {"policy", policy(styles, scripts)},
                                                   {"title", escape_html(page.title)},
-                                                  {"styles", joined(assets(), ".css") + styles},
+                                                  {"styles", styles},
                                                   {"body", std::move(body)},
-                                                  {"scripts", std::move(scripts)}});
+                                                  {"scripts", std::move(elements)}});
 }
 
 // JSON as the content of a <script> element, which nothing in it can end: '<' and everything beyond ASCII is written as an escape.
@@ -93,13 +116,14 @@ std::string escape_html(std::string_view text) {
   return safe;
 }
 
-std::string compose_page(const Page& page, std::string_view body) { return skeleton(page, "", std::string(body), ""); }
+std::string compose_page(const Page& page, std::string_view body) { return skeleton(page, "", std::string(body), "", ""); }
 
 std::string compose_drawn_page(const Page& page, const std::vector<Asset>& files, const Json& data) {
   const auto both = [&](std::string_view extension) { return joined(assets(), extension) + joined(files, extension); };
-  return skeleton(page, joined(files, ".css"), R"(<p class="wait">Unpacking …</p>)",
+  const std::string scripts = both(".js");
+  return skeleton(page, joined(files, ".css"), R"(<p class="wait">Unpacking …</p>)", scripts,
                   filled(embedded(assets(), "scripts.html"),
-                         {{"data", script_json(data)}, {"licences", both(".txt")}, {"scripts", both(".js")}}));
+                         {{"data", script_json(data)}, {"licences", both(".txt")}, {"scripts", scripts}}));
 }
 
 bool begins_as_page(std::string_view text, std::string_view generator) {

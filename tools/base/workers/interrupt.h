@@ -3,21 +3,11 @@
 
 #include <atomic>
 #include <csignal>
-#include <stdexcept>
 #include <string_view>
 
+#include "sim/core/interrupted.h"
+
 namespace slipbench {
-
-// Thrown by what an interrupt has ended early.
-class Interrupted : public std::runtime_error {
- public:
-  Interrupted() : std::runtime_error("interrupted") {}
-};
-
-// Throws Interrupted once `interrupt` is true; it may be null.
-inline void end_if(const std::atomic<bool>* interrupt) {
-  if (interrupt != nullptr && interrupt->load(std::memory_order_relaxed)) throw Interrupted();
-}
 
 // While alive, the first SIGINT, SIGTERM or SIGHUP sets the flag and says on stderr what happens next, `notice`, and the second ends the
 // process as usual; a signal that was ignored before (a job that a script put in the background) stays ignored. A write beyond the process's

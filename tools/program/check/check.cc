@@ -12,6 +12,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/expectation_catalogue.h"
 #include "tools/program/report/report.h"
 
@@ -165,6 +166,13 @@ std::size_t most_telling(const std::vector<CheckedTrial>& trials, const std::vec
       ->trial;
 }
 
+// Throws Interrupted where the sweep was: what some of the trials show says nothing.
+SweepSummary run_whole(const SweepOptions& sweep, const Catalogues& catalogues, const ProgressCallback& progress = {}) {
+  SweepSummary summary = run_sweep(sweep, catalogues, progress);
+  if (summary.interrupted) throw Interrupted();
+  return summary;
+}
+
 // Dataset and report of one trial. A trial that fails to run has none: its message says why.
 std::vector<std::string> leave_trial(const SweepOptions& replay, const std::string& folder, const Catalogues& catalogues) {
   std::error_code error;
@@ -173,7 +181,7 @@ std::vector<std::string> leave_trial(const SweepOptions& replay, const std::stri
   SweepOptions run = replay;
   const std::string name = (std::filesystem::path(folder) / fmt::format("trial_{}", *replay.only)).string();
   run.output = name + ".h5";
-  std::vector<std::string> files = run_sweep(run, catalogues).files;
+  std::vector<std::string> files = run_whole(run, catalogues).files;
   if (!files.empty()) {
     write_report(files.front(), name + ".html");
     files.push_back(name + ".html");
@@ -187,7 +195,7 @@ SweepSummary run_control(const SweepOptions& options, const std::string& control
   SweepOptions sweep = options;
   sweep.on_start = nullptr;
   sweep.overrides.push_back({"controller", "{type: " + control + "}"});
-  return run_sweep(sweep, catalogues, progress);
+  return run_whole(sweep, catalogues, progress);
 }
 
 SceneFile load_scene(const CheckOptions& options) {
@@ -235,6 +243,7 @@ SweepOptions sweep_of(const CheckOptions& options) {
 }
 
 SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
+  const InterruptScope scope(options.interrupt);
   const SceneFile file = load_scene(options);
   const std::uint64_t seed = options.seed ? *options.seed : parse_scene(file, catalogues).seed;
   const TrialPlan plan(file, catalogues, options.trials, seed);
@@ -248,14 +257,14 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
                    .detectors = {},
                    .failures = {},
                    .replayed = {},
-                   .files = {}};
+                   .files = {},
+                   .warnings = {}};
   if (expectations.empty()) return check;
   check_reliabilities(plan, expect);
 
   const SweepOptions sweep = sweep_of(options);
-  const SweepSummary summary = run_sweep(sweep, catalogues, progress);
-  check.interrupted = summary.interrupted;
-  if (check.interrupted) return check;
+  const SweepSummary summary = run_whole(sweep, catalogues, progress);
+  check.warnings = converter_warnings(summary.trials);
   check.detectors = detector_scores(summary.trials);
   const std::vector<CheckedTrial> trials = checked_trials(summary);
   for (const Named& expectation : expectations) check.expectations.push_back(result_of(expectation, options, summary, trials));
@@ -264,8 +273,6 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
   bool control_fails = check.control.empty();
   if (!check.control.empty()) {
     const SweepSummary control = run_control(sweep, check.control, catalogues, progress);
-    check.interrupted = control.interrupted;
-    if (check.interrupted) return check;
     check.control_trials = control.planned;
     // A control that does not tighten fails what is asked of its reaction; that it keeps the box shows that the scene needs none.
     const bool about_box = std::ranges::any_of(expectations, [](const Named& asked) { return kind_of(asked.name).of_box; });

@@ -14,6 +14,7 @@
 #include "tools/base/statistics/binomial.h"
 #include "tools/program/run/detector_score.h"
 #include "tools/program/run/run_sweep.h"
+#include "tools/program/run/warnings.h"
 
 namespace slipbench {
 
@@ -68,12 +69,12 @@ struct SceneCheck {
   std::string control;  // the negative control: a controller; empty: the scene has none
   std::size_t control_trials = 0;
   Verdict verdict = Verdict::not_checked;
-  bool interrupted = false;  // then nothing else is said
   std::vector<ExpectationResult> expectations;
   std::vector<DetectorScore> detectors;  // how they did over the trials
   std::vector<std::string> failures;     // why trials failed to run, in their order: "trial 3: ..."
   std::optional<std::size_t> replayed;   // trial that the files below hold: it fails most of the expectations that failed
   std::vector<std::string> files;        // dataset, then report
+  std::vector<Warning> warnings;         // of what the trials showed
 };
 
 // Whether the scene expects anything. Throws InputError for a scene that cannot be read.
@@ -83,7 +84,8 @@ bool expects_anything(const CheckOptions& options, const Catalogues& catalogues)
 SweepOptions sweep_of(const CheckOptions& options);
 
 // Runs the scene's trials and holds each expectation against them. A trial that fails keeps none. Throws InputError for a scene that
-// cannot be run, for a reliability that so many trials cannot show, and where the files of a failed check cannot be written.
+// cannot be run, for a reliability that so many trials cannot show, and where the files of a failed check cannot be written; Interrupted
+// (tools/base/workers/interrupt.h) once options.interrupt is true.
 SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 
 // What is to be said of an expectation that failed: "max_slip: 3 of 20 trials fail, allowed 0 (at most 3 mm); worst: 4.1 mm in trial 7".

@@ -24,6 +24,8 @@
 #include "tools/program/cli/sweep_text.h"
 #include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
+#include "tools/program/cli/warning_text.h"
+#include "tools/program/run/warnings.h"
 
 namespace slipbench {
 namespace {
@@ -83,6 +85,7 @@ Json check_json(const SceneCheck& check) {
           {"expectations", std::move(expectations)},
           {"detectors", detectors_json(check.detectors)},
           {"failures", check.failures},
+          {"warnings", warnings_json(check.warnings)},
           {"replayed", check.replayed ? Json(*check.replayed) : Json(nullptr)},
           {"files", check.files}};
 }
@@ -131,10 +134,25 @@ std::vector<CheckOptions> plan_checks(const CheckCommand& command, const Catalog
   return planned;
 }
 
-SceneCheck check_with_progress(const CheckOptions& check, const Catalogues& catalogues, bool silent) {
-  Progress progress = Progress::for_stream(stderr, silent);
-  return check_scene(check, catalogues,
-                     [&progress](const SweepProgress& state) { progress.update(state.done, state.total, state.simulated); });
+// With the setting in place of a wish for accuracy. Says and adds what the scene warns of.
+SceneCheck check_settled(CheckOptions& check, const Catalogues& catalogues, const CheckCommand& command) {
+  std::vector<Warning> warnings;
+  if (expects_anything(check, catalogues)) {
+    SweepOptions sweep = sweep_of(check);
+    settle_accuracy(sweep, catalogues, command);
+    warnings = scene_warnings(sweep, catalogues);
+    print_warnings(warnings);
+    check.overrides = std::move(sweep.overrides);
+  }
+  // While a setting is looked for and the scene's trials are planned a signal ends the program as usual.
+  std::optional<InterruptGuard> guard;
+  check.on_start = [&guard] { guard.emplace(); };
+  Progress progress = Progress::for_stream(stderr, command.silent());
+  SceneCheck found = check_scene(
+      check, catalogues, [&progress](const SweepProgress& state) { progress.update(state.done, state.total, state.simulated); });
+  print_warnings(found.warnings);
+  found.warnings.insert(found.warnings.begin(), warnings.begin(), warnings.end());
+  return found;
 }
 
 }  // namespace
@@ -166,27 +184,18 @@ int CheckCommand::run() {
   const Style style = style_for(stdout);
   const bool prints = !silent();
   std::vector<CheckOptions> planned = plan_checks(*this, catalogues);
-  // Until the first scene is checked there is nothing to keep: a signal ends the program as usual.
-  std::optional<InterruptGuard> guard;
   std::vector<SceneCheck> checks;
-  for (CheckOptions& check : planned) {
-    check.on_start = [&guard] {
-      if (!guard) guard.emplace();
-    };
-    if (expects_anything(check, catalogues)) {
-      SweepOptions sweep = sweep_of(check);
-      settle_accuracy(sweep, catalogues, *this);
-      check.overrides = std::move(sweep.overrides);
+  try {
+    for (CheckOptions& check : planned) {
+      checks.push_back(check_settled(check, catalogues, *this));
+      if (prints) {
+        fmt::print("{}\n", check_text(checks.back(), style));
+        std::fflush(stdout);
+      }
     }
-    checks.push_back(check_with_progress(check, catalogues, silent()));
-    if (checks.back().interrupted) {
-      say(stderr, fmt::format("slipbench: interrupted: {} of {} scenes checked\n", checks.size() - 1, planned.size()));
-      return exit_interrupted;
-    }
-    if (prints) {
-      fmt::print("{}\n", check_text(checks.back(), style));
-      std::fflush(stdout);
-    }
+  } catch (const Interrupted&) {
+    say(stderr, fmt::format("slipbench: interrupted: {} of {} scenes checked\n", checks.size(), planned.size()));
+    return exit_interrupted;
   }
   if (!junit.empty()) write_text_file(junit, junit_xml(checks));
   const bool passed = std::ranges::all_of(checks, good);

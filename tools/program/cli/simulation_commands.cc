@@ -21,6 +21,8 @@
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/sweep_text.h"
 #include "tools/program/cli/terminal.h"
+#include "tools/program/cli/warning_text.h"
+#include "tools/program/run/warnings.h"
 
 namespace slipbench {
 namespace {
@@ -76,12 +78,13 @@ Finished simulate(SweepOptions sweep, const Catalogues& catalogues, bool silent)
 
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
-void print_json(const Finished& finished, TrialsJson& trials) {
+void print_json(const Finished& finished, const std::vector<Warning>& warnings, TrialsJson& trials) {
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(summary_json(finished.summary));
   json["elapsed_s"] = finished.elapsed;
   json["computed_s"] = finished.summary.computed;
   json["times_real_time"] = finished.summary.simulated / finished.elapsed;
   json["times_real_time_per_core"] = finished.summary.simulated / finished.summary.computed;
+  json["warnings"] = warnings_json(warnings);
   if (const std::vector<DetectorScore> scores = detector_scores(finished.summary.trials); !scores.empty()) {
     json["detectors"] = detectors_json(scores);
   }
@@ -164,14 +167,19 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
 int SimulationCommand::run() {
   const Catalogues catalogues = program_catalogues();
   settle_accuracy(sweep, catalogues, *this);
+  std::vector<Warning> warnings = scene_warnings(sweep, catalogues);
+  print_warnings(warnings);
   TrialsJson trials;
   if (json) sweep.on_trial = [&trials](const TrialSummary& trial) { trials.add(trial); };
   const Finished finished = simulate(sweep, catalogues, silent());
   const SweepSummary& summary = finished.summary;
   // A trial that was asked for alone is no part of a sweep that could go on.
   if (summary.planned == 1 && !summary.failed.empty()) throw InputError(summary.failed.front().message);
+  const std::vector<Warning> shown = converter_warnings(summary.trials);
+  print_warnings(shown);
+  warnings.insert(warnings.end(), shown.begin(), shown.end());
   if (json) {
-    print_json(finished, trials);
+    print_json(finished, warnings, trials);
   } else if (summary.was_complete) {
     fmt::print("{} is complete: there is nothing to resume\n", sweep.output);
   } else if (!quiet && !summary.interrupted && !summary.trials.empty()) {

@@ -363,6 +363,7 @@ void Explorer::sum_up() {
 }
 
 Exploration Explorer::run() {
+  const InterruptScope scope(options_.interrupt);
   result_.scene_path = options_.scene_path;
   result_.budget = options_.budget;
   result_.trial = options_.trial;

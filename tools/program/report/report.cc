@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <vector>
 
@@ -11,17 +13,20 @@
 
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
+#include "sim/scene/parser.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/page/json.h"
+#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/report/assumptions.h"
 #include "tools/program/report/report_grasp.h"
 #include "tools/program/report/report_page.h"
 #include "tools/program/report/report_parameters.h"
 #include "tools/program/report/report_summary.h"
 #include "tools/program/report/report_trial.h"
+#include "tools/program/run/warnings.h"
 
 namespace slipbench {
 
@@ -120,6 +125,26 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
   return row;
 }
 
+// What the scene warns of, as far as this version can read it; nothing is built, since that would open files that the dataset names.
+std::vector<Warning> warnings_of(const DatasetHeader& header, const Json& overrides, const std::vector<std::size_t>& trials) {
+  try {
+    SceneFile file = SceneFile::from_text(header.scene, "scene");
+    for (const auto& [path, value] : overrides.items()) {
+      if (!value.is_string()) throw InputError("overrides hold no text for " + path);
+      file.apply({path, value.get<std::string>()});
+    }
+    const Catalogues catalogues = program_catalogues();
+    const TrialPlan plan(file, catalogues, 0, header.seed);
+    std::vector<std::size_t> own = trials;  // --trials may have made more
+    std::erase_if(own, [&](std::size_t trial) { return trial >= plan.size(); });
+    std::vector<Warning> warnings = scene_warnings(plan, own, false);
+    std::ranges::move(split_warnings(plan, own), std::back_inserter(warnings));
+    return warnings;
+  } catch (const InputError& error) {
+    return {{"scene", std::string("this version of slipbench cannot look at the scene: ") + error.what()}};
+  }
+}
+
 // The page of a dataset.
 std::string page_of(const std::string& dataset_path, const ReportOptions& options) {
   const DatasetReader dataset(dataset_path);
@@ -153,6 +178,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   Json grasps = Json::object();
   Json types = Json::object();
   std::vector<Json> drawn;
+  std::map<std::string, ConverterUse> converters;
   ContentCheck check(dataset);
   for (const std::size_t trial : trials) {
     const bool embed = std::find(embedded.begin(), embedded.end(), trial) != embedded.end();
@@ -160,9 +186,13 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
     check.add(trial);
     rows.push_back(trial_row(record, dataset_path, embed ? curve_values : 0, curves, grasps));
     drawn.push_back(rows.back()["params"]);
+    count_converters(record, converters);
     for (const SensorRecord& sensor : record.sensors) types[sensor.type] = report::view_payload(sensor.type);
   }
   check.finish();
+  std::vector<Warning> warnings = warnings_of(header, page["overrides"], trials);
+  std::ranges::move(converter_warnings(converters), std::back_inserter(warnings));
+  page["warnings"] = warnings_json(warnings);
   page["trials"] = std::move(rows);
   page["curves"] = std::move(curves);
   page["sensor_types"] = std::move(types);

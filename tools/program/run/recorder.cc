@@ -12,6 +12,7 @@
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/layout.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/run/split.h"
 
 namespace slipbench {
 namespace {
@@ -140,7 +141,7 @@ TrialRecord new_record(const Scene& scene, std::span<const std::unique_ptr<Senso
   TrialRecord record;
   record.trial = trial;
   record.seed = scene.seed;
-  record.material = scene.material;
+  record.material = split_group(scene);
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
     SensorRecord& sensor = record.sensors.emplace_back();
     sensor.name = scene.sensors[pad].name;

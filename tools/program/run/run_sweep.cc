@@ -23,6 +23,7 @@
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/run/recorder.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/run/split.h"
 
 namespace slipbench {
 namespace {
@@ -101,6 +102,7 @@ struct WorkPlan {
 };
 
 FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
+  const InterruptScope scope(plan.interrupt);
   TrialPlan::Trial trial = plan.trials.trial(index);
   trial.scene.seed = plan.seed;
   const auto start = std::chrono::steady_clock::now();
@@ -143,7 +145,7 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
   std::size_t largest = index;  // trial of the largest record
   double bytes = 0.0;
   try {
-    for (; index < end; index += plan.draws()) {
+    for (; index < end && !(options.interrupt != nullptr && *options.interrupt); index += plan.draws()) {
       const Scene scene = plan.trial(index).scene;
       if (scene.detector) check_run(*scene.detector, options.only ? end : trials);
       const double size = check_trial(scene, index);
@@ -199,7 +201,7 @@ FinishedTrial resumed_trial(const KeptTrials& kept, const WorkPlan& plan, std::s
   result.record = kept.read(index);
   result.units.resize(result.record.sensors.size());
   const Scene scene = plan.trials.trial(index).scene;
-  result.record.material = scene.material;
+  result.record.material = split_group(scene);
   FinishedTrial finished{summary_of(result), scene.duration, 0.0, encoder.encode(result.record)};
   finished.summary.resumed = true;
   return finished;
@@ -289,7 +291,8 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   const Workforce workforce = check_cells(plan, options, summary.planned);
   if (options.on_start) options.on_start();
 
-  const DatasetHeader header{SLIPBENCH_VERSION, file.text(), overrides_json(options.overrides), summary.seed, summary.command};
+  const DatasetHeader header{SLIPBENCH_VERSION, file.text(), overrides_json(options.overrides),
+                             summary.seed, summary.command, split_rule(summary.scene)};
   std::optional<KeptTrials> kept;
   if (options.resume) {
     kept.emplace(options.output, header);

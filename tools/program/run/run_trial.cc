@@ -20,6 +20,7 @@
 #include "tools/program/run/judge.h"
 #include "tools/program/run/recorder.h"
 #include "tools/program/run/sampling.h"
+#include "tools/program/run/split.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "sim/mujoco/articulated_simulation.h"
 #include "sim/mujoco/dynamic_simulation.h"
@@ -114,6 +115,9 @@ void check_last_tick(const TrialRecord& record, const Sensors& sensors, const Si
   check_finite(simulation.contact(0).time, simulation.bodies());
 }
 
+// What a step takes at the least [s]: of a pad as a field on a stage, of bodies with fields, of articulated pads.
+constexpr double field_step = 0.3e-6, body_step = 5e-6, pillar_step = 20e-6;
+
 double shortest_step(const Simulation& simulation, std::size_t pads) {
   double shortest = simulation.time_step(0);
   for (std::size_t pad = 1; pad < pads; ++pad) shortest = std::min(shortest, simulation.time_step(pad));
@@ -127,11 +131,27 @@ double check_trial(const Scene& scene, std::uint64_t trial) {
   const std::unique_ptr<Simulation> simulation = make_simulation(scene, sensors, trial);
   const Sampler sampler(scene, sensors, *simulation);
   make_loop(scene, sensors, *simulation, trial).finish();
+  static_cast<void>(split_group(scene));
   return record_bytes(scene, sensors, *simulation, sampler);
+}
+
+PlannedSteps planned_steps(const Scene& scene, std::uint64_t trial) {
+  const Sensors sensors = make_sensors(scene, trial);
+  const std::unique_ptr<Simulation> simulation = make_simulation(scene, sensors, trial);
+  const bool alone = !scene.dynamic();  // each pad has its own step
+  PlannedSteps steps{.shortest = shortest_step(*simulation, sensors.size())};
+  for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
+    const auto ticks = static_cast<double>(simulation->ticks(pad));
+    steps.count = alone ? steps.count + ticks : std::max(steps.count, ticks);
+  }
+  const double each = scene.fidelity != "field" ? pillar_step : alone ? field_step : body_step;
+  steps.seconds = steps.count * each;
+  return steps;
 }
 
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes,
                       const std::atomic<bool>* interrupt) {
+  const InterruptScope scope(interrupt);
   const Sensors sensors = make_sensors(scene, trial);
   const std::unique_ptr<Simulation> simulation = make_simulation(scene, sensors, trial);
   const HeldBox* box = simulation->held_box();

@@ -49,4 +49,14 @@ TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recordi
 // the bytes that a full one would take, its events aside.
 double check_trial(const Scene& scene, std::uint64_t trial);
 
+// The steps of a trial.
+struct PlannedSteps {
+  double shortest = 0.0;  // s, of any pad's
+  double count = 0.0;     // of all pads that step by themselves
+  double seconds = 0.0;   // what they take at the least, by what a step took on the machine of RESULTS.md
+};
+
+// Builds the trial to see. Throws as check_trial.
+PlannedSteps planned_steps(const Scene& scene, std::uint64_t trial);
+
 }  // namespace slipbench

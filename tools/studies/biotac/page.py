@@ -1,5 +1,7 @@
 """Real and synthetic recordings side by side in one HTML page: no script, no network."""
 
+import base64
+import hashlib
 import html
 import re
 from pathlib import Path
@@ -18,8 +20,11 @@ figcaption { font-size: 12px; color: var(--soft); }
 
 def composed(title, body):
     """The page of tools/base/page around `body` (HTML)."""
-    parts = {"generator": "compare.py", "title": html.escape(title), "body": body, "scripts": "",
-             "styles": "\n".join((KIT / name).read_text(encoding="utf-8") for name in ("theme.css", "page.css", "drawing.css")) + STYLE}
+    styles = "\n".join((KIT / name).read_text(encoding="utf-8") for name in ("theme.css", "page.css", "drawing.css")) + STYLE
+    digest = base64.b64encode(hashlib.sha256(f"\n{styles}\n".encode()).digest()).decode()
+    policy = (f"default-src 'none'; style-src-elem 'sha256-{digest}'; style-src-attr 'unsafe-inline'; img-src data:; "
+              "base-uri 'none'; form-action 'none'")
+    parts = {"generator": "compare.py", "policy": policy, "title": html.escape(title), "body": body, "scripts": "", "styles": styles}
     return re.sub(r"{{(\w+)}}", lambda marker: parts[marker[1]], (KIT / "page.html").read_text(encoding="utf-8"))
 
 

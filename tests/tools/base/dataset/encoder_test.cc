@@ -1,10 +1,12 @@
 #include "tools/base/dataset/encoder.h"
 
+#include <atomic>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include "sim/core/interrupted.h"
 #include "tests/tools/base/dataset/test_records.h"
 
 namespace slipbench::testing {
@@ -39,6 +41,13 @@ TEST(TrialEncoder, PutsASmallArrayInOneChunk) {
   EXPECT_EQ(force.chunk_rows, 50U);
   ASSERT_EQ(force.chunks.size(), 1U);
   EXPECT_EQ(decoded(force.chunks[0], 100), record.sensors[0].channels[0].values);
+}
+
+// Compressing a large record takes seconds.
+TEST(TrialEncoder, EndsAtAnInterrupt) {
+  const std::atomic<bool> interrupt{true};
+  const InterruptScope scope(&interrupt);
+  EXPECT_THROW(TrialEncoder().encode(make_record(0, 50)), Interrupted);
 }
 
 TEST(TrialEncoder, CutsALargeArrayAndPadsTheLastChunk) {

@@ -197,6 +197,39 @@ TEST(Masks, NeverCutAMaterialInTwo) {
   EXPECT_EQ(masks.test.size(), 10U);
 }
 
+// 20 % of 10 groups are 2, 0 % are none.
+TEST(Masks, FollowTheScenesRule) {
+  const std::vector<std::string> speeds{"1", "2", "3", "4", "5", "6", "7", "8", "9", "10"};
+  const Masks masks = split_trials(trials_of(30, speeds), 7, SplitRule{"speed", {0.8, 0.0, 0.2}});
+  EXPECT_EQ(masks.split_by, "speed");
+  EXPECT_EQ(masks.rule, "80/0/20 % of the speeds, shuffled by the seed, as the scene says; no speed is in two parts");
+  EXPECT_EQ(masks.train.size(), 24U);
+  EXPECT_EQ(masks.valid.size(), 0U);
+  EXPECT_EQ(masks.test.size(), 6U);
+  for (const std::size_t trial : masks.test) {
+    EXPECT_EQ(std::ranges::count_if(masks.test, [&](std::size_t other) { return other % 10 == trial % 10; }), 3);
+  }
+  // Each trial by itself, whatever its group is called.
+  const Masks single = split_trials(trials_of(10, {"a", "b"}), 7, SplitRule{"trial", {0.5, 0.3, 0.2}});
+  EXPECT_EQ(single.train.size(), 5U);
+  EXPECT_EQ(single.valid.size(), 3U);
+  EXPECT_EQ(single.test.size(), 2U);
+  // Only one group: it is for training.
+  EXPECT_EQ(split_trials(trials_of(9, {"a"}), 7, SplitRule{"material", {0.7, 0.15, 0.15}}).train.size(), 9U);
+}
+
+// Files of scenes without a `split` keep their bytes.
+TEST(Masks, WithoutARuleAreAsEver) {
+  const std::vector<std::string> materials{"acrylic", "felt", "glass", "paper", "ptfe", "rubber", "steel"};
+  const Masks own = split_trials(trials_of(70, materials), 7),
+              ruled = split_trials(trials_of(70, materials), 7, SplitRule{"material", {0.7, 0.15, 0.15}});
+  EXPECT_EQ(own.rule, "70/15/15 % of the materials, shuffled by the seed; no material is in two parts");
+  EXPECT_EQ(own.test, ruled.test);
+  EXPECT_EQ(own.valid, ruled.valid);
+  EXPECT_EQ(split_trials(trials_of(4, {"a"}), 7).rule,
+            "70/15/15 % of the trials, shuffled by the seed, since all share one material");
+}
+
 TEST(Masks, AreShuffledByTheSeedAlone) {
   const auto trials = trials_of(200, {"acrylic"});
   EXPECT_EQ(split_trials(trials, 7).test, split_trials(trials, 7).test);

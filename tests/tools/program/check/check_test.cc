@@ -1,6 +1,7 @@
 // Verdicts on a pad that is moved sideways: from the start on it slips with speed, without speed never.
 #include "tools/program/check/check.h"
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
+#include "sim/core/interrupted.h"
 #include "tests/tools/program/cli/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 
@@ -52,6 +54,14 @@ TEST_F(CheckScene, WithoutExpectationsIsNotChecked) {
   EXPECT_EQ(check("").verdict, Verdict::not_checked);
   EXPECT_EQ(check("expect: {}\n").verdict, Verdict::not_checked);
   EXPECT_EQ(check("expect: {confidence: 0.9}\n").verdict, Verdict::not_checked);
+}
+
+// The one trial is done, and fails; the run that is to leave it behind is not done.
+TEST_F(CheckScene, InterruptedIsNoVerdict) {
+  std::ofstream(folder_ / "s.yaml") << head << "expect: {gross_slip_by: 0.3 s}\n";
+  std::atomic<bool> interrupt{false};
+  CheckOptions options{.scene_path = folder_ / "s.yaml", .folder = folder_ / "left", .interrupt = &interrupt};
+  EXPECT_THROW(check_scene(options, program_catalogues(), [&](const SweepProgress&) { interrupt = true; }), Interrupted);
 }
 
 TEST_F(CheckScene, PassesAndFailsByItsLimit) {

@@ -308,6 +308,24 @@ TEST(Program, FromSceneToReportAndExports) {
   EXPECT_EQ(std::count(line.begin(), line.end(), ','), 72);  // 73 columns
 }
 
+TEST(Program, WarnsOnStderrAndInTheJson) {
+  const std::string start = "motion.start=4 s";  // the trial's end
+  const std::string warning =
+      "slipbench: warning: --set motion.start=4 s: motion.start: 4 s is not before the end of the trial, 4 s";
+  const ChildResult quiet = run_program_file({"run", stage, "--set", start, "--quiet"});
+  EXPECT_EQ(quiet.status, 0);
+  EXPECT_THAT(quiet.err, StartsWith(warning));
+  const ChildResult run = run_program_file({"run", stage, "--set", start, "--json"});
+  EXPECT_EQ(run.err, quiet.err);
+  const nlohmann::json told = nlohmann::json::parse(run.out);
+  ASSERT_EQ(told["warnings"].size(), 1U);
+  EXPECT_EQ(told["warnings"][0]["about"], "motion.start");
+  const nlohmann::json checked =
+      nlohmann::json::parse(run_program_file({"check", stage, "--set", start, "expect={no_slip_before: 3 s}", "--json"}).out);
+  EXPECT_EQ(checked["scenes"][0]["warnings"], told["warnings"]);
+  EXPECT_TRUE(json_of(run_program_file({"run", stage, "--json"}))["warnings"].empty());
+}
+
 TEST(Program, ControlCKeepsWhatIsFinished) {
   const TemporaryFolder folder;
   const std::string dataset = folder / "long.h5";

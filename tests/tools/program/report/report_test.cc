@@ -59,6 +59,22 @@ std::string refusal(const std::string& dataset, const std::string& page, const R
   return "no refusal";
 }
 
+// Of the scene as it stands in the file, and of converters that were at their ends in most of all samples.
+TEST(Report, SaysWhatTheSceneWarnsOf) {
+  std::vector<TrialRecord> records = trials(2);
+  for (TrialRecord& record : records) {
+    record.outcome.saturated = {{"pad", 5}};  // of 8
+    record.params = "{}";
+  }
+  const std::string text = "slipbench: 1\nsensors: {pad: {type: papillarray}}\nmotion: {start: 9 s}\nsweep: {trials: 2}\n";
+  write_report(write_dataset("report_warnings.h5", text, records), page_path("report_warnings.html"));
+  const Json warnings = data_of(page_path("report_warnings.html")).at("warnings");
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_THAT(warnings.at(0).at("text").get<std::string>(), HasSubstr("scene:3: motion.start: 9 s is not before the end"));
+  EXPECT_EQ(warnings.at(1).at("about"), "sensors.pad.electronics");
+  EXPECT_THAT(warnings.at(1).at("text").get<std::string>(), HasSubstr("in 10 of 16 samples"));
+}
+
 TEST(Report, SaysWhereTheDataComesFrom) {
   const std::string dataset = write_dataset("report_origin.h5", scene, trials(1));
   write_report(dataset, page_path("report_origin.html"));

@@ -1,4 +1,5 @@
 // Scenes whose bodies move by forces, as the commands run them: shipped ones, and what they write.
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -8,12 +9,15 @@
 #include <unistd.h>
 
 #include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+#include "sim/scene/parser.h"
 #include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/export/export.h"
 #include "tools/program/report/report.h"
 #include "tools/program/run/run_sweep.h"
+#include "tools/program/run/run_trial.h"
 
 namespace slipbench {
 namespace {
@@ -52,6 +56,18 @@ TEST_F(BodiesRun, HeldBoxSlipsWhenTheGripIsTooWeak) {
   const SweepSummary summary = run(scenes + "held_box.yaml", "held.h5");
   const double closed_form = 0.5 + (4.0 - 0.981) / 3.5;
   EXPECT_NEAR(summary.trials.at(0).outcome.gross_slip_time, closed_form + 0.0017, 0.0005);
+}
+
+// The tips of articulated pads settle before the first step, which may take seconds.
+TEST(BodiesOfArticulatedPads, AnInterruptEndsWhatComesBeforeTheFirstStep) {
+  SceneFile file = SceneFile::load(scenes + "held_box.yaml");
+  file.apply({"fidelity", "articulated"});
+  const Catalogues catalogues = program_catalogues();
+  const Scene scene = parse_scene(file, catalogues);
+  EXPECT_NO_THROW(check_trial(scene, 0));
+  const std::atomic<bool> interrupt{true};
+  const InterruptScope scope(&interrupt);
+  EXPECT_THROW(check_trial(scene, 0), Interrupted);
 }
 
 // The same file with articulated pads, at 1 ms: they let go within a step of the field.

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <set>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -303,6 +304,27 @@ TEST(InterruptGuard, TakesEverySignalThatAsksToEnd) {
     std::raise(signal);
     EXPECT_TRUE(InterruptGuard::flag()) << signal;
   }
+}
+
+// Three speeds, and a share for each part: one each.
+TEST_F(SweepTest, SplitsAsTheSceneSays) {
+  std::ofstream(path("scene.yaml"), std::ios::app) << "split: {by: speed, shares: [0.4, 0.3, 0.3]}\n";
+  run(options("out.h5"));
+  const DatasetReader reader(path("out.h5"));
+  const auto speed_of = [&](const char* part) {
+    const std::vector<std::size_t> members = reader.mask(part);
+    EXPECT_EQ(members.size(), 4U) << part;
+    for (const std::size_t trial : members) EXPECT_EQ(trial / 4, members.front() / 4) << part;  // the last axis varies fastest
+    return members.front() / 4;
+  };
+  EXPECT_EQ(std::set({speed_of("train"), speed_of("valid"), speed_of("test")}).size(), 3U);
+}
+
+TEST_F(SweepTest, SplitBySpeedNeedsAMotionWithOne) {
+  SweepOptions pressed = options("out.h5");
+  pressed.overrides = {{"motion", "{kind: wander}"}, {"sweep", "{trials: 2}"}, {"split", "{by: speed}"}};
+  EXPECT_THAT(message_of<InputError>([&] { run(pressed); }), HasSubstr("split.by: the motion 'wander' has no speed"));
+  EXPECT_THAT(names(), ElementsAre("scene.yaml"));
 }
 
 // A shell starts what a script puts in the background with SIGINT ignored.

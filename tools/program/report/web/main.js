@@ -20,6 +20,7 @@ function header() {
           null :
           el('p.warning', {}, 'The run that wrote this file was interrupted: it holds the trials that were finished.'),
       page.failed.length ? failures() : null,
+      (page.warnings || []).map(({text}) => el('p.warning', {}, 'Warning: ' + text)),
       el('dl.meta', {}, rows.map(([name, value]) => el('div', {}, el('dt', {}, name), el('dd', {}, value)))),
       el('details.scene', {}, el('summary', {}, 'Scene file'), el('pre.mono', {}, page.scene)));
 }
@@ -103,6 +104,7 @@ async function show(next) {
   timeline = null;
   const host = el('main');
   const trial = page.trials.find(candidate => candidate.index === view.trial);
+  if (trial && !view.sensor) view.sensor = sb.openingSensor(trial);
   const nodes = [header(), navigation(), trial ? drawn(trial) : null, ...saturation(trial ? [trial] : page.trials), host, footer()];
   document.getElementById('page').replaceChildren(...nodes.filter(node => node));
   const address = view.trial === null ? '#all' : '#trial-' + view.trial;

@@ -159,6 +159,14 @@ function onsetOrder(recording) {
   });
 }
 
+// The unit to look at first: it slips first, or else touches first.
+function openingUnit(recording) {
+  const first = onsetOrder(recording)[0];
+  if (recording.micro_onset_s[first] !== null || recording.onset_s[first] !== null) return first;
+  const touched = d3.range(recording.units).filter(unit => recording.touch_s[unit] !== null);
+  return touched.length ? touched.sort((a, b) => recording.touch_s[a] - recording.touch_s[b])[0] : 0;
+}
+
 const labelNames = {
   'labels/force': 'True force',
   'labels/slip_speed': 'Slip speed',
@@ -195,7 +203,7 @@ class UnitCharts {
     this.keys = per_unit.sort((a, b) => rank(a) - rank(b));
     this.key = this.keys[0];
     this.grid = gridOf(recording);
-    this.unit = this.grid ? null : 0;
+    this.unit = this.grid ? null : openingUnit(recording);
     const word = sb.unitWord(recording.type);
     this.segments =
         el('div.segments', {role: 'group', 'aria-label': 'Quantity'},
@@ -217,6 +225,7 @@ class UnitCharts {
         },
            this.grid ? el('option', {value: ''}, 'all, laid out like the pad') : null,
            d3.range(recording.units).map(unit => el('option', {value: unit}, sb.unitName(recording.type, unit))));
+    this.select.value = this.unit === null ? '' : String(this.unit);
     this.legend = el('div.legend');
     this.host = el('div');
     this.section = el(
@@ -393,11 +402,18 @@ function rules(summary) {
             el('tbody', {}, rows))));
 }
 
-// Draws a trial into `host`. Returns the timeline, for the keyboard.
+// The sensor to look at first: that of the detector, or else the first that touches.
+sb.openingSensor = trial => {
+  const names = Object.keys(trial.sensors);
+  if (trial.detector && names.includes(trial.detector.sensor)) return trial.detector.sensor;
+  return names.find(name => trial.sensors[name].first_touch_s !== null) || names[0];
+};
+
+// Draws what one sensor tells of a trial into `host`. Returns the timeline, for the keyboard.
 sb.showTrial = async (host, index, sensorName) => {
   const trial = sb.page.trials.find(candidate => candidate.index === index);
   const recordings = await sb.recordings(index);
-  const recording = recordings.find(candidate => candidate.name === sensorName) || recordings[0];
+  const recording = recordings.find(candidate => candidate.name === sensorName);
   const summary = Object.assign({type: recording.type}, trial.sensors[recording.name]);
   const timeline = new sb.Timeline(recording.time);
   const held = trial.grasp ? await sb.graspOf(index) : null;
