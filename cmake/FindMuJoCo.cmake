@@ -1,6 +1,6 @@
 # Finds MuJoCo inside an unpacked mujoco-core wheel and defines mujoco::mujoco.
 # Looked for in SLIPBENCH_MUJOCO_ROOT (the wheel's `mujoco` folder), else in build/venv of the source tree.
-# Sets MuJoCo_FOUND, MuJoCo_VERSION, MuJoCo_ROOT_DIR, MuJoCo_LIBRARY.
+# Sets MuJoCo_FOUND, MuJoCo_VERSION, MuJoCo_ROOT_DIR, MuJoCo_LIBRARY, MuJoCo_LICENCES (files).
 set(SLIPBENCH_MUJOCO_ROOT "" CACHE PATH "The `mujoco` folder of an installed mujoco-core wheel")
 if(SLIPBENCH_MUJOCO_ROOT)
   set(MuJoCo_ROOT_DIR ${SLIPBENCH_MUJOCO_ROOT})
@@ -22,6 +22,8 @@ if(MuJoCo_ROOT_DIR AND EXISTS ${_mujoco_header})
   if(EXISTS ${MuJoCo_ROOT_DIR}/libmujoco.so.${MuJoCo_VERSION})
     set(MuJoCo_LIBRARY ${MuJoCo_ROOT_DIR}/libmujoco.so.${MuJoCo_VERSION})
   endif()
+  # In the wheel as pip unpacks it; in an installed copy beside the library.
+  file(GLOB MuJoCo_LICENCES ${MuJoCo_ROOT_DIR}/../mujoco_core-*.dist-info/licenses/LICENSE* ${MuJoCo_ROOT_DIR}/LICENSE*)
 endif()
 
 include(FindPackageHandleStandardArgs)

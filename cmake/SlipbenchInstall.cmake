@@ -3,8 +3,27 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# Where the MuJoCo plugin stands below the build folder and below the prefix alike, so that the program finds it from its own place.
+# Programs, libraries and data stand below the build folder as below a prefix, and are found from the program's own place. So what is installed is
+# what was built, byte for byte, and neither holds a path of the machine that built it.
 set(SLIPBENCH_PLUGIN_DIR ${CMAKE_INSTALL_LIBDIR}/slipbench)
+set(SLIPBENCH_DATA_DIR ${CMAKE_INSTALL_DATADIR}/slipbench)
+set(CMAKE_BUILD_WITH_INSTALL_RPATH ON)
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/${SLIPBENCH_PLUGIN_DIR} ${PROJECT_BINARY_DIR}/${SLIPBENCH_DATA_DIR})
+if(SLIPBENCH_WITH_MUJOCO)
+  set(SLIPBENCH_MUJOCO_DIR ${SLIPBENCH_PLUGIN_DIR}/mujoco)
+  file(CREATE_LINK ${MuJoCo_ROOT_DIR} ${PROJECT_BINARY_DIR}/${SLIPBENCH_MUJOCO_DIR} SYMBOLIC)
+  set(CMAKE_INSTALL_RPATH "$ORIGIN/../${SLIPBENCH_MUJOCO_DIR}")
+endif()
+# What a build reads of its source tree: tools/base/project.
+file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/${SLIPBENCH_DATA_DIR}/source SYMBOLIC)
+
+# slipbench_module(slipbench_cores): a library that is loaded while the program runs, and that finds its own libraries where the system has them.
+function(slipbench_module TARGET)
+  set_target_properties(${TARGET} PROPERTIES
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/${SLIPBENCH_PLUGIN_DIR}
+    INSTALL_RPATH "")
+  target_link_options(${TARGET} PRIVATE -Wl,--exclude-libs,ALL)
+endfunction()
 
 function(slipbench_install)
   set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/slipbench)
@@ -17,16 +36,14 @@ function(slipbench_install)
     install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipbench/${path})
   endforeach()
 
-  install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/slipbench)
+  install(DIRECTORY scenes DESTINATION ${SLIPBENCH_DATA_DIR})
+  install(FILES LICENSE NOTICE.md DESTINATION ${SLIPBENCH_DATA_DIR})
   # What `slipbench reproduce` reads of the project beside the scenes.
-  install(FILES rtl/hd/syn/results.json DESTINATION ${CMAKE_INSTALL_DATADIR}/slipbench/rtl/hd/syn OPTIONAL)
-  # The program finds the MuJoCo that is installed beside it, so that the prefix outlives the build folder.
-  set_target_properties(slipbench slipbench-studies PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/slipbench/mujoco")
+  install(FILES rtl/hd/syn/results.json DESTINATION ${SLIPBENCH_DATA_DIR}/rtl/hd/syn OPTIONAL)
   install(TARGETS slipbench slipbench-studies RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   if(SLIPBENCH_WITH_MUJOCO)
-    set(mujoco_dir ${CMAKE_INSTALL_LIBDIR}/slipbench/mujoco)
-    install(FILES ${MuJoCo_LIBRARY} DESTINATION ${mujoco_dir})
-    install(DIRECTORY ${MuJoCo_ROOT_DIR}/include DESTINATION ${mujoco_dir})
+    install(FILES ${MuJoCo_LIBRARY} ${MuJoCo_LICENCES} DESTINATION ${SLIPBENCH_MUJOCO_DIR})
+    install(DIRECTORY ${MuJoCo_ROOT_DIR}/include DESTINATION ${SLIPBENCH_MUJOCO_DIR})
     install(TARGETS slipbench_plugin LIBRARY DESTINATION ${SLIPBENCH_PLUGIN_DIR})
   endif()
   install(TARGETS slipbench_cores LIBRARY DESTINATION ${SLIPBENCH_PLUGIN_DIR})

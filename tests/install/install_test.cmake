@@ -1,4 +1,4 @@
-# Installs BUILD into an empty prefix below WORK, builds the project CONSUMER against it and runs it, then runs the installed
+# Installs BUILD, made from SOURCE, into an empty prefix below WORK, builds the project CONSUMER against it and runs it, then runs the installed
 # program. All from folders that have nothing to do with the source tree.
 function(run)
   cmake_parse_arguments(ARG "" "IN" "COMMAND" ${ARGN})
@@ -14,6 +14,15 @@ file(MAKE_DIRECTORY ${WORK}/elsewhere)
 run(IN ${WORK}/elsewhere COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/first)
 # The prefix can be moved: nothing in it may point to where it was installed.
 file(RENAME ${WORK}/first ${WORK}/prefix)
+# The program is the one that was built, and nothing says where; grep finds what does.
+run(IN ${WORK} COMMAND ${CMAKE_COMMAND} -E compare_files ${BUILD}/bin/slipbench prefix/bin/slipbench)
+file(WRITE ${WORK}/prefix/planted "a file that holds ${SOURCE}.\n")
+execute_process(COMMAND grep --recursive --files-with-matches --fixed-strings --regexp=${SOURCE} --regexp=${BUILD} prefix
+  WORKING_DIRECTORY ${WORK} OUTPUT_VARIABLE found)
+if(NOT found STREQUAL "prefix/planted\n")
+  message(FATAL_ERROR "Beside prefix/planted, these hold ${SOURCE} or ${BUILD}:\n${found}")
+endif()
+file(REMOVE ${WORK}/prefix/planted)
 
 run(IN ${WORK}/elsewhere COMMAND ${CMAKE_COMMAND} -S ${CONSUMER} -B ${WORK}/consumer -G ${GENERATOR}
   -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${WORK}/prefix)

@@ -48,7 +48,8 @@ grep -q '^slipbench: installing Debian packages: g++ .*cmake' "$work/stderr" || 
 
 # All installed: the program is built quietly and run in the caller's folder with the caller's words.
 stand_in dpkg-query 'for word in "${@:4}"; do echo "$word installed"; done'
-stand_in python3 'mkdir -p "${@: -1}/bin"; printf "#!/bin/bash\n" >"${@: -1}/bin/pip"; cp "${@: -1}/bin/pip" "${@: -1}/bin/python"
+export work
+stand_in python3 'mkdir -p "${@: -1}/bin"; printf "#!/bin/bash\necho \"\$*\" >>\"\$work/pip\"\n" >"${@: -1}/bin/pip"; cp "${@: -1}/bin/pip" "${@: -1}/bin/python"
 chmod +x "${@: -1}"/bin/*'
 stand_in cmake 'echo chatter; echo "$*" >>calls
 if [[ $1 == --preset ]]; then mkdir -p build/release/bin; touch build/release/build.ninja; else
@@ -56,6 +57,8 @@ printf "#!/bin/bash\nprintf \"<%%s>\" \"\$PWD\" \"\$@\"; exit 7\n" >build/releas
 launch run 'my scene.yaml' --json
 [[ $status == 7 ]] || fail "the program's exit status is the launcher's"
 [[ $(<"$work/stdout") == "<$work/elsewhere><run><my scene.yaml><--json>" ]] || fail "stdout holds what the program printed, alone"
+grep -q '^slipbench: installing into build/venv: mujoco-core==4\.[0-9.]* numpy==' "$work/stderr" || fail "set-up names packages and no hashes"
+[[ $(<"$work/pip") == *" --require-hashes --only-binary :all: "*/requirements.txt ]] || fail "pip takes only what the list has a hash of"
 
 # Set-up once done is not done again; the build is asked each time.
 stand_in python3 'echo "python3 was called" >&2; exit 1'

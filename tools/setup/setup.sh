@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what the project needs: setup.sh SET..., where a SET is `build`, `test` or `all` (Debian packages of packages.txt), `python` or
-# `test-python` (PyPI packages of requirements.txt and requirements-test.txt, into the virtual environment build/venv). Does nothing where all is
-# there; touches build/installed where it installed something, so that the launcher configures anew.
+# `test-python` (PyPI packages of requirements.txt and requirements-test.txt, into the virtual environment build/venv: wheels whose SHA-256 stands
+# there, and nothing else). Does nothing where all is there; touches build/installed where it installed something, so that the launcher configures
+# anew.
 # setup.sh rights SET...: installs nothing; where Debian packages are missing, lets sudo ask for its password, or says what root is to run.
 set -euo pipefail
 
@@ -67,8 +68,8 @@ install_python() {
   ! has_installed "$1" || return 0
   # Another version of what the program is built with means another environment.
   [[ $1 != */requirements.txt && -x $venv/bin/python ]] || python3 -m venv --clear "$venv"
-  say "installing into build/venv: $(grep -v '^#' "$1" | tr '\n' ' ')"
-  "$venv/bin/pip" install --disable-pip-version-check --progress-bar off --requirement "$1"
+  say "installing into build/venv: $(sed -n 's/^\([^# ]*==[^ ]*\).*/\1/p' "$1" | tr '\n' ' ')"
+  "$venv/bin/pip" install --disable-pip-version-check --progress-bar off --require-hashes --only-binary :all: --requirement "$1"
   local hash
   hash=$(sha256sum <"$1")
   printf '%s\n' "$hash" >"$(stamp_of "$1")"

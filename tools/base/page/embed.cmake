@@ -10,6 +10,10 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
     foreach(file IN LISTS ARG_FILES)
       get_filename_component(path ${file} ABSOLUTE)
       list(APPEND files ${path})
+      cmake_path(IS_PREFIX PROJECT_SOURCE_DIR ${path} ours)
+      if(NOT ours)
+        set_property(GLOBAL APPEND PROPERTY SLIPBENCH_FOREIGN_FILES ${path})  # for NOTICE.md
+      endif()
     endforeach()
     set(output ${CMAKE_CURRENT_BINARY_DIR}/assets_data.cc)
     add_custom_command(OUTPUT ${output}

@@ -6,22 +6,24 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/own_library.h"
 
 namespace slipbench {
 
 std::optional<std::string> find_project_file(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  for (const fs::path& root : {program.parent_path().parent_path() / "share/slipbench", fs::path(SLIPBENCH_SOURCE_DIR)}) {
-    if (fs::exists(root / path, error)) return (root / path).string();
-  }
+  const fs::path data(own_path(SLIPBENCH_DATA));
+  if (fs::exists(data / path, error)) return (data / path).string();
+  const fs::path source = fs::canonical(data / "source", error);
+  if (!error && fs::exists(source / path, error)) return (source / path).string();
   return std::nullopt;
 }
 
 std::string project_file(const std::string& path) {
   if (std::optional<std::string> found = find_project_file(path)) return *found;
-  throw InputError(fmt::format("{}: neither installed with the program nor in the source tree {}", path, SLIPBENCH_SOURCE_DIR));
+  throw InputError(fmt::format("{}: neither installed with the program, in {}, nor in the source tree of a build folder", path,
+                               own_path(SLIPBENCH_DATA)));
 }
 
 }  // namespace slipbench

@@ -1,0 +1,54 @@
+"""What is built for users is hardened, looks for libraries where it should, and does not say where it was built.
+Arguments: the project's root, the build folder, its folder of modules (lib/slipbench)."""
+
+import re
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+ROOT, BUILD, MODULES = (Path(word) for word in sys.argv[1:4])
+del sys.argv[1:]
+
+PROGRAMS = [BUILD / "bin/slipbench", BUILD / "bin/slipbench-studies"]
+BINARIES = PROGRAMS + sorted(MODULES.glob("*.so"))
+
+
+def readelf(option, path):
+    return subprocess.run(["readelf", "--wide", option, path], capture_output=True, text=True, check=True).stdout
+
+
+def faults(path):
+    """What is wrong with a program or a module, a line each."""
+    segments, dynamic = readelf("--program-headers", path), readelf("--dynamic", path)
+    found = []
+    if "GNU_RELRO" not in segments or not re.search(r"\(FLAGS\).*BIND_NOW|\(FLAGS_1\).*NOW", dynamic):
+        found.append("its tables of addresses can be written")
+    if re.search(r"GNU_STACK.* RWE ", segments):
+        found.append("its stack can be run")
+    if "(TEXTREL)" in dynamic or not re.search(r"Type: +DYN", readelf("--file-header", path)):
+        found.append("it stands at a fixed address")
+    for places in re.findall(r"\((?:RPATH|RUNPATH)\).*\[(.*)\]", dynamic):
+        # An empty place is the folder that a user happens to be in.
+        if any(not place.startswith("$ORIGIN/") for place in places.split(":")):
+            found.append(f"it looks for libraries in '{places}'")
+    bytes_of = path.read_bytes()
+    found += [f"it holds {place}" for place in (ROOT, BUILD) if str(place).encode() in bytes_of]
+    return found
+
+
+class BinariesTest(unittest.TestCase):
+    def test_programs_and_modules(self):
+        self.assertGreaterEqual(len(BINARIES), 3)
+        for path in BINARIES:
+            self.assertEqual(faults(path), [], path)
+
+    def test_what_a_fault_looks_like(self):
+        """Programs that have each fault: the tests' own, whose sources are compiled with their folder's name, and one linked to fit."""
+        self.assertEqual(faults(BUILD / "bin/install_soft"),
+                         ["its tables of addresses can be written", "its stack can be run", "it stands at a fixed address",
+                          "it looks for libraries in '/nowhere:'", f"it holds {ROOT}"])
+
+
+if __name__ == "__main__":
+    unittest.main()

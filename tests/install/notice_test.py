@@ -1,0 +1,133 @@
+"""NOTICE.md names what the program links, loads, is compiled from and inlines, and nothing else.
+Arguments: the project's root, the build folder, the folder of its modules (lib/slipbench), the foreign files that are inlined."""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+from functools import cache
+from pathlib import Path
+
+ROOT, BUILD, MODULES = (Path(word) for word in sys.argv[1:4])
+INLINED = [Path(word) for word in sys.argv[4:]]
+del sys.argv[1:]
+
+# Of https://spdx.org/licenses, those in use.
+LICENCES = {
+    "Apache-2.0", "Artistic-2.0", "BSD-2-Clause", "BSD-3-Clause", "BSD-Attribution-HPND-disclaimer", "GPL-2.0-only", "GPL-2.0-or-later",
+    "GPL-3.0-or-later", "LGPL-2.0-or-later", "LGPL-2.1-or-later", "LGPL-3.0-only", "LGPL-3.0-or-later", "LicenseRef-public-domain", "MIT",
+    "MPL-2.0", "OLDAP-2.8", "Unicode-DFS-2016", "Zlib", "bzip2-1.0.6", "curl"}
+EXCEPTIONS = {"GCC-exception-3.1", "Linux-syscall-note"}
+PROGRAMS = ("bin/slipbench", "bin/slipbench-studies")
+SONAME = re.compile(r"[\w.+-]+\.so(?:\.[\w.]+)?")
+
+
+def rows(text):
+    """(names, packages, licence) of every table."""
+    cells = [[cell.strip() for cell in line.strip("| \n").split("|")] for line in text.splitlines() if line.startswith("| ")]
+    return [(re.split(r", ", names), re.split(r", ", packages), licence)
+            for names, packages, licence in cells if licence != "licence"]
+
+
+def output(*command):
+    return subprocess.run(command, cwd=BUILD, capture_output=True, text=True, check=True).stdout
+
+
+@cache
+def loaded():
+    """What the programs load, and what each module asks for itself, without our own."""
+    found = set()
+    for program in PROGRAMS:
+        for line in output("ldd", BUILD / program).splitlines():
+            name = Path(line.split()[0]).name
+            if not name.startswith("linux-vdso"):
+                found.add(name)
+    for module in MODULES.glob("*.so"):
+        found.update(re.findall(r"\(NEEDED\).*\[(.*)\]", output("readelf", "--dynamic", module)))
+    return found
+
+
+@cache
+def compiled_in():
+    """Debian packages of the headers and sources outside of the tree that the product is compiled from."""
+    files = set()
+    ours = False
+    for line in output("ninja", "-t", "deps").splitlines():
+        if not line.startswith(" "):
+            ours = bool(line) and "#deps" in line and not line.startswith("tests/")
+        elif ours:
+            path = os.path.normpath(BUILD / line.strip())
+            if path.startswith("/usr/"):
+                files.add(path)
+    packages = set()
+    for listing in Path("/var/lib/dpkg/info").glob("*.list"):
+        if not files.isdisjoint(listing.read_text(encoding="utf-8").splitlines()):
+            packages.add(listing.stem.split(":")[0])
+    return packages
+
+
+def findings(text):
+    """What `text` does not name, and what it names and is not there, a line each."""
+    names = {name for row in rows(text) for name in row[0]}
+    packages = {package for row in rows(text) for package in row[1]}
+    libraries = {name for name in names if SONAME.fullmatch(name)}
+    inlined = {path.name for path in INLINED}
+    scripts = {name for name in names if name.endswith((".js", ".css"))}
+    found = [f"{name} is loaded and not named" for name in loaded() - libraries]
+    found += [f"{name} is named and not loaded" for name in libraries - loaded()]
+    found += [f"{name} is inlined and not named" for name in inlined - scripts]
+    found += [f"{name} is named and not inlined" for name in scripts - inlined]
+    found += [f"{package} is compiled in and not named" for package in compiled_in() - packages]
+    for row_names, row_packages, licence in rows(text):
+        if not any(name in libraries | scripts for name in row_names):
+            found += [f"{package} is named and not compiled in" for package in row_packages if package not in compiled_in()]
+        words = re.sub(r"\bWITH ([\w.-]+)", lambda end: "" if end[1] in EXCEPTIONS else end[1], licence)
+        if any(word not in LICENCES for word in re.split(r" AND | OR ", words.strip())):
+            found.append(f"{licence} is no licence of SPDX")
+        for package in row_packages:
+            if not package.startswith("PyPI: ") and not Path(f"/usr/share/doc/{package}/copyright").exists():
+                found.append(f"{package} has no copyright file here")
+    return sorted(found)
+
+
+@unittest.skipUnless(Path("/var/lib/dpkg/info").is_dir(), "no Debian")
+class NoticeTest(unittest.TestCase):
+    text = (ROOT / "NOTICE.md").read_text(encoding="utf-8")
+
+    def test_names_everything_and_nothing_else(self):
+        self.assertEqual(findings(self.text), [])
+
+    def test_each_omission_is_found(self):
+        """A row of each kind left out, a row too many, and a licence that does not exist."""
+        def without(start):
+            return "".join(line for line in self.text.splitlines(True) if not line.startswith(start))
+
+        for start, finding in (("| libfftw3.so.3", "libfftw3.so.3 is loaded and not named"),
+                               ("| libsasl2.so.2", "libsasl2.so.2 is loaded and not named"),
+                               ("| d3.min.js", "d3.min.js is inlined and not named"),
+                               ("| CLI11", "libcli11-dev is compiled in and not named"),
+                               ("| Eigen", "libeigen3-dev is compiled in and not named")):
+            self.assertEqual(findings(without(start)), [finding])
+        verilator = [line for line in self.text.splitlines(True) if "| verilator |" in line]
+        text = self.text
+        for line in verilator:
+            text = text.replace(line, "")
+        self.assertEqual(findings(text), ["verilator is compiled in and not named"])
+        self.assertEqual(findings(self.text + "| libgone.so.1 | libc6 | MIT |\n"), ["libgone.so.1 is named and not loaded"])
+        self.assertEqual(findings(self.text + "| a work | libcurl4 | MIT |\n"), ["libcurl4 is named and not compiled in"])
+        self.assertEqual(findings(self.text + "| libc.so.6 | libc6 | BSD |\n"), ["BSD is no licence of SPDX"])
+        self.assertEqual(findings(self.text + "| libc.so.6 | libgone1 | MIT |\n"), ["libgone1 has no copyright file here"])
+
+    def test_names_the_pinned_mujoco(self):
+        pinned = re.search(r"^mujoco-core==(\S+)", (ROOT / "tools/setup/requirements.txt").read_text(encoding="utf-8"), re.MULTILINE)[1]
+        self.assertIn(f"| libmujoco.so.{pinned} | PyPI: mujoco-core {pinned} |", self.text)
+
+    def test_the_pages_carry_the_licences_of_their_scripts(self):
+        for script, licence in (("d3", "tools/base/page/web/d3_licence.txt"), ("dygraph", "tools/program/report/web/dygraphs_licence.txt")):
+            self.assertTrue(any(path.name.startswith(script) for path in INLINED))
+            self.assertIn("Copyright (c)", (ROOT / licence).read_text(encoding="utf-8"))
+
+
+if __name__ == "__main__":
+    unittest.main()
