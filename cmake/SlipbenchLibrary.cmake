@@ -20,7 +20,7 @@ endfunction()
 
 # slipbench_library(NAME core SOURCES a.cc b.cc DEPENDS Eigen3::Eigen PRIVATE fmt::fmt)
 # One target a folder: slipbench_<NAME>, alias slipbench::<NAME>, installed and exported with its headers.
-# COLD: runs once a command and not once a step, so that the time to compile it counts and its own speed does not (-O1).
+# COLD: runs once a command and not once a step, so that the time to compile it counts and its own speed does not (-O1, stack protector).
 function(slipbench_library)
   cmake_parse_arguments(ARG "COLD" "NAME" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
   set(target slipbench_${ARG_NAME})
@@ -31,7 +31,7 @@ function(slipbench_library)
   target_compile_features(${target} PUBLIC cxx_std_20)  # for those who use an installed copy
   target_link_libraries(${target} PUBLIC ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:slipbench_flags>)
   if(ARG_COLD)
-    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+    target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1;-fstack-protector-strong>")
     slipbench_precompile(KIND cold TARGET ${target})
   else()
     slipbench_precompile(KIND hot TARGET ${target})

@@ -16,7 +16,7 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 
-# Hardening that costs no instruction of a step: README.md has the table.
+# Hardening that costs no instruction of a step: README.md has the table. Others are below and in SlipbenchLibrary.cmake.
 include(CheckPIESupported)
 check_pie_supported(LANGUAGES CXX)
 add_link_options(-Wl,-z,relro,-z,now)
@@ -55,5 +55,11 @@ target_compile_options(slipbench_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>
   $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>  # else ccache keeps nothing that uses precompiled headers
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow> $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds> $<$<BOOL:${SLIPBENCH_WERROR}>:-Werror>)
+# What is built says nothing of where it was built: __FILE__ and the like begin at the source folder.
+target_compile_options(slipbench_flags INTERFACE
+  $<$<CONFIG:Release>:-ffile-prefix-map=${PROJECT_BINARY_DIR}=build> $<$<CONFIG:Release>:-ffile-prefix-map=${PROJECT_SOURCE_DIR}=.>)
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  target_compile_options(slipbench_flags INTERFACE -D_FORTIFY_SOURCE=2)  # needs an optimiser, which knows the sizes
+endif()
 # What the precompiled headers were compiled with must be defined in all that use them.
 target_compile_definitions(slipbench_flags INTERFACE $<TARGET_PROPERTY:fmt::fmt,INTERFACE_COMPILE_DEFINITIONS>)

@@ -1,5 +1,5 @@
 """What is built for users is hardened, looks for libraries where it should, and does not say where it was built.
-Arguments: the project's root, the build folder, its folder of modules (lib/slipbench)."""
+Arguments: the project's root, the build folder, its folder of modules (lib/slipbench), one static library that runs in every step."""
 
 import re
 import subprocess
@@ -7,7 +7,7 @@ import sys
 import unittest
 from pathlib import Path
 
-ROOT, BUILD, MODULES = (Path(word) for word in sys.argv[1:4])
+ROOT, BUILD, MODULES, STEPPED = (Path(word) for word in sys.argv[1:5])
 del sys.argv[1:]
 
 PROGRAMS = [BUILD / "bin/slipbench", BUILD / "bin/slipbench-studies"]
@@ -37,6 +37,10 @@ def faults(path):
     return found
 
 
+def checks_its_stack(path):
+    return "__stack_chk_fail" in readelf("--symbols", path)
+
+
 class BinariesTest(unittest.TestCase):
     def test_programs_and_modules(self):
         self.assertGreaterEqual(len(BINARIES), 3)
@@ -48,6 +52,11 @@ class BinariesTest(unittest.TestCase):
         self.assertEqual(faults(BUILD / "bin/install_soft"),
                          ["its tables of addresses can be written", "its stack can be run", "it stands at a fixed address",
                           "it looks for libraries in '/nowhere:'", f"it holds {ROOT}"])
+
+    def test_stacks_are_checked_but_for_steps(self):
+        for path in PROGRAMS:
+            self.assertTrue(checks_its_stack(path), path)
+        self.assertFalse(checks_its_stack(STEPPED))
 
 
 if __name__ == "__main__":
