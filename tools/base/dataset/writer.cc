@@ -14,6 +14,7 @@
 #include "sim/core/error.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/mask.h"
+#include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/shard.h"
 
 namespace slipbench {
