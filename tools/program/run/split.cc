@@ -24,6 +24,11 @@ struct Text {
     for (const double value : values) text += json_number(value) + ",";
     return text;
   }
+  std::string operator()(const ParameterMap& values) const {
+    std::string text;
+    for (const auto& [name, value] : values) text += json_text(name) + "=" + json_text(value) + ",";
+    return text;
+  }
 };
 
 std::string text_of(const std::string& name, const Parameters& parameters) {
