@@ -86,11 +86,16 @@ bool read_whole(int descriptor, std::span<std::uint8_t> bytes, std::uint64_t add
   return true;
 }
 
-// An object's header, which must be one block.
-std::vector<std::uint8_t> read_header(int descriptor, hid_t object, std::uint64_t& address) {
+// What is to be copied must lie in one block: HDF5 would rewrite the others.
+H5O_info_t check_one_block(hid_t object) {
   H5O_info_t info;
   check(H5Oget_info2(object, &info, H5O_INFO_BASIC | H5O_INFO_HDR));
-  if (info.hdr.nchunks != 1) throw std::logic_error("a header that is to be copied has several blocks");
+  if (info.hdr.nchunks != 1) throw std::runtime_error("more trials than its list was made for");
+  return info;
+}
+
+std::vector<std::uint8_t> read_header(int descriptor, hid_t object, std::uint64_t& address) {
+  const H5O_info_t info = check_one_block(object);
   address = info.addr;
   std::vector<std::uint8_t> bytes(info.hdr.space.total);
   if (!read_whole(descriptor, bytes, address)) fail();
@@ -215,6 +220,7 @@ void CrashSafeFile::begin(hid_t list, const char* name) {
   const Handle root_group(H5Gopen2(file_.get(), "/", H5P_DEFAULT), &H5Gclose);
   std::vector<std::uint8_t> root = read_header(disk_->descriptor, root_group.get(), root_address);
   list_bytes_ = read_header(disk_->descriptor, list, list_address_).size();
+  list_ = Handle(H5Gopen2(file_.get(), name, H5P_DEFAULT), &H5Gclose);
 
   reserve_bytes_ = 2 * (root.size() + list_bytes_);
   const hsize_t extent = reserve_bytes_;
@@ -240,6 +246,7 @@ void CrashSafeFile::begin(hid_t list, const char* name) {
 void CrashSafeFile::flush() { check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL)); }
 
 void CrashSafeFile::publish() {
+  check_one_block(list_.get());
   shown_ = 1 - shown_;
   std::vector<std::uint8_t> list(list_bytes_);
   if (!read_whole(disk_->descriptor, list, list_address_)) fail();
@@ -253,6 +260,7 @@ void CrashSafeFile::publish() {
 
 void CrashSafeFile::close() {
   const std::uint64_t reserve = views_[0].root;
+  list_.close();
   reserve_.close();
   file_.close();
   show(disk_->superblock);

@@ -44,6 +44,7 @@ class CrashSafeFile {
   void close();
   // Gives up a file that cannot be written any more. As when it is destroyed without close(), what was published last stays.
   void abandon() {
+    list_.abandon();
     reserve_.abandon();
     file_.abandon();
   }
@@ -71,6 +72,7 @@ class CrashSafeFile {
 
   std::unique_ptr<Disk> disk_;
   Handle file_;
+  Handle list_;
   Handle reserve_;  // keeps HDF5 from the copies' space
   std::uint64_t list_address_ = 0;
   std::uint64_t list_bytes_ = 0;

@@ -120,13 +120,16 @@ void check_own_name(const std::string& path, std::size_t k) {
 }
 
 // A name that the run takes without having been given it.
-void check_leftover_name(const std::string& path, const std::string& name, const char* use, bool resumes) {
+void check_leftover_name(const std::string& path, const std::string& own_name, const std::string& name, const char* use,
+                         bool resumes) {
   check_target(name);
   check_unlocked(name);
   const Found found = found_at(name);
   if (found.kind == Found::Kind::nothing) return;
   const std::string allowed = fmt::format("a new name, or {} moved away", name);
-  if (is_leftover(found)) {
+  // Under its temporary name even a whole dataset is what a run has left, which was ended before the renaming.
+  const bool nameless = name == temporary_path(own_name) && found.kind == Found::Kind::dataset;
+  if (is_leftover(found) || nameless) {
     if (resumes || found.trials == 0) return;
     refuse(path,
            fmt::format("{} holds {} trial{} of a run that did not come to its end", name, found.trials,
@@ -141,8 +144,9 @@ void check_leftover_name(const std::string& path, const std::string& name, const
 
 void check_names(const std::string& path, std::size_t k, bool resumes) {
   check_own_name(path, k);
-  check_leftover_name(path, temporary_path(shard_path(path, k)), "its name while it is written", resumes);
-  check_leftover_name(path, shard_path(kept_path(path), k), "its name after an interrupt", resumes);
+  const std::string own_name = shard_path(path, k);
+  check_leftover_name(path, own_name, temporary_path(own_name), "its name while it is written", resumes);
+  check_leftover_name(path, own_name, shard_path(kept_path(path), k), "its name after an interrupt", resumes);
 }
 
 std::array<std::string, 3> names_of(const std::string& path, std::size_t k) {
@@ -152,7 +156,11 @@ std::array<std::string, 3> names_of(const std::string& path, std::size_t k) {
 
 template <class Name>
 void remove_leftovers(std::size_t first, const Name& name_of) {
-  for (std::size_t k = first; is_leftover(found_at(name_of(k))); ++k) ::unlink(name_of(k).c_str());
+  const auto is_left = [](const Found& found, std::size_t k) {
+    // A whole dataset is its owner's, but for later files: of a run that was ended while it finished them, the last ones are complete.
+    return is_leftover(found) || (k > 0 && found.kind == Found::Kind::dataset && found.shard == k);
+  };
+  for (std::size_t k = first; is_left(found_at(name_of(k)), k); ++k) ::unlink(name_of(k).c_str());
 }
 
 }  // namespace
@@ -195,13 +203,25 @@ std::vector<std::string> later_files(const std::string& path, std::size_t first)
   return names;
 }
 
+bool finish_names(const std::string& path) {
+  check_unlocked(temporary_path(path));
+  const Found first = found_at(temporary_path(path));
+  if (first.kind != Found::Kind::dataset || !first.complete) return false;
+  std::size_t count = 0;
+  while (found_at(temporary_path(shard_path(path, count))).kind == Found::Kind::dataset) ++count;
+  for (std::size_t k = 0; k < count; ++k) check_own_name(path, k);
+  for (std::size_t k = count; k-- > 0;) rename_file(temporary_path(shard_path(path, k)), shard_path(path, k));
+  return true;
+}
+
 std::vector<std::string> leftovers(const std::string& path) {
   std::vector<std::string> names;
   for (const std::string& name : {temporary_path(path), kept_path(path)}) {
     check_unlocked(name);
     const Found found = found_at(name);
     if (found.kind == Found::Kind::damaged) throw InputError(fmt::format("cannot resume {}: {} cannot be read", path, name));
-    if (is_leftover(found) && found.trials > 0) names.push_back(name);
+    const bool is_left = is_leftover(found) || (found.kind == Found::Kind::dataset && name == temporary_path(path));
+    if (is_left && found.trials > 0) names.push_back(name);
   }
   return names;
 }
@@ -212,7 +232,7 @@ std::size_t gather_leftovers(const std::string& path) {
     const auto [own, temporary, kept] = names_of(path, k);
     const Found written = found_at(temporary);
     const Found before = found_at(kept);
-    const bool has_written = is_leftover(written) && written.trials > 0;
+    const bool has_written = written.kind == Found::Kind::dataset && written.trials > 0;
     const bool has_before = is_leftover(before) && before.trials > 0;
     if (!has_written && !has_before) return k;
     if (has_written && (!has_before || written.trials >= before.trials)) rename_file(temporary, kept);

@@ -22,6 +22,10 @@ void check_names_are_free(const std::string& path, std::size_t k);
 // Names of the files of the finished dataset at `path` from the `first`-th on, as far as they are there and belong to it.
 std::vector<std::string> later_files(const std::string& path, std::size_t first);
 
+// Gives the files of a run that was ended after it had finished them, and before they had their own names, these names. Returns whether there
+// were any. Throws InputError as check_dataset_targets() does.
+bool finish_names(const std::string& path);
+
 // Files that runs which did not come to their end have left of the dataset `path`, the first of each run, as far as they hold trials. Throws InputError
 // when another run is writing one of them, or when one cannot be read.
 std::vector<std::string> leftovers(const std::string& path);

@@ -1,13 +1,17 @@
 #include "tools/base/dataset/kept_trials.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <sstream>
+#include <stdexcept>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/sha256.h"
 
 namespace slipbench {
 namespace {
@@ -29,6 +33,25 @@ std::string line_difference(const std::string& left, const std::string& now) {
   }
 }
 
+// JSON: the numbers of the trials that are as they were written, and of the others.
+std::string parts_of(const std::string& name) {
+  std::vector<std::size_t> whole;
+  std::vector<std::size_t> damaged;
+  const DatasetReader reader(name);
+  for (const std::size_t trial : reader.trials()) {
+    const auto is_whole = [&] {
+      try {
+        static_cast<void>(reader.read_trial(trial));
+        return hexadecimal(reader.stored_digest(trial)) == reader.trial_sha256(trial);
+      } catch (const std::runtime_error&) {
+        return false;
+      }
+    };
+    (is_whole() ? whole : damaged).push_back(trial);
+  }
+  return nlohmann::json{whole, damaged}.dump();
+}
+
 }  // namespace
 
 std::string header_difference(const DatasetHeader& left, const DatasetHeader& now) {
@@ -44,29 +67,44 @@ std::string header_difference(const DatasetHeader& left, const DatasetHeader& no
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
-bool is_complete(const std::string& path, const DatasetHeader& header) {
+std::optional<FinishedDataset> finished_dataset(const std::string& path, const DatasetHeader& header) {
+  const auto look = [&]() -> std::string {
+    const DatasetReader reader(path);
+    if (!reader.complete() || !header_difference(reader.header(), header).empty()) return "null";
+    return nlohmann::json{reader.trials().size(), failures_json(reader.failed()), reader.files()}.dump();
+  };
   try {
-    return !guarded(path, [&] {
-              const DatasetReader reader(path);
-              return std::string(reader.complete() && header_difference(reader.header(), header).empty() ? "yes" : "");
-            }).empty();
+    const auto found = nlohmann::json::parse(guarded(path, look));
+    if (found.is_null()) return std::nullopt;
+    return FinishedDataset{found.at(0).get<std::size_t>(), parse_failures(path, found.at(1).get<std::string>()),
+                           found.at(2).get<std::vector<std::string>>()};
   } catch (const InputError&) {
-    return false;
+    return std::nullopt;
   }
 }
 
 KeptTrials::KeptTrials(const std::string& path, const DatasetHeader& header) {
-  for (const std::string& name : leftovers(path)) {
-    const std::string difference = guarded(name, [&] { return header_difference(DatasetReader(name).header(), header); });
+  std::vector<std::string> found = leftovers(path);
+  if (found.empty() && std::filesystem::exists(path)) found.push_back(path);
+  for (const std::string& name : found) {
+    const std::string difference = guarded(name, [&] {
+      const std::optional<FileAbout> about = file_about(name);
+      return about ? header_difference(about->header, header) : "it is no dataset";
+    });
     if (!difference.empty()) {
       throw InputError(fmt::format(
-          "cannot resume {}: {} was left by another run: {}; allowed: the same scene, seed, version, overrides and command", path,
-          name, difference));
+          "cannot resume {}: {} was written by another run: {}; allowed: the same scene, seed, version, overrides and command",
+          path, name, difference));
     }
   }
-  if (gather_leftovers(path) > 0) reader_.emplace(kept_path(path));
+  if (finish_names(path) || gather_leftovers(path) == 0) return;
+  const std::string name = kept_path(path);
+  const auto parts = nlohmann::json::parse(guarded(name, [&] { return parts_of(name); }));
+  trials_ = parts.at(0).get<std::vector<std::size_t>>();
+  damaged_ = parts.at(1).get<std::vector<std::size_t>>();
+  reader_.emplace(name);
 }
 
-bool KeptTrials::holds(std::size_t trial) const { return reader_ && std::ranges::binary_search(reader_->trials(), trial); }
+bool KeptTrials::holds(std::size_t trial) const { return std::ranges::binary_search(trials_, trial); }
 
 }  // namespace slipbench

@@ -16,25 +16,37 @@ namespace slipbench {
 // with the other's and was killed leaves both, of which the one with more trials counts.
 class KeptTrials {
  public:
-  // Without anything left it holds no trial. Otherwise what is left has the names after an interrupt from then on. Throws InputError when
-  // another run is writing it, when it cannot be read, and when what the runs say of themselves is not the same: the message names what
-  // differs, and nothing is changed. Call it before any thread is made (guarded.h).
+  // Without anything left it holds no trial. Otherwise what is left has the names after an interrupt from then on; files that lack
+  // nothing but their own names get these. Throws InputError when another run is writing it, when it cannot be read, and when what the runs,
+  // or that of a dataset which is there, say of themselves is not the same: the message names what differs, and nothing is changed. Call it
+  // before any thread is made (guarded.h).
   KeptTrials(const std::string& path, const DatasetHeader& header);
 
-  [[nodiscard]] std::size_t size() const { return reader_ ? reader_->trials().size() : 0; }
+  [[nodiscard]] std::size_t size() const { return trials_.size(); }
   [[nodiscard]] bool holds(std::size_t trial) const;
   // The trial's record, whose material is empty.
   [[nodiscard]] TrialRecord read(std::size_t trial) const { return reader_->read_trial(trial); }
+  // Numbers of the trials that were left too, and whose digest does not hold or which cannot be read: this object does not hold them.
+  [[nodiscard]] const std::vector<std::size_t>& damaged() const { return damaged_; }
   // Names of its files.
   [[nodiscard]] std::vector<std::string> files() const { return reader_ ? reader_->files() : std::vector<std::string>(); }
 
  private:
   std::optional<DatasetReader> reader_;
+  std::vector<std::size_t> trials_;
+  std::vector<std::size_t> damaged_;
 };
 
-// Whether `path` is a dataset whose run came to its end and says `header` of itself. False where it cannot be read. Call it before any
-// thread is made (guarded.h).
-bool is_complete(const std::string& path, const DatasetHeader& header);
+// A dataset whose run came to its end.
+struct FinishedDataset {
+  std::size_t trials = 0;
+  std::vector<FailedTrial> failed;
+  std::vector<std::string> files;
+};
+
+// The dataset at `path`, where it says `header` of itself. Empty where there is none, where its run did not come to its end, and where it cannot
+// be read. Call it before any thread is made (guarded.h).
+std::optional<FinishedDataset> finished_dataset(const std::string& path, const DatasetHeader& header);
 
 // What two runs say differently of themselves, as a clause: "seed 7, this run has 8; ...". Empty: nothing.
 std::string header_difference(const DatasetHeader& left, const DatasetHeader& now);

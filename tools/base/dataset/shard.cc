@@ -99,8 +99,8 @@ Handle create_group(hid_t parent, const std::string& path) {
 }
 
 // The group of the demos keeps its list in its header, which is allocated whole: one block, as CrashSafeFile needs it.
-Handle create_demo_list(hid_t file, std::size_t planned) {
-  constexpr unsigned name_length = 9;  // demo_9999
+Handle create_demo_list(hid_t file, std::size_t planned, std::size_t last) {
+  const auto name_length = static_cast<unsigned>(demo_name(last).size());
   const auto entries = static_cast<unsigned>(std::clamp<std::size_t>(planned, 32, most_trials_per_file));
   const Handle properties = group_properties(H5P_GROUP_CREATE);
   check(H5Pset_link_phase_change(properties.get(), entries, entries));
@@ -245,7 +245,7 @@ Descriptor lock_file(const std::string& path) {
   return descriptor;
 }
 
-Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned)
+Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned, std::size_t last)
     : path_(std::move(temporary)), descriptor_(lock_file(path_)) {
   hdf5::initialise();
   try {
@@ -259,7 +259,7 @@ Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t ind
       write_attribute(root, "seed", header.seed);
       write_attribute(root, "command", header.command);
       write_attribute(root, "shard", static_cast<std::uint64_t>(index));
-      list_ = create_demo_list(root, planned);
+      list_ = create_demo_list(root, planned, last);
       file_.begin(list_.get(), "data");
     });
   } catch (const InputError&) {

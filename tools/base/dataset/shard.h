@@ -37,8 +37,8 @@ Descriptor lock_file(const std::string& path);
 // failed once is left as it was when it was published last. Throws InputError with the system's reason.
 class Shard {
  public:
-  // `planned`: demos that will come, if they all fit.
-  Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned);
+  // `planned`: demos that will come, if they all fit. `last`: the highest number that one of them may have.
+  Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned, std::size_t last);
   ~Shard();
   Shard(Shard&&) noexcept = default;
   Shard& operator=(Shard&&) noexcept = default;

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <ranges>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -28,7 +29,8 @@ void sync_folder(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   const Descriptor descriptor(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (descriptor.get() < 0 || ::fsync(descriptor.get()) != 0) {
-    throw InputError(fmt::format("cannot sync the folder of {}: {}", path, std::strerror(errno)));
+    throw InputError(fmt::format("{} is written, and a power failure may still take its name: its folder cannot be synced: {}",
+                                 path, std::strerror(errno)));
   }
 }
 
@@ -44,6 +46,7 @@ struct DatasetWriter::State {
   std::vector<FailedTrial> failed;
   std::vector<std::string> kept_files;  // of the run that this one goes on with
   std::size_t kept = 0;                 // trials in them
+  std::size_t kept_instead = 0;         // of these, those that keep_partial() has left in place of fewer of this run
   std::size_t checked = 0;              // files whose names were looked at before the run began
   bool ended = false;
 
@@ -51,7 +54,8 @@ struct DatasetWriter::State {
     if (!shards.empty()) shards.back().publish();
     if (shards.size() >= checked) check_names_are_free(path, shards.size());
     const std::size_t left = planned > trials.size() ? planned - trials.size() : 0;
-    shards.emplace_back(temporary_path(shard_path(path, shards.size())), header, shards.size(), left);
+    const std::size_t last = std::max<std::size_t>(planned, 10'000) - 1;
+    shards.emplace_back(temporary_path(shard_path(path, shards.size())), header, shards.size(), left, last);
   }
 
   // Leaves of a run that did not come to its end what is safe.
@@ -87,7 +91,8 @@ struct DatasetWriter::State {
         if (complete) throw;
       }
     }
-    for (Shard* shard : whole) shard->close();
+    // The first file last: where it is complete, all are.
+    for (Shard* shard : whole | std::views::reverse) shard->close();
     const std::vector<std::string> stale = complete ? later_files(target, shards.size()) : std::vector<std::string>();
     std::vector<std::string> names;
     for (std::size_t k = shards.size(); k-- > 0;) {
@@ -96,6 +101,7 @@ struct DatasetWriter::State {
     }
     const std::size_t count = shards.size();
     shards.clear();
+    ended = true;
     for (const std::string& name : stale) ::unlink(name.c_str());
     remove_temporary(path, count);
     remove_kept(path, complete ? 0 : count);
@@ -145,21 +151,19 @@ void DatasetWriter::add_failed(FailedTrial failed) { state_->failed.push_back(st
 
 void DatasetWriter::publish() { state_->shards.back().publish(); }
 
-std::size_t DatasetWriter::size() const { return state_->trials.size(); }
+std::size_t DatasetWriter::size() const { return state_->trials.size() + state_->kept_instead; }
 
 std::size_t DatasetWriter::published() const { return state_->published(); }
 
-std::vector<std::string> DatasetWriter::commit() {
-  std::vector<std::string> names = state_->finish_as(state_->path, true);
-  state_->ended = true;
-  return names;
-}
+std::vector<std::string> DatasetWriter::commit() { return state_->finish_as(state_->path, true); }
 
 std::vector<std::string> DatasetWriter::keep_partial() {
   if (state_->ended) return {};
   state_->ended = true;
   state_->drop_unpublished();
   if (state_->published() < state_->kept) {
+    state_->trials.resize(0);
+    state_->kept_instead = state_->kept;
     for (const Shard& shard : state_->shards) ::unlink(shard.path().c_str());
     state_->shards.clear();
   }

@@ -40,7 +40,7 @@ class DatasetWriter {
   // All trials so far are safe: whatever happens to the process or to the machine's power, the files can be read and hold them. Costs two
   // syncs of the disk; when it is called does not change a byte of the finished dataset.
   void publish();
-  // Trials appended.
+  // Trials appended; after keep_partial() those that the files hold which it names.
   [[nodiscard]] std::size_t size() const;
   // Trials that are safe.
   [[nodiscard]] std::size_t published() const;

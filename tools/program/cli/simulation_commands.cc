@@ -137,8 +137,8 @@ int report_interrupted(const SweepSummary& summary) {
   const std::string kept = summary.files.empty()
                                ? "nothing is kept"
                                : fmt::format("kept in {}; the same command with --resume goes on", joined(summary.files));
-  say(stderr,
-      fmt::format("slipbench: interrupted: {} of {} trials finished; {}\n", summary.trials.size(), summary.planned, kept));
+  say(stderr, fmt::format("slipbench: interrupted: {} of {} trials finished; {}\n", std::max(summary.trials.size(), summary.kept),
+                          summary.planned, kept));
   return exit_interrupted;
 }
 
@@ -181,11 +181,16 @@ int SimulationCommand::run() {
   if (json) {
     print_json(finished, warnings, trials);
   } else if (summary.was_complete) {
-    fmt::print("{} is complete: there is nothing to resume\n", sweep.output);
+    fmt::print("{} is complete, with {} trials: there is nothing to resume\n", sweep.output, summary.resumed);
   } else if (!quiet && !summary.interrupted && !summary.trials.empty()) {
     print_summary(sweep, finished, catalogues);
   }
+  if (!summary.damaged.empty()) {
+    say(stderr, fmt::format("slipbench: {} of the trials that were left were damaged and have been simulated again: {}\n",
+                            summary.damaged.size(), fmt::join(summary.damaged, ", ")));
+  }
   if (!summary.failed.empty()) print_failed(summary);
+  if (!sweep.output.empty() && summary.files.empty() && !summary.interrupted) say(stderr, "slipbench: nothing is written\n");
   if (summary.interrupted) return report_interrupted(summary);
   return summary.failed.empty() ? exit_good : exit_check_failed;
 }
@@ -216,7 +221,8 @@ trial ended, a few kB a trial: enough for the report's maps and curves, not for 
 
 FILE.h5 is written under a temporary name and renamed at the end; a file of that name is replaced. Above 1 GB it is split into
 FILE.h5, FILE-0001.h5, ... Ctrl-C: running trials end, all finished ones are kept in FILE.partial.h5, the exit status is 130;
-a second Ctrl-C stops at once.
+a second Ctrl-C stops at once. The same command with --resume goes on with what a killed or interrupted run has left. Where trials
+fail the others are written, and the exit status is 1.
 
 Examples:
   slipbench sweep scenes/papillarray/hexapod.yaml -o hexapod.h5

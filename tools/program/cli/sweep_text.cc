@@ -410,8 +410,8 @@ std::string speed_text(const SweepSummary& summary, double elapsed) {
   const double seconds = std::max(elapsed, shortest);
   std::string text = fmt::format("{:g} s simulated in {:.3g} s: {} x real time", summary.simulated, elapsed,
                                  short_count(summary.simulated / seconds));
-  if (summary.trials.size() > 1) {
-    text += fmt::format(", {} trials/s", short_count(static_cast<double>(summary.trials.size()) / seconds));
+  if (const std::size_t simulated = summary.trials.size() - summary.resumed; simulated > 1) {
+    text += fmt::format(", {} trials/s", short_count(static_cast<double>(simulated) / seconds));
   }
   return text +
          fmt::format("; one core steps at {} x real time", short_count(summary.simulated / std::max(summary.computed, shortest)));

@@ -168,7 +168,8 @@ int EvalCommand::run() {
       "{}\n  trained on: {}\n{}{}\n{}",
       style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(summary.model.model),
                                 slip_rule_name(options.sequences.labels), summary.sequences, samples_in_contact(result.all))),
-      printable(summary.model.trained), figures_text(result, style), delays_text(result.delays), confusion_text(result.all, style));
+      printable(summary.model.trained), figures_text(result, style), delays_text(result.delays),
+      confusion_text(result.all, style));
   return exit_good;
 }
 

@@ -221,8 +221,8 @@ std::string repeating_command(const SweepOptions& options, std::uint64_t seed, s
 
 // Keeps the finished trials of a run that failed, and says where; empty when there are none.
 std::string keep_finished(DatasetWriter& writer, std::size_t planned) {
-  const std::size_t finished = writer.size();
   const std::vector<std::string> files = writer.keep_partial();
+  const std::size_t finished = writer.size();
   if (files.empty()) return "";
   return fmt::format("; {} {} {} of {} trials", fmt::join(files, ", "), files.size() == 1 ? "holds" : "hold", finished, planned);
 }
@@ -291,14 +291,18 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   const Workforce workforce = check_cells(plan, options, summary.planned);
   if (options.on_start) options.on_start();
 
-  const DatasetHeader header{SLIPBENCH_VERSION, file.text(), overrides_json(options.overrides),
-                             summary.seed, summary.command, split_rule(summary.scene)};
+  const DatasetHeader header{SLIPBENCH_VERSION, file.text(),     overrides_json(options.overrides),
+                             summary.seed,      summary.command, split_rule(summary.scene)};
   std::optional<KeptTrials> kept;
   if (options.resume) {
     kept.emplace(options.output, header);
-    summary.was_complete = kept->size() == 0 && is_complete(options.output, header);
-    if (summary.was_complete) {
-      summary.files = {options.output};
+    summary.damaged = kept->damaged();
+    const bool nothing_left = kept->size() == 0 && kept->damaged().empty();
+    if (std::optional<FinishedDataset> whole = nothing_left ? finished_dataset(options.output, header) : std::nullopt) {
+      summary.was_complete = true;
+      summary.resumed = whole->trials;
+      summary.failed = std::move(whole->failed);
+      summary.files = std::move(whole->files);
       return summary;
     }
   }
@@ -329,9 +333,12 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
       return;
     }
     if (writer) writer->append(*trial.encoded);
-    summary.simulated += trial.duration;
-    summary.computed += trial.computed;
-    if (trial.summary.resumed) ++summary.resumed;
+    if (trial.summary.resumed) {
+      ++summary.resumed;
+    } else {
+      summary.simulated += trial.duration;
+      summary.computed += trial.computed;
+    }
     if (options.on_trial) options.on_trial(trial.summary);
     if (!options.keep_units && summary.planned > 1) {
       for (SensorSummary& sensor : trial.summary.sensors) sensor.units = {};
@@ -372,6 +379,7 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
     summary.interrupted = summary.trials.size() + summary.failed.size() < summary.planned;
     const bool whole = !summary.interrupted && !summary.trials.empty();
     if (writer) summary.files = whole ? writer->commit() : writer->keep_partial();
+    if (writer) summary.kept = writer->size();
     report_progress();
   } catch (const std::exception& error) {
     if (!writer) throw;
@@ -424,7 +432,7 @@ std::string summary_json(const SweepSummary& summary) {
   const Json json = {{"command", summary.command},
                      {"seed", summary.seed},
                      {"planned", summary.planned},
-                     {"finished", summary.trials.size()},
+                     {"finished", summary.was_complete ? summary.resumed : summary.trials.size()},
                      {"resumed", summary.resumed},
                      {"failed", std::move(failed)},
                      {"simulated_s", summary.simulated},

@@ -78,8 +78,10 @@ struct SweepSummary {
   std::vector<TrialSummary> trials;  // finished, in order
   std::vector<FailedTrial> failed;   // the others, in order
   std::size_t resumed = 0;           // of the finished, those that an earlier run has simulated
+  std::vector<std::size_t> damaged;  // trials that an earlier run had left damaged: they were simulated again
   bool was_complete = false;         // there was nothing to resume: the dataset is there, and whole; `trials` is empty
-  double simulated = 0.0;            // s, of the finished trials
+  std::size_t kept = 0;              // trials in `files`
+  double simulated = 0.0;            // s, of the trials that this run has simulated
   double computed = 0.0;             // s, what their simulation took on the clock, summed over the workers
   bool interrupted = false;
   std::vector<std::string> files;  // written; those of the kept partial dataset when interrupted

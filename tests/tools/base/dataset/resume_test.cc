@@ -1,9 +1,12 @@
 // Going on with what a run that did not come to its end has left.
+#include <array>
 #include <csignal>
 #include <functional>
 
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <hdf5.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -112,7 +115,7 @@ TEST_F(ResumeTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
   EXPECT_EQ(
       refusal(changed([](DatasetHeader& now) { now.seed = 8; })),
       "cannot resume " + path("out.h5") + ": " + path("out.h5.partial") +
-          " was left by another run: seed 7, this run has 8; allowed: the same scene, seed, version, overrides and command");
+          " was written by another run: seed 7, this run has 8; allowed: the same scene, seed, version, overrides and command");
   EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\nseed: 9\n"; })),
               HasSubstr("scene with line 2 'seed: 7', this run's has 'seed: 9'"));
   EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\n"; })),
@@ -132,13 +135,84 @@ TEST_F(ResumeTest, RunThatIsWritingIsLeftAlone) {
 }
 
 TEST_F(ResumeTest, WholeDatasetIsComplete) {
-  EXPECT_FALSE(is_complete(path("out.h5"), header));
-  run(trials, [](DatasetWriter& writer) { writer.commit(); });
-  EXPECT_TRUE(is_complete(path("out.h5"), header));
+  EXPECT_FALSE(finished_dataset(path("out.h5"), header));
+  run(trials, [](DatasetWriter& writer) {
+    writer.add_failed({trials, "unstable", "slipbench run"});
+    writer.commit();
+  });
+  const std::optional<FinishedDataset> whole = finished_dataset(path("out.h5"), header);
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->trials, trials);
+  EXPECT_EQ(whole->failed.size(), 1U);
+  EXPECT_EQ(whole->files.size(), names().size());
   DatasetHeader other = header;
   other.seed = 8;
-  EXPECT_FALSE(is_complete(path("out.h5"), other));
-  EXPECT_FALSE(is_complete(path("no.h5"), header));
+  EXPECT_FALSE(finished_dataset(path("out.h5"), other));
+  EXPECT_FALSE(finished_dataset(path("no.h5"), header));
+  // Of another run it is not replaced.
+  EXPECT_THAT(message_of<InputError>([&] { KeptTrials(path("out.h5"), other); }),
+              HasSubstr("out.h5 was written by another run: seed 7"));
+}
+
+// The run is killed between the end of its files and their renaming.
+TEST_F(ResumeTest, WholeFilesGetTheirNames) {
+  const std::vector<std::string> expected = undisturbed();
+  for (const bool all : {true, false}) {
+    run(trials, [](DatasetWriter& writer) { writer.commit(); });
+    const std::vector<std::string> files = names();
+    ASSERT_GE(files.size(), 2U);
+    for (const std::string& name : files) {
+      // The later files are renamed first.
+      if (all || name == "out.h5") std::filesystem::rename(path(name), temporary_path(path(name)));
+    }
+    EXPECT_THAT(message_of<InputError>([&] { DatasetWriter(path("out.h5"), header, trials, several); }), HasSubstr("--resume"));
+    EXPECT_EQ(KeptTrials(path("out.h5"), header).size(), 0U);
+    EXPECT_EQ(all_bytes(), expected);
+    EXPECT_TRUE(finished_dataset(path("out.h5"), header));
+    for (const std::string& name : names()) std::filesystem::remove(path(name));
+  }
+}
+
+// What a trial's digest does not cover any more is not written again under a new one.
+TEST_F(ResumeTest, DamagedTrialIsNotKept) {
+  run(
+      3, [](DatasetWriter& writer) { writer.keep_partial(); }, DatasetWriter::default_shard_limit);
+  const hid_t file = H5Fopen(path("out.partial.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t labels = H5Oopen(file, "/data/demo_1/labels/pad", H5P_DEFAULT);
+  const hid_t attribute = H5Aopen(labels, "onset_time_s", H5P_DEFAULT);
+  const std::array<double, 2> onsets{1.2345, 1.2345};
+  ASSERT_GE(H5Awrite(attribute, H5T_NATIVE_DOUBLE, onsets.data()), 0);
+  H5Aclose(attribute);
+  H5Oclose(labels);
+  H5Fclose(file);
+  const KeptTrials kept(path("out.h5"), header);
+  EXPECT_EQ(kept.size(), 2U);
+  EXPECT_THAT(kept.damaged(), ElementsAre(1));
+  EXPECT_FALSE(kept.holds(1));
+  EXPECT_TRUE(kept.holds(2));
+}
+
+// The list of a file is one block, however long the names in it.
+TEST_F(ResumeTest, TrialsOfFiveDigitsAreKept) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    DatasetWriter writer(path("out.h5"), header, 12'000);
+    for (std::size_t k = 9'000; k < 11'000; ++k) {
+      TrialRecord record = make_record(k, 1);
+      record.sensors.clear();
+      record.body_time.clear();
+      record.bodies.clear();
+      writer.append(TrialEncoder().encode(record));
+      if (k % 100 == 99) writer.publish();
+    }
+    ::raise(SIGKILL);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  const DatasetReader reader(path("out.h5.partial"));
+  ASSERT_EQ(reader.trials().size(), 2'000U);
+  for (const std::size_t trial : reader.trials()) EXPECT_EQ(reader.read_trial(trial).outcome.touch_time, 0.125);
 }
 
 TEST_F(ResumeTest, FailedTrialsAreInEveryFile) {

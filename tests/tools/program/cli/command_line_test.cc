@@ -301,19 +301,19 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Refusal{
             {"swep", "s.yaml"},
-            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{
             {"xyzzy"},
-            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{
             {"--json", "lst"},
-            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"doctor", "list"}, "doctor: unexpected argument 'list'; see slipbench doctor --help"},
         Refusal{{"list", "run", "sweep"}, "list: unexpected argument 'sweep'; see slipbench list --help"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
         Refusal{
             {"--json"},
-            "no command given; commands: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "no command given; commands: run, sweep, check, report, export, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"verify"}, "verify: FILE is required"},
         Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{
@@ -326,7 +326,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
         Refusal{
             {"view", "s.yaml"},
-            "command 'view' is not available in this version; available: run, sweep, check, report, export, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "command 'view' is not available in this version; available: run, sweep, check, report, export, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
         Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
         Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},

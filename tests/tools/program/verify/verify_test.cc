@@ -137,6 +137,7 @@ TEST_F(VerifyTest, PartialRunAndSeveralFilesAreVerified) {
   const Verified partial = verify_datasets({write([](TrialRecord&) {}, false)});
   EXPECT_TRUE(partial.holds);
   EXPECT_FALSE(partial.datasets.at(0).at("complete"));
+  std::filesystem::remove(path("a.partial.h5"));
   const std::string first = write([](TrialRecord&) {}, true, 100'000);  // a trial takes more: a file each
   const Verified verified = verify_datasets({path("a-0002.h5"), first, path("none.h5")});
   EXPECT_TRUE(verified.holds);
@@ -151,11 +152,16 @@ TEST_F(VerifyTest, PartialRunAndSeveralFilesAreVerified) {
 // A killed run has no content_sha256; its trials have digests of their own.
 TEST_F(VerifyTest, KilledRunHasItsTrialsVerified) {
   DatasetWriter writer(path("a.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, 2);
-  writer.append(TrialEncoder().encode(sound()));
+  for (const std::size_t k : {0U, 2U}) {  // trial 1 failed, which is written at the run's end
+    TrialRecord record = sound();
+    record.trial = k;
+    writer.append(TrialEncoder().encode(record));
+  }
+  writer.publish();
   const Verified verified = verify_datasets({path("a.h5.partial")});
   EXPECT_TRUE(verified.holds);
   const auto digests = verified.datasets.at(0).at("checks").at(0);
-  EXPECT_EQ(digests.at("checked"), 1U);
+  EXPECT_EQ(digests.at("checked"), 2U);
   EXPECT_EQ(digests.at("left_out").at(0), "the file's own attributes: the run was killed before it wrote content_sha256");
 }
 
