@@ -23,8 +23,8 @@ struct GripSource {
 // A controller that a scene may name.
 struct ControllerKind {
   Entry about;
-  // `parameters`: those of `about`, all present. Throws SceneValueError at controller.<key> for a value that does not fit the rest, and at
-  // controller.type where the frames lack what the controller reads, or the scene the detector.
+  // `parameters`: those of `about`, all present. Throws SceneValueError at controller.<key> for a value that does not fit the
+  // rest, and at controller.type where the frames lack what the controller reads, or the scene the detector.
   std::unique_ptr<Controller> (*create)(const Parameters& parameters, const GripSource& source);
 };
 

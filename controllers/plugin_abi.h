@@ -1,11 +1,11 @@
-// A controller in a shared library, in plain C: `controller: {type: plugin, library: mine.so, parameters: {...}}`. What it exports and is
-// handed, beside the structures and rules of sim/core/plugin_abi.h. A whole one: controllers/example.
+// A controller in a shared library, in plain C: `controller: {type: plugin, library: mine.so, parameters: {...}}`. What it
+// exports and is handed, beside the structures and rules of sim/core/plugin_abi.h. A whole one: controllers/example.
 #pragma once
 
 #include "sim/core/plugin_abi.h"
 
-// Version of this interface, sim/core/plugin_abi.h included. It grows whenever a library that was built with an older one would not work
-// any more. 2: all sensors, parameters, sizes of structures.
+// Version of this interface, sim/core/plugin_abi.h included. It grows whenever a library that was built with an older one would
+// not work any more. 2: all sensors, parameters, sizes of structures.
 #define SLIPBENCH_CONTROLLER_ABI 2
 
 // What slipbench_controller_abi is to be set to.
@@ -49,8 +49,8 @@ struct slipbench_controller {
   char refusal[SLIPBENCH_REFUSAL_SIZE];  // one line that says why there is none for this scene, `update` being null then
 };
 
-// The two symbols that a library exports. slipbench_make_controller is asked for one controller a trial; `controller` is handed over without
-// functions.
+// The two symbols that a library exports. slipbench_make_controller is asked for one controller a trial; `controller` is handed
+// over without functions.
 SLIPBENCH_EXPORT extern const struct slipbench_abi slipbench_controller_abi;  // = SLIPBENCH_CONTROLLER_BUILD
 SLIPBENCH_EXPORT void slipbench_make_controller(const struct slipbench_source* source, struct slipbench_controller* controller);
 

@@ -1,11 +1,11 @@
-// A detector in a shared library, in plain C: `detector: {type: plugin, library: mine.so, parameters: {...}}`. What it exports and is
-// handed, beside the structures and rules of sim/core/plugin_abi.h. A whole one: detectors/example.
+// A detector in a shared library, in plain C: `detector: {type: plugin, library: mine.so, parameters: {...}}`. What it exports
+// and is handed, beside the structures and rules of sim/core/plugin_abi.h. A whole one: detectors/example.
 #pragma once
 
 #include "sim/core/plugin_abi.h"
 
-// Version of this interface, sim/core/plugin_abi.h included. It grows whenever a library that was built with an older one would not work
-// any more.
+// Version of this interface, sim/core/plugin_abi.h included. It grows whenever a library that was built with an older one would
+// not work any more.
 #define SLIPBENCH_DETECTOR_ABI 1
 
 // What slipbench_detector_abi is to be set to.
@@ -42,8 +42,8 @@ struct slipbench_detector {
   char refusal[SLIPBENCH_REFUSAL_SIZE];  // one line that says why there is none for this scene, `update` being null then
 };
 
-// The two symbols that a library exports. slipbench_make_detector is asked for one detector a trial; `detector` is handed over without
-// functions.
+// The two symbols that a library exports. slipbench_make_detector is asked for one detector a trial; `detector` is handed over
+// without functions.
 SLIPBENCH_EXPORT extern const struct slipbench_abi slipbench_detector_abi;  // = SLIPBENCH_DETECTOR_BUILD
 SLIPBENCH_EXPORT void slipbench_make_detector(const struct slipbench_source* source, struct slipbench_detector* detector);
 

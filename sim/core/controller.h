@@ -1,5 +1,5 @@
-// A controller: from a slip estimate, the sensor's frame and the gripper's status to the gripper's next command. As a detector it never
-// sees the truth.
+// A controller: from a slip estimate, the sensor's frame and the gripper's status to the gripper's next command. As a detector it
+// never sees the truth.
 #pragma once
 
 #include "sim/core/detector.h"

@@ -45,8 +45,8 @@ void handle(int signal, siginfo_t* info, void* context) {
   siglongjmp(*target, signal);
 }
 
-// The handlers, set once a process. SA_NODEFER: a jump out of the handler leaves no signal blocked, so that no mask has to be kept at each
-// call.
+// The handlers, set once a process. SA_NODEFER: a jump out of the handler leaves no signal blocked, so that no mask has to be
+// kept at each call.
 struct Handlers {
   Handlers() {
     struct sigaction action {};

@@ -1,5 +1,5 @@
-// A detector: from a sensor's frames to an estimate of slip. Its signature keeps the truth out: neither this header nor a detector may
-// include sim/core/contact_frame.h or sim/core/sensor.h, which tests/style checks.
+// A detector: from a sensor's frames to an estimate of slip. Its signature keeps the truth out: neither this header nor a
+// detector may include sim/core/contact_frame.h or sim/core/sensor.h, which tests/style checks.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@
 
 namespace slipbench {
 
-// A number that a detector works with and hands on, beside the class that it says: a magnitude in a band, a force that it has calibrated.
+// A number that a detector works with and hands on, beside the class that it says: a magnitude in a band, a force that it has
+// calibrated.
 struct Feature {
   std::string name;  // "fr_0_6"
   std::string unit;  // "counts"
@@ -40,8 +41,8 @@ struct FrameSource {
   std::vector<SensorSource> sensors{};                        // all of the scene in its order, this one among them
 };
 
-// What a scene names as its detector to get the truth in a detector's place (tools/program/catalogue/oracle.h). Wherever a person reads, it is called
-// an oracle.
+// What a scene names as its detector to get the truth in a detector's place (tools/program/catalogue/oracle.h). Wherever a person
+// reads, it is called an oracle.
 inline constexpr std::string_view oracle_type = "truth";
 
 class Detector {
@@ -50,14 +51,14 @@ class Detector {
 
   // Takes the next frame of its sensor, in order of time, at the sensor's own rate. Valid until the next update().
   virtual const SlipEstimate& update(const SensorFrame& frame) = 0;
-  // What SlipEstimate::features holds from the first update() on; the same as long as the detector lives. Empty: it hands on none. Before
-  // that first estimate whoever listens sees none at all.
+  // What SlipEstimate::features holds from the first update() on; the same as long as the detector lives. Empty: it hands on
+  // none. Before that first estimate whoever listens sees none at all.
   [[nodiscard]] virtual const std::vector<Feature>& features() const {
     static const std::vector<Feature> none;
     return none;
   }
-  // Who has to be handed the samples of all sensors, before the update() of the same instant; the detector's own part. Null, which most say:
-  // nobody.
+  // Who has to be handed the samples of all sensors, before the update() of the same instant; the detector's own part. Null,
+  // which most say: nobody.
   [[nodiscard]] virtual SampleListener* listener() { return nullptr; }
   // Once after the last update(). Throws InputError where what stands behind the detector fails as it ends.
   virtual void finish() {}

@@ -15,7 +15,8 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A value of a scene that is allowed by itself, but not together with the rest. Whoever has read the scene adds the file and line.
+// A value of a scene that is allowed by itself, but not together with the rest. Whoever has read the scene adds the file and
+// line.
 class SceneValueError : public InputError {
  public:
   // `path` as in the scene: "motion.start". The message is "motion.start: " and `what`.
@@ -32,8 +33,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 // `text` in single quotes for a message: unprintable bytes as \xNN, long text cut after 60 bytes with "...".
 std::string quote(std::string_view text);
 
-// `text` for a terminal or a file name, to which it may come from a file: control characters, those of ASCII (but line ends, where
-// `lines`) and those of Unicode's second block, as \xNN.
+// `text` for a terminal or a file name, to which it may come from a file: control characters, those of ASCII (but line ends,
+// where `lines`) and those of Unicode's second block, as \xNN.
 std::string printable(std::string_view text, bool lines = false);
 
 // The candidate nearest to `word` in edit distance when it is close enough to be a likely typing error, else "".

@@ -55,8 +55,8 @@ struct ParameterSpec {
   std::string source;                // where the default comes from, or "assumed"
 };
 
-// One function a type, whose arguments are the members of ParameterSpec: a list of them reads as a table. The entries of a vector share
-// quantity and range.
+// One function a type, whose arguments are the members of ParameterSpec: a list of them reads as a table. The entries of a vector
+// share quantity and range.
 ParameterSpec number_spec(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
                           std::string source);
 ParameterSpec vector_spec(std::size_t size, std::string name, Quantity quantity, std::string default_text, Range range,

@@ -1,14 +1,17 @@
-// What the program and a shared library with a detector or a controller of one's own hand each other, in plain C so that any compiler's
-// library will do. detectors/plugin_abi.h and controllers/plugin_abi.h include it and declare what such a library exports.
+// What the program and a shared library with a detector or a controller of one's own hand each other, in plain C so that any
+// compiler's library will do. detectors/plugin_abi.h and controllers/plugin_abi.h include it and declare what such a library
+// exports.
 //
 // Rules of every call:
 // - Lengths are in m, times in s, forces in N, as a dataset has them.
 // - No pointer that is handed over may be kept after the call. Who needs a name or a text later copies it.
-// - No function may throw, and none may end the program. What one throws, and most crashes (sim/core/crash_guard.h), end the trial with a message
-//   that names the library and the function. A loop without end is not ended: nothing can stop it but killing the program.
-// - Several threads run trials at once. A library makes one object a trial, and each object is used by one thread at a time; what its objects share
-//   must be safe for several.
-// - Nothing that is handed over holds the truth. A library runs in the program's own process, though: this keeps out mistakes and no intruder.
+// - No function may throw, and none may end the program. What one throws, and most crashes (sim/core/crash_guard.h), end the
+//   trial with a message that names the library and the function. A loop without end is not ended: nothing can stop it but
+//   killing the program.
+// - Several threads run trials at once. A library makes one object a trial, and each object is used by one thread at a time; what
+//   its objects share must be safe for several.
+// - Nothing that is handed over holds the truth. A library runs in the program's own process, though: this keeps out mistakes and
+//   no intruder.
 #pragma once
 
 #include <stddef.h>
@@ -20,8 +23,9 @@
 extern "C" {
 #endif
 
-// What a library was built with: the version of its interface, and the sizes of all structures, which differ where a binding to another
-// language or a compiler's option (packing) lays them out otherwise. Both have to be the program's own; the library is refused else.
+// What a library was built with: the version of its interface, and the sizes of all structures, which differ where a binding to
+// another language or a compiler's option (packing) lays them out otherwise. Both have to be the program's own; the library is
+// refused else.
 struct slipbench_abi {
   unsigned version;         // SLIPBENCH_DETECTOR_ABI or SLIPBENCH_CONTROLLER_ABI
   unsigned parameter_size;  // sizeof(struct slipbench_parameter)
@@ -46,9 +50,9 @@ enum slipbench_parameter_type {
   SLIPBENCH_BOOLEAN = 3,  // true or false
 };
 
-// One parameter. A library declares those that it has, with their defaults, and gets them back in the same order with what the scene says
-// of them under `parameters`. A name that the library does not declare is an error of the scene, as is a value that is not of the declared
-// type.
+// One parameter. A library declares those that it has, with their defaults, and gets them back in the same order with what the
+// scene says of them under `parameters`. A name that the library does not declare is an error of the scene, as is a value that is
+// not of the declared type.
 struct slipbench_parameter {
   const char* name;  // letters, digits and '_', no digit first: "threshold"
   int type;          // a slipbench_parameter_type

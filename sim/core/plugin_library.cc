@@ -22,9 +22,9 @@ constexpr const char* no_library = "none";
 constexpr std::size_t max_parameters = 1000;
 constexpr std::size_t max_text = 4096;  // bytes of a name or a text that a library declares
 
-// The system's loader holds a lock while it runs constructors and destructors of a library. A crash in one of them leaves it taken by this
-// thread: any other one that loaded or unloaded a library would wait for ever. So only one thread is inside of the loader, and after such a
-// crash none.
+// The system's loader holds a lock while it runs constructors and destructors of a library. A crash in one of them leaves it
+// taken by this thread: any other one that loaded or unloaded a library would wait for ever. So only one thread is inside of the
+// loader, and after such a crash none.
 std::mutex loader;
 bool loader_lost = false;  // under `loader`
 

@@ -16,20 +16,21 @@
 
 namespace slipbench {
 
-// A shared library, loaded as long as the object lives. Whatever it does wrong is a SceneValueError at `part`.library: the message names the
-// library, and the function where one is to blame.
+// A shared library, loaded as long as the object lives. Whatever it does wrong is a SceneValueError at `part`.library: the
+// message names the library, and the function where one is to blame.
 class PluginLibrary {
  public:
-  // `part`: "detector" or "controller"; `path`: what the scene names, or the default "none"; `own`: what the program was built with. Throws
-  // SceneValueError where no library is named, where there is no such file, where it cannot be loaded, lacks a symbol or was built with
-  // anything else than `own`.
+  // `part`: "detector" or "controller"; `path`: what the scene names, or the default "none"; `own`: what the program was built
+  // with. Throws SceneValueError where no library is named, where there is no such file, where it cannot be loaded, lacks a
+  // symbol or was built with anything else than `own`.
   PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own);
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
   ~PluginLibrary();
 
-  // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `part`.parameters.<name> for a name
-  // that the library does not declare and a value that is not of the declared type, and at `part`.library for a declaration that is none.
+  // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `part`.parameters.<name>
+  // for a name that the library does not declare and a value that is not of the declared type, and at `part`.library for a
+  // declaration that is none.
   class Values {
    public:
     Values() = default;
@@ -54,8 +55,8 @@ class PluginLibrary {
     return reinterpret_cast<Make*>(symbol("slipbench_make_" + part_));  // as POSIX has it
   }
 
-  // Runs call(), which is to call `function` of the library and nothing else. Throws SceneValueError where that crashes or throws. After a
-  // crash the library is called no more: has_crashed().
+  // Runs call(), which is to call `function` of the library and nothing else. Throws SceneValueError where that crashes or
+  // throws. After a crash the library is called no more: has_crashed().
   template <class Call>
   void guarded(const std::string& function, Call&& call) {
     std::string thrown;  // outside of what a crash may jump over

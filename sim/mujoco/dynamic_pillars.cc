@@ -49,9 +49,9 @@ bool DynamicSimulation::State::indent_tips(const mjModel* held, mjData* settled)
   return any;
 }
 
-// Steps in which only the tips move, without weights, so that they take up their loads before the run begins. As the stage is, what
-// is not a tip is deaf to what it touches and overwritten before every step: were it to give way within a step, the pads would push
-// it to where their forces balance.
+// Steps in which only the tips move, without weights, so that they take up their loads before the run begins. As the stage is,
+// what is not a tip is deaf to what it touches and overwritten before every step: were it to give way within a step, the pads
+// would push it to where their forces balance.
 void DynamicSimulation::State::settle_tips() {
   const ModelPointer held(mj_copyModel(nullptr, m()));
   std::vector<bool> of_tip(static_cast<std::size_t>(m()->nv), false);
@@ -99,8 +99,8 @@ void DynamicSimulation::State::settle_tips() {
   }
 }
 
-// The recipe's soft friction is right for tips alone: a box that is dragged over a table under it rocks and slides at a fraction of
-// mu f_n, and creeps before.
+// The recipe's soft friction is right for tips alone: a box that is dragged over a table under it rocks and slides at a fraction
+// of mu f_n, and creeps before.
 void DynamicSimulation::State::refuse_other_contacts(double time) const {
   for (int c = 0; c < d()->ncon; ++c) {
     const mjContact& contact = d()->contact[c];

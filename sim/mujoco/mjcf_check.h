@@ -5,9 +5,9 @@
 
 namespace slipbench {
 
-// Throws InputError where the file, or one that it includes or names (meshes, textures, fields of heights), is no regular file or larger
-// than 100 MB, and where a declaration takes memory out of all measure: a field of heights or a texture of more than 10^8 cells, a
-// `count` of more than 10^6, `memory` of more than 4 GB. What cannot be found or is not XML is MuJoCo's to refuse.
+// Throws InputError where the file, or one that it includes or names (meshes, textures, fields of heights), is no regular file or
+// larger than 100 MB, and where a declaration takes memory out of all measure: a field of heights or a texture of more than 10^8
+// cells, a `count` of more than 10^6, `memory` of more than 4 GB. What cannot be found or is not XML is MuJoCo's to refuse.
 void check_mjcf(const std::string& path);
 
 }  // namespace slipbench

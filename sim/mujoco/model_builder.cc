@@ -34,9 +34,9 @@ constexpr double earth_gravity = 9.81;  // m/s2
 // 0.1 mm.
 constexpr double contact_time = 2e-3;
 
-// Implicit fields bear no noslip (implicit.h), so friction itself must be stiff: with MuJoCo's 1 a box of 5 g that is dragged over a
-// table meets 0.44 of mu f_n, and one of 100 g gives way at half of it. With 1e2, 1e3, 1e4 mu f_n is met, and the creep at half of it is
-// 9, 0.8, 0.1 um/s.
+// Implicit fields bear no noslip (implicit.h), so friction itself must be stiff: with MuJoCo's 1 a box of 5 g that is dragged
+// over a table meets 0.44 of mu f_n, and one of 100 g gives way at half of it. With 1e2, 1e3, 1e4 mu f_n is met, and the creep at
+// half of it is 9, 0.8, 0.1 um/s.
 constexpr double implicit_impratio = 1e4;
 
 std::string escaped(const std::string& text) {
@@ -121,7 +121,8 @@ class Builder {
       : scene_(scene), pads_(pads), trial_(trial), hand_(hand) {}
 
   ModelPointer build() {
-    // What the plugin's attributes say of geoms is known only when the model has been read, and they must be there when it is read.
+    // What the plugin's attributes say of geoms is known only when the model has been read, and they must be there when it is
+    // read.
     SpecPointer bare = parse("");
     add_all(bare.get());
     SpecPointer spec = parse(extension());
@@ -411,8 +412,8 @@ class Builder {
     }
   }
 
-  // Instead of the geom's own mass, where the box's centre is not its middle, or a weight is in it. About the common centre of two masses
-  // m and w, r apart, I = I_m + m w/(m + w) (r^2 1 - r r^T): parallel axes, the weight a point.
+  // Instead of the geom's own mass, where the box's centre is not its middle, or a weight is in it. About the common centre of
+  // two masses m and w, r apart, I = I_m + m w/(m + w) (r^2 1 - r r^T): parallel axes, the weight a point.
   static void put_mass_at(mjsBody* body, const Parameters& box) {
     const auto centre = Eigen::Vector3d::Map(box.vector("centre_of_mass").data());
     const double mass = box.number("mass"), weight = box.number("weight");

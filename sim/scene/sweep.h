@@ -57,8 +57,8 @@ class Sweep {
   // What it sets, in file order.
   [[nodiscard]] const std::vector<SweptPath>& paths() const { return paths_; }
 
-  // Puts into the scene what entry `entry` of paths() sets with its value number `value`, and what all others set with their value number
-  // `others`, counted round. Drawn numbers are left out. Throws as apply().
+  // Puts into the scene what entry `entry` of paths() sets with its value number `value`, and what all others set with their
+  // value number `others`, counted round. Drawn numbers are left out. Throws as apply().
   void apply_one(YamlNode& scene, std::size_t entry, std::size_t value, std::size_t others) const;
 
   // Puts the values of one trial into the scene. The last axis varies fastest. Throws InputError where a path does not fit the

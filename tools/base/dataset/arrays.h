@@ -28,7 +28,8 @@ struct ArrayView {
   [[nodiscard]] std::size_t size_bytes() const { return shape[0] * row_bytes(); }
 };
 
-// All arrays of a trial in ascending order of path. Throws std::logic_error when a column's length does not fit the number of samples.
+// All arrays of a trial in ascending order of path. Throws std::logic_error when a column's length does not fit the number of
+// samples.
 std::vector<ArrayView> arrays_of(const TrialRecord& record);
 
 }  // namespace slipbench

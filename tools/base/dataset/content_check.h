@@ -9,8 +9,8 @@
 
 namespace slipbench {
 
-// Compares what the trials hold with their own digests, and their files with content_sha256. A file of schema 1 has its arrays checked
-// only, which one line on stderr says; that of a killed run, which has no content_sha256, its trials.
+// Compares what the trials hold with their own digests, and their files with content_sha256. A file of schema 1 has its arrays
+// checked only, which one line on stderr says; that of a killed run, which has no content_sha256, its trials.
 class ContentCheck {
  public:
   // `reader` must outlive the check.

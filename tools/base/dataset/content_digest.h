@@ -13,8 +13,8 @@ namespace slipbench {
 
 class ContentDigest {
  public:
-  // One array or attribute of numbers: `type` as numpy writes it ("<f8"), values little-endian in C order. An attribute's key is its
-  // object's path, "@" and its name. Keys differ.
+  // One array or attribute of numbers: `type` as numpy writes it ("<f8"), values little-endian in C order. An attribute's key is
+  // its object's path, "@" and its name. Keys differ.
   void add_numbers(const std::string& key, std::string_view type, const std::vector<std::size_t>& extents, const void* bytes,
                    std::size_t size);
   // One of texts. A single one has no extents.

@@ -15,7 +15,8 @@ inline constexpr const char* trial_sha256_name = "sha256";
 // The same of a file.
 inline constexpr const char* file_sha256_name = "content_sha256";
 
-// Of a demo: all of its arrays and attributes. Throws InputError where something in it cannot be read or is of a type that no dataset has.
+// Of a demo: all of its arrays and attributes. Throws InputError where something in it cannot be read or is of a type that no
+// dataset has.
 Digest stored_trial_digest(const hdf5::Place& demo);
 
 // Of a demo, as schema 1 has it: over its arrays alone.

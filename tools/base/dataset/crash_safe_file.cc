@@ -204,8 +204,8 @@ struct CrashSafeDriver {
 
 CrashSafeFile::CrashSafeFile(int descriptor, hid_t creation) : disk_(std::make_unique<Disk>(Disk{descriptor})) {
   if (::ftruncate(descriptor, 0) != 0) fail();
-  // File format 1.8: readable by every HDF5 of the last fifteen years, and without the "open for writing" mark of later ones, which would
-  // lock a killed run's file.
+  // File format 1.8: readable by every HDF5 of the last fifteen years, and without the "open for writing" mark of later ones,
+  // which would lock a killed run's file.
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
   check(H5Pset_meta_block_size(access.get(), 1 << 16));

@@ -10,16 +10,18 @@
 
 namespace slipbench::hdf5 {
 
-// HDF5 rewrites in place: its superblock, the header of a group that gets a member, a heap of texts that has room left. A process that is
-// killed in between leaves a file that nothing reads. Here nothing that a reader can reach is ever rewritten but the superblock:
+// HDF5 rewrites in place: its superblock, the header of a group that gets a member, a heap of texts that has room left. A process
+// that is killed in between leaves a file that nothing reads. Here nothing that a reader can reach is ever rewritten but the
+// superblock:
 //
-// - HDF5's own superblock stays in memory. The one on the disk leads to one of two copies of the root's and the list's object headers.
-// - publish() copies the list into the copy that is not shown, syncs, and shows it by writing the superblock: 48
-//   bytes, in one sector. It syncs again, so that the copy shown before may be rewritten.
+// - HDF5's own superblock stays in memory. The one on the disk leads to one of two copies of the root's and the list's object
+//   headers.
+// - publish() copies the list into the copy that is not shown, syncs, and shows it by writing the superblock: 48 bytes, in one
+//   sector. It syncs again, so that the copy shown before may be rewritten.
 // - close() does the same with HDF5's own superblock and headers, and clears both copies.
 //
-// Format: HDF5 File Format Specification 3.0, II.A "Superblock", versions 2 and 3; IV.A.1.b "Version 2 Data Object Header Prefix". All
-// functions throw std::runtime_error with the system's reason.
+// Format: HDF5 File Format Specification 3.0, II.A "Superblock", versions 2 and 3; IV.A.1.b "Version 2 Data Object Header
+// Prefix". All functions throw std::runtime_error with the system's reason.
 class CrashSafeFile {
  public:
   CrashSafeFile() = default;
@@ -29,18 +31,19 @@ class CrashSafeFile {
 
   [[nodiscard]] hid_t get() const { return file_.get(); }
 
-  // From here on the file is readable. `list`: a group, member of the root, whose header is one block for as long as the file grows. Until
-  // close() the root itself gets nothing more, and what has been published is not changed.
+  // From here on the file is readable. `list`: a group, member of the root, whose header is one block for as long as the file
+  // grows. Until close() the root itself gets nothing more, and what has been published is not changed.
   void begin(hid_t list, const char* name);
-  // Hands what has been written so far to the system, and does not show it. HDF5 then begins new blocks: where the next objects lie depends
-  // on when this is called.
+  // Hands what has been written so far to the system, and does not show it. HDF5 then begins new blocks: where the next objects
+  // lie depends on when this is called.
   void flush();
-  // What has been flushed, and is a member of the list, can be read from now on whatever happens. Where objects lie does not depend on when
-  // this is called.
+  // What has been flushed, and is a member of the list, can be read from now on whatever happens. Where objects lie does not
+  // depend on when this is called.
   void publish();
   // What has been flushed is on the disk, without being shown.
   void sync();
-  // Shows what has been flushed and synced, what the root has got since begin() too, which takes no further space, and closes the file.
+  // Shows what has been flushed and synced, what the root has got since begin() too, which takes no further space, and closes the
+  // file.
   void close();
   // Gives up a file that cannot be written any more. As when it is destroyed without close(), what was published last stays.
   void abandon() {

@@ -157,7 +157,8 @@ std::array<std::string, 3> names_of(const std::string& path, std::size_t k) {
 template <class Name>
 void remove_leftovers(std::size_t first, const Name& name_of) {
   const auto is_left = [](const Found& found, std::size_t k) {
-    // A whole dataset is its owner's, but for later files: of a run that was ended while it finished them, the last ones are complete.
+    // A whole dataset is its owner's, but for later files: of a run that was ended while it finished them, the last ones are
+    // complete.
     return is_leftover(found) || (k > 0 && found.kind == Found::Kind::dataset && found.shard == k);
   };
   for (std::size_t k = first; is_left(found_at(name_of(k)), k); ++k) ::unlink(name_of(k).c_str());

@@ -7,13 +7,13 @@
 
 namespace slipbench {
 
-// The k-th file of the dataset `path` has three names: its own (shard_path), one while it is written (temporary_path) and one after
-// an interrupt (kept_path). What may be replaced: under its own name an empty file or a dataset's k-th file, under the others an
-// empty file or a dataset without a trial that a run has left. Nothing else, no link and no special file.
+// The k-th file of the dataset `path` has three names: its own (shard_path), one while it is written (temporary_path) and one
+// after an interrupt (kept_path). What may be replaced: under its own name an empty file or a dataset's k-th file, under the
+// others an empty file or a dataset without a trial that a run has left. Nothing else, no link and no special file.
 
 // Throws InputError when one of the first `planned` files may not be written. Returns for how many that is known: at least
-// `planned`, more where further files stand there that may be replaced. `resumes`: what a run that did not come to its end has left may hold
-// trials, with which this one goes on. Call it before any thread is made (guarded.h).
+// `planned`, more where further files stand there that may be replaced. `resumes`: what a run that did not come to its end has
+// left may hold trials, with which this one goes on. Call it before any thread is made (guarded.h).
 std::size_t check_dataset_targets(const std::string& path, std::size_t planned, bool resumes);
 
 // For a k-th file beyond those: throws InputError when anything stands under one of its names.
@@ -22,16 +22,16 @@ void check_names_are_free(const std::string& path, std::size_t k);
 // Names of the files of the finished dataset at `path` from the `first`-th on, as far as they are there and belong to it.
 std::vector<std::string> later_files(const std::string& path, std::size_t first);
 
-// Gives the files of a run that was ended after it had finished them, and before they had their own names, these names. Returns whether there
-// were any. Throws InputError as check_dataset_targets() does.
+// Gives the files of a run that was ended after it had finished them, and before they had their own names, these names. Returns
+// whether there were any. Throws InputError as check_dataset_targets() does.
 bool finish_names(const std::string& path);
 
-// Files that runs which did not come to their end have left of the dataset `path`, the first of each run, as far as they hold trials. Throws InputError
-// when another run is writing one of them, or when one cannot be read.
+// Files that runs which did not come to their end have left of the dataset `path`, the first of each run, as far as they hold
+// trials. Throws InputError when another run is writing one of them, or when one cannot be read.
 std::vector<std::string> leftovers(const std::string& path);
 
-// Gives what leftovers() are under their temporary names the names after an interrupt. Of two k-th files the one with more trials stays. Returns how
-// many files there are.
+// Gives what leftovers() are under their temporary names the names after an interrupt. Of two k-th files the one with more trials
+// stays. Returns how many files there are.
 std::size_t gather_leftovers(const std::string& path);
 
 // Removes what a run that did not come to its end has left under the temporary names of `path`, from the `first`-th on.

@@ -92,8 +92,8 @@ void set_limits(const ReadingLimits& limits) {
   ::_exit(0);  // nothing of the parent's is torn down or flushed twice
 }
 
-// What the child sends, until it ends; empty: it took longer than `seconds`. They are counted while this process runs, so that one that is
-// stopped (Ctrl-Z) and goes on has them still.
+// What the child sends, until it ends; empty: it took longer than `seconds`. They are counted while this process runs, so that
+// one that is stopped (Ctrl-Z) and goes on has them still.
 std::optional<std::string> read_all(int channel, std::uint64_t seconds) {
   std::string text;
   std::array<char, 65536> buffer{};

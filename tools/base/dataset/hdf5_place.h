@@ -1,5 +1,5 @@
-// The places of an open HDF5 file. What is read of a file goes through here: nothing leads out of it, and nothing is as large as a
-// damaged number says.
+// The places of an open HDF5 file. What is read of a file goes through here: nothing leads out of it, and nothing is as large as
+// a damaged number says.
 #pragma once
 
 #include <cstddef>
@@ -41,8 +41,8 @@ std::vector<std::size_t> extents_of(const Place& place, const Handle& space);
 std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents, std::size_t element_bytes,
                      std::uint64_t compression);
 
-// Extents of an array, once it is known that all of its values lie in the file: no external storage, no virtual dataset, no more bytes
-// than what is stored can unfold to.
+// Extents of an array, once it is known that all of its values lie in the file: no external storage, no virtual dataset, no more
+// bytes than what is stored can unfold to.
 std::vector<std::size_t> array_extents(const Place& place, const Handle& array);
 
 // An attribute that is there; its extents are checked likewise.

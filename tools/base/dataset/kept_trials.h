@@ -12,21 +12,22 @@
 
 namespace slipbench {
 
-// The trials that were left of the dataset `path`. A killed run leaves OUT.h5.partial, an interrupted one OUT.partial.h5; one that went on
-// with the other's and was killed leaves both, of which the one with more trials counts.
+// The trials that were left of the dataset `path`. A killed run leaves OUT.h5.partial, an interrupted one OUT.partial.h5; one
+// that went on with the other's and was killed leaves both, of which the one with more trials counts.
 class KeptTrials {
  public:
-  // Without anything left it holds no trial. Otherwise what is left has the names after an interrupt from then on; files that lack
-  // nothing but their own names get these. Throws InputError when another run is writing it, when it cannot be read, and when what the runs,
-  // or that of a dataset which is there, say of themselves is not the same: the message names what differs, and nothing is changed. Call it
-  // before any thread is made (guarded.h).
+  // Without anything left it holds no trial. Otherwise what is left has the names after an interrupt from then on; files that
+  // lack nothing but their own names get these. Throws InputError when another run is writing it, when it cannot be read, and
+  // when what the runs, or that of a dataset which is there, say of themselves is not the same: the message names what differs,
+  // and nothing is changed. Call it before any thread is made (guarded.h).
   KeptTrials(const std::string& path, const DatasetHeader& header);
 
   [[nodiscard]] std::size_t size() const { return trials_.size(); }
   [[nodiscard]] bool holds(std::size_t trial) const;
   // The trial's record, whose material is empty.
   [[nodiscard]] TrialRecord read(std::size_t trial) const { return reader_->read_trial(trial); }
-  // Numbers of the trials that were left too, and whose digest does not hold or which cannot be read: this object does not hold them.
+  // Numbers of the trials that were left too, and whose digest does not hold or which cannot be read: this object does not hold
+  // them.
   [[nodiscard]] const std::vector<std::size_t>& damaged() const { return damaged_; }
   // Names of its files.
   [[nodiscard]] std::vector<std::string> files() const { return reader_ ? reader_->files() : std::vector<std::string>(); }
@@ -44,8 +45,8 @@ struct FinishedDataset {
   std::vector<std::string> files;
 };
 
-// The dataset at `path`, where it says `header` of itself. Empty where there is none, where its run did not come to its end, and where it cannot
-// be read. Call it before any thread is made (guarded.h).
+// The dataset at `path`, where it says `header` of itself. Empty where there is none, where its run did not come to its end, and
+// where it cannot be read. Call it before any thread is made (guarded.h).
 std::optional<FinishedDataset> finished_dataset(const std::string& path, const DatasetHeader& header);
 
 // What two runs say differently of themselves, as a clause: "seed 7, this run has 8; ...". Empty: nothing.

@@ -15,7 +15,8 @@ using Extents = std::vector<std::size_t>;
 inline constexpr const char* label_frame_text =
     "contact plane: the pad frame P turned the shortest way until its z is the surface's normal; x and y are tangential, z is normal, compression is positive; forces act on the pad; positions, heights and slip_centre are in the pad frame P itself";
 
-// Attribute `codes` of an array of labels, events or the control loop whose numbers stand for something: a JSON object, word to number. Empty for the others.
+// Attribute `codes` of an array of labels, events or the control loop whose numbers stand for something: a JSON object, word to
+// number. Empty for the others.
 inline std::string_view codes_of(std::string_view array) {
   if (array == "unit_state") return R"({"detached":0,"stick":1,"slip":2,"partial":3})";
   if (array == "events/kind") return R"({"touch":0,"slip":1,"stick":2,"detach":3,"micro":4,"part_sticks":5})";

@@ -25,10 +25,10 @@ struct Masks {
   std::vector<std::size_t> test;
 };
 
-// Splits trials (number, group) so that no group is in two of the parts. Without a rule the groups are materials, or single trials where all
-// share one material, and 70 % of them are for training, 15 % for validation and 15 % for the test. A part that has a share gets at least
-// one group, the test first, as long as one is left for training. Who goes where is shuffled by RandomStream(seed, 0, "mask"). Each part
-// ascends.
+// Splits trials (number, group) so that no group is in two of the parts. Without a rule the groups are materials, or single
+// trials where all share one material, and 70 % of them are for training, 15 % for validation and 15 % for the test. A part that
+// has a share gets at least one group, the test first, as long as one is left for training. Who goes where is shuffled by
+// RandomStream(seed, 0, "mask"). Each part ascends.
 Masks split_trials(const std::vector<std::pair<std::size_t, std::string>>& trials, std::uint64_t seed,
                    const std::optional<SplitRule>& rule = {});
 

@@ -24,8 +24,8 @@ void check_text_target(const std::string& path, const std::vector<std::string>& 
 // Throws InputError with the system's reason.
 void rename_file(const std::string& from, const std::string& to);
 
-// Writes `text` to PATH.partial, syncs it and renames it. Throws InputError when that is not possible; then nothing is left behind.
-// Call check_text_target before.
+// Writes `text` to PATH.partial, syncs it and renames it. Throws InputError when that is not possible; then nothing is left
+// behind. Call check_text_target before.
 void write_text_file(const std::string& path, const std::string& text);
 
 }  // namespace slipbench

@@ -242,7 +242,8 @@ struct DatasetReader::State {
     return labels;
   }
 
-  // The control loop of a demo, empty where it has none. `sensors`: those of the demo. `grasp`: it is one, so the gripper has columns, and a guided arm one.
+  // The control loop of a demo, empty where it has none. `sensors`: those of the demo. `grasp`: it is one, so the gripper has
+  // columns, and a guided arm one.
   [[nodiscard]] static std::optional<ControlRecord> read_control(const Place& demo, const std::vector<SensorRecord>& sensors,
                                                                  const std::optional<GraspOutcome>& grasp) {
     const Place place = demo.below(control_group);

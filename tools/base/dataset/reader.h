@@ -74,8 +74,8 @@ class DatasetReader {
   // Throws InputError where only the outcome was recorded.
   void check_recorded(std::size_t trial) const;
 
-  // Everything of one trial. `material` is not stored a trial and stays empty. A file of a version before outcomes had `detection` gets one by
-  // today's rule (settle_detection).
+  // Everything of one trial. `material` is not stored a trial and stays empty. A file of a version before outcomes had
+  // `detection` gets one by today's rule (settle_detection).
   [[nodiscard]] TrialRecord read_trial(std::size_t trial) const;
   // What a sensor is: "papillarray".
   [[nodiscard]] std::string sensor_type(std::size_t trial, const std::string& sensor) const;
@@ -86,7 +86,8 @@ class DatasetReader {
   [[nodiscard]] Digest stored_digest(std::size_t trial) const;
   // What its attribute `sha256` says, 64 hexadecimal digits; empty in a file of schema 1, which has none.
   [[nodiscard]] std::string trial_sha256(std::size_t trial) const;
-  // What a file's content_sha256 should say, made of the digests of all of its trials in ascending order and of what it holds beside them.
+  // What a file's content_sha256 should say, made of the digests of all of its trials in ascending order and of what it holds
+  // beside them.
   [[nodiscard]] std::string stored_sha256(std::size_t file, const std::vector<std::pair<std::size_t, Digest>>& trials) const;
 
   // One array by its path inside the demo, e.g. read<std::uint8_t>(3, "labels/pad/state"), converted to T (float, double,

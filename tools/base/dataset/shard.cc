@@ -147,8 +147,9 @@ void write_array(hid_t demo, const EncodedArray& array) {
   dataset.close();
 }
 
-// HDF5 puts texts into heaps, and goes on with one that has room left for as long as it holds it in memory. While `insert` makes an object
-// it has no room in memory and must let go of all that is there, so that what follows does not rewrite the heap of a demo.
+// HDF5 puts texts into heaps, and goes on with one that has room left for as long as it holds it in memory. While `insert` makes
+// an object it has no room in memory and must let go of all that is there, so that what follows does not rewrite the heap of a
+// demo.
 void forget_heaps(hid_t file, const std::function<void()>& insert) {
   H5AC_cache_config_t usual{};
   usual.version = H5AC__CURR_CACHE_CONFIG_VERSION;
@@ -195,8 +196,8 @@ void write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>&
   group.close();
 }
 
-// The root's header takes in one block what the constructor of Shard gives it, as CrashSafeFile needs it. No other creation property: any
-// would add an object that carries the time of day.
+// The root's header takes in one block what the constructor of Shard gives it, as CrashSafeFile needs it. No other creation
+// property: any would add an object that carries the time of day.
 Handle file_properties() {
   constexpr unsigned entries = 16;
   constexpr unsigned name_length = 32;

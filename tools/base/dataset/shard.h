@@ -45,7 +45,8 @@ class Shard {
 
   // Adds a demo. Until publish() a killed run leaves the file without it.
   void append(const EncodedTrial& trial);
-  // All demos so far are in the file for good, whatever happens to the process or to the machine's power. Costs two syncs of the disk.
+  // All demos so far are in the file for good, whatever happens to the process or to the machine's power. Costs two syncs of the
+  // disk.
   void publish();
 
   // Numbers of the trials held.
@@ -58,8 +59,8 @@ class Shard {
   [[nodiscard]] bool failed() const { return failed_; }
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  // Publishes, and writes the attributes and masks of the whole, which nobody sees before close(). `shards`: number of files of the
-  // dataset. `complete`: whether the run came to its end. Nothing can be appended any more.
+  // Publishes, and writes the attributes and masks of the whole, which nobody sees before close(). `shards`: number of files of
+  // the dataset. `complete`: whether the run came to its end. Nothing can be appended any more.
   void prepare(const Masks& masks, const std::vector<FailedTrial>& failed, std::size_t shards, bool complete);
   [[nodiscard]] bool prepared() const { return prepared_; }
   // Shows what was prepared, which takes no further space, and closes and syncs the file.

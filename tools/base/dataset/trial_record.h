@@ -112,7 +112,8 @@ struct TurnOutcome {
 struct GraspOutcome {
   bool dropped = false;
   double drop_time = std::numeric_limits<double>::quiet_NaN();  // s
-  // Of the box in the arm's frame, from the lift's beginning to the trial's end, the give of pads and fingers in it; NaN: dropped.
+  // Of the box in the arm's frame, from the lift's beginning to the trial's end, the give of pads and fingers in it; NaN:
+  // dropped.
   double slip_translation = std::numeric_limits<double>::quiet_NaN();  // m, of its middle
   double slip_rotation = std::numeric_limits<double>::quiet_NaN();     // rad
   // True grip forces, the mean of both pads' normal forces.
@@ -120,16 +121,17 @@ struct GraspOutcome {
   double final_grip_force = 0.0;  // N, at the last tick
   // N, m g/(2 mu_s), mu_s upwards: the least that could hold the box (HeldBox::ideal_force()); NaN where no force could.
   double ideal_grip_force = std::numeric_limits<double>::quiet_NaN();
-  // s, from the first tick of the lift at which a unit of the sensor's pad truly slips until a command that follows from a later read, and
-  // closes further, begins to act; NaN: none before the drop, or the detector is Detection::early.
+  // s, from the first tick of the lift at which a unit of the sensor's pad truly slips until a command that follows from a later
+  // read, and closes further, begins to act; NaN: none before the drop, or the detector is Detection::early.
   double reaction_time = std::numeric_limits<double>::quiet_NaN();
   std::optional<TurnOutcome> turn = {};  // empty where the arm's motion is prescribed
 };
 
-// How a detector did in a trial. An alarm is a tick at which the loop sees incipient or gross. The first one decides, as the stopping time does in
-// sequential change detection (A. N. Shiryaev, Theory Probab. Appl. 8, 1963; G. Lorden, Ann. Math. Stat. 42, 1971), where the delay is that of
-// the runs without an alarm before the change. So a detector that alarms before the slip has no delay in that trial, also where the alarm is
-// withdrawn and comes again after the slip began: a loop has acted on the first one, and one that comes and goes would meet any slip at once.
+// How a detector did in a trial. An alarm is a tick at which the loop sees incipient or gross. The first one decides, as the
+// stopping time does in sequential change detection (A. N. Shiryaev, Theory Probab. Appl. 8, 1963; G. Lorden, Ann. Math. Stat.
+// 42, 1971), where the delay is that of the runs without an alarm before the change. So a detector that alarms before the slip
+// has no delay in that trial, also where the alarm is withdrawn and comes again after the slip began: a loop has acted on the
+// first one, and one that comes and goes would meet any slip at once.
 enum class Detection : std::uint8_t {
   quiet,        // no slip, no alarm
   false_alarm,  // no slip, an alarm
@@ -141,8 +143,8 @@ enum class Detection : std::uint8_t {
 // "quiet", "false_alarm", "early", "seen", "missed"
 std::string_view detection_word(Detection detection);
 
-// How a trial ended. NaN: it never happened. With several sensors the earliest time and the largest distance count, but for those that follow
-// another's pad.
+// How a trial ended. NaN: it never happened. With several sensors the earliest time and the largest distance count, but for those
+// that follow another's pad.
 struct TrialOutcome {
   double touch_time = std::numeric_limits<double>::quiet_NaN();             // s
   double first_micro_slip_time = std::numeric_limits<double>::quiet_NaN();  // s, a first part of a unit slips
@@ -150,9 +152,10 @@ struct TrialOutcome {
   double gross_slip_time = std::numeric_limits<double>::quiet_NaN();        // s, all touching units slip
   double max_slip_distance = 0.0;                                           // m, of any unit
 
-  // Of the detector. Slip is that of the sensor that it reads, by the rule strict: it begins when a first unit slips as a whole. In a grasp it is
-  // the first of the lift, and nothing counts from a drop on. Alarms count from the trial's beginning; what closing fingers make slip is no false
-  // alarm, so in a grasp whose sensor slips before the lift none counts from that slip to the lift.
+  // Of the detector. Slip is that of the sensor that it reads, by the rule strict: it begins when a first unit slips as a whole.
+  // In a grasp it is the first of the lift, and nothing counts from a drop on. Alarms count from the trial's beginning; what
+  // closing fingers make slip is no false alarm, so in a grasp whose sensor slips before the lift none counts from that slip to
+  // the lift.
   double false_alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, first alarm before slip
   double detection_time = std::numeric_limits<double>::quiet_NaN();    // s, first alarm once slip has begun
   double detection_delay =
@@ -162,22 +165,23 @@ struct TrialOutcome {
 
   std::optional<GraspOutcome> grasp;  // empty: the scene is none
 
-  // By sensor, the samples in which its converter reported an end of its range for a value beyond it (Sensor::saturated). A sensor whose
-  // readings all lie within it is not in here.
+  // By sensor, the samples in which its converter reported an end of its range for a value beyond it (Sensor::saturated). A
+  // sensor whose readings all lie within it is not in here.
   std::map<std::string, std::uint64_t> saturated;
 };
 
 // The JSON object of a demo's attribute `outcome`: touch_time_s, first_micro_slip_time_s, first_slip_time_s, gross_slip_time_s,
-// max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s; only with a detector: judged_slip_time_s, detection (a
-// detection_word()); and of a grasp, null without one: dropped, drop_time_s,
-// slip_translation_m, slip_rotation_rad, max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s; and only where the arm is guided: tilt_rad,
+// max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s; only with a detector: judged_slip_time_s,
+// detection (a detection_word()); and of a grasp, null without one: dropped, drop_time_s, slip_translation_m, slip_rotation_rad,
+// max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s; and only where the arm is guided: tilt_rad,
 // least_tilt_rad, standing. Only where a converter was at an end of its range: saturated_samples, an object {sensor: samples}.
 std::string outcome_json(const TrialOutcome& outcome);
 // The inverse. A dataset of a version without detectors has none of their keys. Throws InputError when `text` is no such object.
 TrialOutcome parse_outcome(const std::string& text);
 
-// Says how the detector did: sets `detection`, from `false_alarm_time`, `detection_time` and whether there is slip to be judged by. Of an early one
-// it takes away the delay, and the reaction time of a grasp, whose loop has closed for the alarm and not for the slip.
+// Says how the detector did: sets `detection`, from `false_alarm_time`, `detection_time` and whether there is slip to be judged
+// by. Of an early one it takes away the delay, and the reaction time of a grasp, whose loop has closed for the alarm and not for
+// the slip.
 void settle_detection(TrialOutcome& outcome, bool slips);
 
 struct TrialRecord {

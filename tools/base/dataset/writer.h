@@ -13,19 +13,18 @@
 namespace slipbench {
 
 // Writes the trials of a dataset to OUT.h5.partial (and OUT-0001.h5.partial, ... when a file would grow over the limit or get
-// more than most_trials_per_file). A killed run leaves the trials that were published. Only commit() makes the final names appear. The bytes depend on the header and the trials alone. All functions throw InputError with the
-// system's reason when the target cannot be written. The HDF5 library is not thread-safe: use all readers and writers of a
-// process from one thread.
+// more than most_trials_per_file). A killed run leaves the trials that were published. Only commit() makes the final names
+// appear. The bytes depend on the header and the trials alone. All functions throw InputError with the system's reason when the
+// target cannot be written. The HDF5 library is not thread-safe: use all readers and writers of a process from one thread.
 class DatasetWriter {
  public:
   static constexpr std::uint64_t default_shard_limit = 1'000'000'000;  // bytes
 
   // Refuses at once what cannot become a dataset: a folder, a special file, a symbolic link, a read-only file, a missing folder,
   // a target that another run is writing, and files that are not this dataset's to replace, such as the scene itself
-  // (dataset_target.h). Call it before any thread is made.
-  // `planned`: trials that will come, for which a file makes room in its list beforehand.
-  // `kept`: what a run that did not come to its end has left of this dataset, which stays until commit(), or until keep_partial() leaves as
-  // much; null: nothing may be there.
+  // (dataset_target.h). Call it before any thread is made. `planned`: trials that will come, for which a file makes room in its
+  // list beforehand. `kept`: what a run that did not come to its end has left of this dataset, which stays until commit(), or
+  // until keep_partial() leaves as much; null: nothing may be there.
   DatasetWriter(std::string path, DatasetHeader header, std::size_t planned = most_trials_per_file,
                 std::uint64_t shard_limit = default_shard_limit, const KeptTrials* kept = nullptr);
   // Without commit() or keep_partial(): the same as keep_partial(), errors ignored.
@@ -37,8 +36,8 @@ class DatasetWriter {
   void append(const EncodedTrial& trial);
   // Notes a trial that failed; the files get all of these when they are finished.
   void add_failed(FailedTrial failed);
-  // All trials so far are safe: whatever happens to the process or to the machine's power, the files can be read and hold them. Costs two
-  // syncs of the disk; when it is called does not change a byte of the finished dataset.
+  // All trials so far are safe: whatever happens to the process or to the machine's power, the files can be read and hold them.
+  // Costs two syncs of the disk; when it is called does not change a byte of the finished dataset.
   void publish();
   // Trials appended; after keep_partial() those that the files hold which it names.
   [[nodiscard]] std::size_t size() const;

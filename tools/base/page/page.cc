@@ -43,8 +43,8 @@ std::string policy_hash(const std::string& content) {
   return "'sha256-" + base64(digest) + "'";
 }
 
-// Nothing but the page's own style and script is applied or run, whatever got into the page; the empty picture of its tab is data. Dygraphs
-// draws with style attributes.
+// Nothing but the page's own style and script is applied or run, whatever got into the page; the empty picture of its tab is
+// data. Dygraphs draws with style attributes.
 std::string policy(const std::string& styles, const std::string& scripts) {
   std::string text = "default-src 'none'; style-src-elem " + policy_hash(on_own_lines(styles));
   if (!scripts.empty()) text += "; style-src-attr 'unsafe-inline'; script-src " + policy_hash(on_own_lines(scripts));
@@ -63,7 +63,8 @@ std::string skeleton(const Page& page, const std::string& own_styles, std::strin
                                                   {"scripts", std::move(elements)}});
 }
 
-// JSON as the content of a <script> element, which nothing in it can end: '<' and everything beyond ASCII is written as an escape.
+// JSON as the content of a <script> element, which nothing in it can end: '<' and everything beyond ASCII is written as an
+// escape.
 std::string script_json(const Json& data) {
   std::string safe;
   for (const char c : data.dump(-1, ' ', true, Json::error_handler_t::replace)) {

@@ -18,15 +18,16 @@ using Confusion = std::array<StateCounts, 4>;
 void count(Confusion& confusion, PadState truth, PadState seen);
 void add(Confusion& sum, const Confusion& other);
 
-// All shares below are of the samples in contact, 0 to 1; NaN where there is none to take a share of. The class no_contact, which is also
-// "nothing seen yet", is wrong there. Incipient and gross are slip.
+// All shares below are of the samples in contact, 0 to 1; NaN where there is none to take a share of. The class no_contact, which
+// is also "nothing seen yet", is wrong there. Incipient and gross are slip.
 
 // Number of samples whose true state is `truth`.
 std::size_t samples_in(const Confusion& confusion, PadState truth);
 std::size_t samples_in_contact(const Confusion& confusion);
 // Share of the samples of a true state that have its class.
 double recall(const Confusion& confusion, PadState truth);
-// Share of the samples that truly slip that are seen as slip, whichever of the two. Always "gross" has 1: read it beside the next.
+// Share of the samples that truly slip that are seen as slip, whichever of the two. Always "gross" has 1: read it beside the
+// next.
 double recall_of_slip(const Confusion& confusion);
 // Mean of recall() over the k states that occur. Every answer that is always the same one of them has 1/k.
 double balanced_accuracy(const Confusion& confusion);

@@ -9,9 +9,9 @@
 
 namespace slipbench {
 
-// While alive, the first SIGINT, SIGTERM or SIGHUP sets the flag and says on stderr what happens next, `notice`, and the second ends the
-// process as usual; a signal that was ignored before (a job that a script put in the background) stays ignored. A write beyond the process's
-// limit on file sizes fails instead of ending it. One at a time.
+// While alive, the first SIGINT, SIGTERM or SIGHUP sets the flag and says on stderr what happens next, `notice`, and the second
+// ends the process as usual; a signal that was ignored before (a job that a script put in the background) stays ignored. A write
+// beyond the process's limit on file sizes fails instead of ending it. One at a time.
 class InterruptGuard {
  public:
   explicit InterruptGuard(std::string_view notice = "stopping");

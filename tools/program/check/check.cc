@@ -152,8 +152,8 @@ ExpectationResult result_of(const Named& expectation, const CheckOptions& option
   return result;
 }
 
-// The trial that misses most of the expectations that failed; of those alike `worst`, else the earliest. Trials that fail to run leave
-// nothing to look at: one of them only where there is no other.
+// The trial that misses most of the expectations that failed; of those alike `worst`, else the earliest. Trials that fail to run
+// leave nothing to look at: one of them only where there is no other.
 std::size_t most_telling(const std::vector<CheckedTrial>& trials, const std::vector<Named>& failed, std::size_t worst) {
   const auto missed = [&](const CheckedTrial& trial) {
     return std::ranges::count_if(failed, [&](const Named& expectation) { return !keeps(expectation, trial); });
@@ -189,7 +189,8 @@ std::vector<std::string> leave_trial(const SweepOptions& replay, const std::stri
   return files;
 }
 
-// Every trial of the control with the same draws. A path that --set fixes leaves the sweep, so an axis of controllers has one value.
+// Every trial of the control with the same draws. A path that --set fixes leaves the sweep, so an axis of controllers has one
+// value.
 SweepSummary run_control(const SweepOptions& options, const std::string& control, const Catalogues& catalogues,
                          const ProgressCallback& progress) {
   SweepOptions sweep = options;

@@ -230,8 +230,8 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
     return entry.name == "scatter" ? "grip: {}\n" + key : key;
   }
   if (item.kind.plural == contact.plural) {
-    // Most materials have two coefficients of friction, and MuJoCo's contact knows one. By its defaults, tips of 0.1 g are thrown about at a
-    // step of 1 ms; these hold.
+    // Most materials have two coefficients of friction, and MuJoCo's contact knows one. By its defaults, tips of 0.1 g are thrown
+    // about at a step of 1 ms; these hold.
     return fmt::format(
         "fidelity: mujoco_contact\nfriction: {{static: 0.5, kinetic: 0.5}}\n{}:\n  integrator: discrete\n  cone: elliptic\n"
         "  impratio: 10\n  solref: [0.002, 1]\n  solimp: [0.99, 0.999, 0.001]\n  tip_mass: 10 g\n",

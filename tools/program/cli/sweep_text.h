@@ -35,8 +35,8 @@ struct SensorAbout {
 std::vector<SensorAbout> sensors_of(const Scene& scene);
 
 // One trial in full: a table of the units of each sensor (touch, first micro-slip, full slip and its rank, slipped distance, load
-// and margin at the end), the pad's gross slip, the shares of the classes, and a line each on the detector and the grasp where there are such. `sensors` in
-// the order of the trial's.
+// and margin at the end), the pad's gross slip, the shares of the classes, and a line each on the detector and the grasp where
+// there are such. `sensors` in the order of the trial's.
 std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>& sensors, const Style& style);
 
 // How the grasps of a sweep with one detector and controller ended. Medians, in SI; NaN where there is nothing to take one of.
@@ -51,8 +51,8 @@ struct GraspRow {
   double reaction_time;     // s, of those that tightened after a slip
 };
 
-// A row for each detector and controller in order of their first trial; empty where no trial is a grasp. Where swept parameters make more
-// than 24 rows, trials that differ in these alone share one.
+// A row for each detector and controller in order of their first trial; empty where no trial is a grasp. Where swept parameters
+// make more than 24 rows, trials that differ in these alone share one.
 std::vector<GraspRow> grasp_rows(const SweepSummary& summary);
 
 // The rows as a JSON array: {"name", "trials", "held", "held_share_95": [low, high], "median_slip_translation_m",
@@ -62,16 +62,17 @@ nlohmann::ordered_json grasp_json(const std::vector<GraspRow>& rows);
 // A table of how the detectors did; empty where there is none.
 std::string detectors_text(const std::vector<DetectorScore>& scores, const Style& style);
 
-// The same as a JSON array: {"type", "oracle", "recall_of_slip", "balanced_accuracy", "constant_balanced_accuracy", "median_delay_s",
-// "worst_delay_s", "trials", "slipping", "seen", "early", "missed", "false_alarms", "accuracy", "constant_accuracy", "confusion"}; null for NaN.
+// The same as a JSON array: {"type", "oracle", "recall_of_slip", "balanced_accuracy", "constant_balanced_accuracy",
+// "median_delay_s", "worst_delay_s", "trials", "slipping", "seen", "early", "missed", "false_alarms", "accuracy",
+// "constant_accuracy", "confusion"}; null for NaN.
 nlohmann::ordered_json detectors_json(const std::vector<DetectorScore>& scores);
 
-// Several trials: how many reached each stage of slip and when (earliest, median, latest), the shares of the classes, and tables of the
-// detectors and of the grasps.
+// Several trials: how many reached each stage of slip and when (earliest, median, latest), the shares of the classes, and tables
+// of the detectors and of the grasps.
 std::string sweep_text(const SweepSummary& summary, const Style& style);
 
-// "800 s simulated in 3.2 s: 250 x real time, 62 trials/s; one core steps at 400 x real time". The first rate is that of the whole
-// command, with reading and writing; the second is that of the simulation alone.
+// "800 s simulated in 3.2 s: 250 x real time, 62 trials/s; one core steps at 400 x real time". The first rate is that of the
+// whole command, with reading and writing; the second is that of the simulation alone.
 std::string speed_text(const SweepSummary& summary, double elapsed);
 
 }  // namespace slipbench

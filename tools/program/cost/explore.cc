@@ -318,8 +318,8 @@ void Explorer::price_all() {
   }
 }
 
-// Rounds over all jobs, each starting one further on, until no run fits into what is left of the budget. The first goes from the cheapest to the
-// dearest, so that what a short budget leaves out is the dearest.
+// Rounds over all jobs, each starting one further on, until no run fits into what is left of the budget. The first goes from the
+// cheapest to the dearest, so that what a short budget leaves out is the dearest.
 void Explorer::time_all() {
   std::vector<Job*> jobs;
   for (std::size_t i = 0; i < jobs_.size(); ++i) {

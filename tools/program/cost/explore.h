@@ -1,9 +1,9 @@
 // `slipbench cost`: what accuracy costs in time, for a scene of the user's own.
 //
-// A trial of the scene is run with every setting of settings.h. Each run is compared with a reference (errors.h): onsets with their closed
-// form where there is one (closed_form.h), all else with a far finer run, whose own error is what it differs from one of twice its step.
-// Then all that ran are timed, in rounds that go over all of them in turn, so that a drift of the machine meets all alike, until the
-// budget is used up.
+// A trial of the scene is run with every setting of settings.h. Each run is compared with a reference (errors.h): onsets with
+// their closed form where there is one (closed_form.h), all else with a far finer run, whose own error is what it differs from
+// one of twice its step. Then all that ran are timed, in rounds that go over all of them in turn, so that a drift of the machine
+// meets all alike, until the budget is used up.
 #pragma once
 
 #include <atomic>
@@ -40,8 +40,8 @@ enum class Status {
 };
 std::string_view status_name(Status status);  // "ok", "over budget"
 
-// CPU time of a trial: building the bench, and all steps with sensors, detector and controller; nothing is recorded, but where the budget has
-// room for no second run, and the first, which everything is recorded of, is all there is.
+// CPU time of a trial: building the bench, and all steps with sensors, detector and controller; nothing is recorded, but where
+// the budget has room for no second run, and the first, which everything is recorded of, is all there is.
 struct CpuTime {
   double median = 0.0;           // s
   double low = 0.0, high = 0.0;  // s, quartiles; NaN where fewer than least_repeats say nothing of the spread
@@ -107,8 +107,8 @@ struct Exploration {
   [[nodiscard]] double cost(const Row& row) const { return row.cpu->median / simulated; }
 };
 
-// Throws InputError for a scene that cannot be read or does not run as it is, and for a budget of less than budget_in_runs of its trials, and
-// Interrupted where it was interrupted before there was a reference.
+// Throws InputError for a scene that cannot be read or does not run as it is, and for a budget of less than budget_in_runs of its
+// trials, and Interrupted where it was interrupted before there was a reference.
 inline constexpr double budget_in_runs = 12.0;
 Exploration explore(const ExploreOptions& options, const Catalogues& catalogues);
 
@@ -118,12 +118,12 @@ void mark_fronts(Exploration& exploration);
 // Whether a row puts out as often as the scene itself: others are cheaper for giving less.
 bool as_often(const Exploration& exploration, const Row& row);
 
-// Row of the least cost that puts out as often as the scene, whose worst error by the measure is at most `limit` and whose events are the reference's, or null. `only`: of that series,
-// where it is empty of any but those with a reference of their own.
+// Row of the least cost that puts out as often as the scene, whose worst error by the measure is at most `limit` and whose events
+// are the reference's, or null. `only`: of that series, where it is empty of any but those with a reference of their own.
 const Row* cheapest(const Exploration& exploration, Measure measure, double limit, std::string_view only = {});
 
-// What there is to say in plain words: what 1 % and 0.1 % of each measure cost, what MuJoCo's own contact has to pay for the same, and which
-// effects cost and change nothing.
+// What there is to say in plain words: what 1 % and 0.1 % of each measure cost, what MuJoCo's own contact has to pay for the
+// same, and which effects cost and change nothing.
 std::vector<std::string> sentences(const Exploration& exploration);
 
 // Three digits, no exponent above one: "1.25", "380", "19600".

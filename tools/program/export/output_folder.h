@@ -17,11 +17,11 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  // Writes PATH/NAME, where NAME may begin with one folder more, and returns that path. Throws InputError when it cannot be written or
-  // something stands there that is not of this kind.
+  // Writes PATH/NAME, where NAME may begin with one folder more, and returns that path. Throws InputError when it cannot be
+  // written or something stands there that is not of this kind.
   std::string write(const std::string& name, const TextKind& kind, const std::string& bytes);
-  // Makes the folder, and returns PATH/NAME for a file that someone else will write. Throws InputError for a name with control characters
-  // and for one that leads out of the folder.
+  // Makes the folder, and returns PATH/NAME for a file that someone else will write. Throws InputError for a name with control
+  // characters and for one that leads out of the folder.
   std::string prepare(const std::string& name);
 
   [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }

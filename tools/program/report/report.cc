@@ -37,7 +37,8 @@ constexpr std::size_t curve_values_in_page = 4'000'000;
 
 constexpr std::size_t trials_in_page = 6;
 
-// A trial of a grasp is small, 18 kB where 9 pillars are sampled at 100 Hz for 5 s, and every one of a set of trials is worth a look.
+// A trial of a grasp is small, 18 kB where 9 pillars are sampled at 100 Hz for 5 s, and every one of a set of trials is worth a
+// look.
 constexpr std::size_t grasps_in_page = 300;
 constexpr std::size_t curve_values_of_grasp = 100'000;
 
@@ -85,7 +86,8 @@ Json drawn_parameters(const std::string& params, const std::string& subject) {
   return result;
 }
 
-// One row of the overview; with `curve_values` above 0 the trial's curves are added to `curves`, and those of a grasp to `grasps`.
+// One row of the overview; with `curve_values` above 0 the trial's curves are added to `curves`, and those of a grasp to
+// `grasps`.
 Json trial_row(const TrialRecord& record, const std::string& file, std::size_t curve_values, Json& curves, Json& grasps) {
   const std::string subject = file + ": /data/demo_" + std::to_string(record.trial);
   Json row = {{"index", record.trial},
@@ -125,7 +127,8 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
   return row;
 }
 
-// What the scene warns of, as far as this version can read it; nothing is built, since that would open files that the dataset names.
+// What the scene warns of, as far as this version can read it; nothing is built, since that would open files that the dataset
+// names.
 std::vector<Warning> warnings_of(const DatasetHeader& header, const Json& overrides, const std::vector<std::size_t>& trials) {
   try {
     SceneFile file = SceneFile::from_text(header.scene, "scene");

@@ -65,7 +65,8 @@ const std::vector<Entry>& entries_below(std::string_view first) {
   return found == places.end() ? none : *found->second;
 }
 
-// What the path's parameter is measured in, where all entries that have one of this name agree; the path does not say which entry it is.
+// What the path's parameter is measured in, where all entries that have one of this name agree; the path does not say which entry
+// it is.
 Quantity quantity_of_path(const std::string& path) {
   const std::string_view key = key_of(path);
   // What a plugin's library declares is in no catalogue, whatever it is called.

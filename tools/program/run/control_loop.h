@@ -1,4 +1,5 @@
-// What closes the loop around a simulation: a detector that reads a sensor, a controller that reads the gripper and commands it and the arm.
+// What closes the loop around a simulation: a detector that reads a sensor, a controller that reads the gripper and commands it
+// and the arm.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +19,14 @@ namespace slipbench {
 // Every part may be absent, and then costs nothing.
 class ControlLoop {
  public:
-  // `detector` reads the sensor of `pad`; empty: the estimate is that of no contact. `box`: the grasp's, which must outlive the loop; null:
-  // the scene is none. `controller`, of a grasp alone; null: nothing is read or written, and the fingers stay where they begin.
+  // `detector` reads the sensor of `pad`; empty: the estimate is that of no contact. `box`: the grasp's, which must outlive the
+  // loop; null: the scene is none. `controller`, of a grasp alone; null: nothing is read or written, and the fingers stay where
+  // they begin.
   explicit ControlLoop(std::optional<DelayedDetector> detector = {}, std::size_t pad = 0,
                        std::unique_ptr<Controller> controller = nullptr, HeldBox* box = nullptr);
 
-  // Hands the samples that are complete to who listens to all sensors, then to the detector; the controller gets those of the first pad,
-  // whose values must stay until the next.
+  // Hands the samples that are complete to who listens to all sensors, then to the detector; the controller gets those of the
+  // first pad, whose values must stay until the next.
   void update(std::span<const Tick> ticks) {
     if (!closed()) return;
     for (SampleListener* const listener : listeners_) {
@@ -39,9 +41,9 @@ class ControlLoop {
     }
   }
 
-  // Once every instant, after update(): at a tick of the first pad in a grasp, else of the detector's, does what is due. At a read of the
-  // gripper the controller is asked, with the latest frame and estimate of that tick; its command goes with the next write, to a guided arm
-  // at the same instant. Throws what the controller and the gripper refuse.
+  // Once every instant, after update(): at a tick of the first pad in a grasp, else of the detector's, does what is due. At a
+  // read of the gripper the controller is asked, with the latest frame and estimate of that tick; its command goes with the next
+  // write, to a guided arm at the same instant. Throws what the controller and the gripper refuse.
   void act(std::span<const Tick> ticks) {
     if (!closed()) return;
     for (const Tick& tick : ticks) {

@@ -18,12 +18,12 @@ class DelayedDetector {
   [[nodiscard]] SampleListener* listener() { return detector_->listener(); }
   void finish() { detector_->finish(); }
 
-  // The next frame of its sensor. Throws std::logic_error when the detector's estimate is older than its last one, or has a latency that is
-  // negative or no number.
+  // The next frame of its sensor. Throws std::logic_error when the detector's estimate is older than its last one, or has a
+  // latency that is negative or no number.
   void update(const SensorFrame& frame);
 
-  // What is seen at the tick at `time` [s], after the tick's update(): the latest estimate with estimate.time + estimate.latency <= time,
-  // to the rounding of a double. no_contact before the first. Ticks come in ascending order.
+  // What is seen at the tick at `time` [s], after the tick's update(): the latest estimate with estimate.time + estimate.latency
+  // <= time, to the rounding of a double. no_contact before the first. Ticks come in ascending order.
   const SlipEstimate& seen_at(double time);
   // What was seen at the tick last asked for.
   [[nodiscard]] const SlipEstimate& seen() const { return seen_; }

@@ -20,8 +20,8 @@ namespace slipbench {
 // A sensor that follows another one's pad has figures of its units, and none in the outcome.
 class Judge {
  public:
-  // Figures go into `result`: outcome, units, state counts, confusion and onset times; its record must be that of new_record(). `box`: the
-  // grasp's; null: the scene is none. All must outlive the judge.
+  // Figures go into `result`: outcome, units, state counts, confusion and onset times; its record must be that of new_record().
+  // `box`: the grasp's; null: the scene is none. All must outlive the judge.
   Judge(const Scene& scene, const Simulation& simulation, const HeldBox* box, TrialResult& result);
 
   // Once every instant, after the loop has acted: the ticks at it.

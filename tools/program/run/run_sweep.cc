@@ -38,8 +38,8 @@ bool replaces(const std::string& path, const std::string& earlier) {
   return earlier == path || (earlier.starts_with(path + '.') && !path.starts_with("sweep."));
 }
 
-// The overrides that count, in an order in which they can be applied again. An object has each key once, so a repeated path stands
-// where it was given last; what it replaces must go with its first value, since it may be below it.
+// The overrides that count, in an order in which they can be applied again. An object has each key once, so a repeated path
+// stands where it was given last; what it replaces must go with its first value, since it may be below it.
 std::string overrides_json(const std::vector<Override>& overrides) {
   std::vector<Override> kept;
   for (const Override& change : overrides) {

@@ -93,8 +93,8 @@ struct PlannedTrials {
   std::size_t asked = 0;  // the first so many of them are asked for; options.only is one of these
 };
 
-// `file`: with options.overrides; `catalogues` must outlive what comes back; `seed`: the dataset's. Throws InputError as TrialPlan
-// does, and when options.only is none of the trials asked for.
+// `file`: with options.overrides; `catalogues` must outlive what comes back; `seed`: the dataset's. Throws InputError as
+// TrialPlan does, and when options.only is none of the trials asked for.
 PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed);
 
 // What decides the bytes of a dataset, as a shell would be given it: no --jobs, no -o.
@@ -103,9 +103,10 @@ std::string canonical_command(const SweepOptions& options);
 // A word as a shell has to be given it.
 std::string shell_word(const std::string& word);
 
-// Runs the sweep. A trial that fails is noted, in the summary and in the dataset, and the others run. Throws InputError for a scene or a target that cannot be used, and when options.only is none of its trials.
-// What is finished when the target fails is kept under OUT.partial.h5, which the message names. A scene that wishes for accuracy is a std::logic_error: its setting is found before (tools/program/cost). What is written
-// does not depend on `jobs`.
+// Runs the sweep. A trial that fails is noted, in the summary and in the dataset, and the others run. Throws InputError for a
+// scene or a target that cannot be used, and when options.only is none of its trials. What is finished when the target fails is
+// kept under OUT.partial.h5, which the message names. A scene that wishes for accuracy is a std::logic_error: its setting is
+// found before (tools/program/cost). What is written does not depend on `jobs`.
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 
 // A trial as an element of `trials` in the one JSON object of `--json`, and the rest of that object.

@@ -77,7 +77,8 @@ TEST_F(TargetTest, UnreadableLeftoverIsKept) {
 TEST_F(TargetTest, WholeDatasetIsNoLeftover) {
   write("out.partial.h5", 1, DatasetWriter::default_shard_limit);
   const std::string before = file_sha256(path("out.partial.h5"));
-  EXPECT_THAT(refusal("out.h5"), HasSubstr("exists and holds a complete dataset; allowed: a new name, or " + path("out.partial.h5")));
+  EXPECT_THAT(refusal("out.h5"),
+              HasSubstr("exists and holds a complete dataset; allowed: a new name, or " + path("out.partial.h5")));
   EXPECT_EQ(file_sha256(path("out.partial.h5")), before);
   EXPECT_THAT(names(), ElementsAre("out.partial.h5"));
 }
