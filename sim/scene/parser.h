@@ -31,8 +31,7 @@ class SceneFile {
   static SceneFile from_text(std::string text, std::string name);
 
   // Replaces or adds a value; missing maps on the way are made. Below `sweep` the rest of the path is one key:
-  // "sweep.motion.speed=[...]". Throws InputError when the path cannot exist (it goes through a scalar, the index is out of
-  // range).
+  // "sweep.motion.speed=[...]". Throws InputError when the path cannot exist (it goes through a scalar, the index is out of range).
   void apply(const Override& change);
 
   [[nodiscard]] const std::string& text() const { return text_; }  // as read, without overrides
@@ -56,9 +55,10 @@ Scene parse_scene(const SceneFile& file, const Catalogues& catalogues);
 class TrialPlan {
  public:
   // Checks the sweep, and every cell of the grid with its first draw (the cells after the 10,000th when they are asked for).
-  // `draws`: repetitions of each grid cell; 0 takes sweep.trials, or 1. `seed`: the dataset's seed, from which random draws come;
-  // it replaces the scene's own. `catalogues` must outlive the plan. Throws InputError; more than 1,000,000 trials are refused,
-  // and a sweep over names (materials, protocols) whose figures the scene replaces, so that its trials would differ in nothing.
+  // `draws`: repetitions of each grid cell; 0 takes sweep.trials, or 1.
+  // `seed`: the dataset's seed, from which random draws come; it replaces the scene's own.
+  // `catalogues` must outlive the plan. Throws InputError; more than 1,000,000 trials are refused, and a sweep over names (materials,
+  // protocols) whose figures the scene replaces, so that its trials would differ in nothing.
   TrialPlan(const SceneFile& file, const Catalogues& catalogues, std::size_t draws, std::uint64_t seed);
 
   [[nodiscard]] std::size_t size() const { return count_; }

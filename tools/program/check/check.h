@@ -83,13 +83,12 @@ bool expects_anything(const CheckOptions& options, const Catalogues& catalogues)
 // The sweep whose trials are held against what the scene expects.
 SweepOptions sweep_of(const CheckOptions& options);
 
-// Runs the scene's trials and holds each expectation against them. A trial that fails keeps none. Throws InputError for a scene
-// that cannot be run, for a reliability that so many trials cannot show, and where the files of a failed check cannot be written;
-// Interrupted (tools/base/workers/interrupt.h) once options.interrupt is true.
+// Runs the scene's trials and holds each expectation against them. A trial that fails keeps none. Throws InputError for a scene that
+// cannot be run, for a reliability that so many trials cannot show, and where the files of a failed check cannot be written; Interrupted
+// (tools/base/workers/interrupt.h) once options.interrupt is true.
 SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 
-// What is to be said of an expectation that failed: "max_slip: 3 of 20 trials fail, allowed 0 (at most 3 mm); worst: 4.1 mm in
-// trial 7".
+// What is to be said of an expectation that failed: "max_slip: 3 of 20 trials fail, allowed 0 (at most 3 mm); worst: 4.1 mm in trial 7".
 std::string failure_text(const ExpectationResult& result);
 
 // The same of a scene that tests nothing.
