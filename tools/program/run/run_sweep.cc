@@ -341,9 +341,10 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
     }
     if (options.on_trial) options.on_trial(trial.summary);
     if (!options.keep_units && summary.planned > 1) {
-      for (SensorSummary& sensor : trial.summary.sensors) sensor.units = {};
+      for (SensorSummary& sensor : trial.summary.sensors) sensor.units = std::vector<UnitOutcome>();
     }
-    summary.trials.push_back(std::move(trial.summary));
+    // A copy: what a worker has allocated would keep the memory around it, which is ten times its own.
+    summary.trials.push_back(std::as_const(trial.summary));
   };
 
   const auto run_all = [&] {
