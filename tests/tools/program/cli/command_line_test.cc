@@ -318,7 +318,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{
             {"run", "s.yaml", "--job", "2"},
-            "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --trial"},
+            "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --resume, --trial"},
         Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
         Refusal{{"cost"}, "cost: a scene is missing; allowed: SCENE.yaml, --stability, or both"},
         Refusal{{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},

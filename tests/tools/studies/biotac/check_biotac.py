@@ -104,7 +104,7 @@ def check_programs(folder):
     assert len(rows) == 4 and all("x1.00" in row for row in rows), rows
     assert "outside the dry run's worst factor of their row: 0 of 96" in same.stdout
     page = (folder / "page.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == 7 * 2 + 3 * 4 + 7 * 2 and "<script" not in page and "http" not in page
+    assert page.count("<svg") == 7 * 2 + 3 * 4 + 7 * 2 and "<script" not in page and "://" not in page
     again = run(TOOLS / "compare.py", folder / "a", folder / "a")
     assert same.stdout.startswith(again.stdout)  # but for the line on the page
     write(folder / "b", 3.0, 2)
