@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <ranges>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -92,7 +91,8 @@ struct DatasetWriter::State {
       }
     }
     // The first file last: where it is complete, all are.
-    for (Shard* shard : whole | std::views::reverse) shard->close();
+    std::ranges::reverse(whole);
+    for (Shard* shard : whole) shard->close();
     const std::vector<std::string> stale = complete ? later_files(target, shards.size()) : std::vector<std::string>();
     std::vector<std::string> names;
     for (std::size_t k = shards.size(); k-- > 0;) {

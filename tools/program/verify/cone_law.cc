@@ -32,7 +32,7 @@ bool has_sums(const PadLayout& layout) {
 
 ConeLaw cone_law(const Scene& scene, std::size_t index) {
   ConeLaw law;
-  const auto leave_out = [&law](std::vector<bool ConeLaw::*> parts, const std::string& why) {
+  const auto leave_out = [&law](const std::vector<bool ConeLaw::*>& parts, const std::string& why) {
     for (const auto part : parts) law.*part = false;
     law.left_out.push_back(why);
   };
