@@ -108,9 +108,9 @@ void relink(std::vector<std::uint8_t>& header, std::string_view name, std::uint6
   link.insert(link.end(), name.begin(), name.end());
   link.resize(link.size() + 8);
   put(&link[link.size() - 8], from, 8);
-  const auto found = std::ranges::search(header, link);
-  if (found.empty()) throw std::logic_error("the list is no member of the root");
-  put(&*found.end() - 8, to, 8);
+  const auto found = std::search(header.begin(), header.end(), link.begin(), link.end());
+  if (found == header.end()) throw std::logic_error("the list is no member of the root");
+  put(&*found + link.size() - 8, to, 8);
   const std::span<const std::uint8_t> summed(header.data(), header.size() - 4);
   put(&header[header.size() - 4], checksum(summed), 4);
 }
