@@ -94,6 +94,7 @@ H5O_info_t check_one_block(hid_t object) {
   return info;
 }
 
+// An object's header.
 std::vector<std::uint8_t> read_header(int descriptor, hid_t object, std::uint64_t& address) {
   const H5O_info_t info = check_one_block(object);
   address = info.addr;
@@ -214,13 +215,13 @@ CrashSafeFile::CrashSafeFile(int descriptor, hid_t creation) : disk_(std::make_u
   file_ = Handle(H5Fcreate("crash safe", H5F_ACC_TRUNC, creation, access.get()), &H5Fclose);
 }
 
-void CrashSafeFile::begin(hid_t list, const char* name) {
+void CrashSafeFile::begin(const char* list) {
   flush();
   std::uint64_t root_address = 0;
   const Handle root_group(H5Gopen2(file_.get(), "/", H5P_DEFAULT), &H5Gclose);
   std::vector<std::uint8_t> root = read_header(disk_->descriptor, root_group.get(), root_address);
-  list_bytes_ = read_header(disk_->descriptor, list, list_address_).size();
-  list_ = Handle(H5Gopen2(file_.get(), name, H5P_DEFAULT), &H5Gclose);
+  list_ = Handle(H5Gopen2(file_.get(), list, H5P_DEFAULT), &H5Gclose);
+  list_bytes_ = read_header(disk_->descriptor, list_.get(), list_address_).size();
 
   reserve_bytes_ = 2 * (root.size() + list_bytes_);
   const hsize_t extent = reserve_bytes_;
@@ -234,7 +235,7 @@ void CrashSafeFile::begin(hid_t list, const char* name) {
   std::uint64_t linked = list_address_;
   for (View& view : views_) {
     view = {address, address + root.size()};
-    relink(root, name, linked, view.list);
+    relink(root, list, linked, view.list);
     linked = view.list;
     if (!write_whole(disk_->descriptor, root, view.root)) fail();
     address += root.size() + list_bytes_;

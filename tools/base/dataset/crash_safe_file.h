@@ -31,9 +31,9 @@ class CrashSafeFile {
 
   [[nodiscard]] hid_t get() const { return file_.get(); }
 
-  // From here on the file is readable. `list`: a group, member of the root, whose header is one block for as long as the file
+  // From here on the file is readable. `list`: name of a group in the root, whose header is one block for as long as the file
   // grows. Until close() the root itself gets nothing more, and what has been published is not changed.
-  void begin(hid_t list, const char* name);
+  void begin(const char* list);
   // Hands what has been written so far to the system, and does not show it. HDF5 then begins new blocks: where the next objects
   // lie depends on when this is called.
   void flush();

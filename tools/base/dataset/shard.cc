@@ -261,7 +261,7 @@ Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t ind
       write_attribute(root, "command", header.command);
       write_attribute(root, "shard", static_cast<std::uint64_t>(index));
       list_ = create_demo_list(root, planned, last);
-      file_.begin(list_.get(), "data");
+      file_.begin("data");
     });
   } catch (const InputError&) {
     list_.abandon();

@@ -46,15 +46,17 @@ class TrialsJson {
     fmt::print(file_.get(), "{}{}", empty_ ? "" : ",", trial_json(trial));
     empty_ = false;
   }
-  // Ends the object `head` with them.
+  // Ends the object `head` with them. Nothing is printed where they could not all be kept.
   void print(const std::string& head) {
-    fmt::print("{},\"trials\":[", head.substr(0, head.size() - 1));
-    std::fflush(file_.get());
+    if (std::fflush(file_.get()) != 0 || std::ferror(file_.get()) != 0) {
+      throw InputError(fmt::format("cannot write a temporary file: {}", std::strerror(errno)));
+    }
     std::rewind(file_.get());
+    fmt::print("{},\"trials\":[", head.substr(0, head.size() - 1));
     std::array<char, 65536> block{};
     while (const std::size_t count = std::fread(block.data(), 1, block.size(), file_.get()))
       std::fwrite(block.data(), 1, count, stdout);
-    if (std::ferror(file_.get()) != 0) throw InputError("cannot write or read a temporary file: the disk may be full");
+    if (std::ferror(file_.get()) != 0) throw InputError("cannot read a temporary file");
     fmt::print("]}}\n");
   }
 
@@ -180,7 +182,7 @@ int SimulationCommand::run() {
   warnings.insert(warnings.end(), shown.begin(), shown.end());
   if (json) {
     print_json(finished, warnings, trials);
-  } else if (summary.was_complete) {
+  } else if (summary.was_complete && !quiet) {
     fmt::print("{} is complete, with {} trials: there is nothing to resume\n", sweep.output, summary.resumed);
   } else if (!quiet && !summary.interrupted && !summary.trials.empty()) {
     print_summary(sweep, finished, catalogues);

@@ -162,6 +162,13 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
   }
 }
 
+// Says nothing of the trial, which may run with more memory. So it ends the run, whose finished trials are kept, and is not noted
+// as a failure.
+class OutOfMemory : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 // As run_one; what went wrong is told with the trial's number, and with the line of the scene where one is to blame.
 FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
   try {
@@ -173,7 +180,7 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
   } catch (const InputError& error) {
     throw InputError(fmt::format("trial {}: {}", index, error.what()));
   } catch (const std::bad_alloc&) {
-    throw InputError(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
+    throw OutOfMemory(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
   } catch (const std::exception& error) {
     throw std::runtime_error(fmt::format("trial {}: {}", index, error.what()));
   }
@@ -186,6 +193,8 @@ OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepO
   return [plan, encoder, &trials](std::size_t index) {
     try {
       return run_numbered(plan, trials[index], encoder.get());
+    } catch (const OutOfMemory&) {
+      throw;
     } catch (const InputError& error) {
       FinishedTrial failed;
       failed.summary.trial = trials[index];

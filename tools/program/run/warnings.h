@@ -1,4 +1,5 @@
-// What a scene may say and is hardly meant, and figures that mislead: told beside the results, on the terminal, in the JSON and in the report.
+// What a scene may say and is hardly meant, and figures that mislead: told beside the results, on the terminal, in the JSON and in
+// the report.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +17,8 @@
 namespace slipbench {
 
 struct Warning {
-  std::string
-      about;         // what it is about: a key of the scene ("motion.start"), or a sensor's converter ("sensors.pad.electronics")
-  std::string text;  // for a person, with its place where it has one: "stage.yaml:14: motion.start 5 s is not before ..."
+  std::string about;  // a key of the scene ("motion.start"), or a sensor's converter ("sensors.pad.electronics")
+  std::string text;   // for a person, with its place where it has one: "stage.yaml:14: motion.start 5 s is not before ..."
 
   friend bool operator==(const Warning&, const Warning&) = default;
 };
@@ -30,14 +30,15 @@ struct Warning {
 //   a speed of more than 1 m/s without a unit
 //   a mass below 1 mg or above 1 t; a length below 1 um or above 10 m of a body, the surface, the box, the grip or the motion
 //   a material that --set gives beside coefficients of friction in the scene, which replace it
-//   with `build`, which reads the files that the scene names: a step that `time_step: auto` makes so short that a trial would take more than
-//   ten minutes
+//   with `build`, which reads the files that the scene names: a step that `time_step: auto` makes so short that a trial would take
+//   more than ten minutes
 std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers, bool build);
-// Where a dataset of these trials has a part without a trial that should have some: too few materials, or what else its `split` names. Of many
-// trials some are looked at, spread evenly.
+// Where a dataset of these trials has a part without a trial that should have some: too few materials, or what else its `split`
+// names. Of many trials some are looked at, spread evenly.
 std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers);
 
-// All of these of the trials that `sweep` would run, built; those of the split where it writes a dataset. Throws InputError as run_sweep does for a scene that cannot be read.
+// All of these of the trials that `sweep` would run, built; those of the split where it writes a dataset. Throws InputError as
+// run_sweep does for a scene that cannot be read.
 std::vector<Warning> scene_warnings(const SweepOptions& sweep, const Catalogues& catalogues);
 
 // How often a sensor's converter was at an end of its range.

@@ -9,15 +9,15 @@
 namespace slipbench {
 
 struct Verified {
-  // One object a dataset: {"file", "files", "schema", "complete", "trials", "holds", "checks", "failures"} as Verification::json() has them,
-  // {"file", "error"} where it cannot be read, {"file", "part_of"} for a further file of a dataset that was named too.
+  // One object a dataset: {"file", "files", "schema", "complete", "trials", "holds", "checks", "failures"} as Verification::json()
+  // has them, {"file", "error"} where it cannot be read, {"file", "part_of"} for a further file of a dataset that was named too.
   nlohmann::ordered_json datasets = nlohmann::ordered_json::array();
   bool holds = true;
   bool readable = true;
 };
 
-// `paths`: datasets by their first files; further files of them may stand among them. Each is read in a child process. Throws nothing for
-// a file that cannot be read: the others are verified all the same.
+// `paths`: datasets by their first files; further files of them may stand among them. Each is read in a child process. Throws
+// nothing for a file that cannot be read: the others are verified all the same.
 Verified verify_datasets(const std::vector<std::string>& paths);
 
 }  // namespace slipbench

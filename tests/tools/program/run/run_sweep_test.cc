@@ -3,8 +3,13 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <set>
 #include <thread>
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -388,6 +393,38 @@ TEST_F(SweepTest, SweepInWhichAllFailWritesNothing) {
   EXPECT_THAT(summary.files, IsEmpty());
   EXPECT_THAT(names(), ElementsAre("scene.yaml"));
 }
+
+// A sanitizer ends the program where there is no memory.
+#ifndef __SANITIZE_ADDRESS__
+// The second trial has 2,000,000 samples of more than 500 bytes, which 400 MB have no room for. With more memory it would run: the run ends.
+TEST_F(SweepTest, TrialWithoutMemoryEndsTheRun) {
+  SweepOptions large = options("out.h5", 1);
+  large.overrides = {{"sweep", "{duration: [0.3 s, 2000 s]}"}};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::size_t pages = 0;  // of the whole process: the first number of statm
+    std::ifstream("/proc/self/statm") >> pages;
+    rlimit tight{};
+    ::getrlimit(RLIMIT_AS, &tight);
+    tight.rlim_cur = pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + 400'000'000;
+    ::setrlimit(RLIMIT_AS, &tight);
+    std::string message;
+    try {
+      run(large);
+    } catch (const InputError& error) {
+      message = error.what();
+    }
+    std::ofstream(path("message")) << message;
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_THAT(bytes_of(path("message")),
+              AllOf(StartsWith("trial 1: out of memory; "), HasSubstr("; " + path("out.partial.h5") + " holds 1 of 2 trials")));
+  EXPECT_THAT(DatasetReader(path("out.partial.h5")).failed(), IsEmpty());
+}
+#endif
 
 // Wherever it is interrupted, with whatever number of threads it goes on. Trials that failed fail again.
 TEST_F(SweepTest, ResumedSweepGivesTheBytesOfAnUndisturbedOne) {
