@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -27,6 +29,28 @@ constexpr std::size_t max_text = 4096;  // bytes of a name or a text that a libr
 // loader, and after such a crash none.
 std::mutex loader;
 bool loader_lost = false;  // under `loader`
+
+// Libraries that may be at work. Whoever calls exit() meanwhile is one of them, or a thread that it has started: the program
+// itself ends once they are closed. Never destroyed, since they are asked after main().
+struct WorkingLibraries {
+  std::mutex mutex;
+  std::vector<std::string> names;
+};
+WorkingLibraries& working_libraries() {
+  static auto* const libraries = new WorkingLibraries;
+  return *libraries;
+}
+
+// What has not come to its end must not look finished.
+void refuse_exit() {
+  WorkingLibraries& libraries = working_libraries();
+  const std::lock_guard<std::mutex> lock(libraries.mutex);
+  if (libraries.names.empty()) return;
+  const std::string text = "slipbench: " + libraries.names.back() +
+                           ": exit() was called while this library was at work; allowed: a library that returns\n";
+  std::fputs(text.c_str(), stderr);
+  std::_Exit(2);  // as bad input ends
+}
 
 // The sizes in the order of slipbench_abi.
 struct Size {
@@ -58,8 +82,22 @@ Quantity quantity_in(const std::string& unit) {
 
 }  // namespace
 
+PluginLibrary::AtWork::AtWork(std::string name) : name_(std::move(name)) {
+  static const int registered = std::atexit(&refuse_exit);
+  static_cast<void>(registered);
+  WorkingLibraries& libraries = working_libraries();
+  const std::lock_guard<std::mutex> lock(libraries.mutex);
+  libraries.names.push_back(name_);
+}
+
+PluginLibrary::AtWork::~AtWork() {
+  WorkingLibraries& libraries = working_libraries();
+  const std::lock_guard<std::mutex> lock(libraries.mutex);
+  libraries.names.erase(std::ranges::find(libraries.names, name_));
+}
+
 PluginLibrary::PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own)
-    : part_(std::move(part)), name_("'" + path + "'") {
+    : part_(std::move(part)), name_("'" + path + "'"), at_work_(name_) {
   const std::string key = part_ + ".library";
   if (path == no_library) throw SceneValueError(key, "no library is named; allowed: the path of a shared library");
   std::error_code error;

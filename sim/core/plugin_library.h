@@ -17,7 +17,8 @@
 namespace slipbench {
 
 // A shared library, loaded as long as the object lives. Whatever it does wrong is a SceneValueError at `part`.library: the
-// message names the library, and the function where one is to blame.
+// message names the library, and the function where one is to blame. Exception: a call of exit() while the object lives ends the
+// program, as it must, but with status 2 and a line on stderr that names the library.
 class PluginLibrary {
  public:
   // `part`: "detector" or "controller"; `path`: what the scene names, or the default "none"; `own`: what the program was built
@@ -89,8 +90,21 @@ class PluginLibrary {
   std::vector<Values::Value> declared();
   void take(const std::string& text, Values::Value& value) const;
 
+  // Notes a library under its name while it may be at work, for a call of exit().
+  class AtWork {
+   public:
+    explicit AtWork(std::string name);
+    AtWork(const AtWork&) = delete;
+    AtWork& operator=(const AtWork&) = delete;
+    ~AtWork();
+
+   private:
+    std::string name_;
+  };
+
   std::string part_;
-  std::string name_;        // for messages: the path in quotes
+  std::string name_;  // for messages: the path in quotes
+  AtWork at_work_;
   void* handle_ = nullptr;  // null: closed
   bool crashed_ = false;
 };

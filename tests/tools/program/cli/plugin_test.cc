@@ -61,6 +61,16 @@ TEST(PluginProgram, NamesWhatCrashed) {
   }
 }
 
+// Wherever it is called, and with whatever status: nobody takes what has not come to its end for finished.
+TEST(PluginProgram, ExitInALibraryIsNoSuccess) {
+  for (const std::string in : {"1", "2", "3", "4"}) {
+    const ChildResult result = run_own("wrong", "crash=8,in=" + in);
+    EXPECT_EQ(result.status, 2) << in;
+    EXPECT_EQ(result.out, "") << in;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("wrong.so'"), HasSubstr("exit()"))) << in;
+  }
+}
+
 TEST(PluginProgram, NamesWhatIsNoEstimate) {
   for (const std::string wrong : {"state=4", "latency=nan", "stuck=7", "function=1"}) {
     const ChildResult result = run_own("wrong", wrong);
