@@ -75,6 +75,14 @@ class OrderedWorkers {
     return std::move(outcome.result);
   }
 
+  // Lets a worker destroy the result, before its next work. Memory that the caller frees here and allocates anew for something
+  // that stays would keep the memory around it in the workers' heaps, which is many times its own: threads have heaps of their
+  // own, and each hands out again what it has freed last, whosever it was.
+  void give_back(Result result) {
+    const std::lock_guard lock(mutex_);
+    spent_.push_back(std::move(result));
+  }
+
  private:
   struct Outcome {
     std::optional<Result> result;
@@ -107,9 +115,11 @@ class OrderedWorkers {
   }
 
   std::optional<std::size_t> claim() {
+    std::vector<Result> spent;  // destroyed after the lock
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return ended() || claimed_ < delivered_ + ready_.size(); });
     if (ended()) return std::nullopt;
+    spent.swap(spent_);
     return claimed_++;
   }
 
@@ -129,6 +139,7 @@ class OrderedWorkers {
   std::size_t active_;
   bool stopped_ = false;
   std::vector<std::optional<Outcome>> ready_;
+  std::vector<Result> spent_;
 
   std::vector<std::jthread> threads_;  // last: joined before the rest is destroyed
 };

@@ -36,6 +36,32 @@ TEST(OrderedWorkers, HandOverInOrder) {
   }
 }
 
+// Notes the thread that destroys it.
+struct Spent {
+  std::vector<std::thread::id>* threads;
+  explicit Spent(std::vector<std::thread::id>* noted) : threads(noted) {}
+  Spent(Spent&& other) noexcept : threads(std::exchange(other.threads, nullptr)) {}
+  Spent& operator=(Spent&& other) noexcept {
+    std::swap(threads, other.threads);
+    return *this;
+  }
+  ~Spent() {
+    if (threads != nullptr) threads->push_back(std::this_thread::get_id());
+  }
+};
+
+TEST(OrderedWorkers, WhatIsGivenBackIsDestroyedByAWorker) {
+  std::vector<std::thread::id> threads;
+  {
+    // One worker has made four results when it waits for the first to be taken, and begins no fifth before.
+    OrderedWorkers<Spent> workers(
+        6, 1, [&] { return [&](std::size_t) { return Spent(&threads); }; }, nullptr);
+    for (int i = 0; i < 6; ++i) workers.give_back(*workers.next());
+  }
+  ASSERT_EQ(threads.size(), 6U);
+  EXPECT_NE(threads.front(), std::this_thread::get_id());
+}
+
 TEST(OrderedWorkers, NothingToDo) {
   Workers workers(0, 2, uneven_work, nullptr);
   EXPECT_EQ(workers.next(), std::nullopt);
