@@ -89,9 +89,11 @@ Found found_at(const std::string& path) {
   }
 }
 
-// What a run that did not come to its end may have left.
-bool is_leftover(const Found& found) {
-  return found.kind == Found::Kind::empty || (found.kind == Found::Kind::dataset && !found.complete);
+// What a run that did not come to its end may have left as the k-th file. A later file may say that it is complete: the first one
+// is finished last, and says it for all.
+bool is_leftover(const Found& found, std::size_t k) {
+  if (found.kind == Found::Kind::empty) return true;
+  return found.kind == Found::Kind::dataset && (!found.complete || (k > 0 && found.shard == k));
 }
 
 // Throws InputError when another run holds the file's lock.
@@ -120,16 +122,16 @@ void check_own_name(const std::string& path, std::size_t k) {
 }
 
 // A name that the run takes without having been given it.
-void check_leftover_name(const std::string& path, const std::string& own_name, const std::string& name, const char* use,
-                         bool resumes) {
+void check_leftover_name(const std::string& path, std::size_t k, const std::string& name, const char* use, bool resumes) {
   check_target(name);
-  check_unlocked(name);
+  const bool temporary = name == temporary_path(shard_path(path, k));
+  if (temporary || !resumes) check_unlocked(name);  // a run that resumes has locked what it goes on with itself
   const Found found = found_at(name);
   if (found.kind == Found::Kind::nothing) return;
   const std::string allowed = fmt::format("a new name, or {} moved away", name);
   // Under its temporary name even a whole dataset is what a run has left, which was ended before the renaming.
-  const bool nameless = name == temporary_path(own_name) && found.kind == Found::Kind::dataset;
-  if (is_leftover(found) || nameless) {
+  const bool nameless = temporary && found.kind == Found::Kind::dataset;
+  if (is_leftover(found, k) || nameless) {
     if (resumes || found.trials == 0) return;
     refuse(path,
            fmt::format("{} holds {} trial{} of a run that did not come to its end", name, found.trials,
@@ -144,9 +146,8 @@ void check_leftover_name(const std::string& path, const std::string& own_name, c
 
 void check_names(const std::string& path, std::size_t k, bool resumes) {
   check_own_name(path, k);
-  const std::string own_name = shard_path(path, k);
-  check_leftover_name(path, own_name, temporary_path(own_name), "its name while it is written", resumes);
-  check_leftover_name(path, own_name, shard_path(kept_path(path), k), "its name after an interrupt", resumes);
+  check_leftover_name(path, k, temporary_path(shard_path(path, k)), "its name while it is written", resumes);
+  check_leftover_name(path, k, shard_path(kept_path(path), k), "its name after an interrupt", resumes);
 }
 
 std::array<std::string, 3> names_of(const std::string& path, std::size_t k) {
@@ -156,12 +157,7 @@ std::array<std::string, 3> names_of(const std::string& path, std::size_t k) {
 
 template <class Name>
 void remove_leftovers(std::size_t first, const Name& name_of) {
-  const auto is_left = [](const Found& found, std::size_t k) {
-    // A whole dataset is its owner's, but for later files: of a run that was ended while it finished them, the last ones are
-    // complete.
-    return is_leftover(found) || (k > 0 && found.kind == Found::Kind::dataset && found.shard == k);
-  };
-  for (std::size_t k = first; is_left(found_at(name_of(k)), k); ++k) ::unlink(name_of(k).c_str());
+  for (std::size_t k = first; is_leftover(found_at(name_of(k)), k); ++k) ::unlink(name_of(k).c_str());
 }
 
 }  // namespace
@@ -205,7 +201,6 @@ std::vector<std::string> later_files(const std::string& path, std::size_t first)
 }
 
 bool finish_names(const std::string& path) {
-  check_unlocked(temporary_path(path));
   const Found first = found_at(temporary_path(path));
   if (first.kind != Found::Kind::dataset || !first.complete) return false;
   std::size_t count = 0;
@@ -215,16 +210,17 @@ bool finish_names(const std::string& path) {
   return true;
 }
 
-std::vector<std::string> leftovers(const std::string& path) {
-  std::vector<std::string> names;
+std::vector<Leftover> leftovers(const std::string& path) {
+  std::vector<Leftover> left;
   for (const std::string& name : {temporary_path(path), kept_path(path)}) {
-    check_unlocked(name);
+    if (type_of(name) != std::filesystem::file_type::regular) continue;
+    Descriptor lock = lock_file(name);
     const Found found = found_at(name);
     if (found.kind == Found::Kind::damaged) throw InputError(fmt::format("cannot resume {}: {} cannot be read", path, name));
-    const bool is_left = is_leftover(found) || (found.kind == Found::Kind::dataset && name == temporary_path(path));
-    if (is_left && found.trials > 0) names.push_back(name);
+    const bool is_left = is_leftover(found, 0) || (found.kind == Found::Kind::dataset && name == temporary_path(path));
+    if (is_left && found.trials > 0) left.push_back({name, std::move(lock)});
   }
-  return names;
+  return left;
 }
 
 std::size_t gather_leftovers(const std::string& path) {
@@ -234,7 +230,7 @@ std::size_t gather_leftovers(const std::string& path) {
     const Found written = found_at(temporary);
     const Found before = found_at(kept);
     const bool has_written = written.kind == Found::Kind::dataset && written.trials > 0;
-    const bool has_before = is_leftover(before) && before.trials > 0;
+    const bool has_before = is_leftover(before, k) && before.trials > 0;
     if (!has_written && !has_before) return k;
     if (has_written && (!has_before || written.trials >= before.trials)) rename_file(temporary, kept);
   }

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/base/dataset/file_lock.h"
+
 namespace slipbench {
 
 // The k-th file of the dataset `path` has three names: its own (shard_path), one while it is written (temporary_path) and one
@@ -13,7 +15,7 @@ namespace slipbench {
 
 // Throws InputError when one of the first `planned` files may not be written. Returns for how many that is known: at least
 // `planned`, more where further files stand there that may be replaced. `resumes`: what a run that did not come to its end has
-// left may hold trials, with which this one goes on. Call it before any thread is made (guarded.h).
+// left may hold trials, with which this one goes on, and which it has locked. Call it before any thread is made (guarded.h).
 std::size_t check_dataset_targets(const std::string& path, std::size_t planned, bool resumes);
 
 // For a k-th file beyond those: throws InputError when anything stands under one of its names.
@@ -23,12 +25,18 @@ void check_names_are_free(const std::string& path, std::size_t k);
 std::vector<std::string> later_files(const std::string& path, std::size_t first);
 
 // Gives the files of a run that was ended after it had finished them, and before they had their own names, these names. Returns
-// whether there were any. Throws InputError as check_dataset_targets() does.
+// whether there were any. Throws InputError as check_dataset_targets() does. Call it, as the next one, while leftovers() are held.
 bool finish_names(const std::string& path);
 
-// Files that runs which did not come to their end have left of the dataset `path`, the first of each run, as far as they hold
-// trials. Throws InputError when another run is writing one of them, or when one cannot be read.
-std::vector<std::string> leftovers(const std::string& path);
+// A file that a run which did not come to its end has left, locked against other runs as long as the object lives.
+struct Leftover {
+  std::string name;
+  Descriptor lock;
+};
+
+// Those of the dataset `path`, the first of each run, as far as they hold trials. Throws InputError when another run is writing one
+// of them or goes on with it, or when one cannot be read.
+std::vector<Leftover> leftovers(const std::string& path);
 
 // Gives what leftovers() are under their temporary names the names after an interrupt. Of two k-th files the one with more trials
 // stays. Returns how many files there are.

@@ -28,6 +28,18 @@ std::vector<FailedTrial> parse_failures(const std::string& file_name, const std:
   return failed;
 }
 
+std::string files_json(const std::map<std::string, std::string>& files) {
+  return nlohmann::json(files).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::map<std::string, std::string> parse_files(const std::string& file_name, const std::string& text) {
+  try {
+    return nlohmann::json::parse(text).get<std::map<std::string, std::string>>();
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(file_name + ": /: attribute 'files' is no list of files and their SHA-256");
+  }
+}
+
 std::string failures_text(const std::vector<FailedTrial>& failed, std::size_t planned) {
   if (failed.empty()) return "";
   constexpr std::size_t most = 10;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,8 +24,9 @@ struct DatasetHeader {
   std::string scene;             // text of the scene file
   std::string overrides = "{}";  // JSON object: path -> YAML text given with --set
   std::uint64_t seed = 0;
-  std::string command;                  // canonical: without --jobs and -o, which do not change what is written
-  std::optional<SplitRule> split = {};  // of the scene, which says it; not read back
+  std::string command;                            // canonical: without --jobs and -o, which do not change what is written
+  std::optional<SplitRule> split = {};            // of the scene, which says it; not read back
+  std::map<std::string, std::string> files = {};  // that the scene names: path -> SHA-256, 64 hexadecimal digits
 };
 
 // A trial that could not be simulated.
@@ -38,6 +40,9 @@ struct FailedTrial {
 std::string failures_json(const std::vector<FailedTrial>& failed);
 // The inverse. Throws InputError, naming the file, when `text` is no such list.
 std::vector<FailedTrial> parse_failures(const std::string& file_name, const std::string& text);
+// The JSON text of the root's attribute `files`, and its inverse, which throws as parse_failures.
+std::string files_json(const std::map<std::string, std::string>& files);
+std::map<std::string, std::string> parse_files(const std::string& file_name, const std::string& text);
 // "3 of 200 trials failed: 17, 44 and 90": of `planned` trials; the first ten numbers. Empty: none failed.
 std::string failures_text(const std::vector<FailedTrial>& failed, std::size_t planned);
 

@@ -33,6 +33,18 @@ std::string line_difference(const std::string& left, const std::string& now) {
   }
 }
 
+// The first file that two runs have named and found different, as a clause.
+std::string file_difference(const std::map<std::string, std::string>& left, const std::map<std::string, std::string>& now) {
+  for (const auto& [path, digest] : left) {
+    if (!now.contains(path)) return fmt::format("file {}, which this run's scene does not name", path);
+    if (now.at(path) != digest) return fmt::format("file {} has changed since", path);
+  }
+  for (const auto& [path, digest] : now) {
+    if (!left.contains(path)) return fmt::format("no file {}, which this run's scene names", path);
+  }
+  return "";
+}
+
 // JSON: the numbers of the trials that are as they were written, and of the others.
 std::string parts_of(const std::string& name) {
   std::vector<std::size_t> whole;
@@ -64,6 +76,7 @@ std::string header_difference(const DatasetHeader& left, const DatasetHeader& no
   if (left.scene != now.scene) parts.push_back(line_difference(left.scene, now.scene));
   compare("overrides", left.overrides, now.overrides);
   compare("command", left.command, now.command);
+  if (const std::string difference = file_difference(left.files, now.files); !difference.empty()) parts.push_back(difference);
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
@@ -84,21 +97,25 @@ std::optional<FinishedDataset> finished_dataset(const std::string& path, const D
 }
 
 KeptTrials::KeptTrials(const std::string& path, const DatasetHeader& header) {
-  std::vector<std::string> found = leftovers(path);
-  if (found.empty() && std::filesystem::exists(path)) found.push_back(path);
-  for (const std::string& name : found) {
+  std::vector<Leftover> found = leftovers(path);
+  std::vector<std::string> about;
+  for (const Leftover& left : found) about.push_back(left.name);
+  if (about.empty() && std::filesystem::exists(path)) about.push_back(path);
+  for (const std::string& name : about) {
     const std::string difference = guarded(name, [&] {
       const std::optional<FileAbout> about = file_about(name);
       return about ? header_difference(about->header, header) : "it is no dataset";
     });
     if (!difference.empty()) {
       throw InputError(fmt::format(
-          "cannot resume {}: {} was written by another run: {}; allowed: the same scene, seed, version, overrides and command",
+          "cannot resume {}: {} was written by another run: {}; allowed: the same scene, seed, version, overrides, command and files",
           path, name, difference));
     }
   }
   if (finish_names(path) || gather_leftovers(path) == 0) return;
   const std::string name = kept_path(path);
+  found.clear();  // this run writes under the temporary name
+  lock_ = lock_file(name);
   const auto parts = nlohmann::json::parse(guarded(name, [&] { return parts_of(name); }));
   trials_ = parts.at(0).get<std::vector<std::size_t>>();
   damaged_ = parts.at(1).get<std::vector<std::size_t>>();

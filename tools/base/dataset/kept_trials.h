@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/base/dataset/file_lock.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/trial_record.h"
@@ -33,6 +34,7 @@ class KeptTrials {
   [[nodiscard]] std::vector<std::string> files() const { return reader_ ? reader_->files() : std::vector<std::string>(); }
 
  private:
+  Descriptor lock_;  // of what is left: no other run goes on with it meanwhile
   std::optional<DatasetReader> reader_;
   std::vector<std::size_t> trials_;
   std::vector<std::size_t> damaged_;

@@ -131,6 +131,9 @@ FileAbout read_about(const Place& place) {
   }
   about.header = {read_text(place, object, "version"), read_text(place, object, "scene"), read_text(place, object, "overrides"),
                   read_number<std::uint64_t>(place, object, "seed"), read_text(place, object, "command")};
+  if (H5Aexists(object.get(), "files") > 0) {
+    about.header.files = parse_files(place.file_name, read_text(place, object, "files"));
+  }
   about.shard = read_number<std::uint64_t>(place, object, "shard");
   H5G_info_t list;
   check(H5Gget_info_by_name(place.file, "/data", &list, H5P_DEFAULT));
@@ -216,7 +219,7 @@ struct DatasetReader::State {
     }
     digests.push_back(about.shards ? read_text(place, open_object(place), file_sha256_name) : "");
     if (!about.shards) return index + (std::filesystem::exists(sibling_path(files.front().name, index + 1)) ? 2 : 1);
-    complete = about.complete;
+    complete = about.complete && (index == 0 || complete);
     return *about.shards;
   }
 

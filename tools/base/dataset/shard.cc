@@ -1,14 +1,9 @@
 #include "tools/base/dataset/shard.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <functional>
 #include <set>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -225,27 +220,6 @@ void write_demo(hid_t file, hid_t list, const EncodedTrial& trial) {
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (value_ >= 0) ::close(value_);
-}
-
-Descriptor lock_file(const std::string& path) {
-  // A link that has come since the name was checked is not followed.
-  Descriptor descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666));
-  if (descriptor.get() < 0) fail(path, std::strerror(errno));
-  if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0) {
-    fail(path, errno == EWOULDBLOCK ? "another run is writing it" : std::strerror(errno));
-  }
-  // Between the two calls the run that had the lock may have given the file its final name, under which it is not this run's.
-  struct stat locked {
-  }, named{};
-  if (::fstat(descriptor.get(), &locked) != 0) fail(path, std::strerror(errno));
-  if (::stat(path.c_str(), &named) != 0 || locked.st_ino != named.st_ino || locked.st_dev != named.st_dev) {
-    fail(path, "another run is writing it");
-  }
-  return descriptor;
-}
-
 Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned, std::size_t last)
     : path_(std::move(temporary)), descriptor_(lock_file(path_)) {
   hdf5::initialise();
@@ -259,6 +233,7 @@ Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t ind
       write_attribute(root, "overrides", header.overrides);
       write_attribute(root, "seed", header.seed);
       write_attribute(root, "command", header.command);
+      if (!header.files.empty()) write_attribute(root, "files", files_json(header.files));
       write_attribute(root, "shard", static_cast<std::uint64_t>(index));
       list_ = create_demo_list(root, planned, last);
       file_.begin("data");

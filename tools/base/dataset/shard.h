@@ -3,35 +3,15 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tools/base/dataset/crash_safe_file.h"
 #include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/file_lock.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/mask.h"
 
 namespace slipbench {
-
-// An open descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int value = -1) : value_(value) {}
-  ~Descriptor();
-  Descriptor(Descriptor&& other) noexcept : value_(std::exchange(other.value_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(value_, other.value_);
-    return *this;
-  }
-  [[nodiscard]] int get() const { return value_; }
-
- private:
-  int value_;
-};
-
-// Opens the file for reading and writing, makes it where there is none, and locks it against other runs for as long as the
-// descriptor lives. Throws InputError, "cannot write PATH: another run is writing it" or with the system's reason.
-Descriptor lock_file(const std::string& path);
 
 // Writes one HDF5 file. Two locks of the process on one path cannot be had, so that two runs never mix. A file whose writing has
 // failed once is left as it was when it was published last. Throws InputError with the system's reason.

@@ -115,7 +115,7 @@ TEST_F(ResumeTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
   EXPECT_EQ(
       refusal(changed([](DatasetHeader& now) { now.seed = 8; })),
       "cannot resume " + path("out.h5") + ": " + path("out.h5.partial") +
-          " was written by another run: seed 7, this run has 8; allowed: the same scene, seed, version, overrides and command");
+          " was written by another run: seed 7, this run has 8; allowed: the same scene, seed, version, overrides, command and files");
   EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\nseed: 9\n"; })),
               HasSubstr("scene with line 2 'seed: 7', this run's has 'seed: 9'"));
   EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\n"; })),
@@ -132,6 +132,65 @@ TEST_F(ResumeTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
 TEST_F(ResumeTest, RunThatIsWritingIsLeftAlone) {
   const DatasetWriter writer(path("out.h5"), header, 1);
   EXPECT_THAT(message_of<InputError>([&] { KeptTrials(path("out.h5"), header); }), HasSubstr("another run is writing it"));
+}
+
+TEST_F(ResumeTest, RunThatGoesOnIsLeftAlone) {
+  for (const bool killed : {true, false}) {
+    killed ? kill(3) : interrupt(3);
+    const std::vector<std::string> before = all_bytes();
+    {
+      const KeptTrials first(path("out.h5"), header);
+      EXPECT_THAT(message_of<InputError>([&] { KeptTrials(path("out.h5"), header); }), HasSubstr("another run is writing it"));
+      EXPECT_THAT(message_of<InputError>([&] { DatasetWriter(path("out.h5"), header, trials); }),
+                  HasSubstr("another run is writing it"));
+      EXPECT_EQ(first.size(), 3U);
+    }
+    EXPECT_EQ(KeptTrials(path("out.h5"), header).size(), 3U);
+    for (const std::string& name : names()) std::filesystem::remove(path(name));
+  }
+}
+
+TEST_F(ResumeTest, FilesOfTheSceneAreTheSame) {
+  const std::string digest(64, 'a');
+  DatasetHeader named = header;
+  named.files = {{"mine.so", digest}, {"model.xml", digest}};
+  const TrialRecord record = make_grasp_record(0, rows);
+  {
+    DatasetWriter writer(path("out.h5"), named, trials);
+    TrialEncoder encoder;
+    writer.append(encoder.encode(record));
+    writer.keep_partial();
+  }
+  EXPECT_EQ(DatasetReader(path("out.partial.h5")).header().files, named.files);
+  EXPECT_EQ(KeptTrials(path("out.h5"), named).size(), 1U);
+  const auto refusal = [&](const std::map<std::string, std::string>& files) {
+    DatasetHeader now = named;
+    now.files = files;
+    return message_of<InputError>([&] { KeptTrials(path("out.h5"), now); });
+  };
+  EXPECT_THAT(refusal({{"mine.so", std::string(64, 'b')}, {"model.xml", digest}}),
+              HasSubstr(": file mine.so has changed since;"));
+  EXPECT_THAT(refusal({{"mine.so", digest}}), HasSubstr(": file model.xml, which this run's scene does not name;"));
+  EXPECT_THAT(refusal({{"a.so", digest}, {"mine.so", digest}, {"model.xml", digest}}), HasSubstr(": no file a.so, which"));
+}
+
+// The first file could not be finished, the later ones were: they say that they are complete.
+TEST_F(ResumeTest, LaterFilesDoNotMakeADatasetComplete) {
+  const std::vector<std::string> expected = undisturbed();
+  run(trials, [](DatasetWriter& writer) { writer.commit(); });
+  const std::size_t files = names().size();
+  ASSERT_GE(files, 2U);
+  std::filesystem::create_directory(path("later"));
+  for (std::size_t k = 1; k < files; ++k)
+    std::filesystem::rename(shard_path(path("out.h5"), k), shard_path(path("later/out.h5"), k));
+  std::filesystem::remove(path("out.h5"));
+  interrupt(trials);
+  const std::string kept = kept_path(path("out.h5"));
+  for (std::size_t k = 1; k < files; ++k) std::filesystem::rename(shard_path(path("later/out.h5"), k), shard_path(kept, k));
+  std::filesystem::remove(path("later"));
+  EXPECT_FALSE(DatasetReader(kept).complete());
+  run(trials, [](DatasetWriter& writer) { writer.commit(); });
+  EXPECT_EQ(all_bytes(), expected);
 }
 
 TEST_F(ResumeTest, WholeDatasetIsComplete) {
