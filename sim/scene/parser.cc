@@ -93,6 +93,12 @@ void refuse_idle(const YamlNode& scene, const Sweep& sweep, std::size_t entry, c
 }
 
 void refuse_idle(const YamlNode& scene, const Sweep& sweep, const Catalogues& catalogues) {
+  for (const SweptPath& swept : sweep.paths()) {
+    const std::vector<std::string> leaves = leaves_of(swept);
+    const bool of_words = std::ranges::all_of(leaves, [](const std::string& leaf) { return leaf == "description"; });
+    if (swept.values.size() > 1 && of_words && !leaves.empty())
+      fail(swept.origin, "a sweep of 'description' changes nothing: it is for readers; allowed: other keys with it");
+  }
   for (const NamedFigures& name : named_figures(catalogues)) {
     for (std::size_t entry = 0; entry < sweep.paths().size(); ++entry) {
       const SweptPath& swept = sweep.paths()[entry];

@@ -68,6 +68,9 @@ TEST_F(SweepTest, NamesWhoseFiguresTheSceneReplacesAreRefused) {
       "friction.kinetic (s.yaml:3); allowed: a sweep of those, or a scene without them");
   EXPECT_NE(refusal(friction + "sweep: {surface: [{material: ptfe}, {material: felt}], motion.speed: [1, 2]}\n"), "");
   EXPECT_NE(refusal(friction + "sweep: {surface.material: {draw: choice, values: [ptfe, felt]}}\n"), "");
+  EXPECT_EQ(refusal("sweep: {description: [one, two], motion.speed: [1, 2]}\n"),
+            "s.yaml:3: a sweep of 'description' changes nothing: it is for readers; allowed: other keys with it");
+  EXPECT_EQ(refusal("sweep: {scene: [{description: slow, motion: {speed: 1}}, {description: fast, motion: {speed: 2}}]}\n"), "");
   // The material's ratio is left of it; a scale multiplies it; one value of another axis leaves it alone; other keys go with it.
   EXPECT_EQ(refusal("friction: {static: 0.3}\nsweep: {surface.material: [acrylic, felt]}\n"), "");
   EXPECT_EQ(refusal("friction: {scale: 0.5}\nsweep: {surface.material: [ptfe, felt]}\n"), "");

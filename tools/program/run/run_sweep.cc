@@ -5,9 +5,11 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <new>
 #include <numeric>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -21,6 +23,7 @@
 #include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/run/named_files.h"
 #include "tools/program/run/recorder.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/run/split.h"
@@ -138,8 +141,9 @@ Workforce workforce_for(const SweepOptions& options, std::size_t trials, double 
 }
 
 // Builds the first trial of every grid cell, or the only one that runs, so that a scene that contradicts itself, or whose records
-// would not fit into memory, is refused before anything is written.
-Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::size_t trials) {
+// would not fit into memory, is refused before anything is written. Adds the files that they name to `files`.
+Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::size_t trials, const Catalogues& catalogues,
+                      std::set<std::string>& files) {
   const std::size_t end = options.only ? *options.only + 1 : std::min(plan.size(), max_checked_cells * plan.draws());
   std::size_t index = options.only.value_or(0);
   std::size_t largest = index;  // trial of the largest record
@@ -149,6 +153,7 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
       const Scene scene = plan.trial(index).scene;
       if (scene.detector) check_run(*scene.detector, options.only ? end : trials);
       const double size = check_trial(scene, index);
+      add_named_files(scene, catalogues, files);
       if (recording_of(options) == Recording::outcome || size <= bytes) continue;
       largest = index;
       bytes = size;
@@ -297,11 +302,17 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   summary.scene = plan.trial(options.only.value_or(0)).scene;
   if (summary.scene.accuracy) throw std::logic_error("run_sweep: a scene whose wish for accuracy has not been settled");
   summary.available = plan.size();
-  const Workforce workforce = check_cells(plan, options, summary.planned);
+  std::set<std::string> files;
+  const Workforce workforce = check_cells(plan, options, summary.planned, catalogues, files);
   if (options.on_start) options.on_start();
 
-  const DatasetHeader header{SLIPBENCH_VERSION, file.text(),     overrides_json(options.overrides),
-                             summary.seed,      summary.command, split_rule(summary.scene)};
+  const DatasetHeader header{SLIPBENCH_VERSION,
+                             file.text(),
+                             overrides_json(options.overrides),
+                             summary.seed,
+                             summary.command,
+                             split_rule(summary.scene),
+                             options.output.empty() ? std::map<std::string, std::string>{} : digests_of(files)};
   std::optional<KeptTrials> kept;
   if (options.resume) {
     kept.emplace(options.output, header);
@@ -326,6 +337,7 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   std::vector<std::size_t> trials(summary.planned);
   std::iota(trials.begin(), trials.end(), options.only.value_or(0));
   std::vector<std::size_t> missing;
+  summary.trials.reserve(summary.planned);  // growing, it would leave holes of as much again in the heap
   std::ranges::copy_if(trials, std::back_inserter(missing), [&](std::size_t trial) { return !kept || !kept->holds(trial); });
 
   std::size_t reported = 0;
@@ -334,7 +346,7 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
     if (progress && done > reported) progress({done, summary.planned, summary.simulated});
     reported = done;
   };
-  const auto take = [&](FinishedTrial trial) {
+  const auto take = [&](FinishedTrial& trial) {
     if (!trial.failure.empty()) {
       const std::size_t number = trial.summary.trial;
       summary.failed.push_back({number, std::move(trial.failure), repeating_command(options, summary.seed, number)});
@@ -350,7 +362,7 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
     }
     if (options.on_trial) options.on_trial(trial.summary);
     if (!options.keep_units && summary.planned > 1) {
-      for (SensorSummary& sensor : trial.summary.sensors) sensor.units = std::vector<UnitOutcome>();
+      for (SensorSummary& sensor : trial.summary.sensors) sensor.units.clear();
     }
     // A copy: what a worker has allocated would keep the memory around it, which is ten times its own.
     summary.trials.push_back(std::as_const(trial.summary));
@@ -366,15 +378,12 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
     auto due = std::chrono::steady_clock::now() + longest_unsafe;
     for (const std::size_t trial : trials) {
       end_if(options.interrupt);
-      std::optional<FinishedTrial> finished;
-      if (kept && kept->holds(trial)) {
-        finished = resumed_trial(*kept, work, trial, encoder);
-      } else {
-        if (writer && writer->published() < writer->size() && !workers.ready_until(due)) writer->publish();
-        finished = workers.next();
-      }
+      const bool resumed = kept && kept->holds(trial);
+      if (!resumed && writer && writer->published() < writer->size() && !workers.ready_until(due)) writer->publish();
+      std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept, work, trial, encoder) : workers.next();
       if (!finished) break;
-      take(std::move(*finished));
+      take(*finished);
+      if (!resumed) workers.give_back(std::move(*finished));
       if (writer && std::chrono::steady_clock::now() >= due) writer->publish();
       if (std::chrono::steady_clock::now() >= due) due = std::chrono::steady_clock::now() + longest_unsafe;
       report_progress();

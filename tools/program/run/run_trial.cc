@@ -118,6 +118,9 @@ void check_last_tick(const TrialRecord& record, const Sensors& sensors, const Si
 // What a step takes at the least [s]: of a pad as a field on a stage, of bodies with fields, of articulated pads.
 constexpr double field_step = 0.3e-6, body_step = 5e-6, pillar_step = 20e-6;
 
+// Steps after which an interrupt is looked for: looking costs more than the rest of this loop, and 16 steps take some ms at most.
+constexpr std::size_t steps_between_looks = 16;
+
 double shortest_step(const Simulation& simulation, std::size_t pads) {
   double shortest = simulation.time_step(0);
   for (std::size_t pad = 1; pad < pads; ++pad) shortest = std::min(shortest, simulation.time_step(pad));
@@ -162,8 +165,8 @@ TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recordi
   if (recording == Recording::full) recorder.emplace(scene, sensors, *simulation, box, sampler, max_bytes, result.record);
   ControlLoop loop = make_loop(scene, sensors, *simulation, trial);
 
-  while (!sampler.finished()) {
-    end_if(interrupt);
+  for (std::size_t step = 0; !sampler.finished(); ++step) {
+    if (step % steps_between_looks == 0) end_if(interrupt);
     simulation->step();
     const std::span<const Tick> ticks = sampler.measure();
     loop.update(ticks);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,9 @@
 
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
+#include "tools/base/dataset/encoder.h"
 #include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/run/named_files.h"
 #include "tools/program/run/run_sweep.h"
 #include "tools/program/run/run_trial.h"
 
@@ -18,6 +21,9 @@ namespace slipbench {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
 
 const std::string plugins = SLIPBENCH_TEST_PLUGINS;
 
@@ -55,6 +61,19 @@ std::uint8_t gate(const float* force, double threshold) {
   if (z < 0.05) return 0;
   const double ratio = std::sqrt(x * x + y * y) / z;
   return ratio < 0.8 * threshold ? 1 : ratio < threshold ? 2 : 3;
+}
+
+// So that a run which is resumed knows whether they have changed.
+TEST(PluginInTrial, LibrariesAreNamedFiles) {
+  const std::string library = plugins + "/ratio_gate.so";
+  std::set<std::string> paths;
+  add_named_files(scene_of(stage("detector: {type: plugin, library: " + library + "}")), program_catalogues(), paths);
+  EXPECT_THAT(paths, ElementsAre(library));
+  EXPECT_THAT(digests_of(paths), ElementsAre(Pair(library, file_sha256(library))));
+  EXPECT_THAT(digests_of({plugins}), Contains(Pair(library, file_sha256(library))));
+  paths.clear();
+  add_named_files(scene_of(stage("detector: {type: force_ratio}")), program_catalogues(), paths);
+  EXPECT_THAT(paths, IsEmpty());
 }
 
 TEST(PluginInTrial, SaysWhatItsLawSaysOfTheSamples) {

@@ -171,8 +171,9 @@ function durations(sensor) {
   const count = Math.min(24, Math.max(6, Math.round(Math.sqrt(values.length) * 1.6)));
   const edges = d3.range(count + 1).map(i => x.invert(box.left + (box.width - box.left - box.right) * i / count));
   const bins = d3.layout.histogram().bins(edges)(values.map(value => value * 1e3));
-  const y = d3.scale.linear().domain([0, d3.max(bins, bin => bin.y)]).nice().range([box.height - box.bottom, box.top]);
-  const svg = frame(host, box, x, y, 'incipient phase, ms' + (logarithmic ? ' (log)' : ''), 'trials', logarithmic, false);
+  const most = d3.max(bins, bin => bin.y);
+  const y = d3.scale.linear().domain([0, most]).nice().range([box.height - box.bottom, box.top]);
+  const svg = frame(host, box, x, y, 'incipient phase, ms' + (logarithmic ? ' (log)' : ''), 'trials', logarithmic, false, Math.min(most, 5));
   svg.selectAll('rect.bin')
       .data(bins)
       .enter()
@@ -199,7 +200,7 @@ function logTicks(scale) {
 }
 
 // An SVG with axes and their titles.
-function frame(host, box, x, y, xTitle, yTitle, xLog, yLog) {
+function frame(host, box, x, y, xTitle, yTitle, xLog, yLog, yTicks = 5) {
   const svg = d3.select(host).append('svg').attr('viewBox', '0 0 ' + box.width + ' ' + box.height);
   const format = value => sb.significant(value, 4);
   const axis = (scale, orient, log, ticks) => {
@@ -213,7 +214,7 @@ function frame(host, box, x, y, xTitle, yTitle, xLog, yLog) {
   svg.append('g')
       .attr('class', 'axis')
       .attr('transform', 'translate(' + box.left + ',0)')
-      .call(axis(y, 'left', yLog, 5).innerTickSize(-(box.width - box.left - box.right)));
+      .call(axis(y, 'left', yLog, yTicks).innerTickSize(-(box.width - box.left - box.right)));
   svg.append('text')
       .attr('class', 'title')
       .attr('x', box.left + (box.width - box.left - box.right) / 2)
