@@ -42,3 +42,24 @@ set(SLIPBENCH_WITH_TORCH ${Torch_FOUND})
 if(NOT SLIPBENCH_WITH_TORCH)
   message(STATUS "libtorch not found: networks are left out. Get it with: tools/setup/setup.sh test")
 endif()
+
+# OpenVINO, from its wheel, runs networks (detectors/network); the protobuf classes of ONNX look into their files before. Without either everything
+# else is built; a wheel of another version is an error.
+set(SLIPBENCH_OPENVINO_VERSION 2026.4.1)
+find_package(OpenVINO ${SLIPBENCH_OPENVINO_VERSION} EXACT QUIET)  # openvino::runtime
+find_package(Protobuf QUIET)                       # protobuf::libprotobuf, which ONNX's own configuration names and does not find
+if(Protobuf_FOUND)
+  find_package(ONNX QUIET)                         # onnx_proto
+endif()
+# OpenVINO loads a library of its own in a way (RTLD_DEEPBIND) for which sanitizers end a program.
+if(OpenVINO_FOUND AND TARGET onnx_proto AND NOT SLIPBENCH_SANITIZE)
+  set(SLIPBENCH_WITH_OPENVINO TRUE)
+else()
+  set(SLIPBENCH_WITH_OPENVINO FALSE)
+  if(NOT OpenVINO_FOUND AND OpenVINO_VERSION)
+    message(FATAL_ERROR "OpenVINO ${OpenVINO_VERSION} in ${OpenVINO_ROOT_DIR} is not the pinned ${SLIPBENCH_OPENVINO_VERSION}. "
+      "Get it with: tools/setup/setup.sh python")
+  endif()
+  message(STATUS "No OpenVINO ${SLIPBENCH_OPENVINO_VERSION}, no libonnx-dev, or a sanitizer: detectors that are networks are left out. "
+    "Get them with: tools/setup/setup.sh build python")
+endif()

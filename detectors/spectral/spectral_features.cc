@@ -9,25 +9,36 @@
 
 namespace slipbench {
 
+BinRange bins_within(double rate, std::size_t window, double low, double high) {
+  constexpr double rounding = 1e-9;  // of a decimal length times a decimal rate
+  const double width = rate / static_cast<double>(window);
+  const double last = std::floor(std::min(static_cast<double>(window / 2), high / width * (1.0 + rounding)));
+  const double first = std::ceil(std::max(0.0, low / width * (1.0 - rounding)));
+  if (!(first <= last)) return {};
+  return {static_cast<std::size_t>(first), static_cast<std::size_t>(last - first) + 1};
+}
+
+std::vector<double> hann_taper(std::size_t window) {
+  std::vector<double> taper(window);
+  for (std::size_t n = 0; n < window; ++n) {
+    taper[n] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(window));
+  }
+  return taper;
+}
+
 SpectralFeatures::SpectralFeatures(const SpectralLayout& layout)
     : layout_(layout),
       width_(layout.rate / static_cast<double>(layout.window)),
-      first_bin_(0),
       fft_(std::max<std::size_t>(layout.window, 1)),
       past_(layout.window),
       taper_power_(static_cast<double>(layout.window)) {
   if (layout.window == 0 || layout.hop == 0) throw std::logic_error("SpectralFeatures: an empty window or hop");
-  constexpr double rounding = 1e-9;  // of a decimal length times a decimal rate
-  first_bin_ = static_cast<std::size_t>(std::ceil(layout.low / width_ * (1.0 - rounding)));
-  const auto last = std::min(layout.window / 2, static_cast<std::size_t>(layout.high / width_ * (1.0 + rounding)));
-  if (last < first_bin_) throw std::logic_error("SpectralFeatures: no bin between low and high");
-  density_.resize(last - first_bin_ + 1);
+  kept_ = bins_within(layout.rate, layout.window, layout.low, layout.high);
+  if (kept_.count == 0) throw std::logic_error("SpectralFeatures: no bin between low and high");
+  density_.resize(kept_.count);
   if (!layout.hann) return;
-  taper_power_ = 0.0;
-  for (std::size_t n = 0; n < layout.window; ++n) {
-    taper_.push_back(0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(layout.window)));
-    taper_power_ += taper_.back() * taper_.back();
-  }
+  taper_ = hann_taper(layout.window);
+  taper_power_ = std::inner_product(taper_.begin(), taper_.end(), taper_.begin(), 0.0);
 }
 
 bool SpectralFeatures::push(float value) {
@@ -47,7 +58,7 @@ void SpectralFeatures::transform() {
   for (std::size_t n = 0; n < taper_.size(); ++n) input[n] *= taper_[n];
   const std::span<const std::complex<double>> spectrum = fft_.transform();
   for (std::size_t b = 0; b < density_.size(); ++b) {
-    const std::size_t bin = first_bin_ + b;
+    const std::size_t bin = kept_.first + b;
     const double sides = bin == 0 || 2 * bin == layout_.window ? 1.0 : 2.0;
     density_[b] = sides * std::norm(spectrum[bin]) / (layout_.rate * taper_power_);
   }

@@ -19,6 +19,19 @@ struct SpectralLayout {
   bool hann = false;         // tapers the window (Hann) after its mean is taken off; false: rectangular
 };
 
+// Bins of a spectrum, one after the other.
+struct BinRange {
+  std::size_t first = 0;
+  std::size_t count = 0;
+};
+
+// The bins k rate/window within [low, high], both included, of a window of so many samples (1 or more) at `rate` [Hz] (more than 0). Of a band
+// that holds none, count is 0.
+BinRange bins_within(double rate, std::size_t window, double low, double high);
+
+// Hann's taper, sin^2(pi n/window). [window]
+std::vector<double> hann_taper(std::size_t window);
+
 // The power spectral density of each window less its mean. At the defaults these are the published features of the piezoelectric skin (FFT-GRU
 // slip detection, section IV-A): windows of 20 ms every 10 ms at 10 kHz, twelve bins of 50 Hz. They are rectangular: the paper names no taper. What changes slowly, a force that is built up, then leaks into all bins as
 // 1/frequency; with Hann's taper it does as 1/frequency^3, and a line is two bins wider.
@@ -35,15 +48,15 @@ class SpectralFeatures {
   [[nodiscard]] std::span<const double> density() const { return density_; }
 
   [[nodiscard]] std::size_t bins() const { return density_.size(); }
-  [[nodiscard]] double frequency(std::size_t bin) const { return static_cast<double>(first_bin_ + bin) * width_; }  // Hz
-  [[nodiscard]] double bin_width() const { return width_; }                                                         // Hz
+  [[nodiscard]] double frequency(std::size_t bin) const { return static_cast<double>(kept_.first + bin) * width_; }  // Hz
+  [[nodiscard]] double bin_width() const { return width_; }                                                          // Hz
 
  private:
   void transform();
 
   SpectralLayout layout_;
   double width_;
-  std::size_t first_bin_;
+  BinRange kept_;
   RealFft fft_;
   std::vector<double> past_;   // [window], a ring
   std::vector<double> taper_;  // [window]; empty: rectangular

@@ -324,7 +324,13 @@ class BioTacSp final : public Sensor {
 
 std::unique_ptr<Sensor> make(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
                              std::uint64_t trial, const std::string& sensor_name) {
-  const std::uint64_t device = parameters.choice("device") == "fixed" ? 0 : trial;
+  const bool fixed = parameters.choice("device") == "fixed";
+  const auto number = static_cast<std::uint64_t>(parameters.integer("device_number"));
+  if (!fixed && number != 0) {
+    throw SceneValueError("sensors." + sensor_name + ".device_number",
+                          std::to_string(number) + " says nothing of a device that is redrawn; allowed: 0, or device: fixed");
+  }
+  const std::uint64_t device = fixed ? number : trial;
   return std::make_unique<BioTacSp>(parameters, electronics, ElectronicsKey{seed, trial, device, sensor_name});
 }
 

@@ -16,6 +16,8 @@ std::array<std::complex<double>, 7> powers(double angle) {
   return {p1, p2, p8, p24, p50, p100, p100 * p100};
 }
 
+constexpr std::size_t idle_axis = 3;
+
 // Below this share of the amplitude what is left of a ringing mode is nothing: far less than a float's rounding of any signal.
 constexpr double silent = 1e-12;
 
@@ -23,10 +25,12 @@ constexpr double silent = 1e-12;
 
 MotorVibration::MotorVibration(const MotorSettings& settings, RandomStream stream) : settings_(settings), stream_(stream) {
   amplitude_ = settings.level * unit_rms * std::exp(settings.sd * stream_.normal());
-  for (auto& axis : line_phase_) {
-    for (std::complex<double>& phase : axis) phase = std::polar(1.0, turn * stream_.uniform());
-  }
+  const auto draw_phases = [this](std::size_t axis) {
+    for (std::complex<double>& phase : line_phase_[axis]) phase = std::polar(1.0, turn * stream_.uniform());
+  };
+  for (std::size_t axis = 0; axis < idle_axis; ++axis) draw_phases(axis);
   noise_ = stream_.normal();
+  if (settings.idle_speed > 0.0) draw_phases(idle_axis);
   for (std::size_t r = 0; r < modes_.size(); ++r) {
     modes_[r].omega = turn * mode_frequencies[r];
     modes_[r].zeta = mode_damping[r];
@@ -55,34 +59,44 @@ double MotorVibration::force(const BodyState& stage, bool touching, double dt) {
   return (touching ? settings_.in_contact : 1.0) * sum;
 }
 
+void MotorVibration::add_axis(Drive& drive, std::size_t axis, double speed, double turns) const {
+  const auto orders_now = powers(turn * (turns - std::floor(turns)));
+  double sum = 0.0;
+  for (std::size_t o = 0; o < orders_now.size(); ++o) {
+    const std::complex<double> phase = line_phase_[axis][o];
+    sum += phase.real() * orders_now[o].real() - phase.imag() * orders_now[o].imag();
+  }
+  const double lead = settings_.lead[axis == idle_axis ? 0 : static_cast<Eigen::Index>(axis)];
+  drive.lines += std::sqrt(speed / reference_speed) * sum;
+  drive.speed += speed;
+  drive.corner += speed * (orders.back() * speed / lead);
+}
+
 // The force of the motors on the frame [N].
 double MotorVibration::drive(const BodyState& stage, double dt) {
   // Of a line's amplitude a: mean square a^2/2, and together half of the whole.
   static const double line_share = 1.0 / std::sqrt(static_cast<double>(orders.size()));
   static const double noise_share = std::sqrt(0.5);
-  double lines = 0.0, speed = 0.0, corner = 0.0;  // m/s; Hz, of the noise: the last order's, weighted by what each axis adds
-  for (int k = 0; k < 3; ++k) {
-    const double v = std::abs(stage.velocity[k]);
-    if (v == 0.0) continue;
-    const double turns = stage.pose.position[k] / settings_.lead[k];
-    const auto orders_now = powers(turn * (turns - std::floor(turns)));
-    double sum = 0.0;
-    for (std::size_t o = 0; o < orders_now.size(); ++o) {
-      const std::complex<double> phase = line_phase_[static_cast<std::size_t>(k)][o];
-      sum += phase.real() * orders_now[o].real() - phase.imag() * orders_now[o].imag();
-    }
-    lines += std::sqrt(v / reference_speed) * sum;
-    speed += v;
-    corner += v * (orders.back() * v / settings_.lead[k]);
+  Drive now;
+  for (std::size_t axis = 0; axis < idle_axis; ++axis) {
+    const auto k = static_cast<Eigen::Index>(axis);
+    const double speed = std::abs(stage.velocity[k]);
+    if (speed != 0.0) add_axis(now, axis, speed, stage.pose.position[k] / settings_.lead[k]);
   }
-  if (speed == 0.0) return 0.0;
-  corner /= speed;
+  if (settings_.idle_speed > 0.0) {
+    if (time_ >= settings_.idle_start) {
+      add_axis(now, idle_axis, settings_.idle_speed, settings_.idle_speed * time_ / settings_.lead[0]);
+    }
+    time_ += dt;
+  }
+  if (now.speed == 0.0) return 0.0;
+  const double corner = now.corner / now.speed;
   if (corner * dt != noise_corner_) {
     noise_corner_ = corner * dt;
     noise_keeps_ = std::exp(-turn * noise_corner_);
   }
   noise_ = noise_keeps_ * noise_ + std::sqrt(1.0 - noise_keeps_ * noise_keeps_) * stream_.normal();
-  return amplitude_ * (line_share * lines + noise_share * std::sqrt(speed / reference_speed) * noise_);
+  return amplitude_ * (line_share * now.lines + noise_share * std::sqrt(now.speed / reference_speed) * noise_);
 }
 
 // q'' + 2 zeta w q' + w^2 q = u with u linear over the step: from one state to the next, the homogeneous solution and the straight line

@@ -18,6 +18,8 @@ struct MotorSettings {
   double sd = 0.1;                         // of the logarithm of the level, from one recording to the next
   double in_contact = 1.6;                 // factor while the pad touches something
   Eigen::Vector3d lead{8e-3, 8e-3, 4e-3};  // m, way of each axis, X, Y, Z, in a turn of its spindle
+  double idle_speed = 0.0;                 // m/s, of a further axis, which does not carry the pad; its lead is that of X
+  double idle_start = 0.0;                 // s, from when on that axis runs
 };
 
 // Each axis that moves at v drives, with a mean square in proportion to v, half by lines at orders 1, 2, 8, 24, 50, 100, 200 of its spindle's
@@ -25,7 +27,7 @@ struct MotorSettings {
 // 2 pi position/lead, so a line follows any change of speed without a jump. This goes through the sum of the frame's five modes r, which
 // passes accelerations:
 //   H(s) = sum_r s^2/(s^2 + 2 zeta_r w_r s + w_r^2),  w_r/2 pi = 75, 130, 215, 330, 520 Hz, zeta_r = 0.03 to 0.05,
-// moved exactly between samples for a drive that is linear in between.
+// moved exactly between samples for a drive that is linear in between. An idle axis is a further one that moves at a constant speed.
 // Source: the forms of NIB_PIEZO's dry run; all figures are assumed.
 class MotorVibration {
  public:
@@ -50,14 +52,22 @@ class MotorVibration {
     double q = 0.0, v = 0.0;
   };
 
+  // Sums over axes that move.
+  struct Drive {
+    double lines = 0.0, speed = 0.0;  // m/s
+    double corner = 0.0;              // Hz, of the noise: the last order's, weighted by what each axis adds
+  };
+
   double drive(const BodyState& stage, double dt);
+  void add_axis(Drive& drive, std::size_t axis, double speed, double turns) const;
   void set_step(double dt);
 
   MotorSettings settings_;
   RandomStream stream_;
   double amplitude_ = 0.0;                                           // N rms at the reference speed, of this recording
-  std::array<std::array<std::complex<double>, 7>, 3> line_phase_{};  // of each axis and order
+  std::array<std::array<std::complex<double>, 7>, 4> line_phase_{};  // of each axis, the idle one last, and order
   std::array<Mode, 5> modes_;
+  double time_ = 0.0;                              // s, since the recording began; of an idle axis alone
   double step_ = 0.0;                              // s, for which the modes are set
   double noise_ = 0.0;                             // of variance 1
   double noise_corner_ = 0.0, noise_keeps_ = 1.0;  // turns of its pole's frequency in a step, and what a step leaves of the noise

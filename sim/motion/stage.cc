@@ -77,6 +77,10 @@ Entry stage_entry() {
           vector_spec(3, "lead", Quantity::length, "[8 mm, 8 mm, 4 mm]", {1e-4, 0.1},
                       "Distance that each axis X, Y, Z of the bench moves in one turn of its spindle.",
                       "assumed: usual leads of ball screws"),
+          number_spec("idle_speed", Quantity::speed, "0 mm/s", {0.0, 10.0},
+                      "Speed of a further axis that does not carry the pad; only its motor is heard.",
+                      "free: motors run without a slide"),
+          number_spec("idle_start", Quantity::time, "0 s", non_negative, "From when on that axis runs, until the end.", "free"),
       }};
 }
 
@@ -141,7 +145,12 @@ class Stage final : public Motion {
     }
     if (const double level = p.number("vibration"); level > 0.0) {
       const std::vector<double>& lead = p.vector("lead");
-      motors_ = {level, p.number("vibration_sd"), p.number("vibration_in_contact"), {lead[0], lead[1], lead[2]}};
+      motors_ = {level,
+                 p.number("vibration_sd"),
+                 p.number("vibration_in_contact"),
+                 {lead[0], lead[1], lead[2]},
+                 p.number("idle_speed"),
+                 p.number("idle_start")};
     }
   }
 

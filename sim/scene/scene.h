@@ -76,6 +76,14 @@ struct ExpectScene {
   std::string control;              // controller that must fail where the scene's own passes; empty: none
 };
 
+// What tells whether a body is still held when a trial ends.
+struct HoldScene {
+  std::string body;     // of the dataset's truth: "object"
+  std::string against;  // by what: the pad of a sensor, or a body
+  double from = 0.0;    // s
+  double within = 0.0;  // m; held: since `from` the body's origin has moved no farther against that of `against`
+};
+
 // How right a scene's results have to be. What setting that takes is for whoever runs it to find.
 struct AccuracyScene {
   struct Wish {
@@ -108,6 +116,7 @@ struct Scene {
   std::vector<BodyScene> bodies = {};  // beside those of the model
   std::optional<double> gravity = {};  // m/s2, downwards; empty: the model's own, or the Earth's without a model
   std::vector<ControlScene> controls = {};
+  std::optional<HoldScene> hold = {};    // empty: the outcome does not say whether anything is held
   bool implicit_fields = false;          // field_solver: implicit
   std::string integrator = {};           // of fields, as MuJoCo calls it; empty: the model's own, or the simulation's
   std::optional<Named> controller = {};  // of a grasp; empty: none, the fingers stay where they begin

@@ -26,7 +26,7 @@ constexpr std::string_view contact_fidelity = "mujoco_contact";
 constexpr std::array<std::string_view, 2> arm_motions{"lift", guided_motion_name};
 
 // Keys that only a scene with bodies that move by forces may have: of the scene, and of its sensors.
-constexpr std::array<std::string_view, 4> dynamic_keys{"controls", "field_solver", "gravity", "integrator"};
+constexpr std::array<std::string_view, 5> dynamic_keys{"controls", "field_solver", "gravity", "hold", "integrator"};
 constexpr std::array<std::string_view, 4> dynamic_sensor_keys{"damping", "follows", "site", "touches"};
 
 // What an override writes to take a key back: the key then counts as absent.
@@ -51,10 +51,10 @@ class SceneReader : EntryReader {
 
   Scene read(const YamlNode& root) {
     require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
-    check_keys(root, "the scene", {"accuracy", "bodies",    "box",        "contact", "controller", "controls",     "description",
-                                   "detector", "duration",  "effects",    "expect",  "fidelity",   "field_solver", "friction",
-                                   "gravity",  "grip",      "integrator", "model",   "motion",     "scatter",      "seed",
-                                   "sensors",  "slipbench", "split",      "surface", "sweep",      "time_step"});
+    check_keys(root, "the scene", {"accuracy", "bodies",   "box",       "contact",    "controller", "controls",     "description",
+                                   "detector", "duration", "effects",   "expect",     "fidelity",   "field_solver", "friction",
+                                   "gravity",  "grip",     "hold",      "integrator", "model",      "motion",       "scatter",
+                                   "seed",     "sensors",  "slipbench", "split",      "surface",    "sweep",        "time_step"});
     read_version(root);
     Scene scene;
     scene.grasp = read_grasp(root);  // first: its protocol is the default of others
@@ -353,6 +353,7 @@ class SceneReader : EntryReader {
     }
     scene.integrator = read_integrator(find_kept(root, "integrator"), scene);
     if (const YamlNode* node = root.find("controls")) scene.controls = read_controls(*node);
+    if (const YamlNode* node = root.find("hold")) scene.hold = read_hold(*node, scene);
     read_followers(*root.find("sensors"), scene);
     if (scene.grasp) {
       read_pad_of_grasp(*root.find("sensors"), scene);
@@ -368,6 +369,27 @@ class SceneReader : EntryReader {
       fail(node->key_origin,
            "motion moves the sensors that have no 'site', and every sensor of this scene has one; leave it out");
     }
+  }
+
+  HoldScene read_hold(const YamlNode& node, const Scene& scene) {
+    if (scene.grasp)
+      fail(node.key_origin, "'hold' has no place in a grasp, a scene with 'grip' or 'box': its outcome says 'dropped'");
+    require_map(node, "hold", "'body', 'against', 'from' and 'within'");
+    check_keys(node, "hold", {"against", "body", "from", "within"});
+    const auto name = [&](const char* key, const std::string& allowed) {
+      const YamlNode* child = node.find(key);
+      if (child == nullptr) fail(node.key_origin, std::string("no key '") + key + "' in hold; allowed: " + allowed);
+      return text_of(*child, std::string("hold.") + key, allowed);
+    };
+    HoldScene hold{name("body", "the name of a body"), name("against", "the name of a sensor or of a body"), 0.0, 0.0};
+    hold.from = number(node.find("from"), "hold.from", hold_from_spec);
+    hold.within = number(node.find("within"), "hold.within", hold_within_spec);
+    if (hold.from >= scene.duration) {
+      fail(node.find("from")->origin, "hold.from: " + format_quantity(hold.from, Quantity::time) +
+                                          " is the trial's end or later; allowed: less than " +
+                                          format_quantity(scene.duration, Quantity::time));
+    }
+    return hold;
   }
 
   // Of a scene with pads as fields: articulated pads have one integrator, and `contact` has its own.

@@ -74,6 +74,12 @@ inline const Entry split_entry{
     {choice_spec("by", "material", {"material", "object", "speed", "trial"}, "What no two parts share.", "free"),
      vector_spec(3, "shares", Quantity::none, "[0.7, 0.15, 0.15]", fraction, "Of train, valid and test; 1 in all.", "free")}};
 
+inline const ParameterSpec hold_from_spec = number_spec("from", Quantity::time, "0 s", non_negative,
+                                                        "From when on the body must not move against what holds it.", "free");
+inline const ParameterSpec hold_within_spec =
+    number_spec("within", Quantity::length, "10 mm", positive, "How far it may move and is still held.",
+                "10 mm: more than a finger's rolling and a skin's give, less than a fall");
+
 inline const ParameterSpec confidence_spec =
     number_spec("confidence", Quantity::none, "0.95", {0.5, 0.999999},
                 "Confidence of the interval of the rate of trials that keep an expectation.", "free");

@@ -38,6 +38,12 @@ run(IN ${WORK}/elsewhere COMMAND ${CXX} -shared -fPIC -I ${WORK}/prefix/include/
   ${CONSUMER}/../../../detectors/example/ratio_gate.cc -o ratio_gate.so)
 run(IN ${WORK}/elsewhere COMMAND ${program} run ${WORK}/prefix/share/slipbench/scenes/papillarray/stage.yaml
   --set "detector={type: plugin, library: ${WORK}/elsewhere/ratio_gate.so}" -o plugin.h5)
+# A network, with those of OpenVINO's libraries that are installed.
+file(GLOB_RECURSE network ${WORK}/prefix/*/libslipbench_network.so)
+if(network)
+  run(IN ${WORK}/elsewhere COMMAND ${program} run ${WORK}/prefix/share/slipbench/scenes/papillarray/stage.yaml
+    --set "detector={type: network, model: ${CONSUMER}/../../detectors/network/data/gru21.onnx}" -o network.h5)
+endif()
 foreach(file stage.h5 stage.html)
   file(SIZE ${WORK}/elsewhere/${file} size)
   if(size EQUAL 0)

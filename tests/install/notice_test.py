@@ -1,5 +1,6 @@
 """NOTICE.md names what the program links, loads, is compiled from and inlines, and nothing else.
-Arguments: the project's root, the build folder, the folder of its modules (lib/slipbench), the foreign files that are inlined."""
+Arguments: the project's root, the build folder, the folder of its modules (lib/slipbench), the libraries that a module loads by name
+(joined by ":"), the foreign files that are inlined."""
 
 import os
 import re
@@ -10,7 +11,8 @@ from functools import cache
 from pathlib import Path
 
 ROOT, BUILD, MODULES = (Path(word) for word in sys.argv[1:4])
-INLINED = [Path(word) for word in sys.argv[4:]]
+LOADED_BY_NAME = [Path(word).name for word in sys.argv[4].split(":") if word]
+INLINED = [Path(word) for word in sys.argv[5:]]
 del sys.argv[1:]
 
 # Of https://spdx.org/licenses, those in use.
@@ -45,7 +47,7 @@ def loaded():
                 found.add(name)
     for module in MODULES.glob("*.so"):
         found.update(re.findall(r"\(NEEDED\).*\[(.*)\]", output("readelf", "--dynamic", module)))
-    return found
+    return found | set(LOADED_BY_NAME)
 
 
 @cache
@@ -105,6 +107,7 @@ class NoticeTest(unittest.TestCase):
 
         for start, finding in (("| libfftw3.so.3", "libfftw3.so.3 is loaded and not named"),
                                ("| libsasl2.so.2", "libsasl2.so.2 is loaded and not named"),
+                               ("| libtbb.so.12", "libtbb.so.12 is loaded and not named"),
                                ("| d3.min.js", "d3.min.js is inlined and not named"),
                                ("| CLI11", "libcli11-dev is compiled in and not named"),
                                ("| Eigen", "libeigen3-dev is compiled in and not named")):
@@ -119,9 +122,11 @@ class NoticeTest(unittest.TestCase):
         self.assertEqual(findings(self.text + "| libc.so.6 | libc6 | BSD |\n"), ["BSD is no licence of SPDX"])
         self.assertEqual(findings(self.text + "| libc.so.6 | libgone1 | MIT |\n"), ["libgone1 has no copyright file here"])
 
-    def test_names_the_pinned_mujoco(self):
-        pinned = re.search(r"^mujoco-core==(\S+)", (ROOT / "tools/setup/requirements.txt").read_text(encoding="utf-8"), re.MULTILINE)[1]
-        self.assertIn(f"| libmujoco.so.{pinned} | PyPI: mujoco-core {pinned} |", self.text)
+    def test_names_the_pinned_wheels(self):
+        pins = dict(re.findall(r"^([a-z-]+)==(\S+)", (ROOT / "tools/setup/requirements.txt").read_text(encoding="utf-8"), re.MULTILINE))
+        mujoco, openvino = pins["mujoco-core"], pins["openvino"]
+        self.assertIn(f"| libmujoco.so.{mujoco} | PyPI: mujoco-core {mujoco} |", self.text)
+        self.assertIn(f"| PyPI: openvino {openvino} |", self.text)
 
     def test_the_pages_carry_the_licences_of_their_scripts(self):
         for script, licence in (("d3", "tools/base/page/web/d3_licence.txt"), ("dygraph", "tools/program/report/web/dygraphs_licence.txt")):

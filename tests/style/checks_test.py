@@ -207,6 +207,11 @@ class ChecksTest(unittest.TestCase):
         self.plant("sim/core/d.h", "class Gauge {\n};\n")
         self.assert_found("one_definition", "tools/base/e.h", "struct Gauge final : public Base {\n};\n", "Gauge", "sim/core/d.h:1")
 
+    def test_type_of_another_namespace(self):
+        self.plant("sim/core/d.h", "namespace slipbench {\n\nclass Gauge {\n};\n")
+        self.plant("tools/base/e.h", "namespace slipbench::base {\n\nclass Gauge {\n};\n")
+        self.assertEqual(self.run_check("one_definition").returncode, 0)
+
     def test_type_announced_twice(self):
         self.plant("sim/core/d.h", "class Gauge;\n")
         self.plant("tools/base/e.h", "class Gauge;\nclass Gauge {\n};\n")

@@ -1,10 +1,11 @@
-"""No two headers define a type of the same name: they share one namespace, so the linker would silently keep one of the two."""
+"""No two headers define a type of the same name in the same namespace: the linker would silently keep one of the two."""
 
 import re
 from collections import defaultdict
 
 from tree import lines_of, main, project_files
 
+NAMESPACE = re.compile(r"namespace ([\w:]+) \{")
 # A definition at the outermost level: this project does not indent inside its namespace.
 DEFINITION = re.compile(r"(?:template .*)?(?:struct|class|enum class|enum|union) (\w+)(?: final)?\s*(?::[^:;]*)?\{")
 
@@ -14,10 +15,14 @@ def check(root):
     for path in project_files(root):
         if path.suffix != ".h":
             continue
+        namespace = ""
         for number, line in lines_of(root, path):
+            opened = NAMESPACE.match(line)
+            if opened:
+                namespace = opened[1] + "::"
             definition = DEFINITION.match(line)
             if definition:
-                places[definition[1]].append(f"{path}:{number}")
+                places[namespace + definition[1]].append(f"{path}:{number}")
     for name, where in sorted(places.items()):
         if len(where) > 1:
             yield f"{name} is defined more than once: {', '.join(where)}"

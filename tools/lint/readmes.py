@@ -32,7 +32,7 @@ NAME = re.compile(r"(~?(?:[A-Z][a-z0-9]+){2,}|[a-z0-9]+(?:_[a-z0-9]+)+)")
 PLACEHOLDER = re.compile(r"(?<![A-Za-z])[A-Z]{2,}(?=\.(?!md)|_|/|$)")
 BINARIES = "build/release/bin/"
 PROGRAMS = ("./slipbench ", BINARIES, "build/venv/bin/python ")
-UNCHECKED = re.compile(r"^(?: {4,}\./| *)slipbench (?:run|sweep|check|report|export|train|eval|cost|reproduce|bench|doctor|list|describe)\b.*", re.MULTILINE)
+UNCHECKED = re.compile(r"^(?: {4,}\./| *)slipbench (?:run|sweep|check|report|export|import|train|eval|cost|reproduce|bench|doctor|list|describe)\b.*", re.MULTILINE)
 
 
 def explained(folder, files):

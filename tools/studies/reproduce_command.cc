@@ -50,7 +50,8 @@ int list_reproductions(bool json) {
 
 // An option that this reproduction has no use for would be a misunderstanding.
 void check_options(const ReproduceOptions& options, const Reproduction& reproduction) {
-  const std::array<std::pair<const char*, bool>, 7> given{{{"--data", !options.data.empty()},
+  const std::array<std::pair<const char*, bool>, 8> given{{{"--data", !options.data.empty()},
+                                                           {"--full", options.full},
                                                            {"--seed", options.seed.has_value()},
                                                            {"--jobs", options.jobs != 0},
                                                            {"--synthesise", options.synthesise},
@@ -77,9 +78,11 @@ Examples:
   slipbench reproduce hd-papillarray/table2 --trials 2 --only as_recorded,light,rubber,gst_hd,hold_preset)");
   arguments.text("PAPER/TABLE", name, "What to reproduce (default: list what there is)");
   arguments.file("-o,--output FILE.html", output, "Write the page, and FILE.json beside it");
-  arguments.number("--trials N", options.trials, "table2: trials of each row (default: 10); table4: recordings a level (200)", 1);
-  arguments.texts("--only NAME,...", options.only, "table2: protocols, boxes, surfaces and loops to keep; table4: networks");
+  arguments.number("--trials N", options.trials, "Trials of each row, or recordings (default: of a size that takes minutes)", 1);
+  arguments.texts("--only NAME,...", options.only,
+                  "table2: protocols, boxes, surfaces and loops to keep; grasp_loop: loops; table1, table4: networks");
   arguments.text("--memories DIR", options.memories, "table2: folder of the published classifier");
+  arguments.flag("--full", options.full, "The paper's size: hours");
   arguments.text("--data FILE.h5", options.data, "Use this dataset instead of a fresh one");
   arguments.number("--seed N", options.seed, "Seed of dataset, item memories and draws (default: 1)", 0);
   arguments.jobs(options.jobs);

@@ -16,6 +16,7 @@ struct ReproduceOptions {
   std::string data;                             // a dataset to use instead of a fresh one; empty: none
   std::optional<std::uint64_t> seed;            // of datasets, item memories and draws
   std::size_t jobs = 0;                         // threads; 0: as many as the machine has
+  bool full = false;                            // the paper's size
   bool synthesise = false;                      // run the synthesis again instead of reading its stored figures
   std::size_t trials = 0;                       // of each row; 0: as many as is usual
   std::vector<std::string> only;                // names of rows to keep; of an axis that none names, all
@@ -40,12 +41,17 @@ Result hd_table1(const ReproduceOptions& options);
 Result hd_table2(const ReproduceOptions& options);
 Result hd_latency(const ReproduceOptions& options);
 Result hd_resources(const ReproduceOptions& options);
+Result learned_grasp_loop(const ReproduceOptions& options);
 Result myrmex_onset_label(const ReproduceOptions& options);
 Result nib_table1(const ReproduceOptions& options);
 Result nib_table2(const ReproduceOptions& options);
 Result nib_slip_kinds(const ReproduceOptions& options);
 Result nib_table3(const ReproduceOptions& options);
+Result piezo_table1(const ReproduceOptions& options);
+Result piezo_table2(const ReproduceOptions& options);
+Result piezo_table3(const ReproduceOptions& options);
 Result piezo_table4(const ReproduceOptions& options);
+Result piezo_delay(const ReproduceOptions& options);
 Result piezo_slip_against_hold(const ReproduceOptions& options);
 
 }  // namespace slipbench::reproduce

@@ -43,11 +43,13 @@ TEST(MotorVibration, HasItsLinesAtTheOrdersOfTheSpindle) {
   // v/(10 mm/s); under a Hann taper over T it adds to an amplitude an error of variance 3/2 S/T a component, of which five standard errors are
   // allowed.
   constexpr int count = 400000;
-  for (const double v : {10e-3, 40e-3}) {
-    MotorVibration shaking = motors();
+  // An idle axis sounds as one that carries the pad.
+  for (const auto& [v, idle] : {std::pair{10e-3, false}, std::pair{40e-3, false}, std::pair{40e-3, true}}) {
+    MotorVibration shaking = motors({.sd = 0.0, .idle_speed = idle ? v : 0.0});
     std::vector<double> force;
     for (int k = 0; k < count; ++k) {
-      force.push_back(shaking.force(stage(v * dt * k, v), false, dt) * (1.0 - std::cos(2.0 * pi * k / count)));
+      const BodyState now = idle ? stage(0.0, 0.0) : stage(v * dt * k, v);
+      force.push_back(shaking.force(now, false, dt) * (1.0 - std::cos(2.0 * pi * k / count)));
     }
     const double f_c = 200.0 * v / 8e-3, time = count * dt, power = v / MotorVibration::reference_speed;
     for (const int order : MotorVibration::orders) {
@@ -61,6 +63,22 @@ TEST(MotorVibration, HasItsLinesAtTheOrdersOfTheSpindle) {
       EXPECT_NEAR(2.0 / count * std::abs(sum), expected, 5.0 * gain * std::sqrt(3.0 * density / time)) << order << " at " << v;
     }
   }
+}
+
+TEST(MotorVibration, HearsAnIdleAxisFromItsStartOnAndDrawsNothingForNone) {
+  constexpr double start = 0.5;
+  MotorVibration idle = motors({.sd = 0.0, .idle_speed = 10e-3, .idle_start = start});
+  MotorVibration none = motors({.sd = 0.0, .idle_start = start});
+  double heard = 0.0;
+  for (int k = 0; k < 10000; ++k) {
+    const double force = idle.force(stage(0.0, 0.0), false, dt);
+    if (k < start / dt - 0.5) {
+      ASSERT_EQ(force, 0.0) << k;
+    }
+    heard += force * force;
+    ASSERT_EQ(none.force(stage(0.0, 0.0), false, dt), 0.0);
+  }
+  EXPECT_GT(heard, 0.0);
 }
 
 TEST(MotorVibration, GrowsInProportionToItsLevel) {

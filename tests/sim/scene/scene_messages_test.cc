@@ -44,7 +44,7 @@ TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().m
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
 
 const std::string scene_keys =
-    "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, gravity, grip, integrator, model, motion, scatter, seed, sensors, slipbench, split, surface, sweep, time_step";
+    "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, gravity, grip, hold, integrator, model, motion, scatter, seed, sensors, slipbench, split, surface, sweep, time_step";
 const std::string sensor_keys =
     "bias, bristle_spread, bristles, damping, electronics, follows, profile, rate, site, touches, type";
 const std::string materials =
@@ -249,6 +249,14 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:3: 'controls' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"SolverWithoutBodies", head + "field_solver: implicit\n",
              "s.yaml:3: 'field_solver' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"HoldWithoutBodies", head + "hold: {}\n",
+             "s.yaml:3: 'hold' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
+        Case{"HoldWithoutBody", with_bodies("{box: {shape: box}}") + "hold: {against: pad}\n",
+             "s.yaml:4: no key 'body' in hold; allowed: the name of a body"},
+        Case{"HoldKey", with_bodies("{box: {shape: box}}") + "hold: {body: box, against: pad, until: 1 s}\n",
+             "s.yaml:4: unknown key 'until' in hold; allowed: against, body, from, within"},
+        Case{"HoldAfterTheEnd", with_bodies("{box: {shape: box}}") + "hold: {body: box, against: pad, from: 100 s}\n",
+             "s.yaml:4: hold.from: 100 s is the trial's end or later; allowed: less than 4 s"},
         Case{"IntegratorWithoutBodies", head + "integrator: RK4\n",
              "s.yaml:3: 'integrator' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"SolverAutoWithoutBodies", head + "field_solver: auto\n",

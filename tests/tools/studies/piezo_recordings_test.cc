@@ -1,5 +1,6 @@
 #include "tools/studies/piezo_fft_gru/piezo_recordings.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -15,7 +16,9 @@ namespace {
 
 using slipbench::testing::make_record;
 using slipbench::testing::message_of;
+using ::testing::DoubleNear;
 using ::testing::ElementsAre;
+using ::testing::FloatNear;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
@@ -32,6 +35,7 @@ TrialRecord skin_record(std::size_t trial, bool slips, const std::string& params
     states->assign(400, slips ? 1 : 0);
   if (slips) std::fill(sensor.labels.state_micro.begin() + 250, sensor.labels.state_micro.end(), std::uint8_t{3});
   if (slips) std::fill(sensor.labels.state_paper.begin() + 350, sensor.labels.state_paper.end(), std::uint8_t{3});
+  std::ranges::fill(sensor.labels.micro_onset_time, slips ? 0.025 : std::nan(""));
   record.params = params;
   return record;
 }
@@ -44,40 +48,74 @@ TEST_F(PiezoRecordings, SayWhatWasSwept) {
       0, true, R"({"motion.vibration": 0.5, "friction.static": 0.9, "motion.speed": 0.01, "effects": ["asperities"]})")));
   writer.append(TrialEncoder().encode(skin_record(1, false, R"({"motion.vibration": 4.0})")));
   writer.commit();
-  const std::vector<PiezoRecording> recordings = read_recordings(path("a.h5"));
+  const std::vector<PiezoRecording> recordings = read_recordings(path("a.h5"), {published_spectra(), signal_at_100_hz()});
   ASSERT_THAT(recordings, SizeIs(2));
   EXPECT_EQ(recordings[0].level, 0.5);
   EXPECT_EQ(recordings[0].tip, R"(friction.static=0.9 effects=["asperities"])");
   EXPECT_FALSE(recordings[0].motors_only);
-  EXPECT_THAT(recordings[0].truth, ElementsAre(0, 1, 1));  // frames end with samples 199, 299, 399
-  EXPECT_THAT(recordings[0].paper, ElementsAre(0, 0, 1));
-  EXPECT_THAT(recordings[0].features, SizeIs(3 * 12));
-  EXPECT_THAT(recordings[0].frames(learn::LabelRule::paper).slip, ElementsAre(0, 0, 1));
+  ASSERT_THAT(recordings[0].inputs, SizeIs(2));
+  const PiezoFrames &spectra = recordings[0].inputs[0], &signal = recordings[0].inputs[1];
+  EXPECT_THAT(spectra.truth, ElementsAre(0, 1, 1));  // frames end with samples 199, 299, 399
+  EXPECT_THAT(spectra.paper, ElementsAre(0, 0, 1));
+  EXPECT_THAT(spectra.features, SizeIs(3 * 12));
+  EXPECT_THAT(spectra.by(learn::LabelRule::paper).label, ElementsAre(0, 0, 1));
+  EXPECT_THAT(signal.truth, ElementsAre(0, 0, 0, 1));  // samples 0, 100, 200, 300
+  EXPECT_THAT(signal.features, SizeIs(4));
+  EXPECT_THAT(recordings[0].time, ElementsAre(DoubleNear(0.0199, 1e-9), DoubleNear(0.0299, 1e-9), DoubleNear(0.0399, 1e-9)));
+  EXPECT_THAT(recordings[0].contact, ElementsAre(1, 1, 1));
+  EXPECT_NEAR(recordings[0].slip_time, 0.025, 1e-9);
+  EXPECT_NEAR(recordings[0].label_time, 0.035, 1e-9);
   EXPECT_EQ(recordings[1].level, 4.0);
   EXPECT_EQ(recordings[1].tip, "");
   EXPECT_TRUE(recordings[1].motors_only);
-  EXPECT_THAT(recordings[1].truth, ElementsAre(0, 0, 0));
+  EXPECT_THAT(recordings[1].inputs[0].truth, ElementsAre(0, 0, 0));
+  EXPECT_THAT(recordings[1].contact, ElementsAre(0, 0, 0));
+  EXPECT_TRUE(std::isnan(recordings[1].slip_time) && std::isnan(recordings[1].label_time));
+}
+
+// The bench moves by 3 mm/s along the surface and 1 mm/s along the normal; from 0.03 s on a motor of 20 mm/s that moves nothing runs, too.
+TEST_F(PiezoRecordings, SayWhichMotorsRun) {
+  TrialRecord record = skin_record(0, true, R"({"motion.idle_speed": 0.02, "motion.idle_start": 0.03})");
+  record.bodies = {{"pad", std::vector<float>(400 * 7), std::vector<float>(400 * 6)}};
+  record.body_time = record.sensors[0].time;
+  for (std::size_t i = 0; i < 400; ++i) {
+    record.bodies[0].velocity[6 * i] = -3e-3F;
+    record.bodies[0].velocity[6 * i + 2] = 1e-3F;
+  }
+  EXPECT_THAT(make_recording(record, {published_spectra()}).motors,
+              ElementsAre(FloatNear(4e-3F, 1e-8F), FloatNear(4e-3F, 1e-8F), FloatNear(24e-3F, 1e-8F)));
 }
 
 TEST_F(PiezoRecordings, SurviveTheirBytes) {
-  const PiezoRecording first = make_recording(skin_record(0, true, R"({"effects": 3})"));
+  const std::vector<network::Input> inputs{published_spectra(), spectra_of(0.0, 5000.0)};
+  const PiezoRecording first = make_recording(skin_record(0, true, R"({"effects": 3})"), inputs);
   EXPECT_TRUE(std::isnan(first.level));
   std::string bytes;
   pack(first, bytes);
-  pack(make_recording(skin_record(1, false, "{}")), bytes);
+  pack(make_recording(skin_record(1, false, "{}"), inputs), bytes);
   const std::vector<PiezoRecording> back = unpack(bytes);
   ASSERT_THAT(back, SizeIs(2));
   EXPECT_TRUE(std::isnan(back[0].level));
   EXPECT_EQ(back[0].tip, "effects=3");
-  EXPECT_EQ(back[0].features, first.features);
-  EXPECT_EQ(back[0].truth, first.truth);
-  EXPECT_EQ(back[0].paper, first.paper);
+  ASSERT_THAT(back[0].inputs, SizeIs(2));
+  EXPECT_THAT(back[0].inputs[1].features, SizeIs(3 * 101));  // 0 to 5 kHz by 50 Hz
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(back[0].inputs[k].features, first.inputs[k].features);
+    EXPECT_EQ(back[0].inputs[k].truth, first.inputs[k].truth);
+    EXPECT_EQ(back[0].inputs[k].paper, first.inputs[k].paper);
+  }
+  EXPECT_EQ(back[0].slip_time, first.slip_time);
+  EXPECT_EQ(back[0].label_time, first.label_time);
+  EXPECT_EQ(back[0].time, first.time);
+  EXPECT_EQ(back[0].contact, first.contact);
+  EXPECT_EQ(back[0].motors, first.motors);
   EXPECT_FALSE(back[0].motors_only);
   EXPECT_TRUE(back[1].motors_only);
 }
 
 TEST_F(PiezoRecordings, OfOtherSensorsAreRefused) {
-  EXPECT_THAT(message_of<InputError>([] { make_recording(make_record(2, 400)); }), HasSubstr("trial 2: has no piezo_skin"));
+  EXPECT_THAT(message_of<InputError>([] { make_recording(make_record(2, 400), {published_spectra()}); }),
+              HasSubstr("trial 2: has no piezo_skin"));
 }
 
 }  // namespace

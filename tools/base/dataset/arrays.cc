@@ -55,6 +55,7 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
       arrays.push_back(view_of(samples + channel.name, channel.unit, channel_rows, channel.shape, channel.values));
       if (channel.time) arrays.push_back(view_of(own_time_path(samples + channel.name), "s", channel_rows, {}, *channel.time));
     }
+    if (!has_labels(sensor.labels)) continue;
     const std::string labels = label_group(sensor.name) + "/";
     arrays.push_back(view_of(labels + "t", "s", rows, {}, sensor.time));
     for_each_label(sensor.labels, sensor.labels.units(),

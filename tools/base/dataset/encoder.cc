@@ -44,6 +44,11 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
     if (!sensor.follows.empty()) attributes.push_back({samples, "follows", sensor.follows});
     attributes.push_back({samples, "channels", std::move(channels)});
     attributes.push_back({samples, "channel_names", sensor.channel_names});
+    if (!has_labels(sensor.labels)) continue;
+    if (!sensor.labels.truth) {
+      attributes.push_back({label_group(sensor.name), "rule", sensor.labels.rule});
+      continue;
+    }
     attributes.push_back({label_group(sensor.name), "frame", std::string(label_frame_text)});
     for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {
       EncodedAttribute::Doubles matrix{{sensor.labels.units()}, values};

@@ -27,6 +27,7 @@ struct DatasetHeader {
   std::string command;                            // canonical: without --jobs and -o, which do not change what is written
   std::optional<SplitRule> split = {};            // of the scene, which says it; not read back
   std::map<std::string, std::string> files = {};  // that the scene names: path -> SHA-256, 64 hexadecimal digits
+  std::string truth = {};  // "none: imported from bts3v2": what stands in the truth's place; empty: simulated, with all of it
 };
 
 // A trial that could not be simulated.

@@ -26,9 +26,14 @@ inline std::string_view codes_of(std::string_view array) {
   return {};
 }
 
-// Calls visit(name, unit, extents after the first axis, column) for every label that has a row a sample. `units`: N.
+// Calls visit(name, unit, extents after the first axis, column) for every label that has a row a sample. `units`: N. Labels without
+// truth have state_paper alone, and no event and no attribute of units.
 template <class Labels, class Visit>
 void for_each_label(Labels& labels, std::size_t units, Visit&& visit) {
+  if (!labels.truth) {
+    visit("state_paper", "1", Extents{}, labels.state_paper);
+    return;
+  }
   visit("unit_state", "1", Extents{units}, labels.unit_state);
   visit("slip_velocity", "m/s", Extents{units, 2}, labels.slip_velocity);
   visit("slip_distance", "m", Extents{units}, labels.slip_distance);
@@ -46,6 +51,7 @@ void for_each_label(Labels& labels, std::size_t units, Visit&& visit) {
 // The same for the columns of the events, which have a row an event.
 template <class Labels, class Visit>
 void for_each_event_column(Labels& labels, Visit&& visit) {
+  if (!labels.truth) return;
   visit("events/t", "s", Extents{}, labels.event_time);
   visit("events/unit", "1", Extents{}, labels.event_unit);
   visit("events/kind", "1", Extents{}, labels.event_kind);
@@ -54,6 +60,7 @@ void for_each_event_column(Labels& labels, Visit&& visit) {
 // Calls visit(name, extents after the first axis, values) for every attribute of the labels, which have a row a unit.
 template <class Labels, class Visit>
 void for_each_unit_attribute(Labels& labels, Visit&& visit) {
+  if (!labels.truth) return;
   visit("unit_positions", Extents{2}, labels.unit_positions);
   visit("unit_heights", Extents{}, labels.unit_heights);
   visit("k_normal", Extents{}, labels.k_normal);
@@ -90,6 +97,9 @@ template <class Grip, class Visit>
 void for_each_arm_column(Grip& grip, Visit&& visit) {
   visit("arm_speed", "m/s", Extents{2}, grip.arm);
 }
+
+// Whether a sensor has a group of labels: an imported recording whose set says nothing of slip has none.
+inline bool has_labels(const LabelRecord& labels) { return labels.truth || !labels.state_paper.empty(); }
 
 inline constexpr const char* control_group = "control";
 inline std::string sensor_group(const std::string& sensor) { return "sensors/" + sensor; }

@@ -27,8 +27,8 @@ std::string rule_text(const std::optional<SplitRule>& rule, bool one_material) {
   }
   const auto& [train, valid, test] = rule->shares;
   const std::string shares = fmt::format("{:.4g}/{:.4g}/{:.4g} % of the", 100.0 * train, 100.0 * valid, 100.0 * test);
-  if (rule->by == "trial") return shares + " trials, shuffled by the seed, as the scene says";
-  return fmt::format("{} {}s, shuffled by the seed, as the scene says; no {} is in two parts", shares, rule->by, rule->by);
+  if (rule->by == "trial") return fmt::format("{} trials, shuffled by the seed, {}", shares, rule->said_by);
+  return fmt::format("{} {}s, shuffled by the seed, {}; no {} is in two parts", shares, rule->by, rule->said_by, rule->by);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ namespace slipbench {
 struct SplitRule {
   std::string by;                // "material", "object", "speed": trials alike in it stay together; "trial": each goes by itself
   std::array<double, 3> shares;  // for training, validation and test, of the groups; 1 in all
+  std::string said_by = "as the scene says";  // the last words of Masks::rule
 };
 
 struct Masks {

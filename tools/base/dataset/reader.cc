@@ -131,6 +131,7 @@ FileAbout read_about(const Place& place) {
   }
   about.header = {read_text(place, object, "version"), read_text(place, object, "scene"), read_text(place, object, "overrides"),
                   read_number<std::uint64_t>(place, object, "seed"), read_text(place, object, "command")};
+  if (H5Aexists(object.get(), "truth") > 0) about.header.truth = read_text(place, object, "truth");
   if (H5Aexists(object.get(), "files") > 0) {
     about.header.files = parse_files(place.file_name, read_text(place, object, "files"));
   }
@@ -140,6 +141,15 @@ FileAbout read_about(const Place& place) {
   about.trials = list.nlinks;
   if (H5Aexists(object.get(), "failed") > 0) about.failed = parse_failures(place.file_name, read_text(place, object, "failed"));
   return about;
+}
+
+// Whether a group or array stands there, and those that it lies in.
+bool exists(const Place& place) {
+  for (std::size_t end = 0; end != std::string::npos;) {
+    end = place.object.find('/', end + 1);
+    if (H5Lexists(place.file, place.object.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
+  }
+  return true;
 }
 
 StateCounts count_states(const Place& place, const std::vector<std::uint8_t>& states) {
@@ -223,7 +233,19 @@ struct DatasetReader::State {
     return *about.shards;
   }
 
+  // The labels of an imported recording.
+  [[nodiscard]] static LabelRecord read_rule(const Place& place, std::size_t rows) {
+    LabelRecord labels;
+    labels.truth = false;
+    if (!exists(place)) return labels;
+    labels.rule = read_text(place, open_object(place), "rule");
+    labels.state_paper = read_column<std::uint8_t>(place.below("state_paper"), rows, {});
+    static_cast<void>(count_states(place.below("state_paper"), labels.state_paper));
+    return labels;
+  }
+
   [[nodiscard]] LabelRecord read_labels(const Place& place, const std::vector<double>& time) const {
+    if (!header.truth.empty()) return read_rule(place, time.size());
     LabelRecord labels;
     const Handle group = open_object(place);
     const std::size_t units = read_numbers<double>(place, group, "k_normal").values.size();
@@ -250,7 +272,9 @@ struct DatasetReader::State {
   [[nodiscard]] static std::optional<ControlRecord> read_control(const Place& demo, const std::vector<SensorRecord>& sensors,
                                                                  const std::optional<GraspOutcome>& grasp) {
     const Place place = demo.below(control_group);
-    if (H5Lexists(place.file, place.object.c_str(), H5P_DEFAULT) <= 0) return std::nullopt;
+    if (!exists(place)) return std::nullopt;
+    if (!sensors.empty() && !sensors.front().labels.truth)
+      place.fail("stands in an imported recording, which has no control loop");
     const Handle group = open_object(place);
     ControlRecord control;
     control.detector = read_text(place, group, "detector");
@@ -356,13 +380,19 @@ std::vector<std::string> DatasetReader::sensors(std::size_t trial) const {
 }
 
 std::vector<std::string> DatasetReader::bodies(std::size_t trial) const {
-  if (info(trial).num_samples == 0) return {};
+  if (info(trial).num_samples == 0 || !header().truth.empty()) return {};
   return members_of(state_->demo(trial).below("truth"));
 }
 
 void DatasetReader::check_recorded(std::size_t trial) const {
   if (info(trial).num_samples > 0) return;
   state_->demo(trial).fail("has no recording, only its outcome; allowed: a dataset written without --record outcome");
+}
+
+void DatasetReader::check_truth(const std::string& what, const std::string& allowed) const {
+  if (header().truth.empty()) return;
+  throw InputError(fmt::format("{}: {} needs the truth, which it does not hold ({}); allowed: {}", state_->files.front().name,
+                               what, printable(header().truth), allowed));
 }
 
 std::string DatasetReader::sensor_type(std::size_t trial, const std::string& sensor) const {
@@ -454,6 +484,7 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
     }
     record.bodies.push_back(std::move(columns));
   }
+  if (!header().truth.empty() && !record.sensors.empty()) record.body_time = record.sensors.front().time;
   record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp);
   if (record.control && !record.control->detector.empty() && !record.outcome.detection) {
     settle_old_detection(record.outcome, record.control->confusion);

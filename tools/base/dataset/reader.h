@@ -73,6 +73,9 @@ class DatasetReader {
   [[nodiscard]] std::vector<std::string> bodies(std::size_t trial) const;
   // Throws InputError where only the outcome was recorded.
   void check_recorded(std::size_t trial) const;
+  // Throws InputError where the recordings are imported: "FILE: WHAT needs the truth, which it does not hold (none: imported from
+  // bts3v2); allowed: ALLOWED".
+  void check_truth(const std::string& what, const std::string& allowed = "a dataset that slipbench has simulated") const;
 
   // Everything of one trial. `material` is not stored a trial and stays empty. A file of a version before outcomes had
   // `detection` gets one by today's rule (settle_detection).

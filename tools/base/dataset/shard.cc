@@ -233,6 +233,7 @@ Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t ind
       write_attribute(root, "overrides", header.overrides);
       write_attribute(root, "seed", header.seed);
       write_attribute(root, "command", header.command);
+      if (!header.truth.empty()) write_attribute(root, "truth", header.truth);
       if (!header.files.empty()) write_attribute(root, "files", files_json(header.files));
       write_attribute(root, "shard", static_cast<std::uint64_t>(index));
       list_ = create_demo_list(root, planned, last);

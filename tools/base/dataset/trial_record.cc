@@ -72,11 +72,16 @@ std::string outcome_json(const TrialOutcome& outcome) {
     json["least_tilt_rad"] = turn.least_tilt;
     json["standing"] = turn.standing;
   }
+  if (outcome.hold) {
+    json["held"] = outcome.hold->held;
+    json["hold_from_s"] = outcome.hold->from;
+    json["moved_m"] = outcome.hold->moved;
+  }
   json["touch_time_s"] = nullable(outcome.touch_time);
   json["first_micro_slip_time_s"] = nullable(outcome.first_micro_slip_time);
   json["first_slip_time_s"] = nullable(outcome.first_slip_time);
   json["gross_slip_time_s"] = nullable(outcome.gross_slip_time);
-  json["max_slip_distance_m"] = outcome.max_slip_distance;
+  json["max_slip_distance_m"] = nullable(outcome.max_slip_distance);
   json["false_alarm_time_s"] = nullable(outcome.false_alarm_time);
   json["detection_time_s"] = nullable(outcome.detection_time);
   json["detection_delay_s"] = nullable(outcome.detection_delay);
@@ -96,7 +101,7 @@ TrialOutcome parse_outcome(const std::string& text) {
     outcome.first_micro_slip_time = number_or_nan(json.at("first_micro_slip_time_s"));
     outcome.first_slip_time = number_or_nan(json.at("first_slip_time_s"));
     outcome.gross_slip_time = number_or_nan(json.at("gross_slip_time_s"));
-    outcome.max_slip_distance = json.at("max_slip_distance_m").get<double>();
+    outcome.max_slip_distance = number_or_nan(json.at("max_slip_distance_m"));
     outcome.false_alarm_time = number_or_nan(json.value("false_alarm_time_s", Json(nullptr)));
     outcome.detection_time = number_or_nan(json.value("detection_time_s", Json(nullptr)));
     outcome.detection_delay = number_or_nan(json.value("detection_delay_s", Json(nullptr)));
@@ -113,6 +118,11 @@ TrialOutcome parse_outcome(const std::string& text) {
                                .least_tilt = json.at("least_tilt_rad").get<double>(),
                                .standing = json.at("standing").get<bool>()};
       }
+    }
+    if (json.contains("held")) {
+      outcome.hold = {.held = json.at("held").get<bool>(),
+                      .from = json.at("hold_from_s").get<double>(),
+                      .moved = json.at("moved_m").get<double>()};
     }
     if (json.contains("saturated_samples")) json.at("saturated_samples").get_to(outcome.saturated);
     return outcome;

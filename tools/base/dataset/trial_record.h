@@ -52,6 +52,9 @@ struct LabelRecord {
   std::vector<double> onset_time;         // [N] s, first event slip; NaN: never
   std::vector<double> micro_onset_time;   // [N] s, first event micro or slip; NaN: never
 
+  bool truth = true;      // false: an imported recording; of all columns it has state_paper alone, or none
+  std::string rule = {};  // without truth: what state_paper goes by, as a sentence
+
   StateCounts state_count{};        // samples in each PadState by `state`; there in every mode of recording
   StateCounts state_micro_count{};  // likewise by `state_micro`
 
@@ -127,6 +130,13 @@ struct GraspOutcome {
   std::optional<TurnOutcome> turn = {};  // empty where the arm's motion is prescribed
 };
 
+// Whether the body of a scene's `hold` is held at the trial's end.
+struct HoldOutcome {
+  bool held = false;
+  double from = 0.0;   // s, hold.from
+  double moved = 0.0;  // m, of the body's origin against that of what holds it, from then to the end
+};
+
 // How a detector did in a trial. An alarm is a tick at which the loop sees incipient or gross. The first one decides, as the
 // stopping time does in sequential change detection (A. N. Shiryaev, Theory Probab. Appl. 8, 1963; G. Lorden, Ann. Math. Stat.
 // 42, 1971), where the delay is that of the runs without an alarm before the change. So a detector that alarms before the slip
@@ -150,7 +160,7 @@ struct TrialOutcome {
   double first_micro_slip_time = std::numeric_limits<double>::quiet_NaN();  // s, a first part of a unit slips
   double first_slip_time = std::numeric_limits<double>::quiet_NaN();        // s, a first unit slips as a whole
   double gross_slip_time = std::numeric_limits<double>::quiet_NaN();        // s, all touching units slip
-  double max_slip_distance = 0.0;                                           // m, of any unit
+  double max_slip_distance = 0.0;                                           // m, of any unit; NaN: imported
 
   // Of the detector. Slip is that of the sensor that it reads, by the rule strict: it begins when a first unit slips as a whole.
   // In a grasp it is the first of the lift, and nothing counts from a drop on. Alarms count from the trial's beginning; what
@@ -164,6 +174,7 @@ struct TrialOutcome {
   std::optional<Detection> detection = {};                             // empty: the scene has no detector
 
   std::optional<GraspOutcome> grasp;  // empty: the scene is none
+  std::optional<HoldOutcome> hold;    // empty: the scene has no `hold`
 
   // By sensor, the samples in which its converter reported an end of its range for a value beyond it (Sensor::saturated). A
   // sensor whose readings all lie within it is not in here.
@@ -174,7 +185,7 @@ struct TrialOutcome {
 // max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s; only with a detector: judged_slip_time_s,
 // detection (a detection_word()); and of a grasp, null without one: dropped, drop_time_s, slip_translation_m, slip_rotation_rad,
 // max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s; and only where the arm is guided: tilt_rad,
-// least_tilt_rad, standing. Only where a converter was at an end of its range: saturated_samples, an object {sensor: samples}.
+// least_tilt_rad, standing. Only where the scene has `hold`: held, hold_from_s, moved_m. Only where a converter was at an end of its range: saturated_samples, an object {sensor: samples}.
 std::string outcome_json(const TrialOutcome& outcome);
 // The inverse. A dataset of a version without detectors has none of their keys. Throws InputError when `text` is no such object.
 TrialOutcome parse_outcome(const std::string& text);
@@ -192,7 +203,7 @@ struct TrialRecord {
   std::string model_sha256 = {};  // of the scene's model file, 64 hexadecimal digits; empty: it has none
   TrialOutcome outcome;
   std::vector<SensorRecord> sensors;  // empty, as are the bodies: only the outcome was recorded
-  std::vector<double> body_time;      // [T] s, samples of the fastest sensor that follows no other's pad
+  std::vector<double> body_time;      // [T] s, samples of the fastest sensor that follows no other's pad; imported: of the first
   std::vector<BodyRecord> bodies;
   std::optional<ControlRecord> control;  // empty: the scene has no detector and no controller
 

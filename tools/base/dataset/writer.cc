@@ -171,4 +171,11 @@ std::vector<std::string> DatasetWriter::keep_partial() {
   return state_->finish_as(kept_path(state_->path), false);
 }
 
+void DatasetWriter::discard() {
+  if (state_->ended) return;
+  state_->ended = true;
+  for (const Shard& shard : state_->shards) ::unlink(shard.path().c_str());
+  state_->shards.clear();
+}
+
 }  // namespace slipbench

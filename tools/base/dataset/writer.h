@@ -50,6 +50,8 @@ class DatasetWriter {
   // Ends a run that did not come to its end: what is finished is kept under OUT.partial.h5, whose names are returned; without a
   // finished trial nothing is left. Works after a failed append too.
   std::vector<std::string> keep_partial();
+  // Ends a run of which nothing is to be kept: what it has written is removed. Not of one that goes on with `kept`.
+  void discard();
 
  private:
   struct State;

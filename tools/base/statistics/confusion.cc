@@ -84,4 +84,23 @@ double constant_accuracy(const Confusion& confusion) {
   return share_of(most, samples_in_contact(confusion));
 }
 
+double balanced_slip_accuracy(const Confusion& confusion) {
+  std::size_t quiet = 0, still = 0;
+  for (const PadState truth : {PadState::no_contact, PadState::non_slip}) {
+    for (const PadState answer : {PadState::no_contact, PadState::non_slip}) quiet += counted(confusion, truth, answer);
+    still += samples_in(confusion, truth);
+  }
+  return 0.5 * (recall_of_slip(confusion) + share_of(quiet, still));
+}
+
+double f1_of_slip(const Confusion& confusion) {
+  std::size_t right = 0, slips = 0, called = 0;
+  for (const PadState slip : slip_states) {
+    for (const PadState answer : slip_states) right += counted(confusion, slip, answer);
+    slips += samples_in(confusion, slip);
+    for (const StateCounts& row : confusion) called += row[static_cast<std::size_t>(slip)];
+  }
+  return share_of(2 * right, slips + called);
+}
+
 }  // namespace slipbench

@@ -38,4 +38,12 @@ double accuracy(const Confusion& confusion);
 // The accuracy of the best answer that is always the same: the share of the commonest state.
 double constant_accuracy(const Confusion& confusion);
 
+// The two below ask of every sample, in contact or not, whether it slips: what touches nothing does not, and no_contact is an answer of no slip.
+
+// Mean of recall_of_slip() and of the share of the samples without slip that are not seen as slip: 1/2 for any constant answer. NaN where one of
+// the two does not occur.
+double balanced_slip_accuracy(const Confusion& confusion);
+// 2 P R/(P + R) of slip, P the share of slip among the samples seen as slip and R recall_of_slip(). NaN where nothing slips or is seen to.
+double f1_of_slip(const Confusion& confusion);
+
 }  // namespace slipbench

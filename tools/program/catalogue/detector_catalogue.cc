@@ -3,6 +3,7 @@
 #include "detectors/flip.h"
 #include "detectors/force_ratio.h"
 #include "detectors/hd/hd_detector.h"
+#include "detectors/network/network_detector.h"
 #include "detectors/nib/linear_slip.h"
 #include "detectors/nib/slip_kind.h"
 #include "detectors/plugin_detector.h"
@@ -10,6 +11,7 @@
 #include "detectors/spectral/band_energy.h"
 #include "detectors/stuck_fraction.h"
 #include "rtl/verilated/rtl_detector.h"
+#include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "tools/program/catalogue/oracle.h"
 
@@ -34,10 +36,22 @@ const std::vector<DetectorKind>& detector_catalogue() {
       {gst_hd_rtl_entry(), make_gst_hd_rtl, check_waveform_trial},
       {nib_linear_slip_entry(), make_nib_linear_slip},
       {nib_slip_kind_entry(), make_nib_slip_kind},
+      {network_entry(), make_network},
       {plugin_detector_entry(), make_plugin_detector},
       {oracle_entry(), nullptr},
   };
   return kinds;
+}
+
+// `simulation`: null where there is none, of all but the oracle.
+std::unique_ptr<Detector> make_any(const DetectorScene& scene, const FrameSource& source, const Simulation* simulation) {
+  for (const DetectorKind& kind : detector_catalogue()) {
+    if (kind.about.name != scene.type) continue;
+    std::unique_ptr<Detector> detector =
+        kind.create == nullptr ? make_oracle(scene.parameters, *simulation, scene.sensor) : kind.create(scene.parameters, source);
+    return with_flips(std::move(detector), scene.parameters.number("flip"), source);
+  }
+  throw InputError("detector: unknown type " + quote(scene.type));
 }
 
 }  // namespace
@@ -52,13 +66,14 @@ std::vector<Entry> detector_entries() {
 }
 
 std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source, const Simulation& simulation) {
-  for (const DetectorKind& kind : detector_catalogue()) {
-    if (kind.about.name != scene.type) continue;
-    std::unique_ptr<Detector> detector =
-        kind.create == nullptr ? make_oracle(scene.parameters, simulation, scene.sensor) : kind.create(scene.parameters, source);
-    return with_flips(std::move(detector), scene.parameters.number("flip"), source);
+  return make_any(scene, source, &simulation);
+}
+
+std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source) {
+  if (scene.type == oracle_type) {
+    throw InputError("detector " + quote(scene.type) + " is the oracle, which reads the simulation and no recording");
   }
-  throw InputError("detector: unknown type " + quote(scene.type));
+  return make_any(scene, source, nullptr);
 }
 
 void check_run(const DetectorScene& scene, std::uint64_t trials) {

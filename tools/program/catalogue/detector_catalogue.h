@@ -19,6 +19,9 @@ std::vector<Entry> detector_entries();
 // outlive it. Throws InputError for a type that the catalogue does not have, and what the detector itself refuses.
 std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source, const Simulation& simulation);
 
+// The same where there are recorded frames and no simulation. Throws InputError for the oracle too.
+std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source);
+
 // Throws SceneValueError where `scene` names a trial that is not among the first `trials`, at least one.
 void check_run(const DetectorScene& scene, std::uint64_t trials);
 

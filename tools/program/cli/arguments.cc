@@ -24,7 +24,7 @@ Exit status: 0 good, 1 a check failed, 2 bad input, 130 interrupted. Errors go t
 `slipbench COMMAND --help` explains a command. Start with: slipbench run scenes/papillarray/stage.yaml)";
 
 // Of the command line's fixed part: later versions have them.
-constexpr std::array<std::string_view, 2> later_commands{"import", "view"};
+constexpr std::array<std::string_view, 1> later_commands{"view"};
 
 // What a footer begins with is there for the source only.
 std::string without_first_line_end(std::string_view footer) { return std::string(footer.substr(1)); }
@@ -143,14 +143,17 @@ std::string Arguments::with_names(std::string help, const std::vector<std::strin
   return place == std::string::npos ? help : help.replace(place, 2, fmt::format("{}", fmt::join(names, ", ")));
 }
 
-Arguments& Arguments::overrides(std::vector<Override>& values, std::optional<std::uint64_t>& seed) {
+Arguments& Arguments::sets(std::vector<Override>& values, const std::string& help) {
   const auto sets = std::make_shared<std::vector<std::string>>();
-  last_ = add_option(*app_, "--set KEY=VALUE ...", *sets,
-                     "Replace or add a value of the scene, e.g. motion.speed=\"8 mm/s\"; several may follow")
-              ->allow_extra_args(false);
+  last_ = add_option(*app_, "--set KEY=VALUE ...", *sets, help + "; several may follow")->allow_extra_args(false);
   readers_.emplace_back([this, sets, &values] {
     for (const std::string& set : *sets) values.push_back(parse_override(name_, set));
   });
+  return *this;
+}
+
+Arguments& Arguments::overrides(std::vector<Override>& values, std::optional<std::uint64_t>& seed) {
+  sets(values, "Replace or add a value of the scene, e.g. motion.speed=\"8 mm/s\"");
   return number("--seed N", seed, "Seed of all random draws (default: the scene's own)", 0);
 }
 

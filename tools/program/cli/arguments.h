@@ -73,7 +73,8 @@ class Arguments {
   // `help` with the names in place of its {}, or as it is.
   static std::string with_names(std::string help, const std::vector<std::string>& names);
 
-  // Those that several commands have: --set and --seed of a scene, and --jobs from 1 to 1024.
+  // Those that several commands have: --set, whose keys `help` explains; that and --seed of a scene; --jobs from 1 to 1024.
+  Arguments& sets(std::vector<Override>& values, const std::string& help);
   Arguments& overrides(std::vector<Override>& values, std::optional<std::uint64_t>& seed);
   template <class Value>
   Arguments& jobs(Value& value, const std::string& help = "Worker threads, 1 to 1024 (default: one a hardware thread)") {

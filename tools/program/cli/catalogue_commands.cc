@@ -1,5 +1,6 @@
 #include "tools/program/cli/catalogue_commands.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <vector>
 
@@ -9,29 +10,38 @@
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/describe.h"
+#include "tools/program/cli/recipe_text.h"
 #include "tools/program/cli/terminal.h"
 
 namespace slipbench {
 
 void ListCommand::declare(Arguments& arguments) {
-  arguments.about("list", "List what a scene may name", R"(
+  arguments.about("list", "List what a scene may name, and recipes", R"(
 Examples:
   slipbench list
-  slipbench list effects)");
+  slipbench list effects
+  slipbench list recipes)");
   arguments.text(
       "CATALOGUE", catalogue,
-      "effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers or expectations (default: all)");
+      "effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers, expectations or recipes (default: all)");
 }
 
 int ListCommand::run() {
   const std::vector<CatalogueItem> items = catalogue_items(program_catalogues());
-  std::vector<CatalogueKind> kinds(catalogue_kinds().begin(), catalogue_kinds().end());
-  if (!catalogue.empty()) kinds = {find_kind(catalogue)};
+  std::vector<CatalogueKind> kinds;
+  if (catalogue.empty()) kinds.assign(catalogue_kinds().begin(), catalogue_kinds().end());
+  const bool recipes = catalogue.empty() || catalogue == "recipes";
+  if (!recipes) kinds = {find_kind(catalogue)};
   if (json) {
-    fmt::print("{}\n", list_json(items, kinds).dump());
-  } else {
-    fmt::print("{}", list_text(items, kinds, style_for(stdout), terminal_width(stdout)));
+    nlohmann::ordered_json lists = list_json(items, kinds);
+    if (recipes) lists["recipes"] = recipe_list_json();
+    fmt::print("{}\n", lists.dump());
+    return exit_good;
   }
+  const Style style = style_for(stdout);
+  const std::size_t width = terminal_width(stdout);
+  fmt::print("{}{}{}", list_text(items, kinds, style, width), kinds.empty() || !recipes ? "" : "\n",
+             recipes ? recipe_list_text(style, width) : "");
   return exit_good;
 }
 
@@ -42,22 +52,28 @@ Generated from the declarations that the scene parser reads.
 Examples:
   slipbench describe papillarray
   slipbench describe stage
-  slipbench describe acrylic --json)");
+  slipbench describe acrylic --json
+  slipbench describe piezo_fft_gru)");
   arguments.text("NAME", name, "A name that `slipbench list` shows").required();
 }
 
 int DescribeCommand::run() {
   const Catalogues catalogues = program_catalogues();
-  const std::vector<CatalogueItem> found = find_items(catalogue_items(catalogues), name);
+  const auto recipe = std::ranges::find(learn::recipes(), name, &learn::Recipe::name);
+  const bool is_recipe = recipe != learn::recipes().end();
+  std::vector<CatalogueItem> found;
+  if (!is_recipe) found = find_items(catalogue_items(catalogues), name, recipe_names());
   if (json) {
     nlohmann::ordered_json entries = nlohmann::ordered_json::array();
     for (const CatalogueItem& item : found) entries.push_back(describe_json(item, catalogues));
+    if (is_recipe) entries.push_back(recipe_json(*recipe));
     fmt::print("{}\n", nlohmann::ordered_json{{"name", name}, {"entries", entries}}.dump());
     return exit_good;
   }
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    fmt::print("{}{}", i == 0 ? "" : "\n", describe_text(found[i], catalogues, style_for(stdout), terminal_width(stdout)));
-  }
+  const Style style = style_for(stdout);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    fmt::print("{}{}", i == 0 ? "" : "\n", describe_text(found[i], catalogues, style, terminal_width(stdout)));
+  if (is_recipe) fmt::print("{}", recipe_text(*recipe, style, terminal_width(stdout)));
   return exit_good;
 }
 

@@ -7,10 +7,12 @@
 #include "tools/program/cli/command_elsewhere.h"
 #include "tools/program/cli/cost_command.h"
 #include "tools/program/cli/dataset_commands.h"
+#include "tools/program/cli/eval_command.h"
 #include "tools/program/cli/hd_commands.h"
+#include "tools/program/cli/import_command.h"
 #include "tools/program/cli/installation_commands.h"
 #include "tools/program/cli/simulation_commands.h"
-#include "tools/program/cli/training_commands.h"
+#include "tools/program/cli/train_command.h"
 #include "tools/program/cli/verify_command.h"
 
 namespace slipbench {
@@ -19,8 +21,8 @@ Commands command_table() {
   const auto study = [](const char* name, const char* summary) {
     return std::make_unique<CommandElsewhere>(name, summary, "slipbench-studies");
   };
-  Commands commands = make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ExportCommand, VerifyCommand,
-                                    HdCommand, TrainCommand, EvalCommand>();
+  Commands commands = make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ExportCommand, ImportCommand,
+                                    VerifyCommand, HdCommand, TrainCommand, EvalCommand>();
   commands.push_back(study("reproduce", "Reproduce a table of a paper"));
   commands.push_back(std::make_unique<CostCommand>());
   commands.push_back(study("bench", "Count the instructions of the reference scenes"));

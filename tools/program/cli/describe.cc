@@ -147,6 +147,7 @@ std::vector<CatalogueItem> items_of(const std::vector<CatalogueItem>& items, con
 std::vector<std::string> kind_names() {
   std::vector<std::string> names;
   for (const CatalogueKind& kind : kinds) names.emplace_back(kind.plural);
+  names.emplace_back("recipes");  // which is no catalogue of scenes (recipe_text.h)
   return names;
 }
 
@@ -180,14 +181,17 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
   return items;
 }
 
-std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, const std::string& name) {
+std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, const std::string& name,
+                                      const std::vector<std::string>& others) {
   std::vector<CatalogueItem> found;
   for (const CatalogueItem& item : items) {
     if (item.entry.name == name) found.push_back(item);
   }
   if (found.empty()) {
+    std::vector<std::string> names = item_names(items);
+    names.insert(names.end(), others.begin(), others.end());
     throw InputError(
-        fmt::format("describe: unknown name '{}'{} `slipbench list` shows all names", name, suggestion(name, item_names(items))));
+        fmt::format("describe: unknown name '{}'{} `slipbench list` shows all names", name, suggestion(name, names)));
   }
   return found;
 }

@@ -36,8 +36,9 @@ struct CatalogueItem {
 // All items of all catalogues: kinds in the order of catalogue_kinds(), items in the catalogue's own.
 std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues);
 
-// The items called `name`: several where catalogues share a name, or where several sensors have a part of that name. Throws InputError for an unknown name, with the nearest one.
-std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, const std::string& name);
+// The items called `name`: several where catalogues share a name, or where several sensors have a part of that name. Throws InputError for an unknown name, with the nearest one of theirs and of `others`.
+std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, const std::string& name,
+                                      const std::vector<std::string>& others = {});
 
 // The kind with this plural name. Throws InputError for another word, with the nearest one.
 CatalogueKind find_kind(const std::string& plural);

@@ -140,6 +140,25 @@ std::string grasp_text(const GraspOutcome& grasp, const Style& style) {
   return text + '\n';
 }
 
+std::string hold_text(const HoldOutcome& hold, const Style& style) {
+  return fmt::format("  {}: moved {:.2f} mm since {}\n", style.bold(hold.held ? "held" : "lost"), 1e3 * hold.moved,
+                     onset_text(hold.from));
+}
+
+// Of the trials whose scene has `hold`; empty where none has.
+std::string holds_text(const std::vector<TrialSummary>& trials, const Style& style) {
+  std::size_t held = 0, all = 0;
+  for (const TrialSummary& trial : trials) {
+    if (!trial.outcome.hold) continue;
+    ++all;
+    held += trial.outcome.hold->held ? 1 : 0;
+  }
+  if (all == 0) return "";
+  const Interval share = clopper_pearson(held, all);
+  return fmt::format("{}: {} of {}, 95 %: {:.1f} to {:.1f} %\n", style.heading("held"), held, all, 100.0 * share.low,
+                     100.0 * share.high);
+}
+
 // "force_ratio (ratio 0.3)": a detector or controller with its swept parameters. `key`: where these stand in the scene.
 std::string with_parameters(const std::string& type, const std::string& key, const nlohmann::ordered_json& params) {
   std::string values;
@@ -305,6 +324,7 @@ std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>
   for (std::size_t i = 0; i < trial.sensors.size(); ++i) text += sensor_text(trial.sensors[i], sensors.at(i), style);
   text += gross_text(trial.outcome, style) + saturation_text(trial, style);
   if (trial.detector) text += detector_text(trial, style);
+  if (trial.outcome.hold) text += hold_text(*trial.outcome.hold, style);
   return trial.outcome.grasp ? text + grasp_text(*trial.outcome.grasp, style) : text;
 }
 
@@ -326,7 +346,7 @@ std::string sweep_text(const SweepSummary& summary, const Style& style) {
   }
   std::string text = fmt::format("{}\n", style.heading(fmt::format("{} trials", summary.trials.size()))) + table.text(style) +
                      class_text(strict, micro) + saturations_text(summary.trials, style);
-  text += detectors_text(detector_scores(summary.trials), style);
+  text += holds_text(summary.trials, style) + detectors_text(detector_scores(summary.trials), style);
   return text + grasps_text(grasp_rows(summary), style);
 }
 

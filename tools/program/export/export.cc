@@ -40,6 +40,8 @@ constexpr std::array<std::pair<const char*, ExportFormat>, 9> formats{{{"csv", E
                                                                        {"myrmex-csv", ExportFormat::myrmex_csv},
                                                                        {"myrmex-rotated", ExportFormat::myrmex_rotated},
                                                                        {"slip-csv", ExportFormat::slip_csv}}};
+// Those that need no truth.
+constexpr std::array of_readings{ExportFormat::csv, ExportFormat::npz, ExportFormat::myrmex_csv, ExportFormat::myrmex_rotated};
 constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
                                                                  {"micro", SlipRule::micro},
                                                                  {"paper", SlipRule::paper},
@@ -174,6 +176,12 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
                                        const ExportOptions& options) {
   const DatasetReader reader(dataset_path);
   if (reader.trials().empty()) throw InputError(fmt::format("{}: holds no trial", dataset_path));
+  const auto is_of_readings = [&](ExportFormat format) { return format == options.format; };
+  if (std::ranges::none_of(of_readings, is_of_readings)) {
+    const auto format = std::ranges::find(formats, options.format, [](const auto& known) { return known.second; });
+    reader.check_truth(fmt::format("--format {}", format->first),
+                       "a dataset that slipbench has simulated, or --format csv, npz, myrmex-csv or myrmex-rotated");
+  }
   const std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
   check_files_of(reader, trials);
   for (const std::size_t trial : trials) reader.check_recorded(trial);

@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::array<const char*, 3> fingers{"ff", "mf", "th"};
 constexpr std::size_t electrodes = 24;
-constexpr double lifted = 0.1e-3, lost = 10e-3;  // m
 constexpr std::string_view first_columns = "object,slipped";
 
 std::string header() {
@@ -30,7 +29,7 @@ std::string header() {
 const BodyRecord& body_of(const TrialRecord& record, const std::string& name) {
   const auto found = std::ranges::find(record.bodies, name, &BodyRecord::name);
   if (found == record.bodies.end()) {
-    throw InputError(fmt::format("trial {}: has no truth/{}, which tells how the grasp ended", record.trial, name));
+    throw InputError(fmt::format("trial {}: has no truth/{}", record.trial, name));
   }
   return *found;
 }
@@ -44,12 +43,6 @@ const SensorColumn& electrodes_of(const TrialRecord& record, const char* finger)
   return *std::ranges::find(sensor->channels, "electrodes", &SensorColumn::name);
 }
 
-// Where it is in row `row` [m].
-std::array<double, 3> place(const BodyRecord& body, std::size_t row) {
-  return {static_cast<double>(body.pose[7 * row]), static_cast<double>(body.pose[7 * row + 1]),
-          static_cast<double>(body.pose[7 * row + 2])};
-}
-
 // "box_60x50x90": what does not change from grasp to grasp of the same object.
 std::string object_name(const std::string& shape, const std::vector<double>& size) {
   std::string name = shape.empty() ? "object" : shape;
@@ -58,26 +51,19 @@ std::string object_name(const std::string& shape, const std::vector<double>& siz
 }
 
 std::string row_of(const TrialRecord& record) {
-  const BodyRecord &object = body_of(record, "object"), &thumb = body_of(record, "th");
-  const std::size_t rows = record.body_time.size();
-  std::size_t lift = 0;
-  while (lift < rows && place(thumb, lift)[2] - place(thumb, 0)[2] < lifted) ++lift;
-  if (lift == 0 || lift == rows) throw InputError(fmt::format("trial {}: its thumb is never lifted", record.trial));
-
-  double way2 = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double of_object = place(object, rows - 1)[k] - place(object, lift - 1)[k];
-    const double of_thumb = place(thumb, rows - 1)[k] - place(thumb, lift - 1)[k];
-    way2 += (of_object - of_thumb) * (of_object - of_thumb);
+  const BodyRecord& object = body_of(record, "object");
+  if (!record.outcome.hold) {
+    throw InputError(fmt::format("trial {}: its outcome does not say whether the object was held; allowed: a scene with 'hold'",
+                                 record.trial));
   }
   const auto params = nlohmann::json::parse(record.params);
   std::string text =
-      fmt::format("{},{}", object_name(params.value("bodies.object.shape", ""), object.size), way2 > lost * lost ? 1 : 0);
+      fmt::format("{},{}", object_name(params.value("bodies.object.shape", ""), object.size), record.outcome.hold->held ? 0 : 1);
   for (const char* finger : fingers) {
     const SensorColumn& column = electrodes_of(record, finger);
     const auto sensor = std::ranges::find(record.sensors, finger, &SensorRecord::name);
-    const std::optional<std::size_t> row = latest_row(sensor->time, record.body_time[lift - 1]);
-    if (!row) throw InputError(fmt::format("trial {}: nothing was read before the lift", record.trial));
+    const std::optional<std::size_t> row = latest_row(sensor->time, record.outcome.hold->from);
+    if (!row) throw InputError(fmt::format("trial {}: nothing was read by hold.from", record.trial));
     for (std::size_t e = 0; e < electrodes; ++e) text += fmt::format(",{}", column.values[electrodes * *row + e]);
   }
   return text + '\n';

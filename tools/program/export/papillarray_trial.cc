@@ -1,5 +1,6 @@
 #include "tools/program/export/papillarray_trial.h"
 
+#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -79,6 +80,15 @@ double PapillarraySamples::tangential_force(std::size_t row, std::size_t pillar)
 std::array<double, 3> PapillarraySamples::tip(std::size_t pillar) const {
   const LabelRecord& labels = record_->labels;
   return {labels.unit_positions[2 * pillar], labels.unit_positions[2 * pillar + 1], labels.unit_heights[pillar]};
+}
+
+std::string millimetres(float metres) {
+  const double exact = 1e3 * static_cast<double>(metres);
+  // Those of the nearest float32 in mm; as float32 lies more densely in m than in mm here and there, they may belong to a neighbour.
+  std::string text = fmt::format("{}", static_cast<float>(exact));
+  double back = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), back);
+  return static_cast<float>(back / 1e3) == metres ? text : fmt::format("{:.9g}", exact);
 }
 
 std::vector<std::string> papillarrays_of(const DatasetReader& reader, std::size_t trial) {

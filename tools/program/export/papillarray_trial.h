@@ -62,6 +62,9 @@ class PapillarraySamples {
   std::vector<std::uint8_t> has_slipped_;  // [T,9] 1: fast now or before, and in contact since then; empty for other rules
 };
 
+// A length [m] in mm, in the fewest digits from which `slipbench import` makes the same float32 again.
+std::string millimetres(float metres);
+
 // Names of the PapillArrays among a trial's sensors.
 std::vector<std::string> papillarrays_of(const DatasetReader& reader, std::size_t trial);
 

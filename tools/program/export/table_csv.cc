@@ -75,7 +75,7 @@ std::string table_of(const SensorRecord& sensor, const std::vector<double>& time
     const std::optional<std::size_t> truth = latest_row(sensor.time, time[row]);
     for (const auto* states : {&sensor.labels.state, &sensor.labels.state_micro, &sensor.labels.state_paper}) {
       text.push_back(',');
-      if (truth) fmt::format_to(out, "{}", (*states)[*truth]);
+      if (truth && !states->empty()) fmt::format_to(out, "{}", (*states)[*truth]);  // an imported recording has not all
     }
     text.push_back('\n');
   }

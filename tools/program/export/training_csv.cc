@@ -65,7 +65,7 @@ std::string training_csv(const PapillarraySamples& samples, double rate) {
     fmt::format_to(out, "{}", samples.time(row));
     for (std::size_t p = 0; p < pillars; ++p) {
       fmt::format_to(out, ",{},{}", samples.touching(row, p) ? 1 : 0, samples.slipping(row, p) ? 1 : 0);
-      for (const float metres : samples.displacement(row, p)) fmt::format_to(out, ",{}", static_cast<float>(1e3 * metres));
+      for (const float metres : samples.displacement(row, p)) fmt::format_to(out, ",{}", millimetres(metres));
       for (const float newtons : samples.force(row, p)) fmt::format_to(out, ",{}", newtons);
     }
     text.push_back('\n');

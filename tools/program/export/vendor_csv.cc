@@ -35,8 +35,6 @@ void append_header(fmt::memory_buffer& text, std::size_t sensors) {
   text.push_back('\n');
 }
 
-float in_mm(double metres) { return static_cast<float>(1e3 * metres); }
-
 // Force of all pillars, and their torque about the deformed tip of the centre pillar [N, N mm].
 std::array<double, 6> global_load(const PapillarraySamples& samples, std::size_t row) {
   const auto deformed_tip = [&](std::size_t pillar) {
@@ -71,7 +69,7 @@ void append_sensor(fmt::memory_buffer& text, const PapillarraySamples& samples, 
                    std::array<bool, pillars>& touched_before) {
   auto out = std::back_inserter(text);
   for (std::size_t p = 0; p < pillars; ++p) {
-    for (const float metres : samples.displacement(row, p)) fmt::format_to(out, ",{}", in_mm(metres));
+    for (const float metres : samples.displacement(row, p)) fmt::format_to(out, ",{}", millimetres(metres));
     for (const float newtons : samples.force(row, p)) fmt::format_to(out, ",{}", newtons);
   }
   for (const double value : global_load(samples, row)) fmt::format_to(out, ",{}", static_cast<float>(value));

@@ -1,6 +1,9 @@
 #include "tools/program/learn/network.h"
 
 #include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "sim/core/own_library.h"
 #include "tools/program/learn/torch_library.h"
@@ -9,28 +12,44 @@ namespace slipbench::learn {
 namespace {
 
 constexpr const char* remedy =
-    "allowed: a slipbench built with the package libtorch-dev, which tools/setup/setup.sh test installs";
+    "allowed: a slipbench built with the packages libtorch-dev and libonnx-dev, which tools/setup/setup.sh test installs";
+
+const TorchLibrary& library() {
+  using Library = const TorchLibrary*();
+  static const TorchLibrary* const loaded = reinterpret_cast<Library*>(own_symbol(SLIPBENCH_TORCH, torch_symbol, remedy))();
+  return *loaded;
+}
+
+// Arrays that a step hands to the next.
+std::size_t carried_states(const NetworkShape& shape) {
+  if (!carries_state(shape)) return 0;
+  std::size_t states = 0;
+  for (const Layer& layer : shape.layers) {
+    if (std::holds_alternative<Gru>(layer)) states += 1;
+    if (std::holds_alternative<Lstm>(layer) || std::holds_alternative<ConvLstm>(layer)) states += 2;
+  }
+  return states;
+}
 
 }  // namespace
 
-std::size_t parameter_count(const NetworkShape& shape) {
-  const std::size_t d = shape.dim;
-  const auto layer = [&](std::size_t inputs) {
-    switch (shape.architecture) {
-      case Architecture::mlp: return d * (inputs + 1);
-      case Architecture::tcn: return d * (shape.kernel * inputs + 1);
-      case Architecture::gru: return 3 * d * (inputs + d + 2);
-    }
-    return std::size_t{0};
-  };
-  return layer(shape.inputs) + (shape.layers - 1) * layer(d) + 2 * d + 2;
+std::unique_ptr<Network> make_network(const NetworkShape& shape, std::uint64_t seed) {
+  return std::unique_ptr<Network>(library().make(shape, seed));
 }
 
-std::unique_ptr<Network> make_network(const NetworkShape& shape, std::uint64_t seed) {
-  static MakeNetwork* const make = reinterpret_cast<MakeNetwork*>(own_symbol(SLIPBENCH_TORCH, make_symbol, remedy));
-  return std::unique_ptr<Network>(make(shape, seed));
+std::string onnx_model(const NetworkShape& shape, std::span<const std::vector<std::vector<float>>> members,
+                       network::Description description) {
+  description.states.clear();
+  for (std::size_t i = 0; i < members.size() * carried_states(shape); ++i) {
+    const std::string name = "state_" + std::to_string(i);
+    description.states.push_back({name, name + "_next"});
+  }
+  description.output = members.size() == 1 ? network::Output::logits : network::Output::probabilities;
+  return library().onnx(shape, members, network::description_text(description));
 }
 
 bool networks_available() { return std::filesystem::exists(own_path(SLIPBENCH_TORCH)); }
+
+std::string network_libraries() { return library().versions; }
 
 }  // namespace slipbench::learn

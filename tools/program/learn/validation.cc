@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <memory>
 #include <stdexcept>
 
 #include "sim/core/random.h"
-#include "tools/program/learn/frames.h"
+#include "tools/program/learn/scaling.h"
 
 namespace slipbench::learn {
 namespace {
@@ -50,25 +51,51 @@ std::vector<std::size_t> folds(std::span<const std::size_t> groups, std::size_t 
   return fold_of;
 }
 
-std::vector<Counts> judge_fold(std::span<const Example> examples, std::span<const std::size_t> fold_of, std::size_t fold,
-                               const Validation& validation) {
-  std::vector<FrameSequence> learnt;
-  std::size_t groups = 0;
+Calls called_in_fold(std::span<const FoldExample> examples, std::span<const std::size_t> fold_of, std::size_t fold,
+                     const Validation& validation) {
+  std::vector<FrameSequence> learnt, validating;
   for (std::size_t i = 0; i < examples.size(); ++i) {
-    groups = std::max(groups, examples[i].group + 1);
     if (fold_of[i] != fold && validation.learns(examples[i].group)) learnt.push_back(examples[i].frames);
   }
-  const Standardiser standardise(learnt, validation.shape.inputs);
-  for (FrameSequence& sequence : learnt) sequence = standardise(std::move(sequence));
+  RandomStream random(validation.training.seed, fold, "validated");
+  for (auto left = static_cast<std::size_t>(validation.validated * static_cast<double>(learnt.size())); left > 0; --left) {
+    std::swap(learnt[random.integer(learnt.size())], learnt.back());
+    validating.push_back(std::move(learnt.back()));
+    learnt.pop_back();
+  }
+  std::vector<const FrameSequence*> scaled_by;
+  for (const FrameSequence& sequence : learnt) scaled_by.push_back(&sequence);
+  const Scale scale = scale_of(scaled_by, validation.shape.inputs, Scaling::standard);
+  for (std::vector<FrameSequence>* part : {&learnt, &validating}) {
+    for (FrameSequence& sequence : *part) apply(scale, sequence);
+  }
   const std::unique_ptr<Network> network = make_network(validation.shape, validation.training.seed);
-  network->train(learnt, validation.training);
-  std::vector<Counts> counts(groups);
+  network->train(learnt, validating, validation.training);
+  const std::size_t before = history_of(validation.shape) - 1;
+  Calls calls(examples.size());
   for (std::size_t i = 0; i < examples.size(); ++i) {
     if (fold_of[i] != fold) continue;
-    const FrameSequence judged = standardise(examples[i].frames);
-    const std::vector<float> odds = network->log_odds(judged.features);
-    for (std::size_t frame = 0; frame < odds.size(); ++frame) {
-      counts[examples[i].group].add(judged.slip[frame] != 0, odds[frame] > 0.0F);
+    FrameSequence judged = examples[i].frames;
+    apply(scale, judged);
+    const std::vector<float> logits = network->logits(judged.features);
+    calls[i].assign(judged.label.size(), masked);
+    for (std::size_t frame = before; frame < judged.label.size(); ++frame) {
+      const std::size_t at = 2 * (frame - before);
+      calls[i][frame] = logits[at + 1] > logits[at] ? 1 : 0;
+    }
+  }
+  return calls;
+}
+
+std::vector<Counts> counts_of(std::span<const FoldExample> examples, const Calls& calls) {
+  std::size_t groups = 0;
+  for (const FoldExample& example : examples) groups = std::max(groups, example.group + 1);
+  std::vector<Counts> counts(groups);
+  for (std::size_t i = 0; i < examples.size(); ++i) {
+    const std::vector<std::uint8_t>& label = examples[i].frames.label;
+    for (std::size_t frame = 0; frame < calls[i].size(); ++frame) {
+      if (label[frame] != masked && calls[i][frame] != masked)
+        counts[examples[i].group].add(label[frame] == 1, calls[i][frame] == 1);
     }
   }
   return counts;

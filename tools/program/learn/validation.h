@@ -23,8 +23,8 @@ struct Counts {
   [[nodiscard]] double f1() const;
 };
 
-struct Example {
-  FrameSequence frames;
+struct FoldExample {
+  FrameSequence frames;   // of two classes, 1: slip
   std::size_t group = 0;  // what kind of recording it is, for its user to tell
 };
 
@@ -35,12 +35,21 @@ std::vector<std::size_t> folds(std::span<const std::size_t> groups, std::size_t 
 struct Validation {
   NetworkShape shape;
   TrainingOptions training;
+  double validated =
+      0.0;  // share of the recordings learnt from that choose the best state instead, rounded down; 0: the last state is kept
   std::function<bool(std::size_t group)> learns = [](std::size_t) { return true; };  // whether it learns from a group at all
 };
 
-// One network: learns from the examples outside `fold`, standardised by them alone, and calls the frames of those in it. Returns counts by
-// group [greatest group + 1]. Throws InputError as make_network, std::invalid_argument as Network::train.
-std::vector<Counts> judge_fold(std::span<const Example> examples, std::span<const std::size_t> fold_of, std::size_t fold,
-                               const Validation& validation);
+// What each frame of each example is called: 1, slip; `masked`, it is not judged.
+using Calls = std::vector<std::vector<std::uint8_t>>;
+
+// One network: learns from the examples outside `fold`, standardised by them alone, and calls the frames of those in it, slip where that is the
+// more probable class. The first history_of() - 1 frames of an example are not judged; examples outside `fold` have no calls. Throws InputError
+// as make_network, std::invalid_argument as Network::train.
+Calls called_in_fold(std::span<const FoldExample> examples, std::span<const std::size_t> fold_of, std::size_t fold,
+                     const Validation& validation);
+
+// Judged frames whose label is not masked, by group [greatest group + 1].
+std::vector<Counts> counts_of(std::span<const FoldExample> examples, const Calls& calls);
 
 }  // namespace slipbench::learn

@@ -151,6 +151,8 @@ std::vector<Warning> warnings_of(const DatasetHeader& header, const Json& overri
 // The page of a dataset.
 std::string page_of(const std::string& dataset_path, const ReportOptions& options) {
   const DatasetReader dataset(dataset_path);
+  dataset.check_truth("a report",
+                      "a dataset that slipbench has simulated; `slipbench export --format csv` writes tables of this one");
   const std::vector<std::size_t>& trials = dataset.trials();
   if (trials.empty()) throw InputError(dataset_path + ": holds no trial, so there is nothing to report");
   if (options.trial && !std::binary_search(trials.begin(), trials.end(), *options.trial)) {

@@ -3,6 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/core/error.h"
 
 namespace slipbench {
 namespace {
@@ -14,10 +19,30 @@ void keep_earliest(double& time, double candidate) {
 
 bool slips(PadState state) { return state == PadState::incipient || state == PadState::gross; }
 
+std::size_t index_of(const std::vector<NamedBody>& bodies, const std::string& name, const char* key) {
+  const auto found = std::ranges::find(bodies, name, &NamedBody::name);
+  if (found != bodies.end()) return static_cast<std::size_t>(found - bodies.begin());
+  std::vector<std::string_view> names;
+  for (const NamedBody& body : bodies) names.emplace_back(body.name);
+  throw SceneValueError(key, "no body " + quote(name) + " is recorded" + allowed_names(name, names));
+}
+
 }  // namespace
 
+std::optional<HoldBodies> hold_bodies(const Scene& scene, const Simulation& simulation) {
+  if (!scene.hold) return std::nullopt;
+  return HoldBodies{index_of(simulation.bodies(), scene.hold->body, "hold.body"),
+                    index_of(simulation.bodies(), scene.hold->against, "hold.against")};
+}
+
 Judge::Judge(const Scene& scene, const Simulation& simulation, const HeldBox* box, TrialResult& result)
-    : scene_(scene), simulation_(simulation), box_(box), result_(result), outcome_(result.record.outcome) {
+    : scene_(scene),
+      simulation_(simulation),
+      box_(box),
+      hold_(hold_bodies(scene, simulation)),
+      watches_(box != nullptr || hold_),
+      result_(result),
+      outcome_(result.record.outcome) {
   for (const SensorRecord& sensor : result.record.sensors) result.units.emplace_back(sensor.labels.units());
   if (box == nullptr) return;
   outcome_.grasp.emplace();
@@ -56,6 +81,16 @@ void Judge::judge_detection(const Tick& tick, const ContactFrame& truth, PadStat
   count(result_.record.control->confusion, truth.state, seen);
 }
 
+void Judge::watch(const ContactFrame& truth, const ControlLoop& loop) {
+  if (box_ != nullptr) judge_grasp(truth, loop.tightening());
+  if (hold_ && !held_from_ && truth.time >= scene_.hold->from) held_from_ = held_at();
+}
+
+Eigen::Vector3d Judge::held_at() const {
+  const std::vector<NamedBody>& bodies = simulation_.bodies();
+  return bodies[hold_->body].state.pose.position - bodies[hold_->against].state.pose.position;
+}
+
 void Judge::judge_grasp(const ContactFrame& truth, const ControlLoop::Tightening& tightening) {
   const GraspTruth& now = box_->truth();
   GraspOutcome& grasp = *outcome_.grasp;
@@ -88,6 +123,10 @@ void Judge::finish(std::span<const std::unique_ptr<Sensor>> sensors) {
   if (result_.record.control && !result_.record.control->detector.empty()) {
     outcome_.detection_delay = outcome_.detection_time - outcome_.judged_slip_time;
     settle_detection(outcome_, !std::isnan(outcome_.judged_slip_time));
+  }
+  if (held_from_) {
+    const double moved = (held_at() - *held_from_).norm();
+    outcome_.hold = {.held = moved <= scene_.hold->within, .from = scene_.hold->from, .moved = moved};
   }
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
     const ContactFrame& last = simulation_.contact(pad);

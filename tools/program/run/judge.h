@@ -4,7 +4,10 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
+
+#include <Eigen/Core>
 
 #include "sim/core/contact_frame.h"
 #include "sim/core/sensor.h"
@@ -16,6 +19,15 @@
 #include "tools/program/run/sampling.h"
 
 namespace slipbench {
+
+// The bodies of a scene's `hold`, as indices into Simulation::bodies().
+struct HoldBodies {
+  std::size_t body, against;
+};
+
+// Empty where the scene has no `hold`. Throws SceneValueError at hold.body and hold.against for a name that no body has, which a dataset
+// would record.
+std::optional<HoldBodies> hold_bodies(const Scene& scene, const Simulation& simulation);
 
 // A sensor that follows another one's pad has figures of its units, and none in the outcome.
 class Judge {
@@ -29,7 +41,7 @@ class Judge {
     for (const Tick& tick : ticks) {
       const ContactFrame& truth = simulation_.contact(tick.pad);
       const bool detected = loop.has_detector() && tick.pad == loop.pad();
-      if (box_ != nullptr && tick.pad == 0) judge_grasp(truth, loop.tightening());
+      if (watches_ && tick.pad == 0) watch(truth, loop);
       if (!truth.events.empty()) note_events(tick.pad, truth, detected);
       if (truth.state == PadState::gross && !(outcome_.gross_slip_time <= truth.time)) note_gross_slip(tick.pad, truth);
       if (tick.sample != nullptr) count_states(result_.record.sensors[tick.pad].labels, truth);
@@ -53,12 +65,18 @@ class Judge {
   void note_events(std::size_t pad, const ContactFrame& truth, bool detected);
   void note_gross_slip(std::size_t pad, const ContactFrame& truth);
   void judge_detection(const Tick& tick, const ContactFrame& truth, PadState seen);
+  void watch(const ContactFrame& truth, const ControlLoop& loop);
   void judge_grasp(const ContactFrame& truth, const ControlLoop::Tightening& tightening);
   void judge_turn();
+  // The body of `hold`, from what holds it [m].
+  [[nodiscard]] Eigen::Vector3d held_at() const;
 
   const Scene& scene_;
   const Simulation& simulation_;
   const HeldBox* box_;
+  std::optional<HoldBodies> hold_;
+  bool watches_;                              // whether bodies are looked at in each tick
+  std::optional<Eigen::Vector3d> held_from_;  // m, held_at() at the first tick of which `hold` asks
   TrialResult& result_;
   TrialOutcome& outcome_;
   double slip_tick_ =

@@ -135,6 +135,7 @@ double check_trial(const Scene& scene, std::uint64_t trial) {
   const Sampler sampler(scene, sensors, *simulation);
   make_loop(scene, sensors, *simulation, trial).finish();
   static_cast<void>(split_group(scene));
+  static_cast<void>(hold_bodies(scene, *simulation));
   return record_bytes(scene, sensors, *simulation, sampler);
 }
 

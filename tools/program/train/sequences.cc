@@ -157,6 +157,7 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
   const DatasetReader reader(dataset_path);
   if (!reader.complete()) throw InputError(dataset_path + ": its run did not come to its end; allowed: a whole dataset");
   if (reader.trials().empty()) throw InputError(dataset_path + ": holds no trial");
+  reader.check_truth("the hyperdimensional detector, trained on motions that are known,");
   Packed packed;
   packed.put_all(std::vector<char>(reader.header().command.begin(), reader.header().command.end()));
   ContentCheck check(reader);
@@ -165,7 +166,8 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
     const std::string sensor = chosen_sensor(reader, trial, options.sensor, subject);
     const TrialRecord record = reader.read_trial(trial);
     check.add(trial);
-    const Sequence sequence = sequence_of(record, sensor, commanded_motion(reader, trial), options, subject);
+    const CommandedMotion motion = record.outcome.grasp ? CommandedMotion{} : commanded_motion(reader, trial);
+    const Sequence sequence = sequence_of(record, sensor, motion, options, subject);
     for_each_member(
         sequence, [&](const auto& value) { packed.put(value); }, [&](const auto& column) { packed.put_all(column); });
   }

@@ -22,7 +22,7 @@ using Displacements = std::array<float, 27>;
 // One trial.
 struct Sequence {
   std::size_t trial = 0;
-  CommandedMotion motion;
+  CommandedMotion motion;  // all 0 in a grasp, whose pad no motion commands
   double onset =
       std::numeric_limits<double>::quiet_NaN();  // s, true begin of slip by the rule of the labels; NaN: it never slips
   std::vector<double> time;                      // [T] s
@@ -45,8 +45,8 @@ struct SequenceOptions {
 // takes them; its label is that sample's own. `onset` is resolved inside the step: the first event `slip` of a pillar for the
 // labels strict, the first of a part of a pillar for the others: the paper's camera sees the tip as soon as a part lets go.
 // has_slipped has the threshold default_label_speed, and sees every sample of the sensor, not the frames alone.
-// Throws InputError, naming the file, for what is no complete dataset of PapillArrays on a stage whose rate is a multiple of
-// 100 Hz. Reads in a child process (tools/base/dataset/guarded.h).
+// Throws InputError, naming the file, for what is no complete dataset of PapillArrays, on a stage or in a grasp, whose rate is a
+// multiple of 100 Hz. Reads in a child process (tools/base/dataset/guarded.h).
 TrainingData read_sequences(const std::string& dataset_path, const SequenceOptions& options);
 
 }  // namespace slipbench

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "detectors/hd/engine.h"
-#include "detectors/hd/shipped_memories.h"
 #include "detectors/hd/training.h"
 #include "sim/core/error.h"
 #include "tools/base/workers/ordered_workers.h"
@@ -198,14 +197,6 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
   return evaluations;
 }
 
-Evaluation evaluate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
-                    std::span<const Sample> samples) {
-  Evaluation evaluation = judge(
-      Classifier(model, memories), sequences, samples, [](std::size_t) { return true; }, true);
-  evaluation.tested = sequences.size();
-  return evaluation;
-}
-
 TrainSummary train_dataset(const TrainOptions& options) {
   hd::check_save_target(options.output);
   hd::SavedModel saved{options.model, options.quantiser, {}, hd::generate(options.model, options.seed)};
@@ -223,15 +214,6 @@ TrainSummary train_dataset(const TrainOptions& options) {
   summary.trained = saved.trained = fmt::format("{}; labels {}, seed {}, all {} sequences", data.command,
                                                 slip_rule_name(options.sequences.labels), options.seed, data.sequences.size());
   hd::save(options.output, saved);
-  return summary;
-}
-
-EvalSummary eval_dataset(const EvalOptions& options) {
-  EvalSummary summary{hd::load(hd::memories_folder(options.memories)), 0, {}};
-  const TrainingData data = read_sequences(options.dataset, options.sequences);
-  const std::vector<Sample> samples = encode_dataset(options.dataset, summary.model, data.sequences, options.jobs);
-  summary.sequences = data.sequences.size();
-  summary.evaluation = evaluate(summary.model.model, summary.model.memories, data.sequences, samples);
   return summary;
 }
 

@@ -69,10 +69,6 @@ enum class Split { by_sequence, by_frame };
 std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
                                        std::span<const Sample> samples, Split split, std::uint64_t seed, std::size_t jobs);
 
-// Judges a trained classifier on all samples.
-Evaluation evaluate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
-                    std::span<const Sample> samples);
-
 struct TrainOptions {
   std::string dataset;
   SequenceOptions sequences;
@@ -94,21 +90,5 @@ struct TrainSummary {
 // `slipbench train`: the draws, then a classifier trained on every sequence, which is saved. Throws InputError; for an output that
 // cannot be written before anything is read.
 TrainSummary train_dataset(const TrainOptions& options);
-
-struct EvalOptions {
-  std::string dataset;
-  SequenceOptions sequences;
-  std::string memories;  // folder, or the shipped classifier's name (hd::memories_folder)
-  std::size_t jobs = 0;
-};
-
-struct EvalSummary {
-  hd::SavedModel model;
-  std::size_t sequences = 0;
-  Evaluation evaluation;
-};
-
-// `slipbench eval`: one trained classifier on a whole dataset. Throws InputError.
-EvalSummary eval_dataset(const EvalOptions& options);
 
 }  // namespace slipbench

@@ -114,14 +114,4 @@ Json train_json(const TrainSummary& summary, const TrainOptions& options) {
           {"by_frame", draws_json(summary.by_frame)}};
 }
 
-Json eval_json(const EvalSummary& summary, const EvalOptions& options) {
-  return {{"dataset", options.dataset},
-          {"memories", options.memories},
-          {"model", model_json(summary.model.model, summary.model.quantiser)},
-          {"trained", summary.model.trained},
-          {"labels", slip_rule_name(options.sequences.labels)},
-          {"sequences", summary.sequences},
-          {"result", evaluation_json(summary.evaluation)}};
-}
-
 }  // namespace slipbench

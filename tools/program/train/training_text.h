@@ -31,6 +31,5 @@ nlohmann::ordered_json evaluation_json(const Evaluation& evaluation);
 nlohmann::ordered_json draws_json(std::span<const Evaluation> draws);
 
 nlohmann::ordered_json train_json(const TrainSummary& summary, const TrainOptions& options);
-nlohmann::ordered_json eval_json(const EvalSummary& summary, const EvalOptions& options);
 
 }  // namespace slipbench

@@ -208,7 +208,9 @@ void check_label_values(const SensorRecord& sensor, std::size_t trial, Verificat
 
 void check_times(const TrialRecord& record, Verification& verification) {
   for (const SensorRecord& sensor : record.sensors) {
-    check_rising(sensor.time, sensor.rate, {record.trial, sensor_group(sensor.name) + "/t"}, verification);
+    // What was recorded elsewhere has the steps that were recorded.
+    const auto rate = sensor.labels.truth ? std::optional(sensor.rate) : std::nullopt;
+    check_rising(sensor.time, rate, {record.trial, sensor_group(sensor.name) + "/t"}, verification);
     for (const SensorColumn& channel : sensor.channels) {
       if (channel.time)
         check_rising(*channel.time, std::nullopt, {record.trial, sensor_group(sensor.name) + "/" + own_time_path(channel.name)},
@@ -225,7 +227,7 @@ void check_values(const TrialRecord& record, Verification& verification) {
       const std::size_t rows = channel.time ? channel.time->size() : sensor.time.size();
       check_finite(channel.values, rows, {record.trial, sensor_group(sensor.name) + "/" + channel.name}, verification, never);
     }
-    check_label_values(sensor, record.trial, verification);
+    if (sensor.labels.truth) check_label_values(sensor, record.trial, verification);
   }
   for (const BodyRecord& body : record.bodies) {
     check_finite(body.pose, record.body_time.size(), {record.trial, body_group(body.name) + "/pose"}, verification, never);

@@ -2,119 +2,217 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/program/learn/recipe.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
 namespace {
 
-using learn::Architecture;
 using learn::LabelRule;
 
-NetworkFigures network_figures(const learn::Counts& counts) { return {100.0 * counts.balanced_accuracy(), counts.f1()}; }
+constexpr std::size_t epochs = 200;        // published
+constexpr double shown = 0.8, kept = 0.8;  // shares: of the recordings that are learnt from, and of these that do not validate
 
-// Adds a recording to the examples of its level.
-void add_to(MotorLevel& level, const PiezoRecording& recording) {
-  const std::size_t group = recording.motors_only ? motors_alone : with_slip;
-  for (const LabelRule rule : {LabelRule::truth, LabelRule::paper})
-    level.examples[rule].push_back({recording.frames(rule), group});
-  level.level = recording.level;
-  level.groups.push_back(group);
-  level.tips.push_back(recording.tip);
+void check_folds(const std::vector<PiezoRecording>& recordings) {
+  const auto refuse_below = [](auto count, const char* what) {
+    if (static_cast<std::size_t>(count) >= fold_count) return;
+    throw InputError(fmt::format("{} {} make no {} folds; allowed: {} or more", count, what, fold_count, fold_count));
+  };
+  const auto slips = [](const std::vector<std::uint8_t>& label) { return std::ranges::find(label, 1) != label.end(); };
+  refuse_below(std::ranges::count(recordings, false, &PiezoRecording::motors_only), "recordings with contact");
+  refuse_below(std::ranges::count_if(recordings, [&](const auto& one) { return slips(one.inputs.front().truth); }),
+               "recordings that slip by the true label");
+  refuse_below(std::ranges::count_if(recordings, [&](const auto& one) { return slips(one.inputs.front().paper); }),
+               "recordings that slip by the position label");
 }
 
-void check_folds(const MotorLevel& level) {
-  const auto slips = static_cast<std::size_t>(std::ranges::count(level.groups, with_slip));
-  if (slips < fold_count) {
-    throw InputError(fmt::format("{} recordings with contact make no {} folds; allowed: {} or more at every level", slips,
-                                 fold_count, fold_count));
-  }
-  for (const auto& [rule, examples] : level.examples) {
-    const auto moving = std::ranges::count_if(examples, [](const learn::Example& example) {
-      return std::ranges::find(example.frames.slip, 1) != example.frames.slip.end();
-    });
-    if (static_cast<std::size_t>(moving) < fold_count) {
-      throw InputError(fmt::format("{} recordings slip by the {} label; allowed: {} or more at every level", moving,
-                                   rule == LabelRule::truth ? "true" : "position", fold_count));
-    }
-  }
+// `before` copies of the first frame before, `after` of the last one behind; their labels are masked.
+learn::FrameSequence padded(const learn::FrameSequence& sequence, std::size_t inputs, std::size_t before, std::size_t after) {
+  learn::FrameSequence whole;
+  const auto width = static_cast<std::ptrdiff_t>(inputs);
+  for (std::size_t k = 0; k < before; ++k)
+    whole.features.insert(whole.features.end(), sequence.features.begin(), sequence.features.begin() + width);
+  whole.features.insert(whole.features.end(), sequence.features.begin(), sequence.features.end());
+  for (std::size_t k = 0; k < after; ++k)
+    whole.features.insert(whole.features.end(), sequence.features.end() - width, sequence.features.end());
+  whole.label.assign(before + after, learn::masked);
+  whole.label.insert(whole.label.end(), sequence.label.begin(), sequence.label.end());
+  return whole;
 }
 
-// Share of the frames of recordings with a slip at which the labels differ.
-double difference_of_labels(const MotorLevel& level) {
-  double different = 0.0, all = 0.0;
-  const std::vector<learn::Example>&truth = level.examples.at(LabelRule::truth), &paper = level.examples.at(LabelRule::paper);
-  for (std::size_t k = 0; k < truth.size(); ++k) {
-    if (level.groups[k] != with_slip) continue;
-    const std::vector<std::uint8_t>&a = truth[k].frames.slip, &b = paper[k].frames.slip;
-    for (std::size_t i = 0; i < a.size(); ++i) different += a[i] != b[i] ? 1.0 : 0.0;
-    all += static_cast<double>(a.size());
-  }
-  return different / all;
+learn::Counts all_of(const GroupCounts& fold) {
+  learn::Counts all = fold[with_slip];
+  all.add(fold[motors_alone]);
+  return all;
+}
+
+template <class Of>
+MeanSd over(const std::vector<GroupCounts>& folds, Of&& of) {
+  std::vector<double> values;
+  for (const GroupCounts& fold : folds) values.push_back(of(fold));
+  return mean_sd(values);
+}
+
+template <class Of>
+NetworkFigures figures_over(const std::vector<GroupCounts>& folds, Of&& counts) {
+  return {over(folds, [&](const GroupCounts& fold) { return 100.0 * counts(fold).balanced_accuracy(); }),
+          over(folds, [&](const GroupCounts& fold) { return counts(fold).f1(); })};
 }
 
 }  // namespace
 
-const std::vector<NetworkRow>& network_rows() {
-  static const std::vector<NetworkRow> rows{
-      {"mlp_32", "MLP 32", {}, 500, 0.7913, 88.76},
-      {"mlp_128", "MLP 128", {.dim = 128}, 500, 0.7941, 89.39},
-      {"tcn_128_8", "TCN 128, kernel 8", {.architecture = Architecture::tcn, .dim = 128, .kernel = 8}, 300, 0.9579, 97.64},
-      {"gru_32", "GRU 32", {.architecture = Architecture::gru}, 500, 0.9781, 98.70},
-  };
-  return rows;
+NetworkRow mlp_32() {
+  return {.name = "mlp_32",
+          .text = "FFT, MLP 32",
+          .shape = learn::find_recipe("piezo_mlp").network,
+          .steps = 500,
+          .f1 = 0.7913,
+          .accuracy = 88.76};
+}
+NetworkRow gru_32() {
+  return {.name = "gru_32",
+          .text = "FFT, GRU 32",
+          .shape = learn::find_recipe("piezo_fft_gru").network,
+          .steps = 200,
+          .f1 = 0.9781,
+          .accuracy = 98.70};
 }
 
-std::vector<MotorLevel> levels_of(const std::vector<PiezoRecording>& recordings) {
-  std::map<double, MotorLevel> by_level;
+learn::Validation StudySize::training(const NetworkRow& row, std::uint64_t seed) const {
+  learn::Validation validation{row.shape, learn::find_recipe("piezo_fft_gru").training};
+  validation.training.seed = seed;
+  validation.training.steps = row.steps;
+  if (!full) return validation;
+  const auto epoch = static_cast<std::size_t>(shown * kept * static_cast<double>(recordings)) / validation.training.batch;
+  validation.training.validate_every = std::max<std::size_t>(epoch, 1);
+  validation.training.steps = epochs * validation.training.validate_every;
+  validation.validated = 1.0 - kept;
+  return validation;
+}
+
+StudySize size_of(const ReproduceOptions& options, std::size_t usual) {
+  if (!learn::networks_available()) static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
+  if (!options.data.empty() && options.trials != 0)
+    throw InputError("reproduce: --trials is for recordings that are made; allowed: --data alone");
+  StudySize size{options.trials != 0 ? options.trials : options.full ? published_recordings : usual, options.full};
+  check_recordings(size.recordings, 2 * fold_count, fmt::format("{} folds need one each", fold_count));
+  return size;
+}
+
+std::vector<PiezoRecording> recordings_for(const ReproduceOptions& options, const StudySize& size,
+                                           const std::vector<double>& levels, const std::vector<network::Input>& inputs) {
+  std::vector<PiezoRecording> recordings =
+      options.data.empty() ? run_recordings(levels, size.recordings, inputs, options) : read_recordings(options.data, inputs);
+  check_folds(recordings);
+  return recordings;
+}
+
+std::vector<learn::FoldExample> examples_of(const std::vector<PiezoRecording>& recordings, const NetworkRow& row,
+                                            LabelRule rule) {
+  std::vector<learn::FoldExample> examples;
+  const std::size_t before = learn::history_of(row.shape) - 1 - row.later;
   for (const PiezoRecording& recording : recordings) {
-    const double key = std::isnan(recording.level) ? -1.0 : recording.level;  // a dataset that sweeps no level has one
-    add_to(by_level[key], recording);
+    learn::FrameSequence frames = recording.inputs[row.input].by(rule);
+    if (row.told.values() > 0) frames.features = told_features(recording, row.told);
+    examples.push_back({padded(frames, row.shape.inputs, before, row.later), recording.motors_only ? motors_alone : with_slip});
   }
-  std::vector<MotorLevel> levels;
-  for (auto& [key, level] : by_level) {
-    check_folds(level);
-    level.labels_differ = difference_of_labels(level);
-    levels.push_back(std::move(level));
-  }
-  return levels;
+  return examples;
 }
 
-NetworkFigures on_slip(const GroupCounts& counts) { return network_figures(counts[with_slip]); }
-NetworkFigures on_all(const GroupCounts& counts) {
-  learn::Counts all = counts[with_slip];
-  all.add(counts[motors_alone]);
-  return network_figures(all);
+std::vector<std::size_t> groups_of(const std::vector<PiezoRecording>& recordings) {
+  std::vector<std::size_t> groups;
+  for (const PiezoRecording& recording : recordings) groups.push_back(recording.motors_only ? motors_alone : with_slip);
+  return groups;
 }
 
-std::size_t Validations::queue(const std::vector<learn::Example>& examples, const std::vector<std::size_t>& fold_of,
-                               const NetworkRow& row, bool slip_alone) {
-  learn::Validation validation{row.shape, {.steps = row.steps, .seed = options_.seed.value_or(1)}};
+NetworkFigures on_slip(const std::vector<GroupCounts>& folds) {
+  return figures_over(folds, [](const GroupCounts& fold) { return fold[with_slip]; });
+}
+NetworkFigures on_all(const std::vector<GroupCounts>& folds) { return figures_over(folds, all_of); }
+MeanSd motors_right(const std::vector<GroupCounts>& folds) {
+  return over(folds, [](const GroupCounts& fold) {
+    const auto right = static_cast<double>(fold[motors_alone].hold_called_hold),
+               wrong = static_cast<double>(fold[motors_alone].hold_called_slip);
+    return 100.0 * right / (right + wrong);
+  });
+}
+
+std::string cell(const MeanSd& percent) {
+  if (std::isnan(percent.mean)) return "-";
+  return std::isnan(percent.sd) ? fmt::format("{:.1f}", percent.mean) : fmt::format("{:.1f} +- {:.1f}", percent.mean, percent.sd);
+}
+std::string cell(const NetworkFigures& figures) {
+  return std::isnan(figures.accuracy.mean) ? "-" : fmt::format("{}, {:.3f}", cell(figures.accuracy), figures.f1.mean);
+}
+
+Json json_of(const NetworkFigures& figures) {
+  return {{"balanced_accuracy", figures.accuracy.mean / 100.0},
+          {"balanced_accuracy_sd", figures.accuracy.sd / 100.0},
+          {"f1", figures.f1.mean},
+          {"f1_sd", figures.f1.sd}};
+}
+Json json_of(const std::vector<GroupCounts>& folds) {
+  return {{"on_slip_and_noise", json_of(on_all(folds))},
+          {"on_slip", json_of(on_slip(folds))},
+          {"motors_right", motors_right(folds).mean / 100.0}};
+}
+
+std::string paper_cell(const NetworkRow& row) {
+  return std::isnan(row.accuracy) ? "-" : fmt::format("{:.1f}, {:.3f}", row.accuracy, row.f1);
+}
+
+const char* label_name(LabelRule rule) { return rule == LabelRule::micro ? "true" : "position"; }
+
+std::vector<std::string> setup_lines(const ReproduceOptions& options, const StudySize& size, std::size_t recordings) {
+  return {
+      options.data.empty()
+          ? fmt::format("{} recordings of scenes/piezo_skin/dataset.yaml (paper: {}), half with contact, seed {}.", recordings,
+                        published_recordings, options.seed.value_or(1))
+          : fmt::format("{} recordings of {}.", recordings, options.data),
+      "Frames of 20 ms every 10 ms, log power in bins of 50 Hz, standardised on the recordings that are learnt.",
+      fmt::format("{} folds by recording; mean and standard deviation of the folds. {}", fold_count,
+                  size.full ? "200 epochs of 32 clips a step by RMSProp; a fifth of the recordings learnt from chooses the state."
+                            : "32 clips of 128 frames a step by RMSProp, 200 steps of a GRU; the last state is judged."),
+      "Labels: position, that the bench's 100 Hz position has changed since its last reading; true, that a part of the contact slips."};
+}
+
+std::size_t Validations::queue(const std::vector<PiezoRecording>& recordings, const std::vector<std::size_t>& fold_of,
+                               const NetworkRow& row, LabelRule rule, bool slip_alone) {
+  learn::Validation validation = size_.training(row, options_.seed.value_or(1));
   if (slip_alone) validation.learns = [](std::size_t group) { return group == with_slip; };
-  const std::size_t folds = *std::ranges::max_element(fold_of) + 1;
-  for (std::size_t fold = 0; fold < folds; ++fold) tasks_.push_back({by_fold_.size(), &examples, fold_of, fold, validation});
-  by_fold_.emplace_back();
-  return by_fold_.size() - 1;
+  const auto examples = std::make_shared<const std::vector<learn::FoldExample>>(examples_of(recordings, row, rule));
+  const std::size_t count = *std::ranges::max_element(fold_of) + 1;
+  for (std::size_t fold = 0; fold < count; ++fold)
+    tasks_.push_back(
+        {results_.size(), examples, fold_of, fold, validation, fmt::format("{}, {} label", row.text, label_name(rule))});
+  results_.push_back({{}, learn::Calls(recordings.size())});
+  return results_.size() - 1;
+}
+
+std::size_t Validations::queue_folds(const std::vector<PiezoRecording>& recordings, const NetworkRow& row, LabelRule rule,
+                                     bool slip_alone) {
+  return queue(recordings, learn::folds(groups_of(recordings), fold_count, options_.seed.value_or(1)), row, rule, slip_alone);
 }
 
 void Validations::run() {
-  const auto judged = run_in_order<std::vector<learn::Counts>>(
-      tasks_.size(), options_, [](std::size_t) { return "networks"; },
+  std::vector<learn::Calls> called = run_in_order<learn::Calls>(
+      tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
       [this](std::size_t k) {
-        return learn::judge_fold(*tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold, tasks_[k].validation);
+        return learn::called_in_fold(*tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold, tasks_[k].validation);
       });
   for (std::size_t k = 0; k < tasks_.size(); ++k) {
-    GroupCounts& fold = by_fold_[tasks_[k].of].emplace_back();
-    std::ranges::copy(judged[k], fold.begin());
+    Outcome& outcome = results_[tasks_[k].of];
+    const std::vector<learn::Counts> counts = learn::counts_of(*tasks_[k].examples, called[k]);
+    std::ranges::copy(counts, outcome.folds.emplace_back().begin());
+    for (std::size_t i = 0; i < called[k].size(); ++i) {
+      if (!called[k][i].empty()) outcome.calls[i] = std::move(called[k][i]);
+    }
   }
-}
-
-GroupCounts Validations::result(std::size_t validation) const {
-  GroupCounts all{};
-  for (const GroupCounts& fold : by_fold_[validation]) {
-    for (std::size_t group = 0; group < fold.size(); ++group) all[group].add(fold[group]);
-  }
-  return all;
 }
 
 }  // namespace slipbench::reproduce

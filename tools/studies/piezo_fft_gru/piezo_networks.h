@@ -3,10 +3,13 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/learn/validation.h"
 #include "tools/studies/piezo_fft_gru/piezo_recordings.h"
 
@@ -15,64 +18,113 @@ namespace slipbench::reproduce {
 inline constexpr std::size_t fold_count = 5;
 inline constexpr std::size_t with_slip = 0, motors_alone = 1;  // groups of recordings
 
-// A row of Table I.
+// A row of a table: a network, what it eats and what the paper says of it.
 struct NetworkRow {
   std::string name, text;
   learn::NetworkShape shape;
-  std::size_t steps;
-  double f1, accuracy;  // published, 0 to 1 and %
+  std::size_t steps = 0;  // of the default size
+  std::size_t input = 0;  // PiezoRecording::inputs
+  Told told = {};         // a shortcut eats this instead
+  std::size_t later = 0;  // frames after the one that is named, which it has seen
+  double f1 = std::numeric_limits<double>::quiet_NaN(),
+         accuracy = std::numeric_limits<double>::quiet_NaN();  // paper's, 0 to 1, %
 };
-const std::vector<NetworkRow>& network_rows();
 
-// The recordings at one level of the motors' vibration, as examples by either label.
-struct MotorLevel {
-  double level = 0.0;  // NaN: the dataset does not say
-  std::map<learn::LabelRule, std::vector<learn::Example>> examples;
-  std::vector<std::size_t> groups;  // of each example, with_slip or motors_alone
-  std::vector<std::string> tips;    // of each example
-  double labels_differ = 0.0;       // share of the frames of recordings with a slip
+// The paper's networks of every table.
+NetworkRow mlp_32();
+NetworkRow gru_32();
+
+// What the options make of a study's size.
+struct StudySize {
+  std::size_t recordings = 0;  // of each level
+  bool full = false;  // 200 epochs, the best state of a fifth of the recordings learnt from; else a row's steps, the last state
+
+  [[nodiscard]] learn::Validation training(const NetworkRow& row, std::uint64_t seed) const;
 };
-// By rising level. Throws InputError where a level has too few recordings that slip for the folds.
-std::vector<MotorLevel> levels_of(const std::vector<PiezoRecording>& recordings);
+inline constexpr std::size_t published_recordings = 3200, usual_recordings = 200;
+
+// `usual`: recordings by default. Throws InputError: no libtorch, too few recordings, --trials with --data.
+StudySize size_of(const ReproduceOptions& options, std::size_t usual);
+
+// Those of --data, or run at these levels. Throws InputError where too few of them slip for the folds.
+std::vector<PiezoRecording> recordings_for(const ReproduceOptions& options, const StudySize& size,
+                                           const std::vector<double>& levels, const std::vector<network::Input>& inputs);
+
+inline constexpr double bench_level = 2.0;  // of the motors, in dataset.yaml
+
+// As examples of a row, by a label. What convolutions look back to before a recording is its first frame again, and what they see after it its
+// last: so all frames are judged. An answer that has seen `later` frames stands so many frames after the one that it names.
+std::vector<learn::FoldExample> examples_of(const std::vector<PiezoRecording>& recordings, const NetworkRow& row,
+                                            learn::LabelRule rule);
+
+// with_slip or motors_alone, of each.
+std::vector<std::size_t> groups_of(const std::vector<PiezoRecording>& recordings);
 
 using GroupCounts = std::array<learn::Counts, 2>;  // of with_slip and of motors_alone
 
+// Mean and standard deviation of the folds; NaN where there is none.
 struct NetworkFigures {
-  double accuracy = 0.0, f1 = 0.0;  // balanced, %, NaN of none; of slip
+  MeanSd accuracy, f1;  // balanced, %; of slip, 0 to 1
 };
-NetworkFigures on_slip(const GroupCounts& counts);  // on recordings with a slip
-NetworkFigures on_all(const GroupCounts& counts);
+NetworkFigures on_slip(const std::vector<GroupCounts>& folds);  // on recordings with a slip
+NetworkFigures on_all(const std::vector<GroupCounts>& folds);
+MeanSd motors_right(const std::vector<GroupCounts>& folds);  // share of the frames of motors alone that are called hold, %
+
+// "96.2 +- 0.8, 0.885", "-" of none; and as JSON.
+std::string cell(const NetworkFigures& figures);
+std::string cell(const MeanSd& percent);
+Json json_of(const NetworkFigures& figures);
+// {"on_slip_and_noise", "on_slip", "motors_right"}
+Json json_of(const std::vector<GroupCounts>& folds);
+// "98.70, 0.978" of the paper's.
+std::string paper_cell(const NetworkRow& row);
+
+const char* label_name(learn::LabelRule rule);  // "position", "true"
+
+// What is said of every table: how it was measured, and what differs.
+std::vector<std::string> setup_lines(const ReproduceOptions& options, const StudySize& size, std::size_t recordings);
+inline constexpr const char* table_source =
+    "\"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor\". Cells are balanced accuracy in % and F1 of slip.";
 
 // Validations that the tables need: queued first, then run together.
 class Validations {
  public:
-  // `options` and all examples must outlive it.
-  explicit Validations(const ReproduceOptions& options) : options_(options) {}
+  // `options` must outlive it.
+  Validations(const ReproduceOptions& options, StudySize size) : options_(options), size_(size) {}
 
   // One network for each fold of `fold_of`. `slip_alone`: it learns from recordings with a slip alone. Returns a number to ask
   // with.
-  std::size_t queue(const std::vector<learn::Example>& examples, const std::vector<std::size_t>& fold_of, const NetworkRow& row,
-                    bool slip_alone);
+  std::size_t queue(const std::vector<PiezoRecording>& recordings, const std::vector<std::size_t>& fold_of, const NetworkRow& row,
+                    learn::LabelRule rule, bool slip_alone = false);
+  // Five folds by recording, with and without a slip dealt out apart.
+  std::size_t queue_folds(const std::vector<PiezoRecording>& recordings, const NetworkRow& row, learn::LabelRule rule,
+                          bool slip_alone = false);
   // Throws InputError and Interrupted.
   void run();
 
-  // After run(): of all folds together, and fold by fold.
-  [[nodiscard]] GroupCounts result(std::size_t validation) const;
-  [[nodiscard]] const std::vector<GroupCounts>& folds(std::size_t validation) const { return by_fold_[validation]; }
+  // After run(): fold by fold, and what each recording's frames are called by the network that has not learnt it.
+  [[nodiscard]] const std::vector<GroupCounts>& folds(std::size_t validation) const { return results_[validation].folds; }
+  [[nodiscard]] const learn::Calls& calls(std::size_t validation) const { return results_[validation].calls; }
 
  private:
   // One network to be judged on one fold.
   struct Task {
     std::size_t of;  // validation
-    const std::vector<learn::Example>* examples;
+    std::shared_ptr<const std::vector<learn::FoldExample>> examples;
     std::vector<std::size_t> fold_of;
     std::size_t fold;
     learn::Validation validation;
+    std::string name;
+  };
+  struct Outcome {
+    std::vector<GroupCounts> folds;
+    learn::Calls calls;
   };
 
   const ReproduceOptions& options_;
+  StudySize size_;
   std::vector<Task> tasks_;
-  std::vector<std::vector<GroupCounts>> by_fold_;  // of each validation
+  std::vector<Outcome> results_;  // of each validation
 };
 
 }  // namespace slipbench::reproduce

@@ -14,6 +14,7 @@
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/program/learn/recipe.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
@@ -28,6 +29,26 @@ std::string tip_of(const Json& swept) {
     if (!path.starts_with("motion.")) tip += fmt::format("{}{}={}", tip.empty() ? "" : " ", path, value.dump());
   }
   return tip;
+}
+
+// NaN: was not swept, or is no number.
+double swept_number(const Json& swept, const char* path) {
+  const auto found = swept.find(path);
+  return found != swept.end() && found->is_number() ? found->get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool slips(std::uint8_t state) { return static_cast<PadState>(state) >= PadState::incipient; }
+
+// Sum of the speeds along the axes of what moves at time t [m/s].
+double bench_speed(const TrialRecord& record, double t) {
+  const auto row = std::ranges::upper_bound(record.body_time, t) - record.body_time.begin() - 1;
+  double speed = 0.0;
+  if (row < 0) return speed;
+  for (const BodyRecord& body : record.bodies) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      speed += std::abs(double{body.velocity[6 * static_cast<std::size_t>(row) + axis]});
+  }
+  return speed;
 }
 
 template <class T>
@@ -66,29 +87,73 @@ void check_recordings(std::size_t recordings, std::size_t least, const std::stri
       recordings, why, least));
 }
 
-PiezoRecording make_recording(const TrialRecord& record) {
+network::Input published_spectra() { return learn::find_recipe("piezo_fft_gru").input; }
+
+network::Input spectra_of(double low, double high) {
+  network::Input input = published_spectra();
+  input.low = low;
+  input.high = high;
+  return input;
+}
+
+network::Input signal_at_100_hz() { return learn::find_recipe("piezo_raw_gru").input; }
+
+PiezoRecording make_recording(const TrialRecord& record, const std::vector<network::Input>& inputs) {
   const auto sensor = std::ranges::find(record.sensors, "piezo_skin", &SensorRecord::type);
   if (sensor == record.sensors.end())
     throw InputError(fmt::format("trial {}: has no piezo_skin; allowed: a recording of one", record.trial));
   const Json swept = Json::parse(record.params);
   PiezoRecording recording;
-  const auto level = swept.find(level_path);
-  recording.level = level != swept.end() && level->is_number() ? level->get<double>() : std::numeric_limits<double>::quiet_NaN();
+  recording.level = swept_number(swept, level_path);
   recording.tip = tip_of(swept);
   recording.motors_only = std::ranges::all_of(sensor->labels.state, [](std::uint8_t state) { return state == 0; });
-  learn::FrameSequence truth = learn::spectral_sequence(*sensor, learn::LabelRule::truth);
-  recording.features = std::move(truth.features);
-  recording.truth = std::move(truth.slip);
-  recording.paper = learn::spectral_sequence(*sensor, learn::LabelRule::paper).slip;
+  const auto labelled = std::ranges::find_if(sensor->labels.state_paper, slips);
+  if (labelled != sensor->labels.state_paper.end())
+    recording.label_time = sensor->time[static_cast<std::size_t>(labelled - sensor->labels.state_paper.begin())];
+  for (const network::Input& input : inputs) {
+    const auto example_by = [&](learn::LabelRule rule) {
+      learn::ExampleOptions how;
+      how.input = input;
+      how.labels = rule;
+      return learn::example_of(record, *sensor, how);
+    };
+    learn::Example truth = example_by(learn::LabelRule::micro);
+    recording.inputs.push_back(
+        {std::move(truth.frames.features), std::move(truth.frames.label), example_by(learn::LabelRule::paper).frames.label});
+    if (recording.inputs.size() > 1) continue;
+    recording.slip_time = truth.onset;
+    recording.time = truth.time;
+    for (const PadState state : truth.truth) recording.contact.push_back(state != PadState::no_contact ? 1 : 0);
+    const double idle_speed = swept_number(swept, "motion.idle_speed"), idle_start = swept_number(swept, "motion.idle_start");
+    for (const double t : truth.time)
+      recording.motors.push_back(static_cast<float>(bench_speed(record, t) + (t >= idle_start ? idle_speed : 0.0)));
+  }
   return recording;
 }
 
+std::vector<float> told_features(const PiezoRecording& recording, const Told& told) {
+  std::vector<float> features;
+  for (std::size_t k = 0; k < recording.time.size(); ++k) {
+    if (told.time) features.push_back(static_cast<float>(recording.time[k]));
+    if (told.contact) features.push_back(recording.contact[k]);
+    if (told.motors) features.push_back(recording.motors[k]);
+    if (told.kind) features.push_back(recording.motors_only ? 1.0F : 0.0F);
+  }
+  return features;
+}
+
 void pack(const PiezoRecording& recording, std::string& bytes) {
-  append(bytes, std::vector<double>{recording.level, recording.motors_only ? 1.0 : 0.0});
+  append(bytes, std::vector<double>{recording.level, recording.motors_only ? 1.0 : 0.0, recording.slip_time, recording.label_time,
+                                    static_cast<double>(recording.inputs.size())});
   append(bytes, std::vector<char>(recording.tip.begin(), recording.tip.end()));
-  append(bytes, recording.features);
-  append(bytes, recording.truth);
-  append(bytes, recording.paper);
+  for (const PiezoFrames& frames : recording.inputs) {
+    append(bytes, frames.features);
+    append(bytes, frames.truth);
+    append(bytes, frames.paper);
+  }
+  append(bytes, recording.time);
+  append(bytes, recording.contact);
+  append(bytes, recording.motors);
 }
 
 std::vector<PiezoRecording> unpack(const std::string& bytes) {
@@ -98,27 +163,36 @@ std::vector<PiezoRecording> unpack(const std::string& bytes) {
     const auto numbers = unpacker.take<double>();
     recording.level = numbers.at(0);
     recording.motors_only = numbers.at(1) != 0.0;
+    recording.slip_time = numbers.at(2);
+    recording.label_time = numbers.at(3);
     const auto tip = unpacker.take<char>();
     recording.tip.assign(tip.begin(), tip.end());
-    recording.features = unpacker.take<float>();
-    recording.truth = unpacker.take<std::uint8_t>();
-    recording.paper = unpacker.take<std::uint8_t>();
+    recording.inputs.resize(static_cast<std::size_t>(numbers.at(4)));
+    for (PiezoFrames& frames : recording.inputs) {
+      frames.features = unpacker.take<float>();
+      frames.truth = unpacker.take<std::uint8_t>();
+      frames.paper = unpacker.take<std::uint8_t>();
+    }
+    recording.time = unpacker.take<double>();
+    recording.contact = unpacker.take<std::uint8_t>();
+    recording.motors = unpacker.take<float>();
     recordings.push_back(std::move(recording));
   }
   return recordings;
 }
 
 std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, std::size_t recordings,
-                                           const ReproduceOptions& options) {
+                                           const std::vector<network::Input>& inputs, const ReproduceOptions& options) {
   const std::string swept = fmt::format("[{}]", fmt::join(levels, ", "));
   const GridCell cell{.name = "recordings",
                       .scene = piezo_bench_scene,
                       .overrides = {{std::string("sweep.") + level_path, swept}},
                       .draws = recordings / 2};
-  return run_grid<PiezoRecording>({cell}, options, [](const GridTrial& trial) { return make_recording(trial.record()); }).front();
+  return run_grid<PiezoRecording>({cell}, options, [&](const GridTrial& trial) { return make_recording(trial.record(), inputs); })
+      .front();
 }
 
-std::vector<PiezoRecording> read_recordings(const std::string& path) {
+std::vector<PiezoRecording> read_recordings(const std::string& path, const std::vector<network::Input>& inputs) {
   return unpack(guarded(path, [&] {
     const DatasetReader reader(path);
     ContentCheck check(reader);
@@ -127,7 +201,7 @@ std::vector<PiezoRecording> read_recordings(const std::string& path) {
       reader.check_recorded(trial);
       const TrialRecord record = reader.read_trial(trial);
       check.add(record.trial);
-      pack(make_recording(record), bytes);
+      pack(make_recording(record, inputs), bytes);
     }
     check.finish();
     return bytes;

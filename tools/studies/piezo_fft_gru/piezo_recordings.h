@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "detectors/network/description.h"
 #include "tools/base/dataset/trial_record.h"
-#include "tools/program/learn/frames.h"
+#include "tools/program/learn/examples.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {
@@ -17,29 +19,56 @@ inline constexpr const char* piezo_bench_scene = "scenes/piezo_skin/dataset.yaml
 // Refuses a number of recordings a level that is odd or below `least`, in words that end with why it has to be that.
 void check_recordings(std::size_t recordings, std::size_t least, const std::string& why);
 
-// A recording, its signal already turned into frames.
-struct PiezoRecording {
-  double level = 0.0;                      // of the motors' vibration; NaN: the dataset does not say
-  std::string tip;                         // what was swept but the motion; equal texts are equal tips
-  bool motors_only = true;                 // nothing ever touches
-  std::vector<float> features;             // [T,12] log_spectrogram
-  std::vector<std::uint8_t> truth, paper;  // [T] 1: slip, by either label
+// The frames of a recording, and what each is by either label.
+struct PiezoFrames {
+  std::vector<float> features;             // [T, F]
+  std::vector<std::uint8_t> truth, paper;  // [T] 1: slip
 
-  [[nodiscard]] learn::FrameSequence frames(learn::LabelRule rule) const {
-    return {features, rule == learn::LabelRule::truth ? truth : paper};
+  [[nodiscard]] learn::FrameSequence by(learn::LabelRule rule) const {
+    return {features, rule == learn::LabelRule::micro ? truth : paper};
   }
 };
+
+// A recording, its signal already turned into frames.
+struct PiezoRecording {
+  double level = 0.0;                                            // of the motors' vibration; NaN: the dataset does not say
+  std::string tip;                                               // what was swept but the motion; equal texts are equal tips
+  bool motors_only = true;                                       // nothing ever touches
+  double slip_time = std::numeric_limits<double>::quiet_NaN();   // s, the true first slip of a part; NaN: none
+  double label_time = std::numeric_limits<double>::quiet_NaN();  // s, the first sample that slips by the position; NaN: none
+  std::vector<PiezoFrames> inputs;                               // of each kind that was asked for
+  // Of the frames of the first kind, [T]: what no network is shown.
+  std::vector<double> time;           // s, of the last sample
+  std::vector<std::uint8_t> contact;  // 1: something touches then
+  std::vector<float> motors;          // m/s, the sum of the speeds of all axes whose motors run then
+};
+
+// What the tables' networks eat: the published band, the whole spectrum cut to a band [Hz], the signal at 100 Hz.
+network::Input published_spectra();
+network::Input spectra_of(double low, double high);
+network::Input signal_at_100_hz();
 
 // Runs the published bench, scenes/piezo_skin/dataset.yaml, at each level: `recordings` of them, half with a slip and half of
 // motors alone. Throws InputError, Interrupted.
 std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, std::size_t recordings,
-                                           const ReproduceOptions& options);
+                                           const std::vector<network::Input>& inputs, const ReproduceOptions& options);
 
 // The same from a dataset, whose levels are those that it swept. Throws InputError.
-std::vector<PiezoRecording> read_recordings(const std::string& path);
+std::vector<PiezoRecording> read_recordings(const std::string& path, const std::vector<network::Input>& inputs);
 
 // What a recording is for those above. Throws InputError when no sensor is a piezo_skin.
-PiezoRecording make_recording(const TrialRecord& record);
+PiezoRecording make_recording(const TrialRecord& record, const std::vector<network::Input>& inputs);
+
+// What a shortcut is told of each frame.
+struct Told {
+  bool time = false, contact = false, motors = false, kind = false;  // kind: whether the recording is of motors alone
+
+  [[nodiscard]] std::size_t values() const {
+    return std::size_t{time} + std::size_t{contact} + std::size_t{motors} + std::size_t{kind};
+  }
+};
+// [T, told.values()]
+std::vector<float> told_features(const PiezoRecording& recording, const Told& told);
 
 // A recording as bytes, and back, for a child process to hand over.
 void pack(const PiezoRecording& recording, std::string& bytes);

@@ -34,6 +34,17 @@ TEST(Outcome, KeepsWhatBecameOfTheDetector) {
   EXPECT_EQ(back.detection_delay, outcome.detection_delay);
 }
 
+TEST(Outcome, SaysWhetherABodyWasHeldWhereTheSceneAsks) {
+  TrialOutcome outcome;
+  EXPECT_EQ(outcome_json(outcome).find("held"), std::string::npos);
+  EXPECT_FALSE(parse_outcome(outcome_json(outcome)).hold.has_value());
+  outcome.hold = {.held = true, .from = 1.3, .moved = 1.0 / 3.0};
+  const TrialOutcome back = parse_outcome(outcome_json(outcome));
+  EXPECT_TRUE(back.hold->held);
+  EXPECT_EQ(back.hold->from, 1.3);
+  EXPECT_EQ(back.hold->moved, 1.0 / 3.0);
+}
+
 // Scripts read the three times; the two other keys stand only where a detector is.
 TEST(Outcome, SaysHowTheDetectorDid) {
   TrialOutcome outcome;

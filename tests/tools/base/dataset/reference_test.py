@@ -109,6 +109,13 @@ class ReferenceTest(unittest.TestCase):
                 self.assertEqual(result.returncode, int(options == WITH_A_FAILURE))
                 with h5py.File(out) as file:
                     self.look_at(file)
+            source = Path(folder) / "bts3v2_palm_45.csv"
+            names = [f"{finger}_biotac_{e}" for finger in ("ff", "mf", "th") for e in range(1, 25)]
+            source.write_text(",".join(["object", "slipped", *names]) + "\ncoke,1" + ",3000" * 72 + "\n", encoding="ascii")
+            out.unlink()
+            subprocess.run([PROGRAM, "import", source, "--format", "bts3v2", "-o", out], stdout=subprocess.DEVNULL, check=True)
+            with h5py.File(out) as file:
+                self.look_at(file)
         self.assertEqual(set(), set(self.rows) - self.held, "the reference names what no file holds")
 
 

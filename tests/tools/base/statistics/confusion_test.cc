@@ -72,5 +72,21 @@ TEST(Confusion, AddsUp) {
   EXPECT_EQ(samples_in_contact(sum), 40U);
 }
 
+// Of `mixed` 12 samples slip, 8 of them are seen so (6 of gross, 2 of incipient). 18 do not slip: 10 without contact, of which 2 are called
+// slip, and 8 non-slip, of which 2 are: 14 of 18 are right, and 12 are called slip in all.
+TEST(Confusion, SlipOrNotIsAskedOfEverySample) {
+  EXPECT_DOUBLE_EQ(balanced_slip_accuracy(mixed), 0.5 * (8.0 / 12.0 + 14.0 / 18.0));
+  EXPECT_DOUBLE_EQ(f1_of_slip(mixed), 2.0 * 8.0 / (12.0 + 12.0));
+}
+
+TEST(Confusion, SlipOrNotOfAConstantAnswer) {
+  for (const PadState answer : {PadState::no_contact, PadState::non_slip, PadState::incipient, PadState::gross}) {
+    EXPECT_DOUBLE_EQ(balanced_slip_accuracy(always(answer, {30, 970, 2, 28})), 0.5);
+  }
+  EXPECT_EQ(f1_of_slip(always(PadState::non_slip, {30, 970, 2, 28})), 0.0);
+  EXPECT_TRUE(std::isnan(balanced_slip_accuracy(always(PadState::non_slip, {30, 970, 0, 0}))));
+  EXPECT_TRUE(std::isnan(f1_of_slip(always(PadState::non_slip, {30, 970, 0, 0}))));
+}
+
 }  // namespace
 }  // namespace slipbench

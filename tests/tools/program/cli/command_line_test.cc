@@ -13,9 +13,10 @@
 #include "tools/program/cli/command.h"
 #include "tools/program/cli/command_elsewhere.h"
 #include "tools/program/cli/dataset_commands.h"
+#include "tools/program/cli/eval_command.h"
 #include "tools/program/cli/hd_commands.h"
 #include "tools/program/cli/simulation_commands.h"
-#include "tools/program/cli/training_commands.h"
+#include "tools/program/cli/train_command.h"
 #include "tools/studies/counts/bench_command.h"
 #include "tools/studies/reproduce_command.h"
 
@@ -204,6 +205,45 @@ TEST(CommandLine, TrainTakesEverything) {
   EXPECT_EQ(options.jobs, 2U);
 }
 
+TEST(CommandLine, TrainTakesARecipe) {
+  const TrainCommand& command =
+      parsed<TrainCommand>({"train", "a.h5", "-o", "d.onnx", "--recipe", "piezo_fft_gru", "--labels", "latched", "--split",
+                            "object", "--steps", "100", "--held-out", "25", "--seed", "3", "--sensor", "pad", "--resume"});
+  ASSERT_TRUE(command.training.has_value());
+  EXPECT_EQ(command.training->dataset, "a.h5");
+  EXPECT_EQ(command.training->output, "d.onnx");
+  EXPECT_EQ(command.training->sensor, "pad");
+  EXPECT_EQ(command.training->seed, 3U);
+  EXPECT_DOUBLE_EQ(command.training->held_out, 0.25);
+  EXPECT_TRUE(command.training->resume);
+  EXPECT_EQ(command.training->recipe.labels, learn::LabelRule::latched);
+  EXPECT_EQ(command.training->recipe.split, learn::Split::object);
+  EXPECT_EQ(command.training->recipe.training.steps, 100U);
+  // A twentieth of the steps, as the recipe has it.
+  EXPECT_EQ(command.training->recipe.training.validate_every, 5U);
+  const TrainCommand& plain = parsed<TrainCommand>({"train", "a.h5", "-o", "d.onnx", "--recipe", "piezo_fft_gru"});
+  EXPECT_EQ(plain.training->recipe.training.steps, learn::find_recipe("piezo_fft_gru").training.steps);
+  EXPECT_DOUBLE_EQ(plain.training->held_out, 0.2);
+  EXPECT_FALSE(parsed<TrainCommand>({"train", "a.h5", "-o", "m", "--recipe", "gst_hd"}).training.has_value());
+}
+
+TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
+  const auto refused = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"train", "a.h5", "-o", "m"});
+    return refusal(words);
+  };
+  EXPECT_THAT(refused({"--recipe", "piezo_fft_gr"}), HasSubstr("no recipe 'piezo_fft_gr'; did you mean 'piezo_fft_gru'?"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--encoder", "shdc"}), HasSubstr("train: --encoder is of gst_hd"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--jobs", "1"}), HasSubstr("train: --jobs is of gst_hd"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--turned", "2"}), HasSubstr("and piezo_mlp reads a piezo_skin"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--labels", "has_slipped"}),
+              HasSubstr("allowed: micro, strict, paper, latched, masked"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--split", "window"}), HasSubstr("allowed: trial, material, object, speed"));
+  EXPECT_THAT(refused({"--steps", "3"}), HasSubstr("train: --steps is of networks"));
+  EXPECT_THAT(refused({"--resume"}), HasSubstr("train: --resume is of networks"));
+  EXPECT_THAT(refused({"--labels", "latched"}), HasSubstr("train: --labels is 'latched' with the recipe gst_hd"));
+}
+
 TEST(CommandLine, TrainsThePapersModelUnlessToldOtherwise) {
   const auto model = [](std::vector<std::string> words) {
     words.insert(words.begin(), {"train", "a.h5", "-o", "m"});
@@ -211,10 +251,29 @@ TEST(CommandLine, TrainsThePapersModelUnlessToldOtherwise) {
   };
   EXPECT_EQ(model({}), hd::Model());
   EXPECT_EQ(parsed<TrainCommand>({"train", "a.h5", "-o", "m"}).options.sequences.labels, SlipRule::paper);
-  EXPECT_EQ(parsed<EvalCommand>({"eval", "a.h5", "--memories", "m"}).options.sequences.labels, SlipRule::paper);
   // The context is part of the graphs' ablation alone.
   EXPECT_FALSE(model({"--encoder", "shdc"}).context_driven);
   EXPECT_FALSE(model({"--no-context"}).context_driven);
+}
+
+TEST(CommandLine, EvalTakesADetectorAndItsParameters) {
+  const auto command =
+      parsed<EvalCommand>({"eval", "force_ratio", "a.h5", "--set", "ratio=0.3", "--set", "touch=20 mN", "--labels", "latched",
+                           "--sensor", "pad", "--split", "test", "--all", "-o", "p.html"});
+  EXPECT_EQ(command.detector, "force_ratio");
+  EXPECT_EQ(command.options.dataset, "a.h5");
+  ASSERT_EQ(command.parameters.size(), 2U);
+  EXPECT_EQ(command.parameters[1].path, "touch");
+  EXPECT_EQ(command.parameters[1].value, "20 mN");
+  EXPECT_EQ(command.options.labels, judge::TruthRule::latched);
+  EXPECT_EQ(command.options.sensor, "pad");
+  EXPECT_EQ(command.options.split, "test");
+  EXPECT_TRUE(command.options.all);
+  EXPECT_EQ(command.output, "p.html");
+  const auto plain = parsed<EvalCommand>({"eval", "m", "a.h5"});
+  EXPECT_EQ(plain.options.labels, judge::TruthRule::strict);
+  EXPECT_EQ(plain.options.split, "");
+  EXPECT_EQ(parsed<EvalCommand>({"eval", "m", "a.h5", "--split", "all"}).options.split, "");
 }
 
 TEST(CommandLine, ReproduceTakesItsName) {
@@ -231,10 +290,11 @@ TEST(CommandLine, ReproduceTakesItsName) {
 // What follows the list is not one of its names.
 TEST(CommandLine, ReproduceTakesAListOfRows) {
   const auto command = parsed<ReproduceCommand>(
-      {"reproduce", "--trials", "3", "--memories", "m", "--only", "felt,light", "--only", "gst_hd", "table"});
+      {"reproduce", "--trials", "3", "--full", "--memories", "m", "--only", "felt,light", "--only", "gst_hd", "table"});
   EXPECT_THAT(command.options.only, ElementsAre("felt", "light", "gst_hd"));
   EXPECT_EQ(command.name, "table");
   EXPECT_EQ(command.options.trials, 3U);
+  EXPECT_TRUE(command.options.full);
   EXPECT_EQ(command.options.memories, "m");
 }
 
@@ -278,8 +338,8 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
 }
 
 TEST(CommandLine, EveryCommandExplainsItself) {
-  for (const std::string name : {"run", "sweep", "check", "report", "export", "verify", "hd", "train", "eval", "reproduce",
-                                 "cost", "bench", "list", "describe", "doctor", "plugin-path"}) {
+  for (const std::string name : {"run", "sweep", "check", "report", "export", "import", "verify", "hd", "train", "eval",
+                                 "reproduce", "cost", "bench", "list", "describe", "doctor", "plugin-path"}) {
     const std::string text = parse({name, "--help"}).help;
     EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
     EXPECT_THAT(text, HasSubstr("--json")) << name;
@@ -301,19 +361,19 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Refusal{
             {"swep", "s.yaml"},
-            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, import, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{
             {"xyzzy"},
-            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, import, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{
             {"--json", "lst"},
-            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, import, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"doctor", "list"}, "doctor: unexpected argument 'list'; see slipbench doctor --help"},
         Refusal{{"list", "run", "sweep"}, "list: unexpected argument 'sweep'; see slipbench list --help"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
         Refusal{
             {"--json"},
-            "no command given; commands: run, sweep, check, report, export, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "no command given; commands: run, sweep, check, report, export, import, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"verify"}, "verify: FILE is required"},
         Refusal{{"describe"}, "describe: NAME is required"},
         Refusal{
@@ -326,7 +386,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
         Refusal{
             {"view", "s.yaml"},
-            "command 'view' is not available in this version; available: run, sweep, check, report, export, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "command 'view' is not available in this version; available: run, sweep, check, report, export, import, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
         Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
         Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},
@@ -345,8 +405,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"report", "a.h5", "--trial", "first"},
                 "report: --trial is 'first'; allowed: a whole number from 0 to 18446744073709551615"},
         Refusal{{"export", "a.h5", "-o", "dir"}, "export: --format is required"},
-        Refusal{{"train", "a.h5"}, "train: --output is required"},
-        Refusal{{"train", "a.h5", "-o", ""}, "train: -o needs a folder name"},
+        Refusal{{"import", "a.csv"}, "import: --format is required"}, Refusal{{"train", "a.h5"}, "train: --output is required"},
+        Refusal{{"train", "a.h5", "-o", ""}, "train: -o needs a file name"},
         Refusal{{"train", "a.h5", "-o", "m", "--encoder", "gshdc"},
                 "train: --encoder is 'gshdc'; did you mean 'shdc'? allowed: shdc, sthdc, gsthdc"},
         Refusal{{"train", "a.h5", "-o", "m", "--ties", "up"}, "train: --ties is 'up'; allowed: one, zero"},
@@ -359,11 +419,17 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"train", "a.h5", "-o", "m", "--window", "0"}, "train: --window is '0'; allowed: a whole number from 1 to 1000"},
         Refusal{{"train", "a.h5", "-o", "m", "--context", "--no-context"},
                 "train: --context and --no-context exclude each other"},
-        Refusal{{"eval", "a.h5"}, "eval: --memories is required"},
+        Refusal{{"eval", "m"}, "eval: FILE is required"},
+        Refusal{{"eval", "m", "a.h5", "--labels", "stric"},
+                "unknown label rule 'stric'; did you mean 'strict'? allowed: strict, micro, paper, latched, has_slipped"},
+        Refusal{{"eval", "m", "a.h5", "--split", "tests"},
+                "eval: --split is 'tests'; did you mean 'test'? allowed: all, train, valid, test"},
         Refusal{{"export", "a.h5", "--format", "vendor-csv"}, "export: --output is required"}));
 
 TEST(CommandLine, AWrongFormatIsNamedBeforeAMissingFolder) {
   EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor"}), HasSubstr("'vendor'"));
+  EXPECT_THAT(refusal({"import", "a.csv", "--format", "bts"}), HasSubstr("unknown format 'bts'"));
+  EXPECT_THAT(refusal({"import", "a.csv", "--format", "bts3v2", "--seed", "-1"}), HasSubstr("import: --seed"));
 }
 
 }  // namespace

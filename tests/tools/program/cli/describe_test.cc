@@ -250,7 +250,7 @@ TEST(List, UnknownCatalogueGetsTheNearestOne) {
   } catch (const InputError& error) {
     EXPECT_STREQ(
         error.what(),
-        "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers, expectations");
+        "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers, expectations, recipes");
   }
 }
 

@@ -104,7 +104,7 @@ TEST(Program, APipeIsNoScene) {
 }
 
 TEST(Program, CommandsOfLaterVersions) {
-  for (const char* command : {"view", "import"}) {
+  for (const char* command : {"view"}) {
     expect_refusal({command}, HasSubstr(fmt::format("command '{}' is not available in this version; available: run", command)));
   }
 }
@@ -128,10 +128,47 @@ TEST(Program, Reproductions) {
 
 TEST(Program, UnreadableDatasets) {
   expect_refusal({"train", "nowhere.h5", "-o", "memories"}, HasSubstr("nowhere.h5"));
-  expect_refusal({"eval", "nowhere.h5", "--memories", "nowhere"}, HasSubstr("nowhere"));
+  expect_refusal({"eval", "force_ratio", "nowhere.h5"}, HasSubstr("nowhere.h5"));
   expect_refusal({"report", "nowhere.h5"}, HasSubstr("nowhere.h5"));
   expect_refusal({"export", "nowhere.h5", "--format", "vendor-csv", "-o", "dir"}, HasSubstr("nowhere.h5"));
   expect_refusal({"report", stage}, HasSubstr("stage.yaml"));
+}
+
+TEST(Program, WhatEvalCannotJudge) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "out.h5", bare = folder / "bare.h5";
+  ASSERT_EQ(run_program_file({"run", stage, "--set", "duration=2.5 s", "-o", file, "--quiet"}).status, 0);
+  ASSERT_EQ(run_program_file({"run", stage, "--record", "outcome", "-o", bare, "--quiet"}).status, 0);
+  expect_refusal({"eval", "fore_ratio", file}, HasSubstr("no detector 'fore_ratio'; did you mean 'force_ratio'?"));
+  expect_refusal({"eval", "truth", file}, HasSubstr("'truth' is the oracle, which reads the simulation and no recording"));
+  expect_refusal({"eval", "force_ratio", file, "--set", "ratoi=0.3"},
+                 HasSubstr("unknown key 'ratoi' in detector; did you mean 'ratio'?"));
+  expect_refusal({"eval", "band_energy", file},
+                 HasSubstr("out.h5: trial 0: detector.sensor: band_energy reads a signal of one value"));
+  expect_refusal({"eval", "force_ratio", file, "--sensor", "padd"}, HasSubstr("no sensor 'padd'; did you mean 'pad'?"));
+  expect_refusal({"eval", "force_ratio", bare}, HasSubstr("has no recording, only its outcome"));
+  expect_refusal({"eval", "force_ratio", file, "-o", folder / "page.txt"}, HasSubstr("a name that ends in .html"));
+  // Half of it is gone.
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  expect_refusal({"eval", "force_ratio", file}, HasSubstr("out.h5"));
+}
+
+TEST(Program, EvalPrintsOneObject) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "out.h5", page = folder / "page.html";
+  ASSERT_EQ(run_program_file({"run", stage, "-o", file, "--quiet"}).status, 0);
+  const ChildResult result = run_program_file({"eval", "force_ratio", file, "--set", "ratio=0.45", "-o", page, "--json"});
+  EXPECT_EQ(result.status, 0);
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["slipbench_eval"], 1);
+  EXPECT_EQ(json["detector"]["parameters"]["ratio"], 0.45);
+  EXPECT_EQ(json["all"]["trials"], 1);
+  EXPECT_TRUE(std::filesystem::exists(page));
+  EXPECT_TRUE(std::filesystem::exists(folder / "page.json"));
+  // A slipping pillar has f_t = 0.5 f_n, which is less than this: nothing is seen.
+  const ChildResult text = run_program_file({"eval", "force_ratio", file, "--set", "ratio=0.6"});
+  EXPECT_THAT(text.out, HasSubstr("recall of slip"));
+  EXPECT_THAT(text.out, HasSubstr("of 1 trials that slip: seen 0, early 0, missed 1"));
 }
 
 TEST(Program, MissingOutputFolder) {
@@ -213,9 +250,14 @@ TEST(Program, OneTrialOfASweepIsWhatItIsAmongAll) {
 TEST(Program, ListAndDescribe) {
   const nlohmann::json list = json_of(run_program_file({"list", "--json"}));
   for (const char* kind :
-       {"effects", "sensors", "surfaces", "materials", "motions", "electronics", "grasp", "contact", "detectors"}) {
+       {"effects", "sensors", "surfaces", "materials", "motions", "electronics", "grasp", "contact", "detectors", "recipes"}) {
     EXPECT_FALSE(list.at(kind).empty()) << kind;
   }
+  EXPECT_EQ(json_of(run_program_file({"list", "recipes", "--json"}))["recipes"].at(0)["name"], "gst_hd");
+  const nlohmann::json recipe = json_of(run_program_file({"describe", "piezo_fft_gru", "--json"}))["entries"].at(0);
+  EXPECT_EQ(recipe["kind"], "recipe");
+  EXPECT_EQ(recipe["layers"], "GRU 32, GRU 32, GRU 32, GRU 32, linear 2");
+  EXPECT_EQ(recipe["parameters"], 23490);
   EXPECT_EQ(json_of(run_program_file({"list", "sensors", "--json"})).size(), 1U);
   const nlohmann::json entry = json_of(run_program_file({"describe", "papillarray", "--json"}))["entries"].at(0);
   EXPECT_EQ(entry["kind"], "sensor");

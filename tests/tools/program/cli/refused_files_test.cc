@@ -43,6 +43,7 @@ TEST_F(RefusedFiles, PipesAreRefusedByEveryReader) {
   expect_refusal({"report", pipe_, "-o", folder_ / "a.html"}, message);
   expect_refusal({"verify", pipe_}, message);
   expect_refusal({"export", pipe_, "--format", "npz", "-o", folder_ / "out"}, message);
+  expect_refusal({"import", pipe_, "--format", "bts3v2"}, message);
   expect_refusal({"train", pipe_, "-o", folder_ / "memories"}, message);
   expect_refusal({"hd", "replay", pipe_, "--memories", published, "--encoder", "paper"}, message);
   expect_refusal({"run", pipe_}, message);

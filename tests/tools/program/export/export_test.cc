@@ -135,6 +135,20 @@ TEST_F(ExportTest, VendorLogHasTheVendorsColumns) {
   for (const auto& line : table) EXPECT_THAT(line, SizeIs(82));
 }
 
+// A float32 in m and the nearest one in mm are not one to one: so many digits are written that the first comes back.
+TEST(Millimetres, BringTheSameFloatBack) {
+  std::size_t longer = 0;
+  for (int k = 1; k <= 20'000; ++k) {
+    const float metres = 1.3e-7F * static_cast<float>(k);
+    const std::string text = millimetres(metres);
+    EXPECT_EQ(static_cast<float>(std::stod(text) / 1e3), metres) << text;
+    longer += text != fmt::format("{}", static_cast<float>(1e3 * static_cast<double>(metres))) ? 1 : 0;
+  }
+  EXPECT_GT(longer, 0u);  // where those of a float32 in mm would not do
+  EXPECT_EQ(millimetres(0.00025F), "0.25");
+  EXPECT_EQ(millimetres(-0.001F), "-1");
+}
+
 TEST_F(ExportTest, VendorLogHasTheVendorsUnits) {
   run(dataset({make_trial_record(0)}), vendor);
   const auto line = table_of(path("out/LOG_demo_0.csv"))[1 + 2];  // row 2, at 2 ms

@@ -38,20 +38,14 @@ SensorRecord finger(const std::string& name, int number) {
   return sensor;
 }
 
-BodyRecord body(const std::string& name, const std::vector<float>& heights) {
-  BodyRecord record{name, {}, std::vector<float>(6 * heights.size())};
-  for (const float z : heights) record.pose.insert(record.pose.end(), {0.0F, 0.0F, z, 1.0F, 0.0F, 0.0F, 0.0F});
-  return record;
-}
-
-// The thumb rises from row 3 on; the object follows it but for `left` [m] in the last row.
-TrialRecord grasp(std::size_t trial, float left) {
+// Held or not, as its outcome says from row 2 on.
+TrialRecord grasp(std::size_t trial, bool held) {
   TrialRecord record = make_record(trial, rows);
   record.sensors = {finger("ff", 1), finger("mf", 2), finger("th", 3)};
   record.params = R"({"bodies.object.shape": "box"})";
   record.body_time = record.sensors[0].time;
-  record.bodies = {body("object", {0, 0, 0, 0.001F, 0.02F, 0.04F - left}), body("th", {0.3F, 0.3F, 0.3F, 0.301F, 0.32F, 0.34F})};
-  record.bodies[0].size = {0.06, 0.05, 0.09};
+  record.bodies = {{"object", std::vector<float>(7 * rows), std::vector<float>(6 * rows), {0.06, 0.05, 0.09}}};
+  record.outcome.hold = {.held = held, .from = 0.0301, .moved = held ? 0.0 : 0.04};
   return record;
 }
 
@@ -67,16 +61,15 @@ class GraspCsv : public slipbench::testing::FolderTest {
   }
 };
 
-TEST_F(GraspCsv, HasARowAGraspOfTheLastReadingBeforeTheLift) {
-  // Lost by 9 mm: it is still held; by 11 mm: it is not.
-  std::istringstream text(exported({grasp(0, 0.009F), grasp(1, 0.011F)}));
+TEST_F(GraspCsv, HasARowAGraspOfTheLastReadingBeforeItHasToHold) {
+  std::istringstream text(exported({grasp(0, true), grasp(1, false)}));
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) lines.push_back(line);
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_THAT(lines[0], ::testing::StartsWith("object,slipped,ff_biotac_1,ff_biotac_2,"));
   EXPECT_THAT(lines[0], HasSubstr(",ff_biotac_24,mf_biotac_1,"));
   EXPECT_THAT(lines[0], ::testing::EndsWith(",th_biotac_24"));
-  // Row 2, the last in which the thumb has not risen.
+  // Row 2, at 0.03 s.
   EXPECT_THAT(lines[1], ::testing::StartsWith("box_60x50x90,0,1201,1202,"));
   EXPECT_THAT(lines[1], HasSubstr(",1224,2201,"));
   EXPECT_THAT(lines[1], ::testing::EndsWith(",3224"));
@@ -85,15 +78,16 @@ TEST_F(GraspCsv, HasARowAGraspOfTheLastReadingBeforeTheLift) {
 }
 
 TEST_F(GraspCsv, RefusesWhatIsNoSuchGrasp) {
-  TrialRecord two = grasp(0, 0.0F);
+  TrialRecord two = grasp(0, true);
   two.sensors.pop_back();
   EXPECT_THAT(message_of<InputError>([&] { exported({two}); }), HasSubstr("no biotac_sp 'th'; allowed: a grasp with three"));
-  TrialRecord bare = grasp(0, 0.0F);
+  TrialRecord bare = grasp(0, true);
   bare.bodies[0].name = "ball";
   EXPECT_THAT(message_of<InputError>([&] { exported({bare}); }), HasSubstr("has no truth/object"));
-  TrialRecord still = grasp(0, 0.0F);
-  still.bodies[1] = body("th", {0, 0, 0, 0, 0, 0});
-  EXPECT_THAT(message_of<InputError>([&] { exported({still}); }), HasSubstr("its thumb is never lifted"));
+  TrialRecord still = grasp(0, true);
+  still.outcome.hold.reset();
+  EXPECT_THAT(message_of<InputError>([&] { exported({still}); }),
+              HasSubstr("does not say whether the object was held; allowed: a scene with 'hold'"));
 }
 
 }  // namespace

@@ -27,6 +27,20 @@ TEST(Counts, GiveBalancedAccuracyAndF1) {
   EXPECT_EQ(sum.hold_called_hold, 61U);
 }
 
+// Of the first example one frame has no label and one is not judged; the last is in another fold.
+TEST(Counts, AreOfJudgedFramesByGroup) {
+  const std::vector<FoldExample> examples{{{{}, {1, 0, masked, 0, 1}}, 1}, {{{}, {0, 1}}, 0}, {{{}, {1, 1}}, 2}};
+  const std::vector<Counts> counts = counts_of(examples, {{masked, 1, 1, 0, 1}, {0, 0}, {}});
+  ASSERT_EQ(counts.size(), 3U);
+  EXPECT_EQ(counts[1].slip_called_slip, 1U);  // the fifth
+  EXPECT_EQ(counts[1].hold_called_slip, 1U);  // the second
+  EXPECT_EQ(counts[1].hold_called_hold, 1U);
+  EXPECT_EQ(counts[1].slip_called_hold, 0U);  // the first is not judged
+  EXPECT_EQ(counts[0].hold_called_hold, 1U);
+  EXPECT_EQ(counts[0].slip_called_hold, 1U);
+  EXPECT_TRUE(std::isnan(counts[2].f1()));
+}
+
 // 11 of one group and 7 of the other in five folds: 2 or 3 and 1 or 2 in each.
 TEST(Folds, HoldAsManyOfEachGroup) {
   std::vector<std::size_t> groups(18, 0);

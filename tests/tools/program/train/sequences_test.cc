@@ -10,6 +10,8 @@
 #include "sim/core/error.h"
 #include "tests/tools/program/train/small_dataset.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/project/project_file.h"
+#include "tools/program/train/draws.h"
 
 namespace slipbench::testing {
 namespace {
@@ -125,6 +127,27 @@ TEST_F(SequencesTest, OtherRatesOfTheDevice) {
   EXPECT_EQ(read_sequences(dataset({{"sensors.pad.rate", "500 Hz"}}), {}).sequences[0].time.size(), 40U);
   EXPECT_THAT(refusal(dataset({{"sensors.pad.rate", "250 Hz"}}, "b.h5")),
               AllOf(HasSubstr("b.h5: trial 0: sensor pad samples at 250 Hz"), HasSubstr("a multiple of the detector's 100 Hz")));
+}
+
+// Two pads with 4 N at mu 0.12 hold 2 4 0.12 = 0.96 N of the 1.96 N that the box weighs: it slips when it is lifted.
+TEST_F(SequencesTest, GraspIsOneCondition) {
+  SweepOptions options;
+  options.scene_path = project_file("scenes/grasp/learn.yaml");
+  options.overrides = {{"friction.static", "0.12"}, {"grip.preset", "4 N"}, {"sweep", "{trials: 2}"}};
+  options.jobs = 1;
+  options.output = path("grasp.h5");
+  run_sweep(options, program_catalogues());
+  const TrainingData data = read_sequences(options.output, {SlipRule::micro, {}});
+  const DatasetReader reader(options.output);
+  ASSERT_EQ(data.sequences.size(), 2U);
+  for (const Sequence& sequence : data.sequences) {
+    const SensorRecord pad = reader.read_sensor(sequence.trial, "pad");
+    EXPECT_EQ(sequence.time.size(), pad.time.size());
+    EXPECT_EQ(condition_of(sequence.motion), condition_of({}));
+    for (std::size_t k = 0; k < pad.time.size(); ++k)
+      EXPECT_EQ(static_cast<std::uint8_t>(sequence.label[k]), pad.labels.state_micro[k]);
+    EXPECT_FALSE(std::isnan(sequence.onset));
+  }
 }
 
 TEST_F(SequencesTest, RefusalsNameFileAndChoice) {

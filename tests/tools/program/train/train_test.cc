@@ -16,7 +16,6 @@ namespace slipbench::testing::train_test {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 constexpr PadState non_slip = PadState::non_slip;
 constexpr PadState incipient = PadState::incipient;
@@ -218,21 +217,6 @@ TEST_F(TrainTest, SameSeedSameMemoriesAndFiguresOnAnyNumberOfThreads) {
   EXPECT_NE(files_of("one")[3], files_of("other")[3]);
 }
 
-TEST_F(TrainTest, EvalReadsWhatTrainWrote) {
-  const std::string data = dataset();
-  const TrainSummary trained = train_dataset(options(data, "memories", 2));
-  EvalOptions judging;
-  judging.dataset = data;
-  judging.memories = path("memories");
-  const EvalSummary judged = eval_dataset(judging);
-  EXPECT_EQ(judged.model.model, small_model());
-  EXPECT_THAT(judged.model.trained, HasSubstr("labels paper, seed 1, all 24 sequences"));
-  EXPECT_EQ(samples_in_contact(judged.evaluation.all), trained.samples);
-  EXPECT_EQ(judged.evaluation.tested, 24U);
-  judging.memories = path("nowhere");
-  EXPECT_THAT(message_of<InputError>([&] { eval_dataset(judging); }), HasSubstr("nowhere"));
-}
-
 // 0.4 s at 1 kHz are 400 samples, every tenth a frame: 40, and the pad touches to the end.
 TEST_F(TrainTest, SaysThatTheWindowIsLongerThanTheSequences) {
   TrainOptions training = options(dataset(), "memories", 1);
@@ -257,25 +241,6 @@ TEST_F(TrainTest, TeachesThePublishedCoresBundle) {
   train_dataset(training);
   EXPECT_EQ(hd::load(path("core")).model, training.model);
   EXPECT_NE(files_of("core")[0], files_of("paper")[0]);
-}
-
-TEST_F(TrainTest, EvalTakesTheShippedClassifierByName) {
-  EvalOptions judging;
-  judging.dataset = dataset();
-  judging.memories = "cl_gst_hd";
-  EXPECT_EQ(eval_dataset(judging).model.model, hd::Model());
-}
-
-TEST_F(TrainTest, EvalDoesNotAdviseWhatOnlyReplayTakes) {
-  const std::string data = dataset();
-  train_dataset(options(data, "memories", 1));
-  std::filesystem::remove(path("memories") + "/model.txt");
-  EvalOptions judging;
-  judging.dataset = data;
-  judging.memories = path("memories");
-  const std::string message = message_of<InputError>([&] { eval_dataset(judging); });
-  EXPECT_THAT(message, HasSubstr("needed: a folder that `slipbench train` wrote"));
-  EXPECT_THAT(message, Not(HasSubstr("--encoder")));
 }
 
 // The dataset is not there: what is refused first is what was looked at first.

@@ -1,0 +1,39 @@
+# Finds OpenVINO inside an unpacked openvino wheel and defines openvino::runtime. The wheel's own configuration is not used: it adds definitions to
+# every source of the project.
+# Looked for in SLIPBENCH_OPENVINO_ROOT (the wheel's `openvino` folder), else in build/venv of the source tree.
+# Sets OpenVINO_FOUND, OpenVINO_VERSION, OpenVINO_LIBRARY, OpenVINO_LIBRARIES_AT_RUN (those that a network needs beside the system's; they find each
+# other in their folder), OpenVINO_LICENCES (folder).
+set(SLIPBENCH_OPENVINO_ROOT "" CACHE PATH "The `openvino` folder of an installed openvino wheel")
+if(SLIPBENCH_OPENVINO_ROOT)
+  set(OpenVINO_ROOT_DIR ${SLIPBENCH_OPENVINO_ROOT})
+else()
+  file(GLOB OpenVINO_ROOT_DIR ${PROJECT_SOURCE_DIR}/build/venv/lib/python3*/site-packages/openvino)
+endif()
+
+unset(OpenVINO_VERSION)
+unset(OpenVINO_LIBRARY)
+set(_openvino_header ${OpenVINO_ROOT_DIR}/include/openvino/core/version.hpp)
+if(OpenVINO_ROOT_DIR AND EXISTS ${_openvino_header})
+  file(READ ${_openvino_header} _openvino_text)
+  foreach(_openvino_part MAJOR MINOR PATCH)
+    string(REGEX MATCH "#define OPENVINO_VERSION_${_openvino_part} ([0-9]+)" _openvino_line "${_openvino_text}")
+    list(APPEND OpenVINO_VERSION ${CMAKE_MATCH_1})
+  endforeach()
+  list(JOIN OpenVINO_VERSION "." OpenVINO_VERSION)
+  file(GLOB OpenVINO_LIBRARY ${OpenVINO_ROOT_DIR}/libs/libopenvino.so.*)
+  file(GLOB OpenVINO_LIBRARIES_AT_RUN ${OpenVINO_LIBRARY} ${OpenVINO_ROOT_DIR}/libs/libopenvino_onnx_frontend.so.*
+    ${OpenVINO_ROOT_DIR}/libs/libopenvino_intel_cpu_plugin.so ${OpenVINO_ROOT_DIR}/libs/libtbb.so.*)
+  set(OpenVINO_LICENCES ${OpenVINO_ROOT_DIR}/../openvino-${OpenVINO_VERSION}.dist-info/licenses)
+endif()
+
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(OpenVINO REQUIRED_VARS OpenVINO_LIBRARY OpenVINO_ROOT_DIR VERSION_VAR OpenVINO_VERSION)
+
+if(OpenVINO_FOUND AND NOT TARGET openvino::runtime)
+  get_filename_component(_openvino_name ${OpenVINO_LIBRARY} NAME)
+  add_library(openvino::runtime SHARED IMPORTED)
+  set_target_properties(openvino::runtime PROPERTIES
+    IMPORTED_LOCATION ${OpenVINO_LIBRARY}
+    IMPORTED_SONAME ${_openvino_name}
+    INTERFACE_INCLUDE_DIRECTORIES ${OpenVINO_ROOT_DIR}/include)
+endif()

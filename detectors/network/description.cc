@@ -1,0 +1,371 @@
+#include "detectors/network/description.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "detectors/spectral/spectral_features.h"
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+
+namespace slipbench::network {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t most_bytes = 16u << 20u;   // of the text
+constexpr int deepest = 32;                      // objects and arrays in each other
+constexpr double most_rate = 1e9;                // Hz
+constexpr std::size_t most_samples = 1'000'000;  // of a window, a stride, a median, a history
+constexpr std::size_t most_values = 1'000'000;   // of a sample, an image, a frame
+constexpr std::size_t most_classes = 1000;
+constexpr std::size_t most_states = 1000;
+
+constexpr std::array<std::pair<std::string_view, Transform>, 3> transforms{
+    {{"samples", Transform::samples}, {"log_psd", Transform::log_psd}, {"amplitude", Transform::amplitude}}};
+constexpr std::array<std::pair<std::string_view, Output>, 2> outputs{
+    {{"logits", Output::logits}, {"probabilities", Output::probabilities}}};
+constexpr std::array<std::pair<std::string_view, PadState>, 4> pad_states{{{"no_contact", PadState::no_contact},
+                                                                           {"non_slip", PadState::non_slip},
+                                                                           {"incipient", PadState::incipient},
+                                                                           {"gross", PadState::gross}}};
+
+template <class Words>
+auto word_of(const Words& words, typename Words::value_type::second_type value) {
+  return std::string(std::ranges::find(words, value, &Words::value_type::second)->first);
+}
+
+// A JSON value for a message: short.
+std::string shown(const Json& value) {
+  if (value.is_object()) return "an object";
+  if (value.is_array()) return "an array of " + std::to_string(value.size());
+  if (value.is_string()) return quote(value.get_ref<const std::string&>());
+  return value.dump();
+}
+
+// An object whose keys must all be known.
+class Object {
+ public:
+  Object(const Json& json, std::string subject, std::string path, const std::vector<std::string_view>& known)
+      : json_(json), subject_(std::move(subject)), path_(std::move(path)) {
+    if (!json.is_object()) refuse("", shown(json) + "; allowed: an object");
+    for (const auto& [key, value] : json.items()) {
+      if (std::ranges::find(known, key) == known.end()) refuse("", "unknown key " + quote(key) + allowed_names(key, known));
+    }
+  }
+
+  // "FILE: input.rate: " and `what`.
+  [[noreturn]] void refuse(const std::string& key, const std::string& what) const {
+    const std::string at = where(key);
+    throw InputError(subject_ + ": " + (at.empty() ? "" : at + ": ") + what);
+  }
+
+  [[nodiscard]] bool has(const std::string& key) const { return json_.contains(key); }
+
+  const Json& need(const std::string& key) const {
+    if (!has(key)) refuse("", "has no key '" + key + "', which must be there");
+    return json_.at(key);
+  }
+
+  [[nodiscard]] std::string text(const std::string& key) const {
+    const Json& value = need(key);
+    if (!value.is_string() || value.get_ref<const std::string&>().empty()) {
+      refuse(key, shown(value) + "; allowed: a text that is not empty");
+    }
+    return value.get<std::string>();
+  }
+
+  template <class Words>
+  [[nodiscard]] auto choice(const std::string& key, const Words& words) const {
+    const std::string word = text(key);
+    const auto* const found = std::ranges::find(words, word, &Words::value_type::first);
+    if (found == words.end()) {
+      std::vector<std::string_view> names;
+      for (const auto& [name, value] : words) names.push_back(name);
+      refuse(key, quote(word) + allowed_names(word, names));
+    }
+    return found->second;
+  }
+
+  [[nodiscard]] bool flag(const std::string& key, bool otherwise) const {
+    if (!has(key)) return otherwise;
+    if (!json_.at(key).is_boolean()) refuse(key, shown(json_.at(key)) + "; allowed: true, false");
+    return json_.at(key).get<bool>();
+  }
+
+  // A finite number for which fits() says so.
+  template <class Fits>
+  [[nodiscard]] double number(const std::string& key, Fits&& fits, const std::string& allowed) const {
+    const Json& value = need(key);
+    const double number = value.is_number() ? value.get<double>() : std::nan("");
+    if (!std::isfinite(number) || !fits(number)) refuse(key, shown(value) + "; allowed: " + allowed);
+    return number;
+  }
+
+  [[nodiscard]] std::size_t count(const std::string& key, std::size_t otherwise, std::size_t most) const {
+    if (!has(key)) return otherwise;
+    return whole(json_.at(key), key, 1, most);
+  }
+
+  // The whole numbers of an array.
+  [[nodiscard]] std::vector<std::size_t> indices(const Json& value, const std::string& key) const {
+    std::vector<std::size_t> result;
+    for (const Json& entry : array(value, key)) result.push_back(whole(entry, key, 0, most_values - 1));
+    return result;
+  }
+
+  [[nodiscard]] std::vector<double> numbers(const std::string& key) const {
+    std::vector<double> result;
+    if (!has(key)) return result;
+    for (const Json& entry : array(json_.at(key), key)) {
+      const double number = entry.is_number() ? entry.get<double>() : std::nan("");
+      // Frames are float32.
+      if (!(std::abs(number) <= double{std::numeric_limits<float>::max()})) {
+        refuse(key, shown(entry) + "; allowed: numbers that a float32 can hold");
+      }
+      result.push_back(number);
+    }
+    return result;
+  }
+
+  const Json& array(const Json& value, const std::string& key) const {
+    if (!value.is_array()) refuse(key, shown(value) + "; allowed: an array");
+    if (value.size() > most_values) refuse(key, shown(value) + "; allowed: at most " + std::to_string(most_values));
+    return value;
+  }
+
+  [[nodiscard]] std::string where(const std::string& key) const {
+    return path_ + (path_.empty() || key.empty() ? "" : ".") + key;
+  }
+  [[nodiscard]] const std::string& subject() const { return subject_; }
+
+ private:
+  [[nodiscard]] std::size_t whole(const Json& value, const std::string& key, std::size_t least, std::size_t most) const {
+    const double number = value.is_number() ? value.get<double>() : std::nan("");
+    if (!(number >= static_cast<double>(least) && number <= static_cast<double>(most)) || number != std::floor(number)) {
+      refuse(key, shown(value) + "; allowed: a whole number, " + std::to_string(least) + " to " + std::to_string(most));
+    }
+    return static_cast<std::size_t>(number);
+  }
+
+  const Json& json_;
+  std::string subject_;
+  std::string path_;
+};
+
+// nlohmann's parser takes a key twice and objects in each other without end, which its writer then follows by recursion.
+Json parsed(std::string_view text, const std::string& subject) {
+  if (text.size() > most_bytes) {
+    throw InputError(subject + ": " + std::to_string(text.size()) + " bytes of JSON; allowed: at most " +
+                     std::to_string(most_bytes));
+  }
+  std::vector<std::set<std::string>> keys;  // of each object that is open
+  const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+    if (depth > deepest) throw InputError(subject + ": JSON nested more than " + std::to_string(deepest) + " deep");
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second) {
+      throw InputError(subject + ": key " + quote(value.get_ref<const std::string&>()) + " stands twice in one object");
+    }
+    return true;
+  };
+  try {
+    return Json::parse(text.begin(), text.end(), watch);
+  } catch (const Json::exception& error) {
+    throw InputError(subject + ": is no JSON: " + printable(error.what()));
+  }
+}
+
+ChannelPick parse_channel(const Json& json, const Object& input) {
+  const Object object(json, input.subject(), input.where("channels"), {"name", "values"});
+  ChannelPick pick{.name = object.text("name"), .values = {}};
+  if (object.has("values")) {
+    pick.values = object.indices(object.need("values"), "values");
+    if (pick.values.empty()) object.refuse("values", "an array of 0; allowed: one value at least, or no key 'values' for all");
+  }
+  return pick;
+}
+
+// Those keys of a spectrum that `input` has.
+void parse_spectrum(const Object& object, Input& input) {
+  const double half = 0.5 * input.rate;
+  const bool spectrum = input.transform != Transform::samples;
+  for (const char* key : {"low", "high", "hann"}) {
+    if (!spectrum && object.has(key)) object.refuse(key, "belongs to a spectrum; allowed: with transform log_psd or amplitude");
+  }
+  if (input.transform != Transform::log_psd && object.has("floor")) {
+    object.refuse("floor", "belongs to a density; allowed: with transform log_psd");
+  }
+  if (!spectrum) return;
+  const std::string limits = format_quantity(0.0, Quantity::frequency) + " to " + format_quantity(half, Quantity::frequency) +
+                             ", half the rate, as a number of Hz";
+  input.low = object.number(
+      "low", [&](double f) { return f >= 0.0 && f <= half; }, limits);
+  input.high = object.number(
+      "high", [&](double f) { return f >= 0.0 && f <= half; }, limits);
+  if (bins_within(input.rate, input.window, input.low, input.high).count == 0) {
+    object.refuse("high", "no bin of the spectrum lies between " + format_quantity(input.low, Quantity::frequency) + " and " +
+                              format_quantity(input.high, Quantity::frequency) + "; allowed: a band that holds a multiple of " +
+                              format_quantity(input.rate / static_cast<double>(input.window), Quantity::frequency));
+  }
+  input.hann = object.flag("hann", false);
+  if (input.transform == Transform::log_psd) {
+    input.floor = object.number(
+        "floor", [](double floor) { return floor > 0.0; }, "a number above 0, in unit^2/Hz");
+  }
+}
+
+Input parse_input(const Json& json, const std::string& subject) {
+  const Object object(json, subject, "input",
+                      {"sensor", "rate", "channels", "median", "window", "stride", "centre", "transform", "low", "high", "hann",
+                       "floor", "pixels", "offset", "scale", "history"});
+  Input input;
+  input.sensor = object.text("sensor");
+  input.rate = object.number(
+      "rate", [](double rate) { return rate > 0.0 && rate <= most_rate; }, "a number of Hz above 0, to 1e9");
+  for (const Json& channel : object.array(object.need("channels"), "channels")) {
+    input.channels.push_back(parse_channel(channel, object));
+  }
+  if (input.channels.empty()) object.refuse("channels", "an array of 0; allowed: one channel at least");
+  input.median = object.count("median", 1, most_samples);
+  input.window = object.count("window", 1, most_samples);
+  input.stride = object.count("stride", 1, most_samples);
+  input.centre = object.flag("centre", false);
+  if (object.has("transform")) input.transform = object.choice("transform", transforms);
+  parse_spectrum(object, input);
+  if (object.has("pixels")) {
+    for (const Json& pixel : object.array(object.need("pixels"), "pixels")) {
+      input.pixels.push_back(object.indices(pixel, "pixels"));
+    }
+    if (input.pixels.empty()) object.refuse("pixels", "an array of 0; allowed: one pixel at least, or no key 'pixels'");
+  }
+  input.offset = object.numbers("offset");
+  input.scale = object.numbers("scale");
+  input.history = object.count("history", 1, most_samples);
+  return input;
+}
+
+std::vector<State> parse_states(const Object& whole) {
+  std::vector<State> states;
+  for (const Json& entry : whole.array(whole.need("states"), "states")) {
+    const Object object(entry, whole.subject(), "states", {"input", "output"});
+    const State state{.input = object.text("input"), .output = object.text("output")};
+    const auto once = [&](const std::string& key, std::string State::*name) {
+      if (std::ranges::find(states, state.*name, name) != states.end()) {
+        object.refuse(key, quote(state.*name) + " twice; allowed: each name once");
+      }
+    };
+    once("input", &State::input);
+    once("output", &State::output);
+    if (states.size() == most_states) whole.refuse("states", "more than " + std::to_string(most_states) + "; allowed: fewer");
+    states.push_back(state);
+  }
+  return states;
+}
+
+std::vector<Class> parse_classes(const Object& whole) {
+  std::vector<Class> classes;
+  const Json& json = whole.array(whole.need("classes"), "classes");
+  if (json.size() < 2 || json.size() > most_classes) {
+    whole.refuse("classes", shown(json) + "; allowed: 2 to " + std::to_string(most_classes));
+  }
+  for (const Json& entry : json) {
+    const Object object(entry, whole.subject(), "classes", {"name", "state"});
+    Class one{.name = object.text("name"), .state = object.choice("state", pad_states)};
+    if (std::ranges::find(classes, one.name, &Class::name) != classes.end()) {
+      object.refuse("name", quote(one.name) + " twice; allowed: each name once");
+    }
+    classes.push_back(std::move(one));
+  }
+  const auto slipping = std::ranges::count_if(classes, [](const Class& one) { return slips(one.state); });
+  if (slipping == 0) whole.refuse("classes", "none slips; allowed: one class at least with the state incipient or gross");
+  if (slipping == std::ssize(classes)) {
+    whole.refuse("classes", "all slip; allowed: one class at least with the state no_contact or non_slip");
+  }
+  return classes;
+}
+
+}  // namespace
+
+std::size_t frame_size(const Input& input, std::size_t values) {
+  const std::size_t lines = input.pixels.empty() ? values : input.pixels.size();
+  if (input.transform == Transform::samples) return input.window * lines;
+  return lines * bins_within(input.rate, input.window, input.low, input.high).count;
+}
+
+Description parse_description(std::string_view text, const std::string& subject) {
+  const Json json = parsed(text, subject);
+  Description description;
+  const Object object(json, subject, "", {"format", "input", "states", "output", "classes", "threshold", "trained"});
+  static_cast<void>(object.number(
+      "format", [](double format) { return format == 1.0; }, "1"));
+  description.input = parse_input(object.need("input"), subject);
+  if (object.has("states")) description.states = parse_states(object);
+  if (object.has("output")) description.output = object.choice("output", outputs);
+  description.classes = parse_classes(object);
+  if (object.has("threshold")) {
+    description.threshold = object.number(
+        "threshold", [](double share) { return share > 0.0 && share <= 1.0; }, "a number above 0, to 1");
+  }
+  if (object.has("trained")) {
+    const Json& trained = object.need("trained");
+    if (!trained.is_object()) object.refuse("trained", shown(trained) + "; allowed: an object");
+    description.trained = trained.dump();
+  }
+  return description;
+}
+
+std::string description_text(const Description& description) {
+  const Input& input = description.input;
+  Json in;
+  in["sensor"] = input.sensor;
+  in["rate"] = input.rate;
+  in["channels"] = Json::array();
+  for (const ChannelPick& pick : input.channels) {
+    Json channel{{"name", pick.name}};
+    if (!pick.values.empty()) channel["values"] = pick.values;
+    in["channels"].push_back(std::move(channel));
+  }
+  in["median"] = input.median;
+  in["window"] = input.window;
+  in["stride"] = input.stride;
+  in["centre"] = input.centre;
+  in["transform"] = word_of(transforms, input.transform);
+  if (input.transform != Transform::samples) {
+    in["low"] = input.low;
+    in["high"] = input.high;
+    in["hann"] = input.hann;
+  }
+  if (input.transform == Transform::log_psd) in["floor"] = input.floor;
+  if (!input.pixels.empty()) in["pixels"] = input.pixels;
+  if (!input.offset.empty()) in["offset"] = input.offset;
+  if (!input.scale.empty()) in["scale"] = input.scale;
+  in["history"] = input.history;
+
+  Json json;
+  json["format"] = 1;
+  json["input"] = std::move(in);
+  json["states"] = Json::array();
+  for (const State& state : description.states) json["states"].push_back({{"input", state.input}, {"output", state.output}});
+  json["output"] = word_of(outputs, description.output);
+  json["classes"] = Json::array();
+  for (const Class& one : description.classes) {
+    json["classes"].push_back({{"name", one.name}, {"state", word_of(pad_states, one.state)}});
+  }
+  json["threshold"] = description.threshold;
+  json["trained"] = Json::parse(description.trained);
+  return json.dump();
+}
+
+std::string example_description() {
+  return R"({"format": 1,
+ "input": {"sensor": "papillarray", "rate": 1000, "channels": [{"name": "force"}], "window": 40, "stride": 10},
+ "classes": [{"name": "hold", "state": "non_slip"}, {"name": "slip", "state": "gross"}]})";
+}
+
+}  // namespace slipbench::network

@@ -1,0 +1,248 @@
+#include "detectors/network/frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <optional>
+#include <utility>
+
+#include "detectors/spectral/real_fft.h"
+#include "detectors/spectral/spectral_features.h"
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+
+namespace slipbench::network {
+namespace {
+
+constexpr std::size_t most_kept = 50'000'000;  // values that a window, a median or the features of a frame may hold
+
+// Not a number comes last, so that every sample has its place.
+bool before(float a, float b) { return std::isnan(b) ? !std::isnan(a) : a < b; }
+
+// Index into a sample of each value that `input` picks, one after the other.
+std::vector<std::size_t> picked(const Input& input, std::span<const Channel> channels) {
+  std::vector<std::size_t> places;
+  for (std::size_t p = 0; p < input.channels.size(); ++p) {
+    const ChannelPick& pick = input.channels[p];
+    const auto found = std::ranges::find(channels, pick.name, &Channel::name);
+    if (found == channels.end()) {
+      std::vector<std::string> names;
+      for (const Channel& channel : channels) names.push_back(channel.name);
+      throw InputError("the network reads the channel " + quote(pick.name) + allowed_names(pick.name, names));
+    }
+    std::size_t first = 0;
+    for (auto channel = channels.begin(); channel != found; ++channel) first += channel->size();
+    const std::size_t size = found->size();
+    if (pick.values.empty()) {
+      for (std::size_t value = 0; value < size; ++value) places.push_back(first + value);
+    }
+    for (const std::size_t value : pick.values) {
+      if (value >= size) {
+        throw InputError("the network reads value " + std::to_string(value) + " of the channel " + quote(pick.name) +
+                         ", which has " + std::to_string(size) + "; allowed: 0 to " + std::to_string(size - 1));
+      }
+      places.push_back(first + value);
+    }
+  }
+  if (places.empty()) throw InputError("the network reads no value of its sensor; allowed: one at least");
+  return places;
+}
+
+// One for each feature.
+std::vector<float> spread(const std::vector<double>& given, double otherwise, std::size_t features, const std::string& name) {
+  if (given.size() > 1 && given.size() != features) {
+    throw InputError("the network has " + std::to_string(given.size()) + " values of " + name + " for the " +
+                     std::to_string(features) + " features of a frame; allowed: none, 1 or " + std::to_string(features));
+  }
+  std::vector<float> result(features, static_cast<float>(given.empty() ? otherwise : given.front()));
+  if (given.size() > 1) std::ranges::transform(given, result.begin(), [](double x) { return static_cast<float>(x); });
+  return result;
+}
+
+}  // namespace
+
+struct Frames::State {
+  // The median of the latest `length` values, of those that have come at the beginning.
+  class Median {
+   public:
+    explicit Median(std::size_t length) : ring_(length) { sorted_.reserve(length); }
+
+    float push(float value) {
+      float& oldest = ring_[seen_++ % ring_.size()];
+      if (sorted_.size() == ring_.size()) sorted_.erase(std::ranges::lower_bound(sorted_, oldest, before));
+      oldest = value;
+      sorted_.insert(std::ranges::upper_bound(sorted_, value, before), value);
+      const std::size_t half = sorted_.size() / 2;
+      return sorted_.size() % 2 == 1 ? sorted_[half] : 0.5F * (sorted_[half - 1] + sorted_[half]);
+    }
+
+    void reset() {
+      sorted_.clear();
+      seen_ = 0;
+    }
+
+   private:
+    std::vector<float> ring_;
+    std::vector<float> sorted_;
+    std::size_t seen_ = 0;
+  };
+
+  State(const Input& about, std::span<const Channel> channels)
+      : input(about), places(picked(about, channels)), bins(bins_within(about.rate, about.window, about.low, about.high)) {
+    const std::size_t values = places.size();
+    const std::size_t features = frame_size(input, values);
+    if (features == 0) throw InputError("the network's frame is empty; allowed: one feature at least");
+    if (std::max({input.window, input.median}) > most_kept / values || features > most_kept) {
+      throw InputError("the network's frame is made of more than " + std::to_string(most_kept) + " values; allowed: fewer");
+    }
+    for (const auto& pixel : input.pixels) {
+      for (const std::size_t value : pixel) {
+        if (value < values) continue;
+        throw InputError("the network has a pixel of value " + std::to_string(value) + ", of " + std::to_string(values) +
+                         " values; allowed: 0 to " + std::to_string(values - 1));
+      }
+    }
+    offset = spread(input.offset, 0.0, features, "offset");
+    scale = spread(input.scale, 1.0, features, "scale");
+    // One by one: a copy would keep no reserve.
+    medians.reserve(values);
+    for (std::size_t v = 0; input.median > 1 && v < values; ++v) medians.emplace_back(input.median);
+    window.resize(input.window * values);
+    means.resize(values);
+    frame.resize(features);
+    if (input.transform == Transform::samples) {
+      if (!input.pixels.empty()) before_pixels.resize(input.window * values);
+      return;
+    }
+    if (!input.pixels.empty()) before_pixels.resize(values * bins.count);
+    fft.emplace(input.window);
+    taper = input.hann ? hann_taper(input.window) : std::vector<double>(input.window, 1.0);
+    double power = 0.0;
+    for (const double w : taper) power += w * w;
+    density = 1.0 / (input.rate * power);
+  }
+
+  // The oldest sample of the window comes first.
+  [[nodiscard]] double sample(std::size_t n, std::size_t value) const {
+    const std::size_t row = next + n < input.window ? next + n : next + n - input.window;
+    return double{window[row * places.size() + value]} - means[value];
+  }
+
+  void take(std::span<const float> values) {
+    float* const row = &window[next * places.size()];
+    for (std::size_t v = 0; v < places.size(); ++v) {
+      const float x = values[places[v]];
+      row[v] = medians.empty() ? x : medians[v].push(x);
+    }
+    ++seen;
+    if (++next == input.window) next = 0;
+  }
+
+  void centre() {
+    for (std::size_t v = 0; v < places.size(); ++v) {
+      means[v] = 0.0;
+      double sum = 0.0;
+      for (std::size_t n = 0; n < input.window; ++n) sum += sample(n, v);
+      means[v] = sum / static_cast<double>(input.window);
+    }
+  }
+
+  // What stands before the pixels: [window, values] or [values, bins].
+  void transform(std::span<float> out) {
+    const std::size_t values = places.size();
+    if (input.transform == Transform::samples) {
+      for (std::size_t n = 0; n < input.window; ++n) {
+        for (std::size_t v = 0; v < values; ++v) out[n * values + v] = static_cast<float>(sample(n, v));
+      }
+      return;
+    }
+    for (std::size_t v = 0; v < values; ++v) {
+      const std::span<double> signal = fft->input();
+      for (std::size_t n = 0; n < input.window; ++n) signal[n] = taper[n] * sample(n, v);
+      const std::span<const std::complex<double>> spectrum = fft->transform();
+      for (std::size_t b = 0; b < bins.count; ++b)
+        out[v * bins.count + b] = static_cast<float>(feature(spectrum, bins.first + b));
+    }
+  }
+
+  [[nodiscard]] double feature(std::span<const std::complex<double>> spectrum, std::size_t bin) const {
+    if (input.transform == Transform::amplitude) return std::abs(spectrum[bin]);
+    const double sides = bin == 0 || 2 * bin == input.window ? 1.0 : 2.0;
+    return std::log10(sides * std::norm(spectrum[bin]) * density + input.floor);
+  }
+
+  void pixels(std::span<const float> from) {
+    const bool samples = input.transform == Transform::samples;
+    const std::size_t count = samples ? input.window : bins.count;  // images
+    const std::size_t values = places.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t p = 0; p < input.pixels.size(); ++p) {
+        double sum = 0.0;
+        for (const std::size_t v : input.pixels[p]) sum += double{from[samples ? i * values + v : v * count + i]};
+        const double mean = input.pixels[p].empty() ? 0.0 : sum / static_cast<double>(input.pixels[p].size());
+        frame[samples ? i * input.pixels.size() + p : p * count + i] = static_cast<float>(mean);
+      }
+    }
+  }
+
+  Input input;
+  std::vector<std::size_t> places;
+  BinRange bins;                // of spectra alone
+  std::vector<Median> medians;  // [values]; empty: none
+  std::vector<float> window;    // [window, values], a ring
+  std::vector<double> means;    // [values], 0 where not centred
+  std::optional<RealFft> fft;   // of spectra alone
+  std::vector<double> taper;    // [window]
+  double density = 0.0;         // from |X|^2 to a density of one side
+  std::vector<float> before_pixels;
+  std::vector<float> offset, scale;  // [features]
+  std::vector<float> frame;          // [features]
+  std::size_t seen = 0;              // samples
+  std::size_t next = 0;              // row of the window
+};
+
+Frames::Frames(const Input& input, const std::string& type, double rate, std::span<const Channel> channels) {
+  if (type != input.sensor) {
+    throw InputError("the network reads a " + quote(input.sensor) + ", not a " + quote(type) +
+                     "; allowed: " + quote(input.sensor));
+  }
+  constexpr double rounding = 1e-9;
+  if (!(std::abs(rate - input.rate) <= rounding * input.rate)) {
+    throw InputError("the network reads " + format_quantity(input.rate, Quantity::frequency) + ", not " +
+                     format_quantity(rate, Quantity::frequency) + "; allowed: the former");
+  }
+  state_ = std::make_unique<State>(input, channels);
+}
+Frames::~Frames() = default;
+Frames::Frames(Frames&&) noexcept = default;
+Frames& Frames::operator=(Frames&&) noexcept = default;
+
+bool Frames::push(std::span<const float> sample) {
+  State& s = *state_;
+  s.take(sample);
+  if (s.seen < s.input.window || (s.seen - s.input.window) % s.input.stride != 0) return false;
+  if (s.input.centre) s.centre();
+  if (s.input.pixels.empty()) {
+    s.transform(s.frame);
+  } else {
+    s.transform(s.before_pixels);
+    s.pixels(s.before_pixels);
+  }
+  for (std::size_t i = 0; i < s.frame.size(); ++i) s.frame[i] = (s.frame[i] - s.offset[i]) * s.scale[i];
+  return true;
+}
+
+std::span<const float> Frames::latest() const { return state_->frame; }
+
+std::size_t Frames::size() const { return state_->frame.size(); }
+
+void Frames::reset() {
+  State& s = *state_;
+  for (State::Median& median : s.medians) median.reset();
+  std::ranges::fill(s.means, 0.0);
+  std::ranges::fill(s.frame, 0.0F);
+  s.seen = 0;
+  s.next = 0;
+}
+
+}  // namespace slipbench::network

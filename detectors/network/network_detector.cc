@@ -1,0 +1,96 @@
+#include "detectors/network/network_detector.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "detectors/network/engine.h"
+#include "detectors/network/frames.h"
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+constexpr const char* no_model = "none";
+
+class NetworkDetector final : public Detector {
+ public:
+  NetworkDetector(std::unique_ptr<network::Engine> engine, network::Frames frames, double threshold, double latency)
+      : engine_(std::move(engine)), frames_(std::move(frames)), about_(engine_->description()), fed_(engine_->inputs()) {
+    if (threshold > 0.0) about_.threshold = threshold;
+    const std::size_t history = about_.input.history;
+    if (fed_.size() != history * frames_.size()) {
+      throw InputError("the network takes " + std::to_string(fed_.size()) + " values, its description makes " +
+                       std::to_string(history) + " frames of " + std::to_string(frames_.size()) + "; allowed: as many");
+    }
+    estimate_.latency = latency;
+    estimate_.features = {std::numeric_limits<double>::quiet_NaN()};
+  }
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    if (!frames_.push(frame.values)) return estimate_;
+    const std::span<const float> latest = frames_.latest();
+    // The oldest frame goes out in front.
+    std::shift_left(fed_.begin(), fed_.end(), static_cast<std::ptrdiff_t>(latest.size()));
+    std::ranges::copy(latest, fed_.end() - static_cast<std::ptrdiff_t>(latest.size()));
+    if (++complete_ < about_.input.history) return estimate_;
+    const std::span<const float> output = engine_->run(fed_);
+    estimate_.time = frame.time;
+    estimate_.state = network::state_of(about_, output);
+    estimate_.features.front() = network::slip_probability(about_, output);
+    return estimate_;
+  }
+
+  [[nodiscard]] const std::vector<Feature>& features() const override {
+    static const std::vector<Feature> probability{{"slip_probability", ""}};
+    return probability;
+  }
+
+ private:
+  std::unique_ptr<network::Engine> engine_;
+  network::Frames frames_;
+  network::Description about_;
+  std::vector<float> fed_;  // [history, frame], the oldest first
+  std::size_t complete_ = 0;
+  SlipEstimate estimate_;
+};
+
+}  // namespace
+
+Entry network_entry() {
+  return {
+      .name = "network",
+      .summary =
+          "A neural network from an ONNX file, with what it eats and says in the file's metadata; recurrent states are carried.",
+      .law =
+          "frame: values of the sensor, median, window, mean off, spectrum, image, (x - offset) scale, as the file says\n"
+          "p: sum of the probabilities of the classes that slip, of the last `history` frames\n"
+          "p >= threshold: the most probable class that slips, else the most probable that does not\n"
+          "no contact: until the first frames are complete; later where the network has such a class",
+      .source = "the file; how to make one: detectors/network/README.md",
+      .parameters = {
+          path_spec("model", no_model, "The ONNX file.", "free"),
+          number_spec("latency", Quantity::time, "0 s", non_negative,
+                      "Time that a step of the network takes on the robot: the loop sees an estimate so much later.", "free"),
+          number_spec("threshold", Quantity::none, "0", fraction, "Probability p from which on the pad slips; 0: the file's.",
+                      "free"),
+      }};
+}
+
+std::unique_ptr<Detector> make_network(const Parameters& parameters, const FrameSource& source) {
+  const std::string& model = parameters.path("model");
+  if (model == no_model) throw SceneValueError("detector.model", "no network is named; allowed: the path of an ONNX file");
+  try {
+    std::unique_ptr<network::Engine> engine = network::load_engine(model);
+    network::Frames frames(engine->description().input, source.type, source.rate, source.channels);
+    return std::make_unique<NetworkDetector>(std::move(engine), std::move(frames), parameters.number("threshold"),
+                                             parameters.number("latency"));
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    throw SceneValueError("detector.model", what.starts_with(model) ? what : model + ": " + what);
+  }
+}
+
+}  // namespace slipbench

@@ -1,0 +1,260 @@
+#include "detectors/network/onnx_check.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include <google/protobuf/stubs/logging.h>
+#include <onnx/onnx_pb.h>
+
+#include "sim/core/error.h"
+
+namespace slipbench::network {
+namespace {
+
+constexpr std::int64_t least_opset = 13;
+constexpr std::int64_t most_opset = 23;
+constexpr std::size_t most_nodes = 100'000;  // of all graphs
+
+// Bytes of an element; nothing: a type that no network of numbers has.
+std::optional<std::size_t> bytes_of(int type) {
+  using T = onnx::TensorProto;
+  switch (type) {
+    case T::BOOL:
+    case T::INT8:
+    case T::UINT8: return 1;
+    case T::FLOAT16:
+    case T::BFLOAT16:
+    case T::INT16:
+    case T::UINT16: return 2;
+    case T::FLOAT:
+    case T::INT32:
+    case T::UINT32: return 4;
+    case T::DOUBLE:
+    case T::INT64:
+    case T::UINT64: return 8;
+    default: return std::nullopt;
+  }
+}
+
+class Checker {
+ public:
+  explicit Checker(const std::string& subject) : subject_(subject) {}
+
+  [[noreturn]] void refuse(const std::string& what) const { throw InputError(subject_ + ": " + what); }
+
+  void check(const onnx::GraphProto& graph) {
+    for (const onnx::TensorProto& tensor : graph.initializer()) check(tensor);
+    if (graph.sparse_initializer_size() != 0) refuse("holds sparse tensors; allowed: dense ones");
+    for (const onnx::NodeProto& node : graph.node()) {
+      if (++nodes_ > most_nodes) refuse("has more than " + std::to_string(most_nodes) + " operators; allowed: fewer");
+      if (!is_onnx(node.domain())) {
+        refuse("uses the operator " + quote(node.op_type()) + " of " + quote(node.domain()) +
+               "; allowed: the operators of ONNX itself");
+      }
+      if (node.op_type() == "Loop" || node.op_type() == "Scan") {
+        refuse("uses the operator " + quote(node.op_type()) +
+               ", which need not end; allowed: the others, GRU and LSTM among them");
+      }
+      for (const onnx::AttributeProto& attribute : node.attribute()) check(attribute);
+    }
+  }
+
+ private:
+  static bool is_onnx(const std::string& domain) { return domain.empty() || domain == "ai.onnx"; }
+
+  void check(const onnx::AttributeProto& attribute) {
+    if (attribute.has_t()) check(attribute.t());
+    for (const onnx::TensorProto& tensor : attribute.tensors()) check(tensor);
+    if (attribute.has_sparse_tensor() || attribute.sparse_tensors_size() != 0)
+      refuse("holds sparse tensors; allowed: dense ones");
+    if (attribute.has_g()) check(attribute.g());
+    for (const onnx::GraphProto& graph : attribute.graphs()) check(graph);
+  }
+
+  void check(const onnx::TensorProto& tensor) const {
+    const std::string name = "the tensor " + quote(tensor.name());
+    if (tensor.data_location() == onnx::TensorProto::EXTERNAL || tensor.external_data_size() != 0) {
+      refuse("keeps " + name + " in another file; allowed: a network in one file (onnx.save(model, file) writes it so)");
+    }
+    const std::optional<std::size_t> width = bytes_of(tensor.data_type());
+    if (!width) refuse("has " + name + " of data type " + std::to_string(tensor.data_type()) + "; allowed: numbers and flags");
+    std::size_t elements = 1;
+    for (const std::int64_t extent : tensor.dims()) {
+      if (extent < 0 || (extent > 0 && elements > most_elements / static_cast<std::size_t>(extent))) {
+        refuse("has " + name + " of an extent of " + std::to_string(extent) + "; allowed: 0 or more, and " +
+               std::to_string(most_elements) + " elements in all");
+      }
+      elements *= static_cast<std::size_t>(extent);
+    }
+    const std::size_t held = tensor.has_raw_data() ? tensor.raw_data().size() / *width : typed_elements(tensor);
+    const bool whole = !tensor.has_raw_data() || tensor.raw_data().size() % *width == 0;
+    if (held != elements || !whole) {
+      refuse("has " + name + " of " + std::to_string(elements) + " elements, with the data of " + std::to_string(held) +
+             "; allowed: one value an element");
+    }
+  }
+
+  static std::size_t typed_elements(const onnx::TensorProto& tensor) {
+    using T = onnx::TensorProto;
+    switch (tensor.data_type()) {
+      case T::FLOAT: return static_cast<std::size_t>(tensor.float_data_size());
+      case T::DOUBLE: return static_cast<std::size_t>(tensor.double_data_size());
+      case T::INT64: return static_cast<std::size_t>(tensor.int64_data_size());
+      case T::UINT32:
+      case T::UINT64: return static_cast<std::size_t>(tensor.uint64_data_size());
+      default: return static_cast<std::size_t>(tensor.int32_data_size());
+    }
+  }
+
+  const std::string& subject_;
+  std::size_t nodes_ = 0;
+};
+
+// What protobuf has to say of damaged bytes goes nowhere: the message of the InputError says it.
+void be_quiet() {
+  static const bool once = [] {
+    google::protobuf::SetLogHandler(nullptr);
+    return true;
+  }();
+  static_cast<void>(once);
+}
+
+Port port_of(const onnx::ValueInfoProto& value, const std::string& what, const Checker& checker) {
+  const std::string name = what + " " + quote(value.name());
+  if (!value.type().has_tensor_type() || value.type().tensor_type().elem_type() != onnx::TensorProto::FLOAT) {
+    checker.refuse("has the " + name + ", which is no tensor of float32; allowed: float32");
+  }
+  Port port{.name = value.name(), .shape = {}};
+  if (!value.type().tensor_type().has_shape()) checker.refuse("has the " + name + " without a shape; allowed: one with a shape");
+  std::size_t size = 1;
+  for (const onnx::TensorShapeProto::Dimension& extent : value.type().tensor_type().shape().dim()) {
+    port.shape.push_back(extent.has_dim_value() && extent.dim_value() != -1 ? extent.dim_value() : 1);
+    if (port.shape.back() < 1 || size > most_elements / static_cast<std::size_t>(port.shape.back())) {
+      checker.refuse("has the " + name + " of an extent of " + std::to_string(port.shape.back()) + "; allowed: 1 or more, and " +
+                     std::to_string(most_elements) + " elements in all");
+    }
+    size *= static_cast<std::size_t>(port.shape.back());
+  }
+  return port;
+}
+
+std::string metadata_of(const onnx::ModelProto& model, const std::string& subject, const Checker& checker) {
+  const onnx::StringStringEntryProto* found = nullptr;
+  for (const onnx::StringStringEntryProto& entry : model.metadata_props()) {
+    if (entry.key() != metadata_key) continue;
+    if (found != nullptr) checker.refuse("has the metadata 'slipbench' twice; allowed: once");
+    found = &entry;
+  }
+  if (found == nullptr) {
+    checker.refuse("has no metadata 'slipbench', which says what the network eats and says. Add it:\n" +
+                   how_to_describe(subject));
+  }
+  return found->value();
+}
+
+// All names of `values`, for messages.
+template <class Values>
+std::vector<std::string> names_of(const Values& values) {
+  std::vector<std::string> names;
+  for (const onnx::ValueInfoProto& value : values) names.push_back(value.name());
+  return names;
+}
+
+// The name of `given` that is none of `states`; there must be one.
+template <class Values>
+std::string only_other(const Values& given, const std::vector<std::string>& states, const std::string& what,
+                       const Checker& checker) {
+  const std::vector<std::string> names = names_of(given);
+  for (const std::string& state : states) {
+    if (std::ranges::find(names, state) == names.end()) {
+      checker.refuse("has no " + what + " " + quote(state) + ", which its states name" + allowed_names(state, names));
+    }
+  }
+  std::vector<std::string> others;
+  std::ranges::copy_if(names, std::back_inserter(others),
+                       [&](const std::string& name) { return std::ranges::find(states, name) == states.end(); });
+  if (others.size() == 1) return others.front();
+  std::string found;
+  for (const std::string& name : others) found += (found.empty() ? ": " : ", ") + quote(name);
+  checker.refuse("has " + std::to_string(others.size()) + " " + what + "s that are no states" + found + "; allowed: one");
+}
+
+}  // namespace
+
+std::size_t Port::size() const {
+  std::size_t product = 1;
+  for (const std::int64_t extent : shape) product *= static_cast<std::size_t>(extent);
+  return product;
+}
+
+CheckedNetwork check_network(std::string_view bytes, const std::string& subject) {
+  be_quiet();
+  Checker checker(subject);
+  if (bytes.size() > most_network_bytes) {
+    checker.refuse("has " + std::to_string(bytes.size()) + " bytes; allowed: at most " + std::to_string(most_network_bytes));
+  }
+  onnx::ModelProto model;
+  if (!model.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())) || !model.has_graph()) {
+    checker.refuse("is no ONNX file, or a damaged one; allowed: a network in the ONNX format");
+  }
+  CheckedNetwork checked{
+      .description = parse_description(metadata_of(model, subject, checker), subject + ": metadata 'slipbench'"),
+      .input = {},
+      .output = {},
+      .states = {}};
+  std::int64_t opset = 0;
+  for (const onnx::OperatorSetIdProto& set : model.opset_import()) {
+    if (set.domain().empty() || set.domain() == "ai.onnx") opset = set.version();
+  }
+  if (opset < least_opset || opset > most_opset) {
+    checker.refuse("is of the operator set " + std::to_string(opset) + " of ONNX; allowed: " + std::to_string(least_opset) +
+                   " to " + std::to_string(most_opset));
+  }
+  if (model.functions_size() != 0) {
+    checker.refuse("defines the operator " + quote(model.functions(0).name()) +
+                   " of its own; allowed: the operators of ONNX itself");
+  }
+  checker.check(model.graph());
+
+  const Description& about = checked.description;
+  std::vector<std::string> state_inputs;
+  std::vector<std::string> state_outputs;
+  for (const State& state : about.states) {
+    state_inputs.push_back(state.input);
+    state_outputs.push_back(state.output);
+  }
+  // Old files list the weights among the inputs.
+  google::protobuf::RepeatedPtrField<onnx::ValueInfoProto> inputs;
+  for (const onnx::ValueInfoProto& value : model.graph().input()) {
+    const auto same = [&](const onnx::TensorProto& tensor) { return tensor.name() == value.name(); };
+    if (std::ranges::none_of(model.graph().initializer(), same)) *inputs.Add() = value;
+  }
+  const std::string input = only_other(inputs, state_inputs, "input", checker);
+  checked.output = only_other(model.graph().output(), state_outputs, "output", checker);
+  const auto named = [&](const std::string& name) -> const onnx::ValueInfoProto& {
+    return *std::ranges::find_if(inputs, [&](const onnx::ValueInfoProto& value) { return value.name() == name; });
+  };
+  checked.input = port_of(named(input), "input", checker);
+  for (const std::string& state : state_inputs) checked.states.push_back(port_of(named(state), "input", checker));
+  return checked;
+}
+
+std::string how_to_describe(const std::string& file) {
+  const std::string path = "'" + printable(file) + "'";  // whole, unlike quote()
+  return "  import json, onnx\n"
+         "  model = onnx.load(" +
+         path +
+         ")\n"
+         "  about = " +
+         example_description() +
+         "\n"
+         "  entry = model.metadata_props.add()\n"
+         "  entry.key, entry.value = \"slipbench\", json.dumps(about)\n"
+         "  onnx.save(model, " +
+         path +
+         ")\n"
+         "The keys: detectors/network/README.md.";
+}
+
+}  // namespace slipbench::network

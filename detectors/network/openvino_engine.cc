@@ -1,0 +1,214 @@
+// The only file with OpenVINO's headers.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <utility>
+
+#include <openssl/evp.h>
+#include <openvino/openvino.hpp>
+#include <openvino/runtime/intel_cpu/properties.hpp>
+
+#include "detectors/network/engine_library.h"
+#include "detectors/network/onnx_check.h"
+#include "sim/core/crash_guard.h"
+#include "sim/core/error.h"
+#include "sim/core/regular_file.h"
+
+namespace slipbench::network {
+namespace {
+
+using Digest = std::array<unsigned char, 32>;
+
+std::string bytes_of(const std::string& path) {
+  check_regular_file(path, most_network_bytes);
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError(path + ": cannot be opened; allowed: an ONNX file");
+  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (file.bad()) throw InputError(path + ": cannot be read");
+  return bytes;
+}
+
+Digest digest_of(const std::string& bytes) {
+  Digest digest{};
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(), nullptr) != 1) {
+    throw std::runtime_error("OpenSSL offers no SHA-256");
+  }
+  return digest;
+}
+
+// What OpenVINO says, less the places in its sources.
+std::string reason_of(const std::exception& error) {
+  constexpr std::size_t longest = 400;
+  std::istringstream lines(error.what());
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    const auto begins = [&](const char* word) { return line.starts_with(word); };
+    if (line.empty() || begins("Exception from ") || begins("Check '") || begins("FrontEnd API ") || begins("Summary:")) continue;
+    if (begins("To facilitate ")) continue;
+    text += (text.empty() ? "" : " ") + line;
+  }
+  return printable(text.substr(0, longest));
+}
+
+struct Network {
+  CheckedNetwork about;
+  ov::CompiledModel compiled;
+};
+
+// A few bytes of a file may ask for any amount of memory: a constant of a shape, a tensor repeated.
+void check_sizes(const ov::Model& model, const std::string& path) {
+  for (const std::shared_ptr<ov::Node>& node : model.get_ops()) {
+    for (const ov::Output<ov::Node>& output : node->outputs()) {
+      double size = 1.0;  // as a double, which does not overflow
+      for (const ov::Dimension& extent : output.get_partial_shape()) {
+        if (extent.is_static()) size *= static_cast<double>(extent.get_length());
+      }
+      if (output.get_partial_shape().rank().is_static() && size <= static_cast<double>(most_elements)) continue;
+      throw InputError(path + ": the operator " + quote(node->get_friendly_name()) + " makes a tensor of more than " +
+                       std::to_string(most_elements) + " elements, or of no known shape; allowed: fewer");
+    }
+  }
+}
+
+Network compiled(const std::string& bytes, const std::string& path) {
+  Network network{.about = check_network(bytes, path), .compiled = {}};
+  // Never destroyed: its threads may outlive what the end of the program destroys.
+  static ov::Core* const core = new ov::Core;
+  const std::shared_ptr<ov::Model> model = core->read_model(bytes, ov::Tensor());
+  std::map<std::string, ov::PartialShape> shapes;
+  const auto fix = [&](const Port& port) {
+    shapes.emplace(port.name, ov::PartialShape(std::vector<ov::Dimension>(port.shape.begin(), port.shape.end())));
+  };
+  fix(network.about.input);
+  for (const Port& state : network.about.states) fix(state);
+  model->reshape(shapes);
+  check_sizes(*model, path);
+  // One thread, f32 and no pinning: the same bits whatever else runs. Small numbers stay, as everywhere else in the program.
+  network.compiled = core->compile_model(model, "CPU", ov::inference_num_threads(1), ov::num_streams(1),
+                                         ov::hint::inference_precision(ov::element::f32),
+                                         ov::hint::performance_mode(ov::hint::PerformanceMode::LATENCY),
+                                         ov::hint::enable_cpu_pinning(false), ov::intel_cpu::denormals_optimization(false));
+  return network;
+}
+
+// The network at `path`, compiled once a thread for as long as the file stays the same.
+Network& network_at(const std::string& path) {
+  thread_local std::map<std::string, std::pair<Digest, Network>> kept;
+  const std::string bytes = bytes_of(path);
+  const Digest digest = digest_of(bytes);
+  const auto found = kept.find(path);
+  if (found != kept.end() && found->second.first == digest) return found->second.second;
+  return kept.insert_or_assign(path, std::pair(digest, compiled(bytes, path))).first->second.second;
+}
+
+class OpenVinoEngine final : public Engine {
+ public:
+  OpenVinoEngine(Network& network, std::string path)
+      : about_(network.about.description), path_(std::move(path)), request_(network.compiled.create_infer_request()) {
+    input_ = tensor(network.compiled.input(network.about.input.name));
+    std::fill_n(input_.data<float>(), input_.get_size(), 0.0F);
+    output_ = tensor(network.compiled.output(network.about.output));
+    if (output_.get_size() != about_.classes.size()) {
+      throw InputError(path_ + ": says " + std::to_string(output_.get_size()) +
+                       " values; allowed: " + std::to_string(about_.classes.size()) + ", one for each class of its description");
+    }
+    for (const State& state : about_.states) {
+      states_.emplace_back(tensor(network.compiled.input(state.input)), tensor(network.compiled.output(state.output)));
+      const auto& [in, out] = states_.back();
+      if (in.get_size() != out.get_size()) {
+        throw InputError(path_ + ": the state " + quote(state.input) + " has " + std::to_string(in.get_size()) + " values, " +
+                         quote(state.output) + " has " + std::to_string(out.get_size()) + "; allowed: as many");
+      }
+    }
+    reset();
+    request_.infer();  // what cannot be run is found here
+  }
+
+  [[nodiscard]] const Description& description() const override { return about_; }
+  [[nodiscard]] std::size_t inputs() const override { return input_.get_size(); }
+
+  void reset() override {
+    for (auto& [in, out] : states_) std::fill_n(in.data<float>(), in.get_size(), 0.0F);
+  }
+
+  std::span<const float> run(std::span<const float> input) override {
+    if (input.size() != inputs()) throw std::logic_error("a network's input of another size");
+    check_finite(input, "is fed");
+    std::ranges::copy(input, input_.data<float>());
+    try {
+      request_.infer();
+    } catch (const std::exception& error) {
+      throw InputError(path_ + ": the network cannot be run: " + reason_of(error));
+    }
+    for (auto& [in, out] : states_) std::copy_n(out.data<float>(), out.get_size(), in.data<float>());
+    const std::span<const float> said{output_.data<float>(), output_.get_size()};
+    check(said);
+    return said;
+  }
+
+ private:
+  // A tensor of the engine's own for `port`, whose place stays.
+  ov::Tensor tensor(const ov::Output<const ov::Node>& port) {
+    if (port.get_element_type() != ov::element::f32 || port.get_partial_shape().is_dynamic()) {
+      throw InputError(path_ + ": " + quote(port.get_any_name()) + " is no float32 of a fixed shape; allowed: that");
+    }
+    ov::Tensor made(ov::element::f32, port.get_shape());
+    request_.set_tensor(port, made);
+    return made;
+  }
+
+  // A network may make a number of what is none: ReLU gives 0.
+  void check_finite(std::span<const float> values, const char* verb) const {
+    const auto found = std::ranges::find_if_not(values, [](float value) { return std::isfinite(value); });
+    if (found == values.end()) return;
+    throw InputError(path_ + ": the network " + verb + " " + std::to_string(*found) + "; allowed: finite numbers");
+  }
+
+  void check(std::span<const float> said) const {
+    check_finite(said, "says");
+    constexpr double rounding = 1e-3;  // of a sum of probabilities
+    double sum = 0.0;
+    bool probabilities = true;
+    for (const float value : said) {
+      if (!std::isfinite(value))
+        throw InputError(path_ + ": the network says " + std::to_string(value) + "; allowed: finite numbers");
+      sum += double{value};
+      probabilities = probabilities && double{value} >= -rounding;
+    }
+    if (about_.output == Output::probabilities && (!probabilities || std::abs(sum - 1.0) > rounding)) {
+      throw InputError(path_ + ": the network says values that are no probabilities, of the sum " + std::to_string(sum) +
+                       "; allowed: 0 or more, of the sum 1, or \"output\": \"logits\" in its description");
+    }
+  }
+
+  Description about_;
+  std::string path_;
+  ov::InferRequest request_;
+  ov::Tensor input_, output_;
+  std::vector<std::pair<ov::Tensor, ov::Tensor>> states_;  // what is fed, what comes out
+};
+
+}  // namespace
+}  // namespace slipbench::network
+
+extern "C" __attribute__((visibility("default"))) slipbench::network::Engine* slipbench_load_engine(const std::string& path) {
+  using namespace slipbench::network;
+  Engine* engine = nullptr;
+  auto load = [&] {
+    try {
+      engine = new OpenVinoEngine(network_at(path), path);
+    } catch (const slipbench::InputError&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw slipbench::InputError(path + ": OpenVINO does not take it: " + reason_of(error));
+    }
+  };
+  const int signal = slipbench::run_guarded(load);
+  if (signal != 0) throw slipbench::InputError(path + ": OpenVINO crashed on it: " + slipbench::signal_text(signal));
+  return engine;
+}

@@ -1,0 +1,144 @@
+// A network as a detector: what it says frame by frame is what the same network says outside.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "detectors/network/engine.h"
+#include "detectors/network/network_detector.h"
+#include "sim/core/error.h"
+#include "tests/detectors/network/networks.h"
+
+namespace slipbench::network {
+namespace {
+
+using testing::HasSubstr;
+
+FrameSource papillarray(double rate = 1000.0) {
+  return {.sensor = "pad",
+          .type = "papillarray",
+          .rate = rate,
+          .channels = {{.name = "force", .unit = "N", .shape = {9, 3}, .channel_names = {}}}};
+}
+
+Parameters parameters(const std::string& model, double threshold = 0.0, double latency = 0.0) {
+  Parameters values = defaults_of(network_entry().parameters);
+  values.set("model", model);
+  values.set("threshold", threshold);
+  values.set("latency", latency);
+  return values;
+}
+
+// The force of pillar 0 in sample n; the other pillars, which no network here reads, have another.
+std::vector<float> sample(int n) {
+  std::vector<float> values(27, 99.0F);
+  values[0] = 0.125F * static_cast<float>(n % 7);
+  values[1] = -0.25F * static_cast<float>(n % 5);
+  values[2] = 1.0F;
+  return values;
+}
+
+double probability(double hold, double slip) { return std::exp(slip) / (std::exp(hold) + std::exp(slip)); }
+
+// Counts lines of this process' map that name OpenVINO.
+std::size_t libraries_of_openvino() {
+  std::ifstream maps("/proc/self/maps");
+  std::size_t count = 0;
+  for (std::string line; std::getline(maps, line);) count += line.find("openvino") != std::string::npos ? 1 : 0;
+  return count;
+}
+
+// ctest runs each test in a process of its own; by hand this one is the first.
+TEST(NetworkDetector, LoadsItsLibraryWithTheFirstNetwork) {
+  ASSERT_EQ(libraries_of_openvino(), 0u);
+  EXPECT_THROW(make_network(parameters("none"), papillarray()), SceneValueError);
+  EXPECT_EQ(libraries_of_openvino(), 0u);
+  make_network(parameters(shipped("mlp13.onnx")), papillarray());
+  EXPECT_GT(libraries_of_openvino(), 0u);
+}
+
+TEST(NetworkDetector, SaysWhatItsNetworkSaysOfTheLastFrames) {
+  const auto detector = make_network(parameters(shipped("mlp13.onnx")), papillarray());
+  ASSERT_EQ(detector->features().size(), 1u);
+  EXPECT_EQ(detector->features()[0].name, "slip_probability");
+  // A frame of one sample every 5, (x - 0.5) 2 of it, the last two of them.
+  std::deque<float> fed;
+  int changes = 0;
+  double last = 0.0;
+  for (int n = 0; n < 60; ++n) {
+    const std::vector<float> values = sample(n);
+    const SlipEstimate& said = detector->update({.time = 1e-3 * n, .values = values});
+    if (n % 5 == 0) {
+      for (std::size_t i = 0; i < 3; ++i) fed.push_back((values[i] - 0.5F) * 2.0F);
+      while (fed.size() > 6) fed.pop_front();
+    }
+    if (n < 5) {
+      EXPECT_EQ(said.state, PadState::no_contact);
+      EXPECT_TRUE(std::isnan(said.features.at(0)));
+      continue;
+    }
+    std::array<float, 6> input{};
+    std::ranges::copy(fed, input.begin());
+    const std::array<double, 2> logits = mlp(input);
+    const double p = probability(logits[0], logits[1]);
+    EXPECT_NEAR(said.features.at(0), p, 1e-5);
+    EXPECT_EQ(said.state, p >= 0.5 ? PadState::gross : PadState::non_slip);
+    EXPECT_EQ(said.time, 1e-3 * (n - n % 5));  // of the frame, not of the sample
+    changes += p != last ? 1 : 0;
+    last = p;
+  }
+  EXPECT_GT(changes, 5);
+}
+
+TEST(NetworkDetector, CarriesItsStateAndBeginsATrialWithoutOne) {
+  for (int trial = 0; trial < 2; ++trial) {
+    const auto detector = make_network(parameters(shipped("gru21.onnx")), papillarray());
+    Gru gru;
+    for (int n = 0; n < 40; ++n) {
+      const std::vector<float> values = sample(n);
+      const double p = gru.step(std::span(values).first<3>())[1];
+      const SlipEstimate& said = detector->update({.time = 1e-3 * n, .values = values});
+      ASSERT_NEAR(said.features.at(0), p, 1e-5);
+      ASSERT_EQ(said.state, p >= 0.6 ? PadState::gross : PadState::non_slip);
+    }
+  }
+}
+
+TEST(NetworkDetector, TheScenesThresholdAndLatencyCount) {
+  const std::vector<float> values = sample(3);
+  const double p = Gru().step(std::span(values).first<3>())[1];
+  for (const double threshold : {p - 0.01, p + 0.01}) {
+    const auto detector = make_network(parameters(shipped("gru21.onnx"), threshold, 0.004), papillarray());
+    const SlipEstimate& said = detector->update({.time = 0.0, .values = values});
+    EXPECT_EQ(said.state, threshold < p ? PadState::gross : PadState::non_slip);
+    EXPECT_EQ(said.latency, 0.004);
+  }
+}
+
+std::string refusal(const Parameters& values, const FrameSource& source) {
+  try {
+    make_network(values, source);
+  } catch (const SceneValueError& error) {
+    return error.path() + " | " + error.what();
+  }
+  return "taken";
+}
+
+TEST(NetworkDetector, SaysAtTheModelWhatIsWrong) {
+  EXPECT_THAT(refusal(parameters("none"), papillarray()), HasSubstr("detector.model: no network is named"));
+  EXPECT_THAT(refusal(parameters("/nowhere.onnx"), papillarray()), HasSubstr("detector.model: /nowhere.onnx: cannot be opened"));
+  EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), papillarray(500.0)),
+              HasSubstr("mlp13.onnx: the network reads 1 kHz, not 500 Hz"));
+  FrameSource other = papillarray();
+  other.type = "biotac_sp";
+  EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), other),
+              HasSubstr("mlp13.onnx: the network reads a 'papillarray', not a 'biotac_sp'"));
+}
+
+}  // namespace
+}  // namespace slipbench::network

@@ -1,0 +1,257 @@
+// Networks in ONNX files: what they say, and which files are refused.
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <onnx/onnx_pb.h>
+#include <unistd.h>
+#include <xmmintrin.h>
+
+#include "detectors/network/engine.h"
+#include "sim/core/error.h"
+#include "tests/detectors/network/networks.h"
+
+namespace slipbench::network {
+namespace {
+
+using testing::HasSubstr;
+
+onnx::ModelProto model_of(const std::string& name) {
+  onnx::ModelProto model;
+  std::ifstream file(shipped(name), std::ios::binary);
+  if (!model.ParseFromIstream(&file)) throw std::logic_error("cannot read " + name);
+  return model;
+}
+
+// A file that is gone at the end.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& bytes) { std::ofstream(path_, std::ios::binary) << bytes; }
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_ = testing::TempDir() + "network-" + std::to_string(::getpid()) + ".onnx";
+};
+
+std::string refusal_of(const std::string& path) {
+  try {
+    load_engine(path);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+// What is said of `name` once it is changed so.
+std::string refusal_of(const std::string& name, const std::function<void(onnx::ModelProto&)>& change) {
+  onnx::ModelProto model = model_of(name);
+  change(model);
+  return refusal_of(TemporaryFile(model.SerializeAsString()).path());
+}
+
+void describe(onnx::ModelProto& model, const std::string& from, const std::string& to) {
+  std::string& text = *model.mutable_metadata_props(0)->mutable_value();
+  const std::size_t at = text.find(from);
+  if (at == std::string::npos) throw std::logic_error(text + " has no " + from);
+  text.replace(at, from.size(), to);
+}
+
+TEST(Engine, AMultilayerPerceptronSaysWhatItsFormulaSays) {
+  const std::unique_ptr<Engine> engine = load_engine(shipped("mlp13.onnx"));
+  ASSERT_EQ(engine->inputs(), 6u);
+  for (const float x : {0.0F, 1.0F, -2.0F}) {
+    const std::array<float, 6> input{x, 0.5F, 1.0F, -1.0F, x * x, 3.0F};
+    const std::array<double, 2> expected = mlp(input);
+    const std::span<const float> said = engine->run(input);
+    ASSERT_EQ(said.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(said[i], expected[i], 1e-5);
+  }
+}
+
+TEST(Engine, ARecurrentStateIsCarriedUntilItIsReset) {
+  const std::unique_ptr<Engine> engine = load_engine(shipped("gru21.onnx"));
+  for (int trial = 0; trial < 2; ++trial) {
+    Gru gru;
+    engine->reset();
+    for (const float x : {0.0F, 1.0F, -2.0F, 4.0F}) {
+      const std::array<float, 3> input{x, 1.0F, 0.25F * x};
+      const std::array<double, 2> expected = gru.step(input);
+      const std::span<const float> said = engine->run(input);
+      for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(said[i], expected[i], 1e-5);
+    }
+  }
+}
+
+TEST(Engine, EnginesOfOneNetworkAreIndependent) {
+  const std::array<float, 3> loud{4.0F, -3.0F, 2.0F};
+  const std::array<float, 3> input{1.0F, 1.0F, 1.0F};
+  const std::unique_ptr<Engine> first = load_engine(shipped("gru21.onnx"));
+  const std::unique_ptr<Engine> second = load_engine(shipped("gru21.onnx"));
+  first->run(loud);
+  const double alone = Gru().step(input)[0];
+  EXPECT_NEAR(second->run(input)[0], alone, 1e-5);
+}
+
+TEST(Engine, ThreadsSayTheSameBits) {
+  const std::array<float, 3> input{1.0F, -0.5F, 2.0F};
+  std::array<float, 4> said{};
+  std::vector<std::thread> threads;
+  for (float& one : said) {
+    threads.emplace_back([&] {
+      const std::unique_ptr<Engine> engine = load_engine(shipped("gru21.onnx"));
+      for (int i = 0; i < 100; ++i) one = engine->run(input)[0];
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(said, testing::Each(said[0]));
+}
+
+TEST(Engine, LeavesTheProcessorsRoundingAsItWas) {
+  const unsigned before = _mm_getcsr() & ~_MM_EXCEPT_MASK;
+  const std::unique_ptr<Engine> engine = load_engine(shipped("gru21.onnx"));
+  engine->run(std::array<float, 3>{1.0F, 2.0F, 3.0F});
+  EXPECT_EQ(_mm_getcsr() & ~_MM_EXCEPT_MASK, before);
+}
+
+TEST(Engine, AFileThatChangesIsReadAgain) {
+  onnx::ModelProto model = model_of("mlp13.onnx");
+  const TemporaryFile file(model.SerializeAsString());
+  const std::array<float, 6> input{};
+  const float before = load_engine(file.path())->run(input)[0];
+  for (onnx::TensorProto& tensor : *model.mutable_graph()->mutable_initializer()) {
+    if (tensor.name() == "B2") tensor.mutable_raw_data()->assign(8, '\0');
+  }
+  std::ofstream(file.path(), std::ios::binary) << model.SerializeAsString();
+  EXPECT_NEAR(load_engine(file.path())->run(input)[0], before - weight(36), 1e-6);
+}
+
+TEST(Engine, SaysWhatIsMissingAndHowToAddIt) {
+  const std::string message = refusal_of("mlp13.onnx", [](onnx::ModelProto& model) { model.clear_metadata_props(); });
+  EXPECT_THAT(message, HasSubstr("has no metadata 'slipbench'"));
+  EXPECT_THAT(message, HasSubstr("entry.key, entry.value = \"slipbench\", json.dumps(about)"));
+  EXPECT_THAT(message, HasSubstr("onnx.save(model, "));
+}
+
+TEST(Engine, RefusesWhatIsNoNetworkOfOneFile) {
+  using onnx::ModelProto;
+  EXPECT_THAT(refusal_of("/dev/zero"), HasSubstr("is a device, no file"));
+  EXPECT_THAT(refusal_of(testing::TempDir()), HasSubstr("is a folder, no file"));
+  EXPECT_THAT(refusal_of("/nowhere.onnx"), HasSubstr("/nowhere.onnx: cannot be opened"));
+  EXPECT_THAT(refusal_of(TemporaryFile("").path()), HasSubstr("is no ONNX file"));
+  EXPECT_THAT(refusal_of(TemporaryFile("#!/bin/sh\n").path()), HasSubstr("is no ONNX file"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { m.mutable_graph()->mutable_node(2)->set_domain("com.acme"); }),
+              HasSubstr("uses the operator 'Relu' of 'com.acme'; allowed: the operators of ONNX itself"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { m.mutable_graph()->mutable_node(2)->set_op_type("Frobnicate"); }),
+              HasSubstr("Frobnicate"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { m.add_functions()->set_name("mine"); }),
+              HasSubstr("defines the operator 'mine' of its own"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { m.mutable_opset_import(0)->set_version(12); }),
+              HasSubstr("is of the operator set 12 of ONNX; allowed: 13 to"));
+}
+
+TEST(Engine, RefusesWhatNeedNotEndOrTakesAnyMemory) {
+  EXPECT_THAT(refusal_of("mlp13.onnx", [](onnx::ModelProto& m) { m.mutable_graph()->mutable_node(2)->set_op_type("Loop"); }),
+              HasSubstr("uses the operator 'Loop', which need not end"));
+  // 4 hidden values, each repeated 2^40 times: a few bytes that ask for 16 TB.
+  const auto tile = [](onnx::ModelProto& m) {
+    onnx::TensorProto* const repeats = m.mutable_graph()->add_initializer();
+    repeats->set_name("repeats");
+    repeats->set_data_type(onnx::TensorProto::INT64);
+    repeats->add_dims(2);
+    repeats->add_int64_data(std::int64_t{1} << 40);
+    repeats->add_int64_data(1);
+    onnx::NodeProto* const relu = m.mutable_graph()->mutable_node(2);
+    relu->set_op_type("Tile");
+    relu->add_input("repeats");
+  };
+  EXPECT_THAT(refusal_of("mlp13.onnx", tile), HasSubstr("makes a tensor of more than 67108864 elements"));
+}
+
+TEST(Engine, RefusesTensorsThatAreNotWhatTheySay) {
+  using onnx::ModelProto;
+  const auto first = [](ModelProto& m) { return m.mutable_graph()->mutable_initializer(0); };
+  const auto external = [](onnx::TensorProto* tensor) {
+    tensor->set_data_location(onnx::TensorProto::EXTERNAL);
+    onnx::StringStringEntryProto* const entry = tensor->add_external_data();
+    entry->set_key("location");
+    entry->set_value("/etc/passwd");
+  };
+  EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { external(first(m)); }),
+              HasSubstr("keeps the tensor 'W1' in another file"));
+  EXPECT_THAT(refusal_of("mlp13.onnx",
+                         [&](ModelProto& m) {
+                           onnx::AttributeProto* const branch = m.mutable_graph()->mutable_node(0)->add_attribute();
+                           branch->set_name("then_branch");
+                           onnx::TensorProto* const tensor = branch->mutable_g()->add_initializer();
+                           tensor->set_name("hidden");
+                           external(tensor);
+                         }),
+              HasSubstr("keeps the tensor 'hidden' in another file"));
+  EXPECT_THAT(
+      refusal_of("mlp13.onnx", [&](ModelProto& m) { first(m)->set_dims(0, std::int64_t{1} << 62); }),
+      HasSubstr("has the tensor 'W1' of an extent of 4611686018427387904; allowed: 0 or more, and 67108864 elements in all"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { first(m)->set_dims(0, -4); }), HasSubstr("of an extent of -4"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { first(m)->mutable_raw_data()->resize(92); }),
+              HasSubstr("has the tensor 'W1' of 24 elements, with the data of 23; allowed: one value an element"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { first(m)->set_data_type(onnx::TensorProto::STRING); }),
+              HasSubstr("has the tensor 'W1' of data type 8; allowed: numbers and flags"));
+}
+
+TEST(Engine, RefusesInputsAndOutputsThatTheDescriptionDoesNotSay) {
+  using onnx::ModelProto;
+  EXPECT_THAT(refusal_of("gru21.onnx", [](ModelProto& m) { describe(m, "[{\"input\": \"h\", \"output\": \"h_next\"}]", "[]"); }),
+              HasSubstr("has 2 inputs that are no states: 'frame', 'h'; allowed: one"));
+  EXPECT_THAT(refusal_of("gru21.onnx", [](ModelProto& m) { describe(m, "\"h_next\"", "\"h_nxt\""); }),
+              HasSubstr("has no output 'h_nxt', which its states name; did you mean 'h_next'?"));
+  EXPECT_THAT(refusal_of("mlp13.onnx",
+                         [](ModelProto& m) {
+                           m.mutable_graph()->mutable_input(0)->mutable_type()->mutable_tensor_type()->set_elem_type(
+                               onnx::TensorProto::DOUBLE);
+                         }),
+              HasSubstr("has the input 'frames', which is no tensor of float32; allowed: float32"));
+  EXPECT_THAT(refusal_of("mlp13.onnx",
+                         [](ModelProto& m) {
+                           describe(m, "\"classes\": [", "\"classes\": [{\"name\": \"air\", \"state\": \"no_contact\"}, ");
+                         }),
+              HasSubstr("says 2 values; allowed: 3, one for each class of its description"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { describe(m, "\"stride\"", "\"strid\""); }),
+              HasSubstr("metadata 'slipbench': input: unknown key 'strid'; did you mean 'stride'?"));
+}
+
+TEST(Engine, WhatIsNoNumberIsAnError) {
+  const std::unique_ptr<Engine> engine = load_engine(shipped("mlp13.onnx"));
+  std::array<float, 6> input{};
+  input[0] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(engine->run(input), InputError);
+  // The first row of the first layer is (-5, 2, -2, 5, 1, -3)/8: of these it makes 2.25 times 3e38, more than a float32 can hold.
+  input = {-3e38F, 3e38F, -3e38F, 3e38F, 3e38F, -3e38F};
+  EXPECT_THROW(engine->run(input), InputError);
+}
+
+TEST(Engine, ValuesThatAreNoProbabilitiesAreAnError) {
+  onnx::ModelProto model = model_of("mlp13.onnx");
+  describe(model, "\"classes\"", "\"output\": \"probabilities\", \"classes\"");
+  const TemporaryFile file(model.SerializeAsString());
+  const std::unique_ptr<Engine> engine = load_engine(file.path());
+  try {
+    engine->run(std::array<float, 6>{});
+    ADD_FAILURE() << "taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("says values that are no probabilities"));
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::network

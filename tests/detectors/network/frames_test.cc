@@ -1,0 +1,282 @@
+// Frames of signals whose features are known.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <new>
+#include <numbers>
+#include <vector>
+
+#include "detectors/network/frames.h"
+#include "sim/core/error.h"
+
+namespace {
+
+thread_local bool counting = false;
+thread_local std::size_t allocations = 0;
+
+}  // namespace
+
+// Inlined, GCC would see memory of `new` freed by free().
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  if (counting) ++allocations;
+  if (void* const memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace slipbench::network {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr double rate = 1000.0;  // Hz
+
+// A sensor of two channels: "force" {2, 3} and "temperature" {1}.
+std::vector<Channel> channels() {
+  return {{.name = "force", .unit = "N", .shape = {2, 3}, .channel_names = {}},
+          {.name = "temperature", .unit = "K", .shape = {1}, .channel_names = {}}};
+}
+
+Input input_of(std::vector<ChannelPick> picks) {
+  Input input;
+  input.sensor = "papillarray";
+  input.rate = rate;
+  input.channels = std::move(picks);
+  return input;
+}
+
+Frames frames_of(const Input& input) { return Frames(input, "papillarray", rate, channels()); }
+
+// A sample whose value i is first + i.
+std::vector<float> sample(float first) {
+  std::vector<float> values;
+  for (int i = 0; i < 7; ++i) values.push_back(first + static_cast<float>(i));
+  return values;
+}
+
+// A sample whose first value is x, the others 0.
+std::vector<float> only(double x) { return {static_cast<float>(x), 0, 0, 0, 0, 0, 0}; }
+
+std::vector<float> latest(const Frames& frames) { return {frames.latest().begin(), frames.latest().end()}; }
+
+std::string refusal(const Input& input, const std::string& type = "papillarray", double hertz = rate) {
+  try {
+    Frames(input, type, hertz, channels());
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+TEST(Frames, PickValuesInTheOrderOfThePicks) {
+  Frames frames = frames_of(input_of({{"temperature", {}}, {"force", {4, 1}}}));
+  EXPECT_EQ(frames.size(), 3u);
+  EXPECT_THAT(latest(frames), ElementsAre(0.0F, 0.0F, 0.0F));
+  EXPECT_TRUE(frames.push(sample(10.0F)));
+  EXPECT_THAT(latest(frames), ElementsAre(16.0F, 14.0F, 11.0F));
+}
+
+TEST(Frames, AreCompleteAfterTheWindowAndThenEveryStride) {
+  Input input = input_of({{"force", {0}}});
+  input.window = 4;
+  input.stride = 3;
+  Frames frames = frames_of(input);
+  std::vector<int> complete;
+  for (int n = 1; n <= 11; ++n) {
+    if (frames.push(only(n))) complete.push_back(n);
+  }
+  EXPECT_THAT(complete, ElementsAre(4, 7, 10));
+  EXPECT_THAT(latest(frames), ElementsAre(7.0F, 8.0F, 9.0F, 10.0F));
+}
+
+TEST(Frames, AStrideBeyondTheWindowLeavesSamplesOut) {
+  Input input = input_of({{"force", {0}}});
+  input.window = 2;
+  input.stride = 5;
+  Frames frames = frames_of(input);
+  for (int n = 1; n <= 7; ++n) frames.push(only(n));
+  EXPECT_THAT(latest(frames), ElementsAre(6.0F, 7.0F));
+}
+
+TEST(Frames, HoldTheSamplesOfAWindowOneAfterTheOther) {
+  Input input = input_of({{"force", {0, 1}}});
+  input.window = 2;
+  Frames frames = frames_of(input);
+  EXPECT_FALSE(frames.push(sample(0.0F)));
+  EXPECT_TRUE(frames.push(sample(10.0F)));
+  EXPECT_THAT(latest(frames), ElementsAre(0.0F, 1.0F, 10.0F, 11.0F));
+}
+
+TEST(Frames, TheMedianIsOfThoseSamplesThatThereAre) {
+  Input input = input_of({{"force", {0}}});
+  input.median = 3;
+  Frames frames = frames_of(input);
+  std::vector<float> medians;
+  for (const double x : {5.0, 1.0, 9.0, 2.0, 2.0}) {
+    ASSERT_TRUE(frames.push(only(x)));
+    medians.push_back(frames.latest()[0]);
+  }
+  // Of 5; of 5 1, the mean of the two; of 5 1 9; of 1 9 2; of 9 2 2.
+  EXPECT_THAT(medians, ElementsAre(5.0F, 3.0F, 5.0F, 2.0F, 2.0F));
+}
+
+TEST(Frames, AMedianOutlivesASampleThatIsNoNumber) {
+  Input input = input_of({{"force", {0}}});
+  input.median = 3;
+  Frames frames = frames_of(input);
+  for (const double x : {1.0, std::nan(""), 2.0, 3.0, 4.0}) frames.push(only(x));
+  EXPECT_EQ(frames.latest()[0], 3.0F);  // of 2 3 4
+}
+
+TEST(Frames, CentreTakesTheWindowsMeanOff) {
+  Input input = input_of({{"force", {0, 1}}});
+  input.window = 3;
+  input.centre = true;
+  Frames frames = frames_of(input);
+  for (const float x : {100.0F, 1.0F, 2.0F, 6.0F}) frames.push(sample(x));
+  // 1 2 6 less 3; the second value, 1 more than the first, has the same deviations.
+  EXPECT_THAT(latest(frames), ElementsAre(-2.0F, -2.0F, -1.0F, -1.0F, 3.0F, 3.0F));
+}
+
+TEST(Frames, OffsetAndScaleAreOfEachFeature) {
+  Input input = input_of({{"force", {0, 1}}});
+  input.offset = {1.0, 2.0};
+  input.scale = {10.0};
+  Frames frames = frames_of(input);
+  frames.push(sample(4.0F));
+  EXPECT_THAT(latest(frames), ElementsAre(30.0F, 30.0F));  // (4 - 1) 10, (5 - 2) 10
+}
+
+TEST(Frames, APixelIsTheMeanOfItsValues) {
+  Input input = input_of({{"force", {0, 1, 2}}});
+  input.window = 2;
+  input.pixels = {{0, 2}, {}, {1}, {0, 1, 2}};
+  Frames frames = frames_of(input);
+  EXPECT_EQ(frames.size(), 8u);
+  frames.push(sample(0.0F));
+  frames.push(std::vector<float>{3.0F, 6.0F, 12.0F, 0, 0, 0, 0});
+  EXPECT_THAT(latest(frames), ElementsAre(1.0F, 0.0F, 1.0F, 1.0F, 7.5F, 0.0F, 6.0F, 7.0F));
+}
+
+// A sine of 3 in bin 2 of 10 samples at 1 kHz (100 Hz bins), on top of 40.
+double sine(int n) { return 40.0 + 3.0 * std::sin(2.0 * std::numbers::pi * 2.0 * n / 10.0); }
+
+TEST(Frames, AmplitudeIsTheMagnitudeOfTheTransform) {
+  Input input = input_of({{"force", {0}}});
+  input.window = 10;
+  input.transform = Transform::amplitude;
+  input.low = 0.0;
+  input.high = 300.0;
+  Frames frames = frames_of(input);
+  for (int n = 0; n < 17; ++n) frames.push(only(sine(n)));  // a window that does not begin with the sine does as well
+  // |X_0| = N 40, |X_2| = N 3/2.
+  ASSERT_EQ(frames.size(), 4u);
+  EXPECT_NEAR(frames.latest()[0], 400.0, 1e-4);
+  EXPECT_NEAR(frames.latest()[1], 0.0, 1e-4);
+  EXPECT_NEAR(frames.latest()[2], 15.0, 1e-4);
+  EXPECT_NEAR(frames.latest()[3], 0.0, 1e-4);
+}
+
+TEST(Frames, HannHalvesALineAndGivesAQuarterToEachNeighbour) {
+  Input input = input_of({{"force", {0}}});
+  input.window = 10;
+  input.centre = true;  // of 40, which would leak into bin 1
+  input.transform = Transform::amplitude;
+  input.low = 100.0;
+  input.high = 300.0;
+  input.hann = true;
+  Frames frames = frames_of(input);
+  for (int n = 0; n < 10; ++n) frames.push(only(sine(n)));
+  EXPECT_NEAR(frames.latest()[0], 3.75, 1e-4);
+  EXPECT_NEAR(frames.latest()[1], 7.5, 1e-4);
+  EXPECT_NEAR(frames.latest()[2], 3.75, 1e-4);
+}
+
+TEST(Frames, LogPsdOfASineIsItsPowerOverTheBin) {
+  Input input = input_of({{"force", {1, 0}}});
+  input.window = 10;
+  input.transform = Transform::log_psd;
+  input.low = 100.0;
+  input.high = 300.0;
+  input.floor = 1e-3;
+  Frames frames = frames_of(input);
+  for (int n = 0; n < 10; ++n) frames.push(only(sine(n)));
+  // 3^2/2 over 100 Hz is 0.045 per Hz in bin 2 of the second value; the first is 0.
+  const double nothing = std::log10(1e-3);
+  ASSERT_EQ(frames.size(), 6u);
+  for (const std::size_t bin : {0u, 1u, 2u, 3u, 5u}) EXPECT_NEAR(frames.latest()[bin], nothing, 1e-6);
+  EXPECT_NEAR(frames.latest()[4], std::log10(0.045 + 1e-3), 1e-6);
+}
+
+TEST(Frames, APixelOfSpectraIsTheirMeanBinByBin) {
+  Input input = input_of({{"force", {0, 1}}});
+  input.window = 10;
+  input.transform = Transform::amplitude;
+  input.low = 200.0;
+  input.high = 300.0;
+  input.pixels = {{0, 1}, {1}};
+  Frames frames = frames_of(input);
+  for (int n = 0; n < 10; ++n) frames.push(only(sine(n)));
+  EXPECT_NEAR(frames.latest()[0], 7.5, 1e-4);  // half of 15
+  EXPECT_NEAR(frames.latest()[1], 0.0, 1e-4);
+  EXPECT_NEAR(frames.latest()[2], 0.0, 1e-4);
+  EXPECT_NEAR(frames.latest()[3], 0.0, 1e-4);
+}
+
+TEST(Frames, ResetForgetsEverySample) {
+  Input input = input_of({{"force", {0}}});
+  input.median = 3;
+  input.window = 2;
+  input.centre = true;
+  Frames frames = frames_of(input);
+  for (const double x : {7.0, 8.0, 3.0}) frames.push(only(x));
+  frames.reset();
+  EXPECT_THAT(latest(frames), ElementsAre(0.0F, 0.0F));
+  EXPECT_FALSE(frames.push(only(5.0)));
+  EXPECT_TRUE(frames.push(only(1.0)));
+  EXPECT_THAT(latest(frames), ElementsAre(1.0F, -1.0F));  // medians 5 and 3
+}
+
+TEST(Frames, ASampleCostsNoMemory) {
+  Input input = input_of({{"force", {}}});
+  input.median = 5;
+  input.window = 8;
+  input.centre = true;
+  input.transform = Transform::log_psd;
+  input.low = 125.0;
+  input.high = 500.0;
+  input.floor = 1e-3;
+  input.pixels = {{0, 1}, {2}};
+  Frames frames = frames_of(input);
+  const std::vector<float> values = sample(1.0F);
+  counting = true;
+  for (int n = 0; n < 40; ++n) frames.push(values);
+  frames.reset();
+  counting = false;
+  EXPECT_EQ(allocations, 0u);
+}
+
+TEST(Frames, SayWhatDoesNotFitTheSensor) {
+  const Input good = input_of({{"force", {0}}});
+  EXPECT_THAT(refusal(good, "biotac"), HasSubstr("reads a 'papillarray', not a 'biotac'"));
+  EXPECT_THAT(refusal(good, "papillarray", 500.0), HasSubstr("reads 1 kHz, not 500 Hz"));
+  EXPECT_THAT(refusal(input_of({{"forces", {}}})), HasSubstr("reads the channel 'forces'; did you mean 'force'?"));
+  EXPECT_THAT(refusal(input_of({{"force", {6}}})), HasSubstr("value 6 of the channel 'force', which has 6; allowed: 0 to 5"));
+  Input input = good;
+  input.offset = {1.0, 2.0};
+  EXPECT_THAT(refusal(input), HasSubstr("2 values of offset for the 1 features of a frame; allowed: none, 1 or 1"));
+  input = good;
+  input.pixels = {{1}};
+  EXPECT_THAT(refusal(input), HasSubstr("a pixel of value 1, of 1 values; allowed: 0 to 0"));
+  input = good;
+  input.transform = Transform::amplitude;
+  input.low = 1.0;
+  input.high = 2.0;
+  EXPECT_THAT(refusal(input), HasSubstr("frame is empty"));
+}
+
+}  // namespace
+}  // namespace slipbench::network

@@ -1,0 +1,70 @@
+// From simulated grasps to a detector that grips: every command of the chain, run as a user does.
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program/cli/child_process.h"
+
+namespace slipbench {
+namespace {
+
+using Json = nlohmann::json;
+
+class LearnedLoop : public ::testing::Test {
+ protected:
+  // What the program says, which has to end well.
+  static std::string said(const std::vector<std::string>& words) {
+    const ChildResult result = run_program_file(words);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.out;
+  }
+  static Json json(std::vector<std::string> words) {
+    words.emplace_back("--json");
+    return Json::parse(said(words), nullptr, false);
+  }
+
+  // 20 grasps, ten with either controller.
+  void make_grasps() {
+    said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_});
+  }
+  // 4 N hold 2 0.2 4 N = 1.6 N of the 1.96 N of the box. The loop's own samples, judged afterwards.
+  Json lifted(const std::string& detector, const std::string& model) {
+    const std::string file = folder_ / "lift.h5";
+    said({"run", SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml", "--set", "friction.static=0.2", "--set", "friction.kinetic=0.19",
+          "--set", "detector=" + detector, "--trials", "2", "--seed", "77", "-o", file});
+    return json({"eval", model, file, "--labels", "micro"});
+  }
+
+  TemporaryFolder folder_;
+  const std::string grasps_ = folder_ / "grasps.h5";
+};
+
+// A fifth of 20 judges, a fifth of the other 16, rounded up, validates: both kinds are left out of a judgement but the four.
+TEST_F(LearnedLoop, NetworkFromSweepToGrip) {
+  make_grasps();
+  const std::string model = folder_ / "grasp.onnx";
+  const Json trained = json({"train", grasps_, "--recipe", "grasp_gru", "--steps", "60", "-o", model});
+  ASSERT_EQ(trained["recipe"], "grasp_gru");
+  const Json judged = json({"eval", model, grasps_, "--labels", "micro"});
+  EXPECT_EQ(judged["left_out"].size(), 16U);
+  EXPECT_EQ(judged["all"]["trials"], 4);
+  const Json lift = lifted("{type: network, model: " + model + "}", model);
+  EXPECT_EQ(lift["all"]["missed"], 0);  // every box slips, and the network says so
+  EXPECT_TRUE(lift["loop"]["same"]);    // the classes that the loop saw are those that eval finds
+  EXPECT_EQ(lift["loop"]["detector"], "network");
+}
+
+TEST_F(LearnedLoop, MemoriesFromSweepToGrip) {
+  make_grasps();
+  const std::string memories = folder_ / "memories";
+  json({"train", grasps_, "--labels", "micro", "--quantiser", "unrounded", "-o", memories});
+  const Json lift = lifted("{type: gst_hd, memories: " + memories + "}", memories);
+  EXPECT_EQ(lift["all"]["trials"], 2);
+  EXPECT_EQ(lift["loop"]["detector"], "gst_hd");
+  EXPECT_TRUE(lift["loop"]["same"]);
+}
+
+}  // namespace
+}  // namespace slipbench

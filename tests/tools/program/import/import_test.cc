@@ -1,0 +1,309 @@
+// What each format stores of a source, and that there is no truth.
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+#include "tests/tools/program/import/sources.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/writer.h"
+#include "tools/program/verify/verify.h"
+
+namespace slipbench::import_test {
+namespace {
+
+using slipbench::testing::bytes_of;
+using slipbench::testing::grasp_header;
+using slipbench::testing::grasp_row;
+using slipbench::testing::log_cells;
+using slipbench::testing::log_header;
+using slipbench::testing::log_row;
+using slipbench::testing::message_of;
+using slipbench::testing::slide_header;
+using slipbench::testing::slide_row;
+using slipbench::testing::training_row;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class Import : public slipbench::testing::ImportTest {
+ protected:
+  [[nodiscard]] TrialRecord trial(std::size_t number) const { return DatasetReader(path("out.h5")).read_trial(number); }
+  [[nodiscard]] nlohmann::json params(std::size_t number) const { return nlohmann::json::parse(trial(number).params); }
+};
+
+TEST_F(Import, GraspIsARowOfThreeFingers) {
+  const std::string file =
+      source("bts3v2_palm_45.csv", grasp_header() + grasp_row("coke", "0", 1000) + grasp_row("ball", "1", 2000));
+  const ImportSummary summary = run({file}, "bts3v2");
+  EXPECT_EQ(summary.trials, 2u);
+  EXPECT_EQ(summary.samples, 2u);
+  EXPECT_THAT(summary.objects, ElementsAre(std::pair("ball", 1u), std::pair("coke", 1u)));
+  EXPECT_THAT(summary.files, ElementsAre(path("out.h5")));
+
+  const TrialRecord held = trial(0), lost = trial(1);
+  ASSERT_THAT(held.sensors, SizeIs(3));
+  EXPECT_EQ(held.sensors[0].name, "ff");
+  EXPECT_EQ(held.sensors[1].name, "mf");
+  EXPECT_EQ(held.sensors[2].name, "th");
+  for (std::size_t finger = 0; finger < 3; ++finger) {
+    const SensorRecord& sensor = held.sensors[finger];
+    EXPECT_EQ(sensor.type, "biotac_sp");
+    EXPECT_THAT(sensor.time, ElementsAre(0.0));
+    ASSERT_THAT(sensor.channels, SizeIs(1));
+    EXPECT_EQ(sensor.channels[0].name, "electrodes");
+    EXPECT_EQ(sensor.channels[0].unit, "counts");
+    EXPECT_EQ(sensor.channel_names.front(), "E1");
+    ASSERT_THAT(sensor.channels[0].values, SizeIs(24));
+    // Finger by finger: 24 of the 72 each.
+    for (std::size_t e = 0; e < 24; ++e) EXPECT_EQ(sensor.channels[0].values[e], static_cast<float>(1000 + 24 * finger + e + 1));
+    EXPECT_FALSE(sensor.labels.truth);
+    EXPECT_THAT(sensor.labels.state_paper, ElementsAre(1));
+    EXPECT_THAT(sensor.labels.rule, HasSubstr("bts3v2"));
+    EXPECT_THAT(sensor.labels.state, IsEmpty());
+    EXPECT_THAT(sensor.labels.unit_state, IsEmpty());
+  }
+  EXPECT_THAT(lost.sensors[0].labels.state_paper, ElementsAre(3));
+  EXPECT_FALSE(held.outcome.grasp->dropped);
+  EXPECT_TRUE(lost.outcome.grasp->dropped);
+  EXPECT_TRUE(std::isnan(held.outcome.max_slip_distance));
+  EXPECT_EQ(params(1), nlohmann::json::parse(
+                           R"({"object": "ball", "palm": "45", "slipped": true, "file": "bts3v2_palm_45.csv", "row": 2})"));
+}
+
+TEST_F(Import, SlideIsAFileOfTheFoldersClass) {
+  source("set/n/case7.csv", slide_header() + slide_row(0) + slide_row(1) + slide_row(2));
+  // Line ends of Windows, and blanks.
+  std::string windows = slide_header() + slide_row(5) + slide_row(6);
+  for (std::size_t at = 0; (at = windows.find('\n', at)) != std::string::npos; at += 3) windows.replace(at, 1, " \r\n");
+  source("set/t/pen12.csv", windows);
+  source("set/notes.txt", "not a source");
+  const ImportSummary summary = run({path("set")}, "biotacsp-dos");
+  EXPECT_EQ(summary.sources, 2u);
+  EXPECT_EQ(summary.samples, 5u);
+
+  const SensorRecord slides = trial(0).sensors.at(0), rests = trial(1).sensors.at(0);
+  EXPECT_EQ(slides.name, "pad");
+  EXPECT_EQ(slides.rate, 100.0);
+  EXPECT_THAT(slides.time, ElementsAre(0.0, 0.01, 0.02));
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t e = 0; e < 24; ++e)
+      EXPECT_EQ(slides.channels[0].values[24 * row + e], static_cast<float>(100 * (e + 1) + row));
+  }
+  EXPECT_THAT(slides.labels.state_paper, ElementsAre(3, 3, 3));
+  EXPECT_THAT(rests.labels.state_paper, ElementsAre(1, 1));
+  EXPECT_EQ(rests.channels[0].values[0], 105.0F);
+  EXPECT_EQ(params(0), nlohmann::json::parse(R"({"object": "case", "class": "n", "number": "7", "file": "n/case7.csv"})"));
+}
+
+TEST_F(Import, FilesOfAFolderComeInTheOrderOfTheirNames) {
+  for (const char* name : {"set/s/b1.csv", "set/e/z1.csv", "set/e/a1.csv"}) source(name, slide_header() + slide_row(0));
+  run({path("set")}, "biotacsp-dos");
+  EXPECT_EQ(params(0)["file"], "e/a1.csv");
+  EXPECT_EQ(params(1)["file"], "e/z1.csv");
+  EXPECT_EQ(params(2)["file"], "s/b1.csv");
+}
+
+TEST_F(Import, LogHasItsPillarsItsRateAndTheDevicesOwnSlip) {
+  const std::vector<int> none{-2, -2, -2, -2, -2, -2, -2, -2, -2}, held{1, 2, -2, -2, -2, -2, -2, -2, -1},
+      some{3, 2, -2, -2, -2, -2, -2, -2, -1}, all{3, 3, -2, -2, -2, -2, -2, -2, -1};
+  // Steps of 2, 2 and 5 ms: the median tells the rate. One row is there twice.
+  const std::string file = source("LOG_1.csv", log_header(1) + log_row(1'000'000, {log_cells(none)}) +
+                                                   log_row(1'002'000, {log_cells(held)}) + log_row(1'002'000, {log_cells(held)}) +
+                                                   log_row(1'004'000, {log_cells(some)}) + log_row(1'009'000, {log_cells(all)}));
+  const ImportSummary summary = run({file}, "papillarray-csv");
+  EXPECT_EQ(summary.repeated_rows, 1u);
+  const SensorRecord sensor = trial(0).sensors.at(0);
+  EXPECT_EQ(sensor.name, "pad");
+  EXPECT_EQ(sensor.type, "papillarray");
+  EXPECT_EQ(sensor.rate, 500.0);
+  EXPECT_THAT(sensor.time, ElementsAre(1.0, 1.002, 1.004, 1.009));
+  ASSERT_THAT(sensor.channels, SizeIs(2));
+  EXPECT_EQ(sensor.channels[0].name, "force");
+  EXPECT_EQ(sensor.channels[1].name, "displacement");
+  EXPECT_EQ(sensor.channels[1].unit, "m");
+  EXPECT_EQ(sensor.channel_names.front(), "P0_FX");
+  for (std::size_t p = 0; p < 9; ++p) {
+    const auto number = static_cast<float>(p);
+    EXPECT_EQ(sensor.channels[0].values[3 * p], number);
+    EXPECT_EQ(sensor.channels[0].values[3 * p + 2], 2.0F);
+    EXPECT_EQ(sensor.channels[1].values[3 * p], static_cast<float>(static_cast<double>(p) / 1e3));  // mm
+    EXPECT_EQ(sensor.channels[1].values[3 * p + 1], 0.00025F);
+  }
+  EXPECT_THAT(sensor.labels.state_paper, ElementsAre(0, 1, 2, 3));
+  EXPECT_EQ(params(0), nlohmann::json::parse(R"({"file": "LOG_1.csv", "slip_detection": true, "repeated_rows": 1})"));
+}
+
+TEST_F(Import, LogOfTwoSensorsWithoutSlipDetectionHasNoLabels) {
+  const std::vector<int> idle(9, 0), held(9, 1);
+  const std::string file = source("LOG_2.csv", log_header(2, true) + log_row(0, {log_cells(idle, false), log_cells(held)}) +
+                                                   log_row(1000, {log_cells(idle, false), log_cells(held)}));
+  run({file}, "papillarray-csv");
+  const DatasetReader reader(path("out.h5"));
+  EXPECT_THAT(reader.sensors(0), ElementsAre("s0", "s1"));
+  EXPECT_THAT(reader.read_sensor(0, "s0").labels.state_paper, IsEmpty());
+  EXPECT_THAT(reader.read_sensor(0, "s1").labels.state_paper, ElementsAre(1, 1));
+  EXPECT_FALSE(params(0)["slip_detection"].get<bool>());
+}
+
+TEST_F(Import, TrainingFileSaysItsMoveAndWhichPillarsSlip) {
+  // (contact, slip) of nine pillars: none; two that hold; one of the two slips; both.
+  const std::vector<std::string> none(9, "0,0");
+  std::vector<std::string> held = none, some = none, all = none, centre = none;
+  held[0] = held[4] = "1,0";
+  some[0] = "1,1", some[4] = "1,0";
+  all[0] = all[4] = "1,1";
+  centre[4] = "1,0";
+  const std::string rows = training_row("0", none) + training_row("0.001", held) + training_row("0.002", some) +
+                           training_row("0.003", all) + training_row("0.004", centre);
+  source("set/rotation/demo_3-v_4.0-slip.csv", rows);
+  source("set/translation/other.csv", rows);
+  run({path("set")}, "training-csv");
+  const SensorRecord turns = trial(0).sensors.at(0), slides = trial(1).sensors.at(0);
+  EXPECT_EQ(turns.rate, 1000.0);
+  EXPECT_THAT(turns.time, ElementsAre(0.0, 0.001, 0.002, 0.003, 0.004));
+  EXPECT_THAT(slides.labels.state_paper, ElementsAre(0, 1, 2, 3, 1));
+  // The centre pillar does not slide in a turn, so that it does not count: pillar 0 alone decides.
+  EXPECT_THAT(turns.labels.state_paper, ElementsAre(0, 1, 3, 3, 1));
+  EXPECT_EQ(params(0),
+            nlohmann::json::parse(
+                R"({"file": "rotation/demo_3-v_4.0-slip.csv", "move": "rotation", "speed_mm_s": 4.0, "end": "slip"})"));
+  EXPECT_EQ(params(1), nlohmann::json::parse(R"({"file": "translation/other.csv", "move": "translation"})"));
+}
+
+// What every imported file is.
+class Imported : public Import {
+ protected:
+  void SetUp() override {
+    std::string rows;
+    for (int k = 0; k < 40; ++k) rows += grasp_row("object_" + std::to_string(k % 4), k % 3 == 0 ? "1" : "0", k);
+    file_ = source("grasps.csv", grasp_header() + rows);
+    run({file_}, "bts3v2");
+  }
+  std::string file_;
+};
+
+TEST_F(Imported, SaysThatItHoldsNoTruth) {
+  const DatasetReader reader(path("out.h5"));
+  EXPECT_EQ(reader.header().truth, "none: imported from bts3v2");
+  EXPECT_EQ(reader.header().scene, "");
+  EXPECT_EQ(reader.header().command, "slipbench import " + file_ + " --format bts3v2 --seed 7");
+  EXPECT_THAT(reader.bodies(0), IsEmpty());
+  EXPECT_EQ(message_of<InputError>([&] { reader.check_truth("a report"); }),
+            path("out.h5") +
+                ": a report needs the truth, which it does not hold (none: imported from bts3v2); allowed: a dataset that "
+                "slipbench has simulated");
+}
+
+TEST_F(Imported, IsSplitByObject) {
+  const DatasetReader reader(path("out.h5"));
+  std::size_t all = 0;
+  std::set<std::string> seen;
+  for (const char* part : {"train", "valid", "test"}) {
+    std::set<std::string> objects;
+    for (const std::size_t trial : reader.mask(part)) {
+      objects.insert(nlohmann::json::parse(reader.info(trial).params)["object"].get<std::string>());
+      ++all;
+    }
+    EXPECT_FALSE(objects.empty()) << part;
+    for (const std::string& object : objects) EXPECT_TRUE(seen.insert(object).second) << object << " is in two parts";
+  }
+  EXPECT_EQ(all, 40u);
+}
+
+TEST_F(Imported, IsVerifiedWithoutTheTruth) {
+  const Verified verified = verify_datasets({path("out.h5")});
+  EXPECT_TRUE(verified.readable);
+  EXPECT_TRUE(verified.holds) << verified.datasets.dump();
+  for (const auto& check : verified.datasets[0]["checks"]) {
+    const bool of_truth = check["check"] == "events" || check["check"] == "cone";
+    EXPECT_EQ(check["checked"].get<std::size_t>() == 0, of_truth) << check;
+    if (!of_truth) continue;
+    EXPECT_EQ(check["left_out"][0], "all: there is no truth to check (none: imported from bts3v2)");
+  }
+}
+
+TEST_F(Imported, HasTheSameBytesAgain) {
+  const std::string before = bytes_of(path("out.h5"));
+  run({file_}, "bts3v2");  // replaces it
+  EXPECT_EQ(bytes_of(path("out.h5")), before);
+}
+
+TEST_F(Imported, OfManyRowsIsSeveralFiles) {
+  std::string rows;
+  for (int k = 0; k < 2001; ++k) rows += grasp_row("object", "0", k);
+  const ImportSummary summary = run({source("many.csv", grasp_header() + rows)}, "bts3v2");
+  EXPECT_THAT(summary.files, ElementsAre(path("out.h5"), path("out-0001.h5")));  // 2,000 trials a file
+  EXPECT_EQ(trial(2000).sensors.at(0).channels[0].values[0], 2001.0F);
+}
+
+TEST_F(Imported, WithoutAnOutputIsOnlyRead) {
+  const ImportSummary summary = import_recordings({{file_}, &import_format("bts3v2"), "", 1});
+  EXPECT_EQ(summary.trials, 40u);
+  EXPECT_THAT(summary.files, IsEmpty());
+  EXPECT_THAT(names(), ElementsAre("grasps.csv", "out.h5"));
+}
+
+TEST_F(Imported, InterruptedLeavesNothing) {
+  std::filesystem::remove(path("out.h5"));
+  const std::atomic<bool> interrupt{true};
+  const InterruptScope scope(&interrupt);
+  EXPECT_THROW(run({file_}, "bts3v2"), Interrupted);
+  EXPECT_THAT(names(), ElementsAre("grasps.csv"));
+}
+
+// Files that no import writes, since others may hand over any.
+class MadeUp : public Import {
+ protected:
+  std::string write(TrialRecord record) {
+    DatasetWriter writer(
+        path("out.h5"),
+        {.version = "1", .scene = "", .seed = 7, .command = "slipbench import a.csv", .truth = "none: imported from a.csv"}, 1);
+    writer.append(TrialEncoder().encode(record));
+    writer.commit();
+    return path("out.h5");
+  }
+  static TrialRecord record() {
+    TrialRecord record = slipbench::testing::make_record(0, 3);
+    record.bodies.clear();
+    LabelRecord labels;
+    labels.truth = false;
+    labels.rule = "a rule";
+    labels.state_paper = {1, 2, 3};
+    record.sensors[0].labels = labels;
+    return record;
+  }
+};
+
+TEST_F(MadeUp, RecordComesBackAsItWas) {
+  write(record());
+  const TrialRecord back = trial(0);
+  EXPECT_EQ(trial_digest(back), trial_digest(record()));
+  EXPECT_EQ(back.sensors[0].labels.rule, "a rule");
+}
+
+TEST_F(MadeUp, StateThatDoesNotExistIsRefused) {
+  TrialRecord wrong = record();
+  wrong.sensors[0].labels.state_paper[1] = 7;
+  write(wrong);
+  EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(trial(0)); }),
+              HasSubstr("labels/pad/state_paper: holds 7, which is no state of a pad"));
+  EXPECT_FALSE(verify_datasets({path("out.h5")}).holds);
+}
+
+TEST_F(MadeUp, ControlLoopInARecordingIsRefused) {
+  TrialRecord wrong = record();
+  wrong.control = slipbench::testing::make_controlled_record(0, 3).control;
+  write(wrong);
+  EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(trial(0)); }),
+              HasSubstr("control: stands in an imported recording"));
+}
+
+}  // namespace
+}  // namespace slipbench::import_test

@@ -1,0 +1,74 @@
+"""The page of `slipbench eval` in a browser: it draws without a script, keeps to its policy, and loads nothing.
+
+    page_test.py PROGRAM
+
+Without Chromium it exits with 77: the test is skipped."""
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+# Slides of half a second at two speeds and several frictions.
+SCENE = """slipbench: 1
+duration: 0.5 s
+seed: 3
+motion: {kind: stage, gap: 0.1 mm, compression: 1 mm, approach_speed: 20 mm/s, start: 0.2 s, speed: 8 mm/s, acceleration: 1 m/s2}
+sensors: {pad: {type: papillarray, rate: 1 kHz}}
+sweep: {motion.speed: [8 mm/s, 32 mm/s], friction.scale: {draw: uniform, min: 0.5, max: 0.9}, trials: 6}
+"""
+
+
+def browse(browser, page, *options):
+    with tempfile.TemporaryDirectory() as profile:
+        done = subprocess.run(
+            [browser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
+             "--virtual-time-budget=3000", "--enable-logging=stderr", f"--user-data-dir={profile}", "--window-size=1280,2000", *options,
+             page.as_uri()],
+            capture_output=True, text=True, timeout=300, check=True)
+    return done.stdout, done.stderr
+
+
+def main():
+    program = sys.argv[1]
+    browser = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+    if browser is None:
+        print("no Chromium")
+        return 77
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "scene.yaml").write_text(SCENE)
+
+        def run(*words):
+            return subprocess.run([program, *words], check=True, cwd=folder, capture_output=True, text=True).stdout
+
+        run("sweep", "scene.yaml", "-o", "data.h5", "--quiet")
+        run("eval", "stuck_fraction", "data.h5", "--labels", "micro", "-o", "page.html")
+        run("report", "data.h5")
+        page = folder / "page.html"
+        text = page.read_text()
+        dom, log = browse(browser, page, "--dump-dom")
+        refused = [line for line in log.splitlines() if "Content Security Policy" in line or "Refused to" in line or "ERR_" in line]
+        assert not refused, refused
+        for heading in ("Figures", "What was called what", "Curves", "By speed", "By mask", "Look first at"):
+            assert f"<h2>{heading}</h2>" in dom, heading
+        assert "<script" not in text
+        assert not re.search(r"(?:src|href)=\"(?:https?:)?//", text), "it loads something"
+        assert dom.count("<svg") >= 2, "a histogram and delays against speed"
+        # Its links lead to the report's trials.
+        links = re.findall(r'href="(data\.html)#trial-(\d+)"', text)
+        assert links and (folder / links[0][0]).exists(), links
+        report, _ = browse(browser, folder / links[0][0], "--dump-dom")
+        assert "slipbench report" in report
+        # An empty page of this size is some 8 kB.
+        shot = folder / "shot.png"
+        browse(browser, page, f"--screenshot={shot}")
+        assert shot.stat().st_size > 20_000, shot.stat().st_size
+    print("the page holds")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,92 @@
+// Networks inside whole trials.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tests/detectors/network/networks.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/run/run_trial.h"
+
+namespace slipbench::network_trial_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+Scene scene_with(const std::string& detector) {
+  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml");
+  file.apply({"detector", detector});
+  return parse_scene(file, program_catalogues());
+}
+
+std::string network_of(const std::string& name, const std::string& more = "") {
+  return "{type: network, model: " + network::shipped(name) + more + "}";
+}
+
+std::size_t libraries_of_openvino() {
+  std::ifstream maps("/proc/self/maps");
+  std::size_t count = 0;
+  for (std::string line; std::getline(maps, line);) count += line.find("openvino") != std::string::npos ? 1 : 0;
+  return count;
+}
+
+// ctest runs each test in a process of its own; by hand this one must be the first of a network.
+TEST(NetworkInTrial, LoadsItsLibrariesWhereASceneNamesOneAlone) {
+  run_trial(scene_with("{type: force_ratio}"), 0, Recording::full);
+  EXPECT_EQ(libraries_of_openvino(), 0u);
+  run_trial(scene_with(network_of("gru21.onnx")), 0, Recording::full);
+  EXPECT_GT(libraries_of_openvino(), 0u);
+}
+
+TEST(NetworkInTrial, SaysWhatTheSameNetworkSaysOfTheRecordedSamples) {
+  const TrialRecord record = run_trial(scene_with(network_of("gru21.onnx")), 0, Recording::full).record;
+  const SensorRecord& sensor = record.sensors.at(0);
+  const auto force = std::ranges::find(sensor.channels, "force", &SensorColumn::name);
+  ASSERT_NE(force, sensor.channels.end());
+  const std::size_t samples = record.control->detector_class.size();
+  const std::size_t width = force->values.size() / samples;
+  network::Gru gru;
+  std::array<std::size_t, 2> said{};
+  for (std::size_t row = 0; row < samples; ++row) {
+    const std::array<float, 3> input{force->values[row * width], force->values[row * width + 1], force->values[row * width + 2]};
+    const double p = gru.step(input)[1];
+    if (std::abs(p - 0.6) < 1e-5) continue;  // where float32 may decide otherwise
+    const bool slips = p >= 0.6;
+    ++said[slips ? 1 : 0];
+    ASSERT_EQ(record.control->detector_class[row], slips ? 3 : 1) << "row " << row;
+  }
+  EXPECT_GT(said[0], 100u);
+  EXPECT_GT(said[1], 100u);
+}
+
+TEST(NetworkInTrial, ItsLatencyIsTheLoops) {
+  const auto prompt = run_trial(scene_with(network_of("gru21.onnx")), 0, Recording::full).record.control->detector_class;
+  const auto late =
+      run_trial(scene_with(network_of("gru21.onnx", ", latency: 5 ms")), 0, Recording::full).record.control->detector_class;
+  ASSERT_EQ(prompt.size(), late.size());
+  for (std::size_t row = 0; row < late.size(); ++row) {
+    ASSERT_EQ(late[row], row < 5 ? 0 : prompt[row - 5]) << "row " << row;  // 5 samples of 1 ms
+  }
+}
+
+TEST(NetworkInTrial, AModelOfAnotherSensorIsRefusedAtItsKey) {
+  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/piezo_skin/slide.yaml");
+  file.apply({"detector", network_of("gru21.onnx")});
+  const Scene scene = parse_scene(file, program_catalogues());
+  try {
+    run_trial(scene, 0, Recording::full);
+    ADD_FAILURE() << "taken";
+  } catch (const SceneValueError& error) {
+    EXPECT_EQ(error.path(), "detector.model");
+    EXPECT_THAT(error.what(), HasSubstr("the network reads a 'papillarray', not a 'piezo_skin'"));
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::network_trial_test

@@ -1,0 +1,24 @@
+// `eval`: slip detectors judged on datasets.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/scene/parser.h"
+#include "tools/program/cli/command.h"
+#include "tools/program/judge/evaluate.h"
+
+namespace slipbench {
+
+class EvalCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::string detector;              // a name, FILE.onnx or a folder
+  std::vector<Override> parameters;  // of it, by name
+  std::string output;                // HTML file; empty: none
+  judge::Options options;            // but for the detector
+};
+
+}  // namespace slipbench

@@ -1,0 +1,151 @@
+#include "tools/program/import/import.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+#include "tools/base/dataset/writer.h"
+#include "tools/program/import/import_format.h"
+
+namespace slipbench {
+namespace {
+
+// All formats in the order of the help, a line each.
+constexpr std::array<ImportFormat, 4> import_catalogue{{
+    {"bts3v2", "grasps with three BioTac SP, a row a grasp: object, whether it slipped, 72 electrodes before the lift", "object",
+     &count_lines, &read_bts3v2},
+    {"biotacsp-dos", "a BioTac SP that slides, turns or rests, CLASS/OBJECT<number>.csv: 24 electrodes, 100 rows a second",
+     "object", &count_one, &read_biotacsp_dos},
+    {"papillarray-csv", "the PapillArray vendor's logs of one or two sensors, a file a recording", "trial", &count_one,
+     &read_papillarray_csv},
+    {"training-csv", "the PapillArray's published training files: 73 columns, no header, a file a recording", "trial", &count_one,
+     &read_training_csv},
+}};
+
+// A link to a folder is not followed.
+void add_folder(const std::string& folder, std::vector<SourceFile>& files) {
+  namespace fs = std::filesystem;
+  std::vector<SourceFile> found;
+  try {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+      if (entry.is_regular_file() && entry.path().extension() == ".csv")
+        found.push_back({entry.path().string(), entry.path().lexically_relative(folder).string()});
+    }
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(fmt::format("{}: cannot be read: {}", folder, error.code().message()));
+  }
+  if (found.empty())
+    throw InputError(fmt::format("{}: holds no file .csv; allowed: a source file, or a folder with some", folder));
+  std::ranges::sort(found, {}, &SourceFile::name);
+  files.insert(files.end(), found.begin(), found.end());
+}
+
+std::vector<SourceFile> source_files(const std::vector<std::string>& sources) {
+  namespace fs = std::filesystem;
+  std::vector<SourceFile> files;
+  for (const std::string& source : sources) {
+    std::error_code error;
+    if (!fs::exists(source, error)) throw InputError(fmt::format("{}: no such file or folder", source));
+    if (fs::is_directory(source, error)) {
+      add_folder(source, files);
+    } else {
+      files.push_back({source, fs::path(source).filename().string()});
+    }
+  }
+  std::set<fs::path> seen;
+  for (const SourceFile& file : files) {
+    if (!is_plain_name(file.path))
+      throw InputError(
+          fmt::format("{}: is no name that a dataset can hold; allowed: UTF-8 without control characters", file.path));
+    std::error_code error;
+    if (!seen.insert(fs::canonical(file.path, error)).second)
+      throw InputError(fmt::format("{}: is named twice; allowed: each source once", file.path));
+  }
+  return files;
+}
+
+std::string canonical_import(const ImportOptions& options) {
+  std::string command = "slipbench import";
+  for (const std::string& source : options.sources) command += " " + source;
+  return command + fmt::format(" --format {} --seed {}", options.format->name, options.seed);
+}
+
+DatasetHeader header_of(const ImportOptions& options) {
+  const SplitRule split{options.format->split_by, {0.70, 0.15, 0.15}, "as import does"};
+  return {.version = SLIPBENCH_VERSION,
+          .scene = "",
+          .seed = options.seed,
+          .command = canonical_import(options),
+          .split = split,
+          .truth = fmt::format("none: imported from {}", options.format->name)};
+}
+
+// A dataset of which nothing is left unless it was finished.
+class Target {
+ public:
+  Target(const ImportOptions& options, std::size_t trials) : writer_(options.output, header_of(options), trials) {}
+  ~Target() { writer_.discard(); }
+  Target(const Target&) = delete;
+  Target& operator=(const Target&) = delete;
+
+  void add(const TrialRecord& record) { writer_.append(encoder_.encode(record)); }
+  std::vector<std::string> finish() { return writer_.commit(); }
+
+ private:
+  DatasetWriter writer_;
+  TrialEncoder encoder_;
+};
+
+}  // namespace
+
+std::vector<std::string> import_format_names() {
+  std::vector<std::string> names;
+  for (const ImportFormat& format : import_catalogue) names.emplace_back(format.name);
+  return names;
+}
+
+const ImportFormat& import_format(const std::string& name) {
+  const auto found =
+      std::ranges::find(import_catalogue, name, [](const ImportFormat& format) { return std::string(format.name); });
+  if (found == import_catalogue.end())
+    throw InputError(fmt::format("unknown format '{}'{}", name, allowed_names(name, import_format_names())));
+  return *found;
+}
+
+std::string import_formats_text() {
+  std::string text;
+  for (const ImportFormat& format : import_catalogue) text += fmt::format("  {:<16}{}\n", format.name, format.summary);
+  return text;
+}
+
+ImportSummary import_recordings(const ImportOptions& options) {
+  const std::vector<SourceFile> sources = source_files(options.sources);
+  ImportSummary summary;
+  summary.sources = sources.size();
+  std::optional<Target> target;
+  if (!options.output.empty()) {
+    std::size_t planned = 0;
+    for (const SourceFile& file : sources) planned += options.format->count(file);
+    target.emplace(options, planned);
+  }
+  for (const SourceFile& file : sources) {
+    options.format->read(file, [&](TrialRecord record, std::size_t repeated_rows) {
+      record.trial = summary.trials++;
+      record.seed = options.seed;
+      summary.samples += record.num_samples();
+      summary.repeated_rows += repeated_rows;
+      if (!record.material.empty()) ++summary.objects[record.material];
+      end_if_interrupted();
+      if (target) target->add(record);
+    });
+  }
+  if (target) summary.files = target->finish();
+  return summary;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,43 @@
+// Recordings of real sensors as a dataset: what was read, and no truth.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slipbench {
+
+struct ImportFormat;
+
+struct ImportOptions {
+  std::vector<std::string> sources;      // files, and folders whose .csv files are all meant
+  const ImportFormat* format = nullptr;  // of the catalogue
+  std::string output;                    // HDF5 file; empty: the sources are read and checked, and nothing is written
+  std::uint64_t seed = 1;                // of the split
+};
+
+struct ImportSummary {
+  std::size_t sources = 0;                     // files read
+  std::size_t trials = 0;                      // recordings
+  std::size_t samples = 0;                     // of all recordings
+  std::size_t repeated_rows = 0;               // that a source repeats word for word and that were left out
+  std::map<std::string, std::size_t> objects;  // recordings of each; empty: the format names none
+  std::vector<std::string> files;              // written
+};
+
+// Their names on the command line, in order: "bts3v2".
+std::vector<std::string> import_format_names();
+// The catalogue's entry. Throws InputError with the nearest name.
+const ImportFormat& import_format(const std::string& name);
+// A line of help a format: its name and what it holds.
+std::string import_formats_text();
+
+// Reads the sources one after the other, line by line, and writes a recording as soon as it is read. A folder's files come in the order
+// of their names. The same sources and seed give the same bytes. Throws InputError when a source is not what the format says, naming file
+// and line, and when the output cannot be written; then nothing is left behind. Throws Interrupted likewise (InterruptScope).
+ImportSummary import_recordings(const ImportOptions& options);
+
+}  // namespace slipbench

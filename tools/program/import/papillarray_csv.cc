@@ -1,0 +1,157 @@
+// Logs of the PapillArray vendor's visualisation software (PTSVIS_2.1_MAN_MAR23, table 8.1): one or two sensors, a file a recording.
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "tools/program/import/import_format.h"
+#include "tools/program/import/source_table.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::size_t log_pillars = 9;
+constexpr std::size_t log_sensor_columns = 81;                                                  // of one sensor, after the time
+constexpr std::size_t log_pillar_columns = 6;                                                   // displacement and force
+constexpr std::size_t log_load_columns = 6;                                                     // force and torque of all pillars
+constexpr std::size_t log_active_column = log_pillars * log_pillar_columns + log_load_columns;  // isSDActive
+constexpr std::size_t log_states_column = log_active_column + 2;                                // of the first pillar
+constexpr double latest_log = 1e15;                                                             // us
+constexpr double smallest_log_time = 0.0;
+constexpr const char* log_rule =
+    "the device's own slip detection: none, some or all of the pillars in contact (slipState 1, 2 or 3) are in state 3";
+constexpr const char* log_frame =
+    "pillars seen from above with the connector at the bottom: x up, y right, z into the sensor, so that compression is positive; "
+    "forces act on the sensor, displacements are of its tips";
+
+// In the manual's order.
+std::vector<std::string> log_columns(std::size_t sensors) {
+  std::vector<std::string> names{"T_us"};
+  for (std::size_t s = 0; s < sensors; ++s) {
+    for (std::size_t p = 0; p < log_pillars; ++p) {
+      for (const char* column : {"DX", "DY", "DZ", "FX", "FY", "FZ"}) names.push_back(fmt::format("S{}_P{}_{}", s, p, column));
+    }
+    for (const char* column : {"FX", "FY", "FZ", "TX", "TY", "TZ"}) names.push_back(fmt::format("S{}_GG_{}", s, column));
+    names.push_back(fmt::format("S{}_isSDActive", s));
+    names.push_back(fmt::format("S{}_isRefLoad", s));
+    for (std::size_t p = 0; p < log_pillars; ++p) {
+      names.push_back(fmt::format("S{}_P{}_isInContact", s, p));
+      names.push_back(fmt::format("S{}_P{}_slipState", s, p));
+    }
+    names.push_back(fmt::format("S{}_FrictionEst", s));
+  }
+  return names;
+}
+
+// The header's names. The manual prints those of the second sensor's slip detection with the first one's number, so that either may stand
+// there.
+std::vector<std::string> read_log_header(SourceTable& table) {
+  if (!table.next()) table.fail("the file is empty; allowed: a header that begins with T_us");
+  const std::size_t found = table.cells().size();
+  const std::size_t sensors = found > log_sensor_columns + 1 ? 2 : 1;
+  std::vector<std::string> names = log_columns(sensors);
+  for (std::size_t i = 0; i < std::min(names.size(), found); ++i) {
+    const std::string cell(table.cells()[i]);
+    const bool printed = i > log_sensor_columns + log_active_column &&
+                         names[i].substr(2) == cell.substr(std::min<std::size_t>(2, cell.size())) && cell.starts_with("S0");
+    if (cell != names[i] && !printed)
+      table.fail(fmt::format("column {} is called {}; allowed: '{}'", i + 1, quote(cell), names[i]));
+  }
+  if (found != names.size()) table.fail(fmt::format("has {} columns; allowed: 82 for one sensor, 163 for two", found));
+  return names;
+}
+
+// One sensor of a log while it is read.
+struct LoggedSensor {
+  SensorRecord record;
+  bool always_active = true;
+
+  void add(const SourceTable& table, const std::vector<std::string>& names, std::size_t first) {
+    for (std::size_t p = 0; p < log_pillars; ++p) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t cell = first + p * log_pillar_columns + axis;
+        constexpr double most = 1e6;  // mm
+        record.channels[1].values.push_back(static_cast<float>(table.number(cell, names[cell], -most, most) / 1e3));
+        record.channels[0].values.push_back(table.value(cell + 3, names[cell + 3]));
+      }
+    }
+    // What follows from the pillars, or is no reading of theirs, is not kept, and is a number all the same.
+    for (std::size_t i = 0; i < log_load_columns; ++i) {
+      const std::size_t cell = first + log_pillars * log_pillar_columns + i;
+      static_cast<void>(table.value(cell, names[cell]));
+    }
+    const std::size_t active = first + log_active_column, friction = first + log_sensor_columns - 1;
+    static_cast<void>(table.flag(active + 1, names[active + 1]));
+    static_cast<void>(table.value(friction, names[friction]));
+    const bool is_active = table.flag(active, names[active]);
+    always_active = always_active && is_active;
+    constexpr std::array<int, 5> states{-2, -1, 1, 2, 3};
+    constexpr std::array<int, 6> idle_states{-2, -1, 0, 1, 2, 3};
+    std::size_t touching = 0, slipping = 0;
+    for (std::size_t p = 0; p < log_pillars; ++p) {
+      const std::size_t cell = first + log_states_column + 2 * p;
+      static_cast<void>(table.flag(cell, names[cell]));
+      const int state =
+          is_active ? table.one_of(cell + 1, names[cell + 1], states) : table.one_of(cell + 1, names[cell + 1], idle_states);
+      touching += state > 0 ? 1 : 0;
+      slipping += state == 3 ? 1 : 0;
+    }
+    record.labels.state_paper.push_back(static_cast<std::uint8_t>(state_of_units(touching, slipping)));
+  }
+};
+
+}  // namespace
+
+void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
+  SourceTable table(file);
+  const std::vector<std::string> names = read_log_header(table);
+  const std::size_t count = names.size() / log_sensor_columns;
+  std::vector<LoggedSensor> sensors;
+  for (std::size_t s = 0; s < count; ++s) {
+    sensors.push_back({make_imported_sensor(count == 1 ? "pad" : fmt::format("s{}", s), "papillarray", 0.0, log_frame,
+                                            {"force", "displacement"})});
+  }
+  std::vector<double> time;
+  std::string before;
+  std::size_t repeated = 0;
+  while (table.next()) {
+    if (table.text() == before) {  // a program that logs faster than the device samples writes rows twice
+      ++repeated;
+      continue;
+    }
+    before = table.text();
+    table.expect_cells(names.size());
+    table.expect_room(time.size() + 1, 2 * sizeof(float) * names.size());
+    const double now = table.number(0, "T_us", smallest_log_time, latest_log) / 1e6;
+    if (!time.empty() && !(now > time.back())) {
+      table.fail(fmt::format("column 1, T_us, is '{}' after {:.0f}; allowed: rising times, or the same row again",
+                             table.cells()[0], 1e6 * time.back()));
+    }
+    time.push_back(now);
+    for (std::size_t s = 0; s < count; ++s) sensors[s].add(table, names, 1 + s * log_sensor_columns);
+  }
+  if (time.size() < 2)
+    table.fail(fmt::format("ends a recording of {} samples; allowed: two at least, which tell the rate", time.size()));
+
+  bool detects = true;
+  for (LoggedSensor& sensor : sensors) {
+    sensor.record.time = time;
+    sensor.record.rate = rate_of(time);
+    sensor.record.labels.rule = log_rule;
+    if (!sensor.always_active) sensor.record.labels.state_paper.clear();
+    detects = detects && sensor.always_active;
+  }
+  nlohmann::ordered_json params{{"file", file.name}, {"slip_detection", detects}};
+  if (repeated > 0) params["repeated_rows"] = repeated;
+  TrialRecord record = make_recording(params, "");
+  for (LoggedSensor& sensor : sensors) record.sensors.push_back(std::move(sensor.record));
+  record.body_time = std::move(time);
+  add(std::move(record), repeated);
+}
+
+}  // namespace slipbench

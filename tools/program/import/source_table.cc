@@ -1,0 +1,111 @@
+#include "tools/program/import/source_table.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+#include "sim/core/regular_file.h"
+
+namespace slipbench {
+namespace {
+
+std::string_view without_blanks(std::string_view cell) {
+  const std::size_t first = cell.find_first_not_of(" \t");
+  return first == std::string_view::npos ? std::string_view() : cell.substr(first, cell.find_last_not_of(" \t") - first + 1);
+}
+
+}  // namespace
+
+SourceTable::SourceTable(const SourceFile& file) : path_(file.path), buffer_(longest_line + 1) {
+  check_regular_file(path_);
+  stream_.open(path_, std::ios::binary);
+  if (!stream_) throw InputError(fmt::format("{}: cannot be opened: {}", path_, std::strerror(errno)));
+}
+
+bool SourceTable::next() {
+  end_if_interrupted();
+  stream_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  if (stream_.bad()) throw InputError(fmt::format("{}: cannot be read", path_));
+  if (stream_.eof() && stream_.gcount() == 0) return false;
+  ++line_;
+  if (stream_.fail()) fail(fmt::format("is longer than {} bytes; allowed: lines of text", longest_line));
+  std::size_t size = static_cast<std::size_t>(stream_.gcount()) - (stream_.eof() ? 0 : 1);  // getline() counts the line's end
+  if (size > 0 && buffer_[size - 1] == '\r') --size;
+  text_ = {buffer_.data(), size};
+  cells_.clear();
+  for (std::size_t from = 0;;) {
+    const std::size_t comma = text_.find(',', from);
+    cells_.push_back(without_blanks(text_.substr(from, comma - from)));
+    if (comma == std::string_view::npos) return true;
+    from = comma + 1;
+  }
+}
+
+void SourceTable::fail(const std::string& what) const {
+  throw InputError(fmt::format("{}:{}: {}", path_, std::max<std::size_t>(1, line_), what));
+}
+
+void SourceTable::refuse(std::size_t cell, std::string_view name, const std::string& allowed) const {
+  fail(fmt::format("column {}, {}, is {}; allowed: {}", cell + 1, name, quote(cells_[cell]), allowed));
+}
+
+void SourceTable::expect_header(std::span<const std::string> names) {
+  if (!next())
+    throw InputError(fmt::format("{}:1: the file is empty; allowed: a header that begins with {}", path_, names.front()));
+  for (std::size_t i = 0; i < std::min(names.size(), cells_.size()); ++i) {
+    if (cells_[i] != names[i]) fail(fmt::format("column {} is called {}; allowed: '{}'", i + 1, quote(cells_[i]), names[i]));
+  }
+  expect_cells(names.size());
+}
+
+void SourceTable::expect_cells(std::size_t count) const {
+  if (cells_.size() != count)
+    fail(fmt::format("has {} column{}; allowed: {}", cells_.size(), cells_.size() == 1 ? "" : "s", count));
+}
+
+double SourceTable::number(std::size_t cell, std::string_view name, double least, double most) const {
+  const std::string_view text = cells_[cell];
+  double number = 0.0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || stop != text.data() + text.size() || !(number >= least && number <= most)) {
+    refuse(cell, name, std::abs(least) > 1e30 ? "a number" : fmt::format("a number from {} to {}", least, most));
+  }
+  return number;
+}
+
+float SourceTable::value(std::size_t cell, std::string_view name) const {
+  constexpr double most = std::numeric_limits<float>::max();
+  return static_cast<float>(number(cell, name, -most, most));
+}
+
+int SourceTable::one_of(std::size_t cell, std::string_view name, std::span<const int> allowed) const {
+  const std::string_view text = cells_[cell];
+  int number = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || stop != text.data() + text.size() || std::ranges::find(allowed, number) == allowed.end()) {
+    refuse(cell, name, fmt::format("{}", fmt::join(allowed, ", ")));
+  }
+  return number;
+}
+
+bool SourceTable::flag(std::size_t cell, std::string_view name) const {
+  constexpr std::array<int, 2> flags{0, 1};
+  return one_of(cell, name, flags) == 1;
+}
+
+void SourceTable::expect_room(std::size_t rows, std::size_t row_bytes) const {
+  if (rows * row_bytes > largest_recording) {
+    fail(fmt::format("is row {} of one recording, which takes more than {} MB; allowed: shorter ones, the file cut in parts",
+                     rows, largest_recording / 1'000'000));
+  }
+}
+
+}  // namespace slipbench

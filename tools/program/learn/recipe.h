@@ -1,0 +1,40 @@
+// Recipes: published networks with what they eat, what they are taught and how.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "detectors/network/description.h"
+#include "tools/program/learn/examples.h"
+#include "tools/program/learn/network.h"
+#include "tools/program/learn/scaling.h"
+
+namespace slipbench::learn {
+
+struct Recipe {
+  std::string name;     // "piezo_fft_gru"
+  std::string summary;  // one line
+  std::string source;   // paper, section, table
+  std::string assumed;  // what the paper does not print, and what was chosen
+  network::Input input;
+  Scaling scaling = Scaling::standard;
+  NetworkShape network;
+  std::size_t members = 1;  // networks whose probabilities are averaged, with seeds one after the other
+  ClassRule classes = ClassRule::slip;
+  LabelRule labels = LabelRule::micro;
+  Split split = Split::trial;
+  std::size_t at_most = 0;  // ExampleOptions::at_most
+  std::size_t turned = 0;   // ExampleOptions::turned
+  TrainingOptions training;
+};
+
+// All, by paper. To add one: a file in tools/program/learn/recipes and its line in recipe_catalogue.cc.
+const std::vector<Recipe>& recipes();
+// Throws InputError for an unknown name, with the nearest one.
+const Recipe& find_recipe(const std::string& name);
+
+// The layers in words: "GRU 32, GRU 32, linear 2".
+std::string layers_text(const Layers& layers);
+
+}  // namespace slipbench::learn
