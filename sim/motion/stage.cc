@@ -26,7 +26,8 @@ Entry stage_entry() {
       "vibration: a force on every unit of the pad, along its normal. An axis that moves at v drives the frame with the mean\n"
       "square (1.6 mN level)^2 v/(10 mm/s). Half of it are lines at 1, 2, 8, 24, 50, 100, 200 times v/lead, half is noise of\n"
       "one pole at 200 v/lead. The frame has modes at 75, 130, 215, 330, 520 Hz (damping ratio 0.03 to 0.05); it passes on the\n"
-      "sum of s^2/(s^2 + 2 zeta w s + w^2) over the modes. ln(level) varies by vibration_sd from recording to recording.",
+      "sum of s^2/(s^2 + 2 zeta w s + w^2) over the modes. ln(level) varies by vibration_sd from recording to recording.\n"
+      "An idle axis adds its own such drive at v = idle_speed from idle_start on.",
       "Wang et al., IEEE RA-L 9 (2024) 1827 (protocol); constant accelerations, integrated exactly",
       {
           number_spec("compression", Quantity::length, "1 mm", positive_up_to(0.1), "How far the tallest element is pressed in.",

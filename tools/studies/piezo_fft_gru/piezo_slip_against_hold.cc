@@ -140,7 +140,7 @@ std::vector<std::string> remarks_on(const Json& figures) {
   };
   return {
       fmt::format(
-          "The motors run whenever the tip slides. From level {} to {} the area is {} against hold in contact alone and {} against hold in the air alone.",
+          "The motors run while the tip slides; in half of the recordings one that does not move the tip runs from a random instant on. From level {} to {} the area is {} against hold in contact alone and {} against hold in the air alone.",
           vibration_levels().front(), vibration_levels().back(), along("contact"), along("air")),
       fmt::format(
           "A steady press is a constant behind the amplifier; where it begins and ends the signal decays with {:.0f} ms, over 20 ms nearly a straight line, which leaks into all bins of a window without a taper. Without motors pressing on and settling are {:.0f} and {:.0f} % of what hold in contact lacks of 1; their areas as the paper, with the line off, with Hann's taper: {}; {}.",
