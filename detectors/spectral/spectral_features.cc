@@ -12,7 +12,7 @@ namespace slipbench {
 BinRange bins_within(double rate, std::size_t window, double low, double high) {
   constexpr double rounding = 1e-9;  // of a decimal length times a decimal rate
   const double width = rate / static_cast<double>(window);
-  const double last = std::floor(std::min(static_cast<double>(window / 2), high / width * (1.0 + rounding)));
+  const double last = std::floor(std::min(0.5 * static_cast<double>(window), high / width * (1.0 + rounding)));
   const double first = std::ceil(std::max(0.0, low / width * (1.0 - rounding)));
   if (!(first <= last)) return {};
   return {static_cast<std::size_t>(first), static_cast<std::size_t>(last - first) + 1};

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -190,7 +191,7 @@ struct Group {
   double order = 0.0;
   std::string name;  // empty: not known
 
-  friend auto operator<=>(const Group&, const Group&) = default;
+  friend bool operator<(const Group& a, const Group& b) { return std::tie(a.order, a.name) < std::tie(b.order, b.name); }
 };
 using Key = std::function<Group(const Judged&)>;
 

@@ -17,7 +17,8 @@ Scale scale_of(std::span<const FrameSequence* const> sequences, std::size_t inpu
       for (std::size_t i = 0; i < sequence->features.size(); ++i) use(i % inputs % features, double{sequence->features[i]});
     }
   };
-  for (const FrameSequence* sequence : sequences) count += static_cast<double>(sequence->features.size() / features);
+  for (const FrameSequence* sequence : sequences) count += static_cast<double>(sequence->features.size());
+  count /= static_cast<double>(features);
   if (count == 0.0) throw std::invalid_argument("no frame to scale by");
   for_each([&](std::size_t f, double x) {
     mean[f] += x / count;
