@@ -22,6 +22,10 @@ check_pie_supported(LANGUAGES CXX)
 add_link_options(-Wl,-z,relro,-z,now)
 
 find_program(CCACHE ccache)
+if(CCACHE AND SKBUILD)
+  # What the presets say in their environment.
+  set(CCACHE ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+endif()
 if(CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})

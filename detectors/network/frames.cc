@@ -61,6 +61,11 @@ std::vector<float> spread(const std::vector<double>& given, double otherwise, st
 
 }  // namespace
 
+bool rate_fits(const Input& input, double rate) {
+  constexpr double tolerance = 0.01;
+  return std::abs(rate - input.rate) <= tolerance * input.rate;
+}
+
 struct Frames::State {
   // The median of the latest `length` values, of those that have come at the beginning.
   class Median {
@@ -206,10 +211,9 @@ Frames::Frames(const Input& input, const std::string& type, double rate, std::sp
     throw InputError("the network reads a " + quote(input.sensor) + ", not a " + quote(type) +
                      "; allowed: " + quote(input.sensor));
   }
-  constexpr double rounding = 1e-9;
-  if (!(std::abs(rate - input.rate) <= rounding * input.rate)) {
+  if (!rate_fits(input, rate)) {
     throw InputError("the network reads " + format_quantity(input.rate, Quantity::frequency) + ", not " +
-                     format_quantity(rate, Quantity::frequency) + "; allowed: the former");
+                     format_quantity(rate, Quantity::frequency) + "; allowed: the former, within 1 %");
   }
   state_ = std::make_unique<State>(input, channels);
 }

@@ -12,6 +12,9 @@
 
 namespace slipbench::network {
 
+// Whether samples at `rate` [Hz] are of the rate that a network reads, within 1 %: the clock of a recorded sensor is some 0.1 % off.
+bool rate_fits(const Input& input, double rate);
+
 class Frames {
  public:
   // For a sensor of this type, rate [Hz] and channels. Throws InputError where they are not those that `input` asks for, and where a pick, a

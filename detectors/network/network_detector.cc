@@ -13,17 +13,19 @@
 namespace slipbench {
 namespace {
 
-constexpr const char* no_model = "none";
-
 class NetworkDetector final : public Detector {
  public:
   NetworkDetector(std::unique_ptr<network::Engine> engine, network::Frames frames, double threshold, double latency)
       : engine_(std::move(engine)), frames_(std::move(frames)), about_(engine_->description()), fed_(engine_->inputs()) {
     if (threshold > 0.0) about_.threshold = threshold;
-    const std::size_t history = about_.input.history;
-    if (fed_.size() != history * frames_.size()) {
+    const std::size_t history = about_.input.history, made = history * frames_.size();
+    if (fed_.size() != made) {
+      const std::string open = fed_.size() < made
+                                   ? " (an extent that the file leaves open, that of time too, is taken as 1: export it "
+                                     "with its length)"
+                                   : "";
       throw InputError("the network takes " + std::to_string(fed_.size()) + " values, its description makes " +
-                       std::to_string(history) + " frames of " + std::to_string(frames_.size()) + "; allowed: as many");
+                       std::to_string(history) + " frames of " + std::to_string(frames_.size()) + "; allowed: as many" + open);
     }
     estimate_.latency = latency;
     estimate_.features = {std::numeric_limits<double>::quiet_NaN()};
@@ -71,7 +73,7 @@ Entry network_entry() {
           "no contact: until the first frames are complete; later where the network has such a class",
       .source = "the file; how to make one: detectors/network/README.md",
       .parameters = {
-          path_spec("model", no_model, "The ONNX file.", "free"),
+          path_spec("model", no_network, "The ONNX file.", "free"),
           number_spec("latency", Quantity::time, "0 s", non_negative,
                       "Time that a step of the network takes on the robot: the loop sees an estimate so much later.", "free"),
           number_spec("threshold", Quantity::none, "0", fraction, "Probability p from which on the pad slips; 0: the file's.",
@@ -81,7 +83,7 @@ Entry network_entry() {
 
 std::unique_ptr<Detector> make_network(const Parameters& parameters, const FrameSource& source) {
   const std::string& model = parameters.path("model");
-  if (model == no_model) throw SceneValueError("detector.model", "no network is named; allowed: the path of an ONNX file");
+  if (model == no_network) throw SceneValueError("detector.model", "no network is named; allowed: the path of an ONNX file");
   try {
     std::unique_ptr<network::Engine> engine = network::load_engine(model);
     network::Frames frames(engine->description().input, source.type, source.rate, source.channels);

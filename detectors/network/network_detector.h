@@ -8,6 +8,9 @@
 
 namespace slipbench {
 
+// What the parameter `model` says where no network is named.
+inline constexpr const char* no_network = "none";
+
 // The catalogue's entry.
 Entry network_entry();
 

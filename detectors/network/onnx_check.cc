@@ -1,6 +1,7 @@
 #include "detectors/network/onnx_check.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 
@@ -56,11 +57,44 @@ class Checker {
         refuse("uses the operator " + quote(node.op_type()) +
                ", which need not end; allowed: the others, GRU and LSTM among them");
       }
+      check_random(graph, node);
       for (const onnx::AttributeProto& attribute : node.attribute()) check(attribute);
     }
   }
 
  private:
+  // The same samples have to give the same classes.
+  void check_random(const onnx::GraphProto& graph, const onnx::NodeProto& node) const {
+    constexpr std::array random{"Bernoulli",        "Multinomial",   "RandomNormal",
+                                "RandomNormalLike", "RandomUniform", "RandomUniformLike"};
+    if (std::ranges::find(random, node.op_type()) != random.end()) {
+      refuse("uses the operator " + quote(node.op_type()) +
+             ", which draws random numbers; allowed: operators that give the same each time");
+    }
+    constexpr int training = 2;  // input of Dropout
+    if (node.op_type() != "Dropout" || node.input_size() <= training || node.input(training).empty()) return;
+    if (is_false(graph, node.input(training))) return;
+    refuse(
+        "uses the operator 'Dropout' as in training, where it draws random numbers; allowed: its training_mode false, or none (in PyTorch: "
+        "model.eval() before the export)");
+  }
+
+  // Whether `name` is a constant of the graph that says false.
+  static bool is_false(const onnx::GraphProto& graph, const std::string& name) {
+    const auto says_false = [](const onnx::TensorProto& flag) {
+      return flag.has_raw_data() ? flag.raw_data() == std::string(1, '\0')
+                                 : flag.int32_data_size() == 1 && flag.int32_data(0) == 0;
+    };
+    for (const onnx::TensorProto& tensor : graph.initializer()) {
+      if (tensor.name() == name) return says_false(tensor);
+    }
+    for (const onnx::NodeProto& node : graph.node()) {
+      if (node.op_type() != "Constant" || node.output_size() != 1 || node.output(0) != name) continue;
+      return node.attribute_size() == 1 && node.attribute(0).has_t() && says_false(node.attribute(0).t());
+    }
+    return false;
+  }
+
   static bool is_onnx(const std::string& domain) { return domain.empty() || domain == "ai.onnx"; }
 
   void check(const onnx::AttributeProto& attribute) {
@@ -249,6 +283,8 @@ std::string how_to_describe(const std::string& file) {
          "  about = " +
          example_description() +
          "\n"
+         "  for old in [entry for entry in model.metadata_props if entry.key == \"slipbench\"]:\n"
+         "      model.metadata_props.remove(old)\n"
          "  entry = model.metadata_props.add()\n"
          "  entry.key, entry.value = \"slipbench\", json.dumps(about)\n"
          "  onnx.save(model, " +

@@ -29,9 +29,11 @@ struct CheckedNetwork {
 inline constexpr std::size_t most_network_bytes = 256u << 20u;
 // Elements that a tensor of it may have: 256 MB of float32.
 inline constexpr std::size_t most_elements = 1u << 26u;
+// Multiply-adds that a step of it may take: some half a second of one core.
+inline constexpr double most_multiply_adds = 1e10;
 
 // Looks into the bytes of an ONNX file, which `subject` names in errors. Throws InputError where they are no ONNX, have no metadata (with what to
-// add and how), use operators that are not ONNX' own, loops or functions, have data outside of the file or not as long as its shape says, in any graph
+// add and how), use operators that are not ONNX' own, random ones, loops or functions, have data outside of the file or not as long as its shape says, in any graph
 // of the file, and where inputs and outputs are not those of the description.
 CheckedNetwork check_network(std::string_view bytes, const std::string& subject);
 

@@ -4,12 +4,17 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 #include <map>
 #include <sstream>
 #include <utility>
 
 #include <openssl/evp.h>
+#include <openvino/op/matmul.hpp>
+#include <openvino/op/util/avg_pool_base.hpp>
+#include <openvino/op/util/max_pool_base.hpp>
+#include <openvino/op/util/multi_subgraph_base.hpp>
 #include <openvino/openvino.hpp>
 #include <openvino/runtime/intel_cpu/properties.hpp>
 
@@ -52,7 +57,9 @@ std::string reason_of(const std::exception& error) {
     if (begins("To facilitate ")) continue;
     text += (text.empty() ? "" : " ") + line;
   }
-  return printable(text.substr(0, longest));
+  if (text.size() <= longest) return printable(text);
+  text.resize(longest);
+  return printable(text.substr(0, text.rfind(' '))) + " ...";
 }
 
 struct Network {
@@ -60,19 +67,93 @@ struct Network {
   ov::CompiledModel compiled;
 };
 
-// A few bytes of a file may ask for any amount of memory: a constant of a shape, a tensor repeated.
-void check_sizes(const ov::Model& model, const std::string& path) {
+// As doubles, which do not overflow.
+constexpr double open_extent = 1e18;
+
+double length_of(const ov::Dimension& extent) {
+  return extent.get_max_length() < 0 ? open_extent : static_cast<double>(extent.get_max_length());
+}
+
+// Values of a tensor at the most.
+double size_of(const ov::PartialShape& shape) {
+  if (shape.rank().is_dynamic()) return open_extent;
+  double size = 1.0;
+  for (const ov::Dimension& extent : shape) size *= length_of(extent);
+  return size;
+}
+
+// Multiply-adds of a step of an operator, at the most. Every value that it reads or makes counts as one.
+double work_of(const ov::Node& node) {
+  double read = 0.0, made = 0.0;
+  for (const ov::Input<const ov::Node>& input : node.inputs()) read += size_of(input.get_partial_shape());
+  for (const ov::Output<const ov::Node>& output : node.outputs()) made += size_of(output.get_partial_shape());
+  const auto size = [&](std::size_t input) { return size_of(node.get_input_partial_shape(input)); };
+  // `axis`: from the front, or from the end where it is negative.
+  const auto extent = [&](std::size_t input, std::int64_t axis) {
+    const ov::PartialShape& shape = node.get_input_partial_shape(input);
+    if (shape.rank().is_dynamic()) return open_extent;
+    const std::int64_t rank = shape.rank().get_length();
+    return length_of(shape[static_cast<std::size_t>(std::clamp<std::int64_t>(axis < 0 ? rank + axis : axis, 0, rank - 1))]);
+  };
+  const auto kernel = [](const ov::Shape& shape) {
+    double values = 1.0;
+    for (const std::size_t one : shape) values *= static_cast<double>(one);
+    return values;
+  };
+  const std::string type = node.get_type_info().name;
+  const auto is = [&](std::initializer_list<const char*> types) {
+    return std::ranges::any_of(types, [&](const char* one) { return type == one; });
+  };
+  double work = 0.0;
+  if (const auto* product = ov::as_type<const ov::op::v0::MatMul>(&node)) {
+    work = made * extent(0, product->get_transpose_a() ? -2 : -1);
+  } else if (is({"Convolution"})) {
+    work = made * size(1) / extent(1, 0);
+  } else if (is({"GroupConvolution"})) {
+    work = made * size(1) / (extent(1, 0) * extent(1, 1));
+  } else if (is({"DeformableConvolution"})) {
+    work = made * size(2) / extent(2, 0);
+  } else if (is({"ConvolutionBackpropData"})) {
+    work = size(0) * size(1) / extent(1, 0);
+  } else if (is({"GroupConvolutionBackpropData"})) {
+    work = size(0) * size(1) / (extent(1, 0) * extent(1, 1));
+  } else if (is({"GRUSequence", "LSTMSequence", "RNNSequence"})) {
+    work = extent(0, 0) * extent(0, 1) * read;
+  } else if (is({"GRUCell", "LSTMCell", "RNNCell"})) {
+    work = extent(0, 0) * read;
+  } else if (is({"ScaledDotProductAttention"})) {
+    work = (size(0) + made) * extent(1, -2);
+  } else if (const auto* most = ov::as_type<const ov::op::util::MaxPoolBase>(&node)) {
+    work = made * kernel(most->get_kernel());
+  } else if (const auto* mean = ov::as_type<const ov::op::util::AvgPoolBase>(&node)) {
+    work = made * kernel(mean->get_kernel());
+  } else if (is({"LRN"})) {
+    work = made * extent(0, 1);
+  } else if (is({"DFT", "IDFT", "RDFT", "IRDFT", "STFT", "ISTFT", "Einsum", "Inverse", "NonMaxSuppression", "TopK", "Unique"})) {
+    work = made * read;
+  }
+  return read + made + (std::isnan(work) ? 0.0 : work);  // 0/0: without weights
+}
+
+// A few bytes of a file may ask for any amount of memory or time: a constant of a shape, a tensor repeated, products of what comes of it.
+// Adds the multiply-adds of a step to `work`.
+void check_sizes(const ov::Model& model, const std::string& path, double& work) {
   for (const std::shared_ptr<ov::Node>& node : model.get_ops()) {
     for (const ov::Output<ov::Node>& output : node->outputs()) {
-      double size = 1.0;  // as a double, which does not overflow
-      for (const ov::Dimension& extent : output.get_partial_shape()) {
-        if (extent.is_static()) size *= static_cast<double>(extent.get_length());
-      }
-      if (output.get_partial_shape().rank().is_static() && size <= static_cast<double>(most_elements)) continue;
+      if (size_of(output.get_partial_shape()) <= static_cast<double>(most_elements)) continue;
       throw InputError(path + ": the operator " + quote(node->get_friendly_name()) + " makes a tensor of more than " +
                        std::to_string(most_elements) + " elements, or of no known shape; allowed: fewer");
     }
+    work += work_of(*node);
+    if (const auto branches = std::dynamic_pointer_cast<ov::op::util::MultiSubGraphOp>(node)) {
+      for (const std::shared_ptr<ov::Model>& branch : branches->get_functions()) check_sizes(*branch, path, work);
+    }
   }
+  if (work <= most_multiply_adds) return;
+  std::ostringstream found;
+  found << work;
+  throw InputError(path + ": a step of the network takes " + found.str() + " multiply-adds; allowed: at most " +
+                   std::to_string(static_cast<std::int64_t>(most_multiply_adds)));
 }
 
 Network compiled(const std::string& bytes, const std::string& path) {
@@ -87,7 +168,8 @@ Network compiled(const std::string& bytes, const std::string& path) {
   fix(network.about.input);
   for (const Port& state : network.about.states) fix(state);
   model->reshape(shapes);
-  check_sizes(*model, path);
+  double work = 0.0;
+  check_sizes(*model, path, work);
   // One thread, f32 and no pinning: the same bits whatever else runs. Small numbers stay, as everywhere else in the program.
   network.compiled = core->compile_model(model, "CPU", ov::inference_num_threads(1), ov::num_streams(1),
                                          ov::hint::inference_precision(ov::element::f32),

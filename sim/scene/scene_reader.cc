@@ -382,6 +382,10 @@ class SceneReader : EntryReader {
       return text_of(*child, std::string("hold.") + key, allowed);
     };
     HoldScene hold{name("body", "the name of a body"), name("against", "the name of a sensor or of a body"), 0.0, 0.0};
+    if (hold.against == hold.body) {
+      fail(node.find("against")->origin,
+           "hold.against: " + quote(hold.against) + " is the body itself; allowed: what holds it, a sensor or another body");
+    }
     hold.from = number(node.find("from"), "hold.from", hold_from_spec);
     hold.within = number(node.find("within"), "hold.within", hold_within_spec);
     if (hold.from >= scene.duration) {

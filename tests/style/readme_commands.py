@@ -4,6 +4,7 @@ The steps of a text are taken in their order, in a folder of their own that has 
 the text shows are written there first. tools/lint/readmes.py collects the steps and says which blocks are not run.
 """
 
+import os
 import shutil
 import subprocess
 import sys
@@ -20,6 +21,7 @@ def make_folder(folder):
     (folder / "slipbench").symlink_to(BINARIES / "slipbench")
     (folder / "build/release").mkdir(parents=True)
     (folder / "build/release/bin").symlink_to(BINARIES)
+    (folder / "build/release/python").symlink_to(BINARIES.parent / "python")
     (folder / "build/venv").symlink_to(sys.prefix)
 
 
@@ -34,7 +36,8 @@ def failures(text):
             if kind == "file":
                 (Path(name) / step[0]).write_text(step[1], encoding="utf-8")
                 continue
-            done = subprocess.run(["bash", "-c", step[0]], cwd=name, capture_output=True, text=True, check=False, timeout=300)
+            done = subprocess.run(["bash", "-c", step[0]], cwd=name, capture_output=True, text=True, check=False, timeout=300,
+                                  env={**os.environ, "PYTHONPATH": "build/release/python"})
             print(f"{done.returncode} {step[0]}", flush=True)
             if done.returncode != 0:
                 yield f"{step[0]}\n{done.stdout}{done.stderr}"

@@ -6,7 +6,7 @@
 - rtl: what detectors may include, and detectors, whose golden models it runs in lockstep with.
 - the rest of sim: itself and the layers below it (SIM_LAYERS). MuJoCo's headers: sim/mujoco and its tests (tests/stability too) only.
 - tools/base: the bench, sim/core aside nothing but base itself. tools/program: all of the bench, base and program.
-- tools/studies: the same and studies.
+- tools/studies: the same and studies. tools/python: what tools/program may, and python.
 - tests: everything.
 
 A header of the project is given in quotes, by its path from the root; sources end in .h and .cc.
@@ -34,15 +34,17 @@ SIM_LAYERS = {
 }
 # The floors of tools, from the ground up.
 FLOORS = ("base", "program", "studies")
+BESIDE = {"python": "program"}  # what stands on a floor and is none
 BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
 
 
 def allowed_in_tools(path):
     """The same for a file of tools."""
-    floor = path.parts[1]
+    folder = path.parts[1]
+    floor = BESIDE.get(folder, folder)
     if floor not in FLOORS:
         return None
-    below = tuple(f"tools/{name}/" for name in FLOORS[:FLOORS.index(floor) + 1])
+    below = tuple(f"tools/{name}/" for name in (*FLOORS[:FLOORS.index(floor) + 1], folder))
     return (("sim/core/",) if floor == "base" else BENCH) + below
 
 
@@ -85,7 +87,7 @@ def fault_of(path, quoted, header):
     if header.startswith("mujoco/") and folder not in ("sim/mujoco", "tests/sim/mujoco", "tests/stability"):
         return f"only sim/mujoco may include <{header}>"
     if folder == "sim/core":
-        hidden = path.suffix == ".cc" and (header.startswith("Random123/") or header == "dlfcn.h")
+        hidden = path.suffix == ".cc" and (header.startswith("Random123/") or header in ("dlfcn.h", "link.h"))
         in_c = path.name == "plugin_abi.h" and header == "stddef.h"
         if not (STANDARD.fullmatch(header) or header.startswith("Eigen/") or hidden or in_c):
             return f"sim/core may include the standard library and Eigen only, not <{header}>"

@@ -68,6 +68,11 @@ class Grid {
   std::vector<std::pair<std::size_t, std::size_t>> places_;  // cell and trial of each index
 };
 
+// options.jobs; as many as the machine has where it names none.
+inline std::size_t jobs_of(const ReproduceOptions& options) {
+  return options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency());
+}
+
 // Does work 0 to count - 1 on options.jobs threads and returns the results in this order. `options.say` hears `subject(index)`
 // and how much is done whenever the subject changes, and at each 50th. Throws what the work throws, and Interrupted.
 template <class Outcome>
@@ -75,9 +80,8 @@ std::vector<Outcome> run_in_order(std::size_t count, const ReproduceOptions& opt
                                   const std::function<std::string(std::size_t)>& subject,
                                   const std::function<Outcome(std::size_t)>& work) {
   const InterruptGuard guard("ending after what is at hand");
-  const std::size_t threads = options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency());
   OrderedWorkers<Outcome> workers(
-      count, std::min(threads, count), [&] { return work; }, &InterruptGuard::flag());
+      count, std::min(jobs_of(options), count), [&] { return work; }, &InterruptGuard::flag());
   std::vector<Outcome> outcomes;
   for (std::size_t k = 0; k < count; ++k) {
     if (options.say && (k % 50 == 0 || subject(k) != subject(k - 1))) {

@@ -44,13 +44,14 @@ int list_reproductions(bool json) {
     fmt::print("{}\n", nlohmann::ordered_json{{"reproductions", entries}}.dump());
     return exit_good;
   }
-  for (const Reproduction& one : all) fmt::print("{:<26}  {}\n", one.name, one.summary);
+  for (const Reproduction& one : all) fmt::print("{:<34}  {}\n", one.name, one.summary);
   return exit_good;
 }
 
 // An option that this reproduction has no use for would be a misunderstanding.
 void check_options(const ReproduceOptions& options, const Reproduction& reproduction) {
-  const std::array<std::pair<const char*, bool>, 8> given{{{"--data", !options.data.empty()},
+  const std::array<std::pair<const char*, bool>, 9> given{{{"--data", !options.data.empty()},
+                                                           {"--real", !options.real.empty()},
                                                            {"--full", options.full},
                                                            {"--seed", options.seed.has_value()},
                                                            {"--jobs", options.jobs != 0},
@@ -80,10 +81,12 @@ Examples:
   arguments.file("-o,--output FILE.html", output, "Write the page, and FILE.json beside it");
   arguments.number("--trials N", options.trials, "Trials of each row, or recordings (default: of a size that takes minutes)", 1);
   arguments.texts("--only NAME,...", options.only,
-                  "table2: protocols, boxes, surfaces and loops to keep; grasp_loop: loops; table1, table4: networks");
+                  "table2: protocols, boxes, surfaces and loops to keep; grasp_loop: loops; table1, table3, table4: networks");
   arguments.text("--memories DIR", options.memories, "table2: folder of the published classifier");
   arguments.flag("--full", options.full, "The paper's size: hours");
   arguments.text("--data FILE.h5", options.data, "Use this dataset instead of a fresh one");
+  arguments.text("--real FILE.h5", options.real,
+                 "biotac-stability-slip: recordings that `slipbench import` has read; table3: of biotacsp-dos, else of bts3v2");
   arguments.number("--seed N", options.seed, "Seed of dataset, item memories and draws (default: 1)", 0);
   arguments.jobs(options.jobs);
   arguments.flag("--synthesise", options.synthesise, "Run the synthesis instead of reading its stored figures");

@@ -14,6 +14,7 @@ namespace slipbench::reproduce {
 
 struct ReproduceOptions {
   std::string data;                             // a dataset to use instead of a fresh one; empty: none
+  std::string real;                             // a dataset of imported recordings that also judges; empty: none
   std::optional<std::uint64_t> seed;            // of datasets, item memories and draws
   std::size_t jobs = 0;                         // threads; 0: as many as the machine has
   bool full = false;                            // the paper's size
@@ -37,12 +38,19 @@ const std::vector<Reproduction>& reproductions();
 // Throws InputError with the nearest name.
 const Reproduction& find_reproduction(const std::string& name);
 
+Result biotac_table1(const ReproduceOptions& options);
+Result biotac_fig12(const ReproduceOptions& options);
+Result biotac_table2(const ReproduceOptions& options);
+Result biotac_table3(const ReproduceOptions& options);
 Result hd_table1(const ReproduceOptions& options);
 Result hd_table2(const ReproduceOptions& options);
+Result hd_table3(const ReproduceOptions& options);
 Result hd_latency(const ReproduceOptions& options);
 Result hd_resources(const ReproduceOptions& options);
 Result learned_grasp_loop(const ReproduceOptions& options);
 Result myrmex_onset_label(const ReproduceOptions& options);
+Result myrmex_table2(const ReproduceOptions& options);
+Result myrmex_table3(const ReproduceOptions& options);
 Result nib_table1(const ReproduceOptions& options);
 Result nib_table2(const ReproduceOptions& options);
 Result nib_slip_kinds(const ReproduceOptions& options);

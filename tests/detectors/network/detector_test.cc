@@ -5,9 +5,13 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
+
+#include <unistd.h>
 
 #include "detectors/network/engine.h"
 #include "detectors/network/network_detector.h"
@@ -127,6 +131,21 @@ std::string refusal(const Parameters& values, const FrameSource& source) {
     return error.path() + " | " + error.what();
   }
   return "taken";
+}
+
+// A network of any number of frames that is exported with that number left open, whose description asks for another.
+TEST(NetworkDetector, SaysThatAnOpenExtentIsOne) {
+  std::ifstream shipped_file(shipped("mlp13.onnx"), std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(shipped_file), {}};
+  const std::string two = "\"history\": 2";
+  bytes.replace(bytes.find(two), two.size(), "\"history\": 4");
+  const std::string path = testing::TempDir() + "network-" + std::to_string(::getpid()) + "-open.onnx";
+  std::ofstream(path, std::ios::binary) << bytes;
+  EXPECT_THAT(
+      refusal(parameters(path), papillarray()),
+      HasSubstr("the network takes 6 values, its description makes 4 frames of 3; allowed: as many (an extent that the file "
+                "leaves open, that of time too, is taken as 1: export it with its length)"));
+  std::filesystem::remove(path);
 }
 
 TEST(NetworkDetector, SaysAtTheModelWhatIsWrong) {

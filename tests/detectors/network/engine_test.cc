@@ -179,6 +179,99 @@ TEST(Engine, RefusesWhatNeedNotEndOrTakesAnyMemory) {
   EXPECT_THAT(refusal_of("mlp13.onnx", tile), HasSubstr("makes a tensor of more than 67108864 elements"));
 }
 
+// mlp13.onnx with `type` in place of its Relu, of the inputs of the Relu and `inputs`.
+std::string refusal_of_hidden(
+    const std::string& type, const std::vector<std::string>& inputs = {},
+    const std::function<void(onnx::ModelProto&)>& more = [](onnx::ModelProto&) {}) {
+  return refusal_of("mlp13.onnx", [&](onnx::ModelProto& m) {
+    onnx::NodeProto* const node = m.mutable_graph()->mutable_node(2);
+    node->set_op_type(type);
+    for (const std::string& input : inputs) node->add_input(input);
+    more(m);
+  });
+}
+
+void add_scalar(onnx::ModelProto& model, const std::string& name, onnx::TensorProto::DataType type, const std::string& bytes) {
+  onnx::TensorProto* const tensor = model.mutable_graph()->add_initializer();
+  tensor->set_name(name);
+  tensor->set_data_type(type);
+  tensor->set_raw_data(bytes);
+}
+
+TEST(Engine, RefusesWhatIsRandom) {
+  for (const char* type :
+       {"Bernoulli", "Multinomial", "RandomNormal", "RandomNormalLike", "RandomUniform", "RandomUniformLike"}) {
+    EXPECT_THAT(refusal_of_hidden(type),
+                HasSubstr("uses the operator '" + std::string(type) +
+                          "', which draws random numbers; allowed: operators that give the same each time"));
+  }
+  // Dropout(data, ratio, training_mode).
+  const auto dropout = [](const std::string& training) {
+    return refusal_of_hidden("Dropout", {"ratio", "training"}, [&](onnx::ModelProto& m) {
+      add_scalar(m, "ratio", onnx::TensorProto::FLOAT, std::string("\0\0\0\x3f", 4));  // 0.5
+      add_scalar(m, "training", onnx::TensorProto::BOOL, training);
+    });
+  };
+  EXPECT_THAT(dropout(std::string(1, '\1')), HasSubstr("uses the operator 'Dropout' as in training"));
+  EXPECT_EQ(dropout(std::string(1, '\0')), "taken");
+  EXPECT_EQ(refusal_of_hidden("Dropout"), "taken");
+}
+
+// The 4 hidden values become 4 x `side` x `side` ones, less than a tensor may have, and are multiplied with each other: 4 side^3 multiply-adds.
+TEST(Engine, RefusesWhatTakesAnyTime) {
+  const auto squared = [](std::int64_t side) {
+    return refusal_of("mlp13.onnx", [&](onnx::ModelProto& m) {
+      onnx::GraphProto& graph = *m.mutable_graph();
+      const auto integers = [&](const std::string& name, const std::vector<std::int64_t>& values) {
+        onnx::TensorProto* const tensor = graph.add_initializer();
+        tensor->set_name(name);
+        tensor->set_data_type(onnx::TensorProto::INT64);
+        tensor->add_dims(static_cast<std::int64_t>(values.size()));
+        for (const std::int64_t value : values) tensor->add_int64_data(value);
+      };
+      integers("column", {4, 1, 1});
+      integers("square", {4, side, side});
+      integers("sides", {1, 2});
+      integers("row", {1, 4});
+      // hidden [1, 4] -> [4, 1, 1] -> [4, side, side] -> its square -> a mean of each of the 4 -> [1, 4] relu
+      onnx::NodeProto last = graph.node(3);
+      graph.mutable_node()->RemoveLast();
+      graph.mutable_node()->RemoveLast();
+      const auto node = [&](const std::string& type, const std::vector<std::string>& inputs, const std::string& output) {
+        onnx::NodeProto* const added = graph.add_node();
+        added->set_op_type(type);
+        for (const std::string& input : inputs) added->add_input(input);
+        added->add_output(output);
+        return added;
+      };
+      node("Reshape", {"hidden", "column"}, "columns");
+      node("Expand", {"columns", "square"}, "squares");
+      node("MatMul", {"squares", "squares"}, "products");
+      onnx::NodeProto* const mean = node("ReduceMean", {"products"}, "means");
+      onnx::AttributeProto* const axes = mean->add_attribute();
+      axes->set_name("axes");
+      axes->set_type(onnx::AttributeProto::INTS);
+      axes->add_ints(1);
+      axes->add_ints(2);
+      node("Reshape", {"means", "row"}, "relu");
+      *graph.add_node() = last;
+    });
+  };
+  EXPECT_EQ(squared(8), "taken");
+  // 4 x 2000^3 = 3.2e10, and some 1e7 values that are read and made.
+  EXPECT_THAT(squared(2000), HasSubstr(": a step of the network takes 3.20"));
+  EXPECT_THAT(squared(2000), HasSubstr("e+10 multiply-adds; allowed: at most 10000000000"));
+}
+
+// OpenVINO repeats the name of what it does not know, here 200 words of three letters.
+TEST(Engine, CutsALongReasonBetweenWords) {
+  std::string words;
+  for (int i = 0; i < 200; ++i) words += i == 0 ? "odd" : " odd";
+  const std::string message = refusal_of_hidden(words);
+  EXPECT_THAT(message, HasSubstr("OpenVINO does not take it"));
+  EXPECT_THAT(message, testing::EndsWith(" odd ..."));
+}
+
 TEST(Engine, RefusesTensorsThatAreNotWhatTheySay) {
   using onnx::ModelProto;
   const auto first = [](ModelProto& m) { return m.mutable_graph()->mutable_initializer(0); };

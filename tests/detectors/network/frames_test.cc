@@ -259,10 +259,18 @@ TEST(Frames, ASampleCostsNoMemory) {
   EXPECT_EQ(allocations, 0u);
 }
 
+// 1004 us from sample to sample: a recorder's clock.
+TEST(Frames, TakeARateWithinOnePerCent) {
+  for (const double hertz : {990.0, 1e6 / 1004.0, 999.001, 1000.0, 1010.0})
+    EXPECT_EQ(refusal(input_of({{"force", {0}}}), "papillarray", hertz), "taken") << hertz;
+}
+
 TEST(Frames, SayWhatDoesNotFitTheSensor) {
   const Input good = input_of({{"force", {0}}});
   EXPECT_THAT(refusal(good, "biotac"), HasSubstr("reads a 'papillarray', not a 'biotac'"));
-  EXPECT_THAT(refusal(good, "papillarray", 500.0), HasSubstr("reads 1 kHz, not 500 Hz"));
+  EXPECT_THAT(refusal(good, "papillarray", 500.0), HasSubstr("reads 1 kHz, not 500 Hz; allowed: the former, within 1 %"));
+  EXPECT_THAT(refusal(good, "papillarray", 989.0), HasSubstr("reads 1 kHz, not 989 Hz"));
+  EXPECT_THAT(refusal(good, "papillarray", 1011.0), HasSubstr("reads 1 kHz, not 1011 Hz"));
   EXPECT_THAT(refusal(input_of({{"forces", {}}})), HasSubstr("reads the channel 'forces'; did you mean 'force'?"));
   EXPECT_THAT(refusal(input_of({{"force", {6}}})), HasSubstr("value 6 of the channel 'force', which has 6; allowed: 0 to 5"));
   Input input = good;

@@ -257,6 +257,8 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:4: unknown key 'until' in hold; allowed: against, body, from, within"},
         Case{"HoldAfterTheEnd", with_bodies("{box: {shape: box}}") + "hold: {body: box, against: pad, from: 100 s}\n",
              "s.yaml:4: hold.from: 100 s is the trial's end or later; allowed: less than 4 s"},
+        Case{"HoldItself", with_bodies("{box: {shape: box}}") + "hold: {body: box,\n  against: box}\n",
+             "s.yaml:5: hold.against: 'box' is the body itself; allowed: what holds it, a sensor or another body"},
         Case{"IntegratorWithoutBodies", head + "integrator: RK4\n",
              "s.yaml:3: 'integrator' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"SolverAutoWithoutBodies", head + "field_solver: auto\n",

@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
+#include "sim/core/random.h"
 #include "tests/tools/base/dataset/test_records.h"
+#include "tools/program/learn/recipe.h"
 
 namespace slipbench::reproduce::piezo_networks_test {
 namespace {
@@ -92,9 +94,52 @@ TEST(StudySize, OfThePaperHas200Epochs) {
   EXPECT_EQ(full.training.validate_every, 64U);
   EXPECT_NEAR(full.validated, 0.2, 1e-12);
   EXPECT_EQ(full.training.seed, 3U);
+  EXPECT_EQ(full.training.batch, 32U);
+  EXPECT_EQ(full.training.optimiser, learn::Optimiser::rmsprop);
+  EXPECT_EQ(full.training.learning_rate, 8e-4);
   const learn::Validation usual = StudySize{200, false}.training(mlp_32(), 1);
-  EXPECT_EQ(usual.training.steps, mlp_32().steps);
+  EXPECT_EQ(usual.training.steps, learn::find_recipe("piezo_mlp").training.steps);
   EXPECT_EQ(usual.validated, 0.0);
+}
+
+// Ten recordings with a slip and ten without, of 40 frames; a frame that slips is greater by 1 than one that holds, with noise of that size.
+std::vector<PiezoRecording> many() {
+  std::vector<PiezoRecording> all;
+  RandomStream random(1, 0, "recordings");
+  for (std::size_t k = 0; k < 20; ++k) {
+    PiezoRecording one;
+    one.motors_only = k % 2 == 0;
+    one.inputs.emplace_back();
+    for (std::size_t t = 0; t < 40; ++t) {
+      const bool slips = !one.motors_only && t > 20;
+      one.inputs[0].features.push_back(static_cast<float>(random.normal(slips ? 1.0 : 0.0, 1.0)));
+      one.inputs[0].truth.push_back(slips ? 1 : 0);
+    }
+    one.inputs[0].paper = one.inputs[0].truth;
+    all.push_back(one);
+  }
+  return all;
+}
+
+// Calls of a network hang on every bit of its weights where frames are near the threshold; here a third of them are.
+TEST(Validations, DoNotDependOnJobs) {
+  if (!learn::networks_available()) GTEST_SKIP() << "no libtorch";
+  const std::vector<PiezoRecording> recordings = many();
+  NetworkRow row = row_of({learn::Gru{8}});
+  row.training = {.steps = 30, .batch = 8, .clip = 16, .learning_rate = 3e-3};
+  const auto calls = [&](std::size_t jobs) {
+    ReproduceOptions options;
+    options.jobs = jobs;
+    Validations validations(options, {recordings.size(), false});
+    const std::size_t number = validations.queue_folds(recordings, row, LabelRule::paper);
+    validations.run();
+    EXPECT_EQ(validations.folds(number).size(), fold_count);
+    return validations.calls(number);
+  };
+  const learn::Calls alone = calls(1);
+  ASSERT_EQ(alone.size(), recordings.size());
+  for (const std::vector<std::uint8_t>& one : alone) EXPECT_EQ(one.size(), 40U);
+  for (const std::size_t jobs : {2U, 5U}) EXPECT_EQ(calls(jobs), alone) << jobs;
 }
 
 TEST(NetworkTables, RefuseWhatMakesNoFolds) {

@@ -194,6 +194,14 @@ EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
   return trial;
 }
 
+std::string truth_sha256(const LabelRecord& labels) {
+  if (std::ranges::all_of(labels.force, [](float force) { return force == 0.0F; })) return {};
+  Sha256 sha;
+  sha.update(labels.force.data(), labels.force.size() * sizeof(float));
+  sha.update(labels.unit_state.data(), labels.unit_state.size());
+  return hexadecimal(sha.finish());
+}
+
 Digest trial_digest(const TrialRecord& record) { return digest_of(arrays_of(record), attributes_of(record)); }
 
 std::string content_digest(const std::vector<Digest>& digests) {

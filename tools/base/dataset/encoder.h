@@ -83,6 +83,10 @@ class TrialEncoder {
 // EncodedTrial::digest of a trial, without encoding it.
 Digest trial_digest(const TrialRecord& record);
 
+// SHA-256 of what truly happened at a pad, 64 hexadecimal digits: forces and states of its units. Trials in which it is equal are one experiment
+// made twice, whose sensors differ in their noise at most. Empty: the recording has no truth, or nothing pressed on the pad.
+std::string truth_sha256(const LabelRecord& labels);
+
 // SHA-256 over the trials' digests in order, as 64 hexadecimal digits: the content_sha256 of schema 1.
 std::string content_digest(const std::vector<Digest>& digests);
 

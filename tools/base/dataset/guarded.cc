@@ -1,20 +1,15 @@
 #include "tools/base/dataset/guarded.h"
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <new>
 #include <optional>
 #include <stdexcept>
-#include <string_view>
 #include <system_error>
 
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -23,6 +18,7 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/header.h"
+#include "tools/base/workers/child_process.h"
 
 namespace slipbench {
 namespace {
@@ -39,23 +35,6 @@ constexpr bool sanitized = false;
 #else
 constexpr bool sanitized = false;
 #endif
-
-// First byte of what the child sends.
-enum class Outcome : char { result = 'r', bad_input = 'i', no_memory = 'm', failure = 'f' };
-
-std::string message(Outcome outcome, std::string_view text) { return static_cast<char>(outcome) + std::string(text); }
-
-std::string outcome_of(const std::function<std::string()>& action) {
-  try {
-    return message(Outcome::result, action());
-  } catch (const InputError& error) {
-    return message(Outcome::bad_input, error.what());
-  } catch (const std::bad_alloc&) {
-    return message(Outcome::no_memory, "");
-  } catch (const std::exception& error) {
-    return message(Outcome::failure, error.what());
-  }
-}
 
 // Pages of the address space that the program has.
 std::uint64_t own_bytes() {
@@ -77,37 +56,15 @@ void set_limits(const ReadingLimits& limits) {
   if (!sanitized) lower(RLIMIT_AS, own_bytes() + limits.memory);
 }
 
-[[noreturn]] void be_the_child(int channel, const ReadingLimits& limits, const std::function<std::string()>& action) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  std::signal(SIGINT, SIG_IGN);  // a terminal sends it to both; what becomes of it is the parent's affair
-  std::signal(SIGXCPU, SIG_DFL);
-  set_limits(limits);
-  const std::string text = outcome_of(action);
-  std::size_t sent = 0;
-  while (sent < text.size()) {
-    const ssize_t count = ::write(channel, text.data() + sent, text.size() - sent);
-    if (count < 0 && errno != EINTR) ::_exit(1);
-    if (count > 0) sent += static_cast<std::size_t>(count);
-  }
-  ::_exit(0);  // nothing of the parent's is torn down or flushed twice
-}
-
-// What the child sends, until it ends; empty: it took longer than `seconds`. They are counted while this process runs, so that
-// one that is stopped (Ctrl-Z) and goes on has them still.
-std::optional<std::string> read_all(int channel, std::uint64_t seconds) {
-  std::string text;
-  std::array<char, 65536> buffer{};
+// What the child hands back; empty: it took longer than `seconds`. They are counted while this process runs, so that one that is stopped
+// (Ctrl-Z) and goes on has them still.
+std::optional<ChildEnd> end_of(ChildProcess& child, std::uint64_t seconds) {
   while (true) {
-    pollfd ready{channel, POLLIN, 0};
+    pollfd ready{child.channel(), POLLIN, 0};
     constexpr int one_second = 1000;
-    const int count_ready = ::poll(&ready, 1, one_second);
-    if (count_ready == 0 && seconds-- == 0) return std::nullopt;
-    if (count_ready <= 0 && (count_ready == 0 || errno == EINTR)) continue;
-    const ssize_t count = ::read(channel, buffer.data(), buffer.size());
-    if (count == 0) return text;
-    if (count < 0 && errno != EINTR)
-      throw std::runtime_error(fmt::format("cannot read from a process: {}", std::strerror(errno)));
-    if (count > 0) text.append(buffer.data(), static_cast<std::size_t>(count));
+    const int count = ::poll(&ready, 1, one_second);
+    if (count == 0 && seconds-- == 0) return std::nullopt;
+    if (count > 0 && !child.read()) return child.end();
   }
 }
 
@@ -134,43 +91,33 @@ std::string guarded(const std::string& subject, const std::function<std::string(
 }
 
 std::string guarded(const std::string& subject, const ReadingLimits& limits, const std::function<std::string()>& action) {
-  std::array<int, 2> channel{};
-  if (::pipe(channel.data()) != 0) throw std::runtime_error(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
-  const pid_t child = ::fork();
-  if (child < 0) throw std::runtime_error(fmt::format("cannot start a process: {}", std::strerror(errno)));
-  if (child == 0) {
-    ::close(channel[0]);
-    be_the_child(channel[1], limits, action);
-  }
-  ::close(channel[1]);
-  const std::optional<std::string> sent = read_all(channel[0], limits.wait);
-  ::close(channel[0]);
-  if (!sent) ::kill(child, SIGKILL);
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  ChildProcess child([&] {
+    std::signal(SIGXCPU, SIG_DFL);
+    set_limits(limits);
+    return action();
+  });
+  const std::optional<ChildEnd> end = end_of(child, limits.wait);
   const auto unreadable = [&subject](const std::string& why) {
     return InputError(fmt::format("{}: cannot be read: {}", subject, why));
   };
-  if (!sent) throw unreadable(fmt::format("reading took longer than {} s", limits.wait));
-  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+  if (!end) throw unreadable(fmt::format("reading took longer than {} s", limits.wait));
+  if (WIFSIGNALED(end->status) && WTERMSIG(end->status) == SIGXCPU) {
     throw unreadable(fmt::format("reading took longer than {} s of the processor", limits.cpu));
   }
-  const std::string& text = *sent;
-  if (WIFSIGNALED(status) && !is_crash(WTERMSIG(status))) {
-    throw std::runtime_error(fmt::format("{}: reading it was ended: {}", subject, ::strsignal(WTERMSIG(status))));
+  if (WIFSIGNALED(end->status) && !is_crash(WTERMSIG(end->status))) {
+    throw std::runtime_error(fmt::format("{}: reading it was ended: {}", subject, ::strsignal(WTERMSIG(end->status))));
   }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || text.empty()) {
-    throw InputError(fmt::format("{}: is damaged: HDF5 crashed on it{}", subject,
-                                 WIFSIGNALED(status) ? fmt::format(" ({})", ::strsignal(WTERMSIG(status))) : ""));
-  }
-  switch (static_cast<Outcome>(text.front())) {
-    case Outcome::bad_input: throw InputError(text.substr(1));
-    case Outcome::no_memory:
+  switch (end->kind) {
+    case ChildEnd::Kind::bad_input: throw InputError(end->text);
+    case ChildEnd::Kind::no_memory:
       throw unreadable(fmt::format("reading needed more than {:.3g} GB", 1e-9 * static_cast<double>(limits.memory)));
-    case Outcome::failure: throw std::runtime_error(text.substr(1));
-    case Outcome::result: break;
+    case ChildEnd::Kind::failure: throw std::runtime_error(end->text);
+    case ChildEnd::Kind::broken:
+      throw InputError(fmt::format("{}: is damaged: HDF5 crashed on it{}", subject,
+                                   WIFSIGNALED(end->status) ? fmt::format(" ({})", ::strsignal(WTERMSIG(end->status))) : ""));
+    case ChildEnd::Kind::result: break;
   }
-  return text.substr(1);
+  return end->text;
 }
 
 }  // namespace slipbench

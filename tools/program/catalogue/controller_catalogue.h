@@ -1,6 +1,7 @@
 // Where the program's controllers are composed: the one place that names them all.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -9,10 +10,16 @@
 
 namespace slipbench {
 
-// All controllers that a scene may name as controller.type, beside none.
+// All of the program's own controllers that a scene may name as controller.type, beside none.
 const std::vector<ControllerKind>& controller_catalogue();
 
-// Their declarations, in the same order.
+// `parameters`: those of the controller's entry, all present.
+using ControllerMaker = std::function<std::unique_ptr<Controller>(const Parameters& parameters, const GripSource& source)>;
+
+// As register_detector().
+void register_controller(const Entry& about, ControllerMaker make);
+
+// The declarations of all: the program's own in the same order, then those that are registered.
 std::vector<Entry> controller_entries();
 
 // The controller `controller.name` with its parameters, for `source`. Throws InputError for a name that the catalogue does

@@ -14,6 +14,7 @@
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "tools/program/catalogue/oracle.h"
+#include "tools/program/catalogue/registry.h"
 
 namespace slipbench {
 namespace {
@@ -43,8 +44,15 @@ const std::vector<DetectorKind>& detector_catalogue() {
   return kinds;
 }
 
+Registry<DetectorMaker>& registered_detectors() {
+  static Registry<DetectorMaker> registry;
+  return registry;
+}
+
 // `simulation`: null where there is none, of all but the oracle.
 std::unique_ptr<Detector> make_any(const DetectorScene& scene, const FrameSource& source, const Simulation* simulation) {
+  if (const std::optional<DetectorMaker> make = registered_detectors().find(scene.type))
+    return with_flips((*make)(scene.parameters, source), scene.parameters.number("flip"), source);
   for (const DetectorKind& kind : detector_catalogue()) {
     if (kind.about.name != scene.type) continue;
     std::unique_ptr<Detector> detector =
@@ -58,11 +66,16 @@ std::unique_ptr<Detector> make_any(const DetectorScene& scene, const FrameSource
 
 std::vector<Entry> detector_entries() {
   std::vector<Entry> entries;
-  for (const DetectorKind& kind : detector_catalogue()) {
-    entries.push_back(kind.about);
-    entries.back().parameters.push_back(flip_spec());
-  }
+  for (const DetectorKind& kind : detector_catalogue()) entries.push_back(kind.about);
+  for (const Entry& entry : registered_detectors().entries()) entries.push_back(entry);
+  for (Entry& entry : entries) entry.parameters.push_back(flip_spec());
   return entries;
+}
+
+void register_detector(const Entry& about, DetectorMaker make) {
+  std::vector<Entry> taken;
+  for (const DetectorKind& kind : detector_catalogue()) taken.push_back(kind.about);
+  registered_detectors().put("detector", about, std::move(make), taken);
 }
 
 std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source, const Simulation& simulation) {

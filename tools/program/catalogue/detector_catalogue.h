@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -11,6 +12,13 @@
 #include "sim/simulation/simulation.h"
 
 namespace slipbench {
+
+// `parameters`: those of the detector's entry, all present.
+using DetectorMaker = std::function<std::unique_ptr<Detector>(const Parameters& parameters, const FrameSource& source)>;
+
+// From now on a scene of this process may name a detector of whoever has embedded the program; one registered under that name before is
+// replaced. Thread-safe. Throws InputError for a name that is no identifier, or that the program itself uses.
+void register_detector(const Entry& about, DetectorMaker make);
 
 // What a scene may name as detector.type, beside none: the oracle among them. Every one has the parameter flip.
 std::vector<Entry> detector_entries();

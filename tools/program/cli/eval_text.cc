@@ -82,7 +82,7 @@ std::string groups_table(const Json& by, const Style& style) {
 std::string loop_text(const Json& loop) {
   const std::string detector = printable(loop.at("detector").get<std::string>());
   if (!loop.at("same").get<bool>()) {
-    return fmt::format("  the dataset's own loop had the detector {} and saw other classes: its grasps say nothing of this one\n",
+    return fmt::format("  the dataset's own loop had the detector {} and saw other classes: its trials say nothing of this one\n",
                        detector);
   }
   std::string text = fmt::format("  the dataset's own loop had this detector ({}): the same classes in every sample\n", detector);
@@ -111,6 +111,8 @@ std::string eval_text(const Json& result, const Style& style) {
   if (const std::size_t left_out = result.at("left_out").size(); left_out > 0) {
     text += fmt::format("  {} trials on which it was trained are left out; --all judges them too\n", left_out);
   }
+  if (const std::size_t failed = result.at("failed").get<std::size_t>(); failed > 0)
+    text += fmt::format("  {} trials of the dataset failed and are not judged\n", failed);
   text += figures_table(all, style);
   text += fmt::format("  of {} trials that slip: seen {}, early {}, missed {}; of {} that do not: false alarms {}\n",
                       count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),

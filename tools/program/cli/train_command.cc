@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <utility>
@@ -12,12 +13,15 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/evaluation_text.h"
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/recipe_text.h"
 #include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
+#include "tools/program/run/run_sweep.h"
 #include "tools/program/train/training_text.h"
 #include "tools/program/train/training_words.h"
 
@@ -151,6 +155,9 @@ void TrainCommand::read_network() {
                                  recipe.input.sensor));
   if (!labels_.empty())
     recipe.labels = *hd::value_of(learn::label_words, checked_labels(labels_, recipe_, hd::names_of(learn::label_words)));
+  if (!options.output.ends_with(".onnx"))
+    throw InputError(
+        fmt::format("train: -o {}: a network is an ONNX file; allowed: a name that ends with .onnx", options.output));
   recipe.split = split_.value_or(recipe.split);
   recipe.turned = turned_.value_or(recipe.turned);
   if (steps_) {
@@ -168,11 +175,33 @@ void TrainCommand::read_network() {
 
 int TrainCommand::run() { return training ? train_network() : train_hd(); }
 
+std::string TrainCommand::eval_options() const {
+  std::string words;
+  if (!training->sensor.empty()) words += " --sensor " + shell_word(training->sensor);
+  // Frames that were masked are judged as micro has them.
+  const learn::LabelRule labels =
+      training->recipe.labels == learn::LabelRule::masked ? learn::LabelRule::micro : training->recipe.labels;
+  return words + " --labels " + std::string(hd::name_of(learn::label_words, labels));
+}
+
 int TrainCommand::train_network() {
   tell(fmt::format("reading {}", training->dataset));
   StepReport report;
-  const learn::NetworkSummary summary =
-      learn::train_network(*training, [&](const learn::MemberProgress& progress) { tell(report(progress)); });
+  learn::NetworkSummary summary;
+  try {
+    const InterruptGuard guard("stopping at the next validation");
+    const InterruptScope scope(&InterruptGuard::flag());
+    summary = learn::train_network(*training, [&](const learn::MemberProgress& progress) {
+      tell(report(progress));
+      end_if_interrupted();
+    });
+  } catch (const Interrupted&) {
+    const bool left = std::filesystem::exists(training->output + ".checkpoint-0");
+    say(stderr, left ? fmt::format("slipbench: interrupted: kept in {}.checkpoint-0; the same command with --resume goes on\n",
+                                   training->output)
+                     : "slipbench: interrupted; nothing is kept\n");
+    return exit_interrupted;
+  }
   if (json) {
     nlohmann::ordered_json all = nlohmann::ordered_json::parse(summary.description);
     all["output"] = training->output;
@@ -196,7 +225,7 @@ int TrainCommand::train_network() {
           fmt::format("{}, labels {}", training->recipe.name, hd::name_of(learn::label_words, training->recipe.labels))),
       table.text(style), summary.learnt, summary.validated, one_decimal(summary.validation), summary.judged, summary.frames,
       summary.parameters, summary.steps, summary.threshold, style.good("written:"), training->output, style.dim("next:"),
-      training->output, training->dataset);
+      training->output, training->dataset + eval_options());
   return exit_good;
 }
 

@@ -11,6 +11,7 @@
 #include "sim/core/interrupted.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/import/import_format.h"
+#include "tools/program/run/run_sweep.h"
 
 namespace slipbench {
 namespace {
@@ -71,7 +72,7 @@ std::vector<SourceFile> source_files(const std::vector<std::string>& sources) {
 
 std::string canonical_import(const ImportOptions& options) {
   std::string command = "slipbench import";
-  for (const std::string& source : options.sources) command += " " + source;
+  for (const std::string& source : options.sources) command += " " + shell_word(source);
   return command + fmt::format(" --format {} --seed {}", options.format->name, options.seed);
 }
 

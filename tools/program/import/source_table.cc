@@ -40,6 +40,12 @@ bool SourceTable::next() {
   std::size_t size = static_cast<std::size_t>(stream_.gcount()) - (stream_.eof() ? 0 : 1);  // getline() counts the line's end
   if (size > 0 && buffer_[size - 1] == '\r') --size;
   text_ = {buffer_.data(), size};
+  constexpr std::string_view mark = "\xef\xbb\xbf";  // spreadsheets begin UTF-8 with it
+  if (line_ == 1 && text_.starts_with(mark)) text_.remove_prefix(mark.size());
+  if (text_.empty() && at_end()) {
+    --line_;
+    return false;
+  }
   cells_.clear();
   for (std::size_t from = 0;;) {
     const std::size_t comma = text_.find(',', from);
@@ -48,6 +54,8 @@ bool SourceTable::next() {
     from = comma + 1;
   }
 }
+
+bool SourceTable::at_end() { return stream_.eof() || stream_.peek() == std::ifstream::traits_type::eof(); }
 
 void SourceTable::fail(const std::string& what) const {
   throw InputError(fmt::format("{}:{}: {}", path_, std::max<std::size_t>(1, line_), what));

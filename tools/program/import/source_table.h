@@ -19,8 +19,8 @@ class SourceTable {
   // Throws InputError where the file is no regular one or cannot be opened.
   explicit SourceTable(const SourceFile& file);
 
-  // Goes to the next line and cuts it at its commas; false at the end. A line may end with a carriage return. Throws InputError for one that
-  // is too long.
+  // Goes to the next line and cuts it at its commas; false at the end. A line may end with a carriage return, the first may begin with the
+  // mark of UTF-8, and a last one that is empty is none. Throws InputError for one that is too long.
   bool next();
   // Number of the current line, from 1. Its text, and its cells without blanks around them, valid until next().
   [[nodiscard]] std::size_t line() const { return line_; }
@@ -45,6 +45,7 @@ class SourceTable {
   void expect_room(std::size_t rows, std::size_t row_bytes) const;
 
  private:
+  bool at_end();  // whether no byte is left
   [[noreturn]] void refuse(std::size_t cell, std::string_view name, const std::string& allowed) const;
 
   std::string path_;

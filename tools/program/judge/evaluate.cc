@@ -15,6 +15,7 @@
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
 #include "tools/base/dataset/content_check.h"
+#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/statistics/descriptive.h"
@@ -142,6 +143,7 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
   const Scene* const known = scene ? &*scene : nullptr;
   Judged result;
   result.judgement = judged(trial, truth_of(known, record, sensors[sensor], options.labels), replayed);
+  result.judgement.twin = truth_sha256(sensors[sensor].labels);
   result.facts = facts_of(known, record, sensors[sensor]);
   result.grasp = record.outcome.grasp;
   result.sensor = {{"name", names[sensor]}, {"type", sensors[sensor].type}, {"rate_hz", sensors[sensor].rate}};
@@ -153,21 +155,17 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
   return result;
 }
 
-// Trials of the dataset that the detector has learnt from or chosen its state by.
-std::set<std::size_t> trained_trials(const DatasetReader& reader, const Options& options) {
+// Digests of the trials that the detector has learnt from or chosen its state by, whatever file they are in.
+std::set<std::string> seen_trials(const Options& options) {
   const Json trained = Json::parse(options.trained, nullptr, false);
-  if (options.all || !trained.is_object() || !trained.contains("data_sha256")) return {};
-  const Json& told = trained.at("data_sha256");
-  const std::vector<std::string>& own = reader.content_sha256();
-  const bool same = told.is_string() ? own == std::vector{told.get<std::string>()} : told == Json(own);
-  std::set<std::size_t> trials;
-  if (!same) return trials;
-  for (const char* key : {"trials_learnt", "trials_validated"}) {
-    for (const Json& trial : trained.value(key, Json::array())) {
-      if (trial.is_number_unsigned()) trials.insert(trial.get<std::size_t>());
-    }
-  }
-  return trials;
+  std::set<std::string> digests;
+  if (!trained.is_object() || !trained.contains("sha256_seen")) return digests;
+  const Json& told = trained.at("sha256_seen");
+  const auto is_digest = [](const Json& one) { return one.is_string() && one.get_ref<const std::string&>().size() == 64; };
+  if (!told.is_array() || !std::ranges::all_of(told, is_digest))
+    throw InputError("the detector's metadata: trained.sha256_seen is no list of digests; allowed: 64 hexadecimal digits each");
+  if (!options.all) digests.insert(told.begin(), told.end());
+  return digests;
 }
 
 Json parameters_json(const Parameters& parameters) {
@@ -222,7 +220,8 @@ Json broken_down(const std::vector<Judged>& trials, const Key& key) {
   return json;
 }
 
-Json breakdowns(const std::vector<Judged>& trials) {
+// `untouched`: the detector has learnt from no trial of the dataset. Where it has, the dataset's masks say nothing of what is new to it.
+Json breakdowns(const std::vector<Judged>& trials, bool untouched) {
   Json json = Json::array();
   const auto add = [&](const char* by, const Key& key) {
     Json groups = broken_down(trials, key);
@@ -234,6 +233,7 @@ Json breakdowns(const std::vector<Judged>& trials) {
     return Group{0.0, is_material ? "" : trial.facts.object};
   });
   add("speed", [](const Judged& trial) { return octave_of(trial.facts.speed); });
+  if (!untouched) return json;
   add("mask", [](const Judged& trial) {
     const auto place = std::ranges::find(masks, trial.facts.mask);
     return Group{static_cast<double>(place - masks.begin()), trial.facts.mask};
@@ -373,14 +373,14 @@ std::string evaluated(const Options& options) {
   for (const char* mask : masks) {
     for (const std::size_t trial : reader.mask(mask)) mask_of[trial] = mask;
   }
-  const std::set<std::size_t> trained = trained_trials(reader, options);
+  const std::set<std::string> seen = seen_trials(options);
   const Catalogues catalogues = program_catalogues();
   std::vector<Judged> trials;
   Json left_out = Json::array();
   for (const std::size_t trial : reader.trials()) {
     const std::string mask = mask_of.contains(trial) ? mask_of.at(trial) : "";
     if (!options.split.empty() && mask != options.split) continue;
-    if (trained.contains(trial)) {
+    if (seen.contains(reader.trial_sha256(trial))) {
       left_out.push_back(trial);
       continue;
     }
@@ -406,7 +406,8 @@ std::string evaluated(const Options& options) {
                {"split", options.split.empty() ? "all" : options.split},
                {"left_out", left_out},
                {"all", summary_json(summarised(judgements))},
-               {"by", breakdowns(trials)}};
+               {"by", breakdowns(trials, left_out.empty())},
+               {"failed", reader.failed().size()}};
   add_curves(json, trials);
   if (Json loop = loop_json(trials); !loop.is_null()) json["loop"] = std::move(loop);
   json["worst"] = worst_json(trials);

@@ -18,7 +18,7 @@ struct Options {
   TruthRule labels = TruthRule::strict;
   std::string sensor;  // the scene's name; empty: the only one
   std::string split;   // "train", "valid" or "test" of the dataset's masks; empty: every trial
-  // What the detector says of its training, JSON: trials_learnt and trials_validated of the dataset data_sha256 are left out, unless `all`.
+  // What the detector says of its training, JSON: trials whose digests stand in `sha256_seen` are left out, unless `all`.
   std::string trained = "{}";
   bool all = false;
 };
@@ -29,7 +29,9 @@ inline constexpr const char* result_key = "slipbench_eval";
 //   detector {type, parameters}, dataset, sensor {name, type, rate_hz}, labels, split
 //   left_out       trials that the detector was trained on, which are not judged
 //   all            summary_json() of the trials judged
-//   by             [{by, groups: [{name, ...summary_json()}]}]: material, object, speed (octaves), mask; of those that have 2 to 24 groups
+//   by             [{by, groups: [{name, ...summary_json()}]}]: material, object, speed (octaves), and mask, where no trial is left out; of those
+//                  that have 2 to 24 groups
+//   failed         trials that failed, which the dataset does not hold
 //   roc            [[threshold, false share, true share]] and
 //   calibration    [{low, high, count, mean, share}], where the detector has a probability and both classes occur
 //   loop           what the dataset's own loop did with this detector: {detector, same}; `same`: it gave the same classes in every sample; in

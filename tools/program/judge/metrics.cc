@@ -1,6 +1,8 @@
 #include "tools/program/judge/metrics.h"
 
 #include <cmath>
+#include <map>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -68,6 +70,11 @@ std::vector<double> figures_of(const Pool& pool) {
   set("delay_p90_s", quantile(pool.delays, 0.9));
   set("early", ratio(static_cast<double>(pool.counts.early), slipping));
   set("missed", ratio(static_cast<double>(pool.counts.missed), slipping));
+  const StateCounts& stick = frames[static_cast<std::size_t>(PadState::non_slip)];
+  const double stick_called_slip = static_cast<double>(stick[static_cast<std::size_t>(PadState::incipient)] +
+                                                       stick[static_cast<std::size_t>(PadState::gross)]);
+  set("false_alarm_share",
+      ratio(stick_called_slip, static_cast<double>(std::accumulate(stick.begin(), stick.end(), std::size_t{0}))));
   set("false_alarms_per_minute", 60.0 * ratio(pool.stick_alarms, pool.stick_time));
   set("air_alarms_per_minute", 60.0 * ratio(pool.air_alarms, pool.air_time));
   set("f1_of_slip", f1_of_slip(frames));
@@ -77,14 +84,29 @@ std::vector<double> figures_of(const Pool& pool) {
   return values;
 }
 
-Estimate auc_of(std::span<const Judgement> trials) {
+// The trials of each experiment.
+std::vector<std::vector<std::size_t>> experiments_of(std::span<const Judgement> trials) {
+  std::vector<std::vector<std::size_t>> experiments;
+  std::map<std::string, std::size_t> known;
+  for (std::size_t k = 0; k < trials.size(); ++k) {
+    const std::size_t next = experiments.size();
+    const std::size_t place = trials[k].twin.empty() ? next : known.try_emplace(trials[k].twin, next).first->second;
+    if (place == next) experiments.emplace_back();
+    experiments[place].push_back(k);
+  }
+  return experiments;
+}
+
+Estimate auc_of(std::span<const Judgement> trials, const std::vector<std::vector<std::size_t>>& experiments) {
   std::vector<double> positives, negatives;
   std::vector<std::size_t> positive_trial, negative_trial;
-  for (std::size_t k = 0; k < trials.size(); ++k) {
-    positives.insert(positives.end(), trials[k].positives.begin(), trials[k].positives.end());
-    negatives.insert(negatives.end(), trials[k].negatives.begin(), trials[k].negatives.end());
-    positive_trial.resize(positives.size(), k);
-    negative_trial.resize(negatives.size(), k);
+  for (std::size_t place = 0; place < experiments.size(); ++place) {
+    for (const std::size_t k : experiments[place]) {
+      positives.insert(positives.end(), trials[k].positives.begin(), trials[k].positives.end());
+      negatives.insert(negatives.end(), trials[k].negatives.begin(), trials[k].negatives.end());
+    }
+    positive_trial.resize(positives.size(), place);
+    negative_trial.resize(negatives.size(), place);
   }
   if (positives.empty() || negatives.empty()) return {};
   const Auc found = auc(positives, positive_trial, negatives, negative_trial);
@@ -98,7 +120,9 @@ Json number_json(double value) { return std::isnan(value) ? Json(nullptr) : Json
 Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed) {
   const std::size_t rows = truth.time.size();
   if (truth.state.size() != rows || replayed.seen.size() != rows) throw std::logic_error("truth and answers differ in length");
-  Judgement result{.trial = trial, .slip_time = truth.first_slip, .positives = {}, .negatives = {}};
+  Judgement result;
+  result.trial = trial;
+  result.slip_time = truth.first_slip;
   bool seen_before = false;
   for (std::size_t row = 0; row < rows; ++row) {
     const double time = truth.time[row];
@@ -141,27 +165,32 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
 }
 
 Summary summarised(std::span<const Judgement> trials) {
-  const auto pool_of = [&trials](std::span<const std::size_t> drawn) {
+  const std::vector<std::vector<std::size_t>> experiments = experiments_of(trials);
+  const auto pool_of = [&](std::span<const std::size_t> drawn) {
     Pool pool;
-    for (const std::size_t k : drawn) pool.add(trials[k]);
+    for (const std::size_t place : drawn) {
+      for (const std::size_t k : experiments[place]) pool.add(trials[k]);
+    }
     return pool;
   };
   Pool all;
   for (const Judgement& trial : trials) all.add(trial);
   Summary summary = all.counts;
   const std::vector<double> values = figures_of(all);
-  const std::vector<Interval> intervals =
-      bootstrap_intervals(trials.size(), bootstrap_draws, bootstrap_seed,
-                          [&](std::span<const std::size_t> drawn) { return figures_of(pool_of(drawn)); });
+  std::vector<Interval> intervals(figures.size(), {nan, nan});
+  if (experiments.size() >= fewest_experiments) {
+    intervals = bootstrap_intervals(experiments.size(), bootstrap_draws, bootstrap_seed,
+                                    [&](std::span<const std::size_t> drawn) { return figures_of(pool_of(drawn)); });
+  }
   for (std::size_t k = 0; k < figures.size(); ++k) {
     summary.estimates[k].value = values[k];
     if (!std::isnan(values[k])) summary.estimates[k].interval = intervals[k];
   }
-  if (summary.slipping > 0) {
+  if (summary.slipping > 0 && experiments.size() == trials.size()) {
     summary.estimates[place_of("early")].interval = clopper_pearson(summary.early, summary.slipping);
     summary.estimates[place_of("missed")].interval = clopper_pearson(summary.missed, summary.slipping);
   }
-  summary.estimates[place_of("auc")] = auc_of(trials);
+  summary.estimates[place_of("auc")] = auc_of(trials, experiments);
   return summary;
 }
 

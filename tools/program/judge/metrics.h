@@ -21,6 +21,7 @@ namespace slipbench::judge {
 // How a detector did in one trial.
 struct Judgement {
   std::size_t trial = 0;
+  std::string twin;    // truth_sha256(): trials in which it is equal are one experiment; empty: not known
   Confusion frames{};  // samples of the sensor by true state and by what is seen
   // By the first alarm, as in every outcome (settle_detection).
   Detection detection = Detection::quiet;
@@ -56,6 +57,7 @@ inline constexpr std::array figures{
     Figure{"early", "early, of the trials that slip", Figure::Unit::share},
     Figure{"missed", "missed, of the trials that slip", Figure::Unit::share},
     Figure{"false_alarms_per_minute", "false alarms a minute of true stick", Figure::Unit::rate},
+    Figure{"false_alarm_share", "share of true stick called slip", Figure::Unit::share},
     Figure{"air_alarms_per_minute", "false alarms a minute without contact", Figure::Unit::rate},
     Figure{"f1_of_slip", "F1 of slip", Figure::Unit::share},
     Figure{"auc", "area under the ROC curve", Figure::Unit::share},
@@ -76,8 +78,10 @@ struct Summary {
   std::array<Estimate, figures.size()> estimates;  // in the order of `figures`; NaN: does not exist
 };
 
-// Intervals are of 95 % and by trial: of shares of trials exact (Clopper and Pearson), of the AUC Obuchowski's, else by bootstrap over the
-// trials with seed 1 and 1000 draws.
+// Intervals are of 95 % and by experiment, which is a trial and its twins: of shares of trials exact (Clopper and Pearson) where no trial has a
+// twin, of the AUC Obuchowski's, else by bootstrap with seed 1 and 1000 draws. A percentile bootstrap of a handful covers far less than it says, so
+// fewer than `fewest_experiments` have no such interval.
+inline constexpr std::size_t fewest_experiments = 10;
 Summary summarised(std::span<const Judgement> trials);
 
 // A number; null where it is NaN, which JSON does not have.

@@ -55,10 +55,9 @@ std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vect
 }
 
 // When the arm of a grasp begins to rise [s]. A guided one does so as its controller says, to a sample of the sensor.
-double lift_start(const Scene* scene, const TrialRecord& record) {
-  if (scene == nullptr) throw InputError("is a grasp without a scene, which says when it is lifted");
-  const Parameters& motion = scene->motion.parameters;
-  if (!scene->guided()) return lift_times(motion).start;
+double lift_start(const Scene& scene, const TrialRecord& record) {
+  const Parameters& motion = scene.motion.parameters;
+  if (!scene.guided()) return lift_times(motion).start;
   if (!record.control) throw InputError("is a grasp with a guided arm and without a controller, which says when it is lifted");
   const std::vector<float>& arm = record.control->grip.arm;
   for (std::size_t row = 0; 2 * row + 1 < arm.size(); ++row) {
@@ -133,8 +132,9 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   truth.stuck_fraction = sensor.labels.stuck_fraction;
   truth.period = 1.0 / sensor.rate;
   truth.any_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
-  if (record.outcome.grasp) {
-    truth.judged_from = lift_start(scene, record);
+  // A grasp that is no simulation's does not say when it was lifted: all of its samples count.
+  if (record.outcome.grasp && scene != nullptr) {
+    truth.judged_from = lift_start(*scene, record);
     if (record.outcome.grasp->dropped) truth.judged_until = record.outcome.grasp->drop_time;
   }
   truth.first_slip = first_slip(sensor, rule, truth.state, truth.judged_from);

@@ -51,8 +51,8 @@ struct Truth {
   [[nodiscard]] bool counts(double t) const { return (!(t >= any_slip) || t >= judged_from) && !(t >= judged_until); }
 };
 
-// That of one sensor of a trial. `scene`: recorded_scene(); null: the trial is no simulation's. Throws InputError as label_states(), and for a
-// grasp without a scene or a controller, which say when it is lifted.
+// That of one sensor of a trial. `scene`: recorded_scene(); null: the trial is no simulation's, and all of it counts. Throws InputError as
+// label_states(), and for a guided grasp without a controller, which says when it is lifted.
 Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, TruthRule rule);
 
 }  // namespace slipbench::judge

@@ -19,6 +19,7 @@
 #include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "tools/base/dataset/content_check.h"
+#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/program/export/myrmex_images.h"
@@ -114,8 +115,10 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
                                             : rule == LabelRule::paper ? sensor.labels.state_paper
                                                                        : sensor.labels.state_micro;
   if (states.size() != sensor.time.size()) {
-    throw InputError(fmt::format("sensor {}: {} states by the labels {} for {} samples; allowed: one each", sensor.name,
-                                 states.size(), hd::name_of(label_words, rule), sensor.time.size()));
+    const bool recorded = states.empty() && sensor.labels.state_paper.size() == sensor.time.size();
+    throw InputError(fmt::format("sensor {}: {} states by the labels {} for {} samples; allowed: {}", sensor.name, states.size(),
+                                 hd::name_of(label_words, rule), sensor.time.size(),
+                                 recorded ? "--labels paper, which are there" : "one each"));
   }
   return states;
 }
@@ -216,7 +219,7 @@ std::vector<std::size_t> kept_frames(const std::vector<std::uint8_t>& labels, st
 }
 
 bool fits(const SensorRecord& sensor, const network::Input& input) {
-  if (sensor.type != input.sensor || sensor.rate != input.rate) return false;
+  if (sensor.type != input.sensor || !network::rate_fits(input, sensor.rate)) return false;
   for (const network::ChannelPick& pick : input.channels) {
     const auto column = std::ranges::find(sensor.channels, pick.name, &SensorColumn::name);
     if (column == sensor.channels.end()) return false;
@@ -234,7 +237,7 @@ std::string wanted(const network::Input& input) {
   }
   std::vector<std::string> names;
   for (const network::ChannelPick& pick : input.channels) names.push_back(pick.name);
-  return fmt::format("a {} at {} Hz with {}{}", input.sensor, input.rate, fmt::join(names, ", "),
+  return fmt::format("a {} at {} Hz (within 1 %) with {}{}", input.sensor, input.rate, fmt::join(names, ", "),
                      values > 0 ? fmt::format(" of {} values or more", values) : std::string());
 }
 
@@ -281,6 +284,8 @@ class Bytes {
 template <class ExampleOrConst, class Do>
 void for_each_member(ExampleOrConst& example, Do&& use) {
   use(example.trial);
+  use(example.sha256);
+  use(example.twin);
   use(example.sensor);
   use(example.material);
   use(example.object);
@@ -327,7 +332,8 @@ std::string packed_examples(const std::string& dataset_path, const ExampleOption
     for (const SensorRecord* sensor : chosen_sensors(record, options, subject)) {
       for (std::size_t copy = 0; copy <= options.turned; ++copy) {
         try {
-          const Example example = example_of(record, *sensor, options, copy == 0 ? 0 : 1 + turns.integer(rotations - 1));
+          Example example = example_of(record, *sensor, options, copy == 0 ? 0 : 1 + turns.integer(rotations - 1));
+          example.sha256 = reader.trial_sha256(trial);
           for_each_member(example, [&](const auto& member) { bytes.put(member); });
         } catch (const InputError& error) {
           throw InputError(fmt::format("{}: {}", subject, error.what()));
@@ -359,6 +365,7 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
   Example example;
   const SweptFacts facts = swept_facts(record.params);
   example.trial = record.trial;
+  example.twin = truth_sha256(sensor.labels);
   example.sensor = sensor.name;
   example.material = facts.material;
   example.object = facts.object;

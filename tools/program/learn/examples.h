@@ -42,6 +42,8 @@ std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels);
 // One sensor in one trial.
 struct Example {
   std::size_t trial = 0;
+  std::string sha256;    // the trial's own digest in its dataset, 64 hexadecimal digits; empty: not known
+  std::string twin;      // truth_sha256(): trials in which it is equal are one experiment; empty: not known
   std::string sensor;    // the scene's name
   std::string material;  // what was swept of surface.material and friction.static and kinetic; empty: nothing
   std::string object;    // what was swept of shapes, sizes, surface, friction, effects and stiffness; empty: nothing
@@ -60,7 +62,7 @@ struct ExampleOptions {
   network::Input input;  // offset and scale are not used
   LabelRule labels = LabelRule::micro;
   ClassRule classes = ClassRule::slip;
-  std::string sensor;       // empty: every sensor of the input's type and rate whose values its picks fit
+  std::string sensor;       // empty: every sensor of the input's type and rate (network::rate_fits) whose values its picks fit
   std::size_t turned = 0;   // of a myrmex: so many copies of each example more, their images turned (export/myrmex_images.h)
   std::size_t at_most = 0;  // frames of a class in an example, drawn; 0: all. For networks that see one frame at a time
   std::uint64_t seed = 1;   // of what is drawn: RandomStream(seed, trial, "frames") and "turns"
@@ -99,10 +101,11 @@ inline constexpr std::array split_words{hd::Word<Split>{"trial", Split::trial}, 
 
 enum class Part : std::uint8_t { learns, validates, judges, left_out };
 
-// The part of each example. All examples of a group, which is a trial, a material, an object or an octave of speed, judge or none does: groups
-// are shuffled by RandomStream(seed, 0, "split"), and `held_out` of them, rounded up, judge. A fifth of the other trials, rounded up, validates
-// (a fifth of the groups where there are five or more left). Trials with and without contact are dealt out apart. A turned copy whose trial
-// does not learn is left out. Throws InputError where a part would be empty, or nothing is known to split by.
+// The part of each example. All examples of a group, which is an experiment (trials whose Example::twin is equal), a material, an object or an
+// octave of speed, judge or none does: groups are shuffled by RandomStream(seed, 0, "split"), and `held_out` of them, rounded up, judge. A fifth of the
+// other trials, rounded up, validates (a fifth of the groups where there are five or more left). Trials with other classes, and with and without
+// contact, are dealt out apart. A turned copy whose trial does not learn is left out. Throws InputError where a part would be empty, or nothing
+// is known to split by.
 std::vector<Part> split_examples(std::span<const Example> examples, Split split, double held_out, std::uint64_t seed);
 
 }  // namespace slipbench::learn

@@ -15,7 +15,7 @@ struct Overloaded : Cases... {
   using Cases::operator()...;
 };
 template <class... Cases>  // clang 14 deduces no aggregate
-Overloaded(Cases...) -> Overloaded<Cases...>;
+Overloaded(Cases...)->Overloaded<Cases...>;
 
 void need(bool good, const char* what) {
   if (!good) throw std::invalid_argument(std::string("a layer does not fit: ") + what);

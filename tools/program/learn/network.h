@@ -86,7 +86,7 @@ struct TrainingResult {
 struct Checkpoint {
   std::string path;      // empty: none
   std::string identity;  // of the data and of all that is not in shape and options
-  bool resume = false;   // go on from it where it is there
+  bool resume = false;   // go on from it where it is there; false: it must not be there
 };
 
 class Network {
@@ -98,7 +98,8 @@ class Network {
   [[nodiscard]] virtual std::vector<std::vector<float>> state() const = 0;
   // Learns. Of the states that were validated the one with the greatest balanced accuracy on `validation` is kept, the earliest of equals; the
   // last where `validation` is empty. `report` is called after every validation and may throw, which ends it. Throws std::invalid_argument where
-  // a class has no frame, or features and labels do not fit each other; InputError for a checkpoint of something else.
+  // a class has no frame, or features and labels do not fit each other; InputError for a checkpoint of something else or damaged, and for
+  // one that is there and not to be gone on with.
   virtual TrainingResult train(std::span<const FrameSequence> learnt, std::span<const FrameSequence> validation,
                                const TrainingOptions& options, const Checkpoint& checkpoint = {},
                                const std::function<void(const TrainingProgress&)>& report = {}) = 0;

@@ -4,11 +4,15 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <mutex>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <openssl/evp.h>
 #include <torch/torch.h>
 
 #include "sim/core/error.h"
@@ -131,6 +135,16 @@ class Forward {
   bool learns_;
   std::size_t next_ = 0;
 };
+
+// A checkpoint begins with the SHA-256 of what follows: libtorch notices no changed bit in its archives.
+constexpr std::size_t digest_size = 32;
+
+std::string digest_of(const std::string& bytes) {
+  std::array<unsigned char, digest_size> digest{};
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(), nullptr) != 1)
+    throw std::runtime_error("OpenSSL offers no SHA-256");
+  return {digest.begin(), digest.end()};
+}
 
 // What clips are drawn from.
 class Clips {
@@ -263,7 +277,13 @@ class TorchNetwork final : public Network {
     const Tensor weights = clips.weights();
     const auto optimiser = make_optimiser(options);
     Run run;
-    if (checkpoint.resume && !checkpoint.path.empty() && std::filesystem::exists(checkpoint.path)) {
+    const bool left = !checkpoint.path.empty() && std::filesystem::exists(checkpoint.path);
+    if (left && !checkpoint.resume) {
+      throw InputError(
+          checkpoint.path +
+          ": is what a training that did not end has left; allowed: --resume, which goes on with it, or none of that file");
+    }
+    if (left) {
       load(checkpoint, *optimiser, run);
     } else {
       keep(run);
@@ -419,16 +439,29 @@ class TorchNetwork final : public Network {
     archive.write("figures", torch::tensor({run.result.validation, run.latest}, torch::kDouble));
     archive.write("counts",
                   torch::tensor({extent(run.result.best_step), extent(run.worse), std::int64_t{run.ended}}, torch::kLong));
-    const std::string partial = checkpoint.path + ".partial";
-    archive.save_to(partial);
+    std::ostringstream stream;
+    archive.save_to(stream);
+    const std::string bytes = std::move(stream).str(), partial = checkpoint.path + ".partial";
+    std::ofstream file(partial, std::ios::binary);
+    file << digest_of(bytes) << bytes;
+    file.close();
+    if (!file) throw InputError(partial + ": cannot be written");
     std::filesystem::rename(partial, checkpoint.path);
   }
 
   void load(const Checkpoint& checkpoint, torch::optim::Optimizer& optimiser, Run& run) {
     const torch::NoGradGuard no_gradient;
+    const std::string refused =
+        checkpoint.path +
+        ": is damaged, or no checkpoint of a training; allowed: what a killed `slipbench train` left, or none of that file and of --resume";
+    std::ifstream file(checkpoint.path, std::ios::binary);
+    const std::string all{std::istreambuf_iterator<char>(file), {}};
+    if (file.bad() || all.size() < digest_size || all.substr(0, digest_size) != digest_of(all.substr(digest_size)))
+      throw InputError(refused);
+    std::istringstream bytes(all.substr(digest_size));
     torch::serialize::InputArchive archive, inner;
     try {
-      archive.load_from(checkpoint.path);
+      archive.load_from(bytes);
       c10::IValue identity;
       archive.read("identity", identity);
       if (identity.toStringRef() != checkpoint.identity) {
@@ -455,8 +488,7 @@ class TorchNetwork final : public Network {
       run.worse = static_cast<std::size_t>(counts[1].item<std::int64_t>());
       run.ended = counts[2].item<std::int64_t>() != 0;
     } catch (const c10::Error&) {
-      throw InputError(checkpoint.path +
-                       ": is no checkpoint of a training; allowed: what a killed `slipbench train` left, or none of --resume");
+      throw InputError(refused);
     }
   }
 

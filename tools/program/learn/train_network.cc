@@ -121,6 +121,16 @@ std::vector<std::size_t> trials_of(const std::vector<const Example*>& examples) 
   return trials;
 }
 
+// Of the trials of both, once each; a trial that says none of itself is left out.
+std::set<std::string> digests_of(const std::vector<const Example*>& learning, const std::vector<const Example*>& validating) {
+  std::set<std::string> digests;
+  for (const auto* part : {&learning, &validating}) {
+    for (const Example* example : *part) digests.insert(example->sha256);
+  }
+  digests.erase("");
+  return digests;
+}
+
 // Copies of the frames, scaled.
 std::vector<FrameSequence> scaled(const std::vector<const Example*>& examples, const Scale& scale) {
   std::vector<FrameSequence> sequences;
@@ -128,8 +138,8 @@ std::vector<FrameSequence> scaled(const std::vector<const Example*>& examples, c
   return sequences;
 }
 
-// Refuses data that do not teach what the recipe tells apart.
-void check_classes(const std::string& dataset, const std::vector<const Example*>& examples,
+// Refuses data that do not hold what the recipe tells apart. `part`: "to learn from".
+void check_classes(const std::string& dataset, const char* part, const std::vector<const Example*>& examples,
                    const std::vector<network::Class>& classes, std::size_t history) {
   std::vector<std::size_t> frames(classes.size());
   for (const Example* example : examples) {
@@ -144,8 +154,10 @@ void check_classes(const std::string& dataset, const std::vector<const Example*>
   std::vector<std::string> counts;
   for (std::size_t c = 0; c < classes.size(); ++c) counts.push_back(fmt::format("{} {}", frames[c], classes[c].name));
   if (std::ranges::find(frames, 0U) != frames.end()) {
-    throw InputError(fmt::format("{}: the trials to learn from have a class without a frame: {}; allowed: frames of every class",
-                                 dataset, fmt::join(counts, ", ")));
+    throw InputError(
+        fmt::format("{}: the trials {} have a class without a frame: {}; allowed: frames of every class, in more trials or "
+                    "with another --seed or --split",
+                    dataset, part, fmt::join(counts, ", ")));
   }
 }
 
@@ -203,6 +215,11 @@ NetworkSummary train_network(const NetworkTraining& training, const std::functio
   check_text_target(training.output, {training.dataset},
                     {"detector of slipbench", [](std::string_view bytes) { return bytes.starts_with(beginning); }});
   const std::string libraries = network_libraries();  // says what is missing before anything is read
+  // Networks after the first one have no checkpoint until their turn comes.
+  if (const std::string first = checkpoint_path(training.output, 0); training.resume && !std::filesystem::exists(first)) {
+    throw InputError(
+        first + ": is not there to go on with: the training has ended, or never came to a validation; allowed: none of --resume");
+  }
   const ExampleOptions options{recipe.input,  recipe.labels,  recipe.classes, training.sensor,
                                recipe.turned, recipe.at_most, training.seed};
   const Examples examples = read_examples(training.dataset, options);
@@ -220,7 +237,8 @@ NetworkSummary train_network(const NetworkTraining& training, const std::functio
   description.input = recipe.input;
   description.input.history = history_of(recipe.network);
   description.classes = classes_of(recipe.classes, recipe.labels);
-  check_classes(training.dataset, learning, description.classes, description.input.history);
+  check_classes(training.dataset, "to learn from", learning, description.classes, description.input.history);
+  check_classes(training.dataset, "that choose the state", validating, description.classes, description.input.history);
 
   std::vector<const FrameSequence*> scaled_by;
   for (const Example* example : learning) scaled_by.push_back(&example->frames);
@@ -274,6 +292,7 @@ NetworkSummary train_network(const NetworkTraining& training, const std::functio
                {"trials_learnt", trials_of(learning)},
                {"trials_validated", trials_of(validating)},
                {"trials_judged", trials_of(judging)},
+               {"sha256_seen", digests_of(learning, validating)},
                {"frames", summary.frames},
                {"parameters", summary.parameters},
                {"steps", steps},

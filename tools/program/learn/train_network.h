@@ -43,7 +43,8 @@ struct MemberProgress {
 };
 
 // The slip threshold is the one with the greatest balanced accuracy of slip on validation. The description's `trained` says: recipe, labels,
-// command and data_sha256 of the dataset, split, seed, held_out, trials_learnt, trials_validated, trials_judged (numbers of trials), steps,
+// command and data_sha256 of the dataset, split, seed, held_out, trials_learnt, trials_validated, trials_judged (numbers of trials),
+// sha256_seen (digests of the trials learnt and validated, by which `eval` knows them in any file), steps,
 // parameters, figures (validation, held_out), libraries; no clock time: the same data and seed give the same bytes. The file is written to a
 // temporary name, read again by the engine that runs it in a loop, compared with libtorch's own answers on real frames (1e-5), then renamed.
 // OUTPUT.checkpoint holds what a killed training needs to go on, and is removed at the end. Throws InputError: data that do not fit the recipe,

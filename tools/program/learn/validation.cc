@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "sim/core/random.h"
-#include "tools/program/learn/scaling.h"
 
 namespace slipbench::learn {
 namespace {
@@ -51,8 +50,8 @@ std::vector<std::size_t> folds(std::span<const std::size_t> groups, std::size_t 
   return fold_of;
 }
 
-Calls called_in_fold(std::span<const FoldExample> examples, std::span<const std::size_t> fold_of, std::size_t fold,
-                     const Validation& validation) {
+Logits logits_in_fold(std::span<const FoldExample> examples, std::span<const std::size_t> fold_of, std::size_t fold,
+                      const Validation& validation) {
   std::vector<FrameSequence> learnt, validating;
   for (std::size_t i = 0; i < examples.size(); ++i) {
     if (fold_of[i] != fold && validation.learns(examples[i].group)) learnt.push_back(examples[i].frames);
@@ -65,23 +64,33 @@ Calls called_in_fold(std::span<const FoldExample> examples, std::span<const std:
   }
   std::vector<const FrameSequence*> scaled_by;
   for (const FrameSequence& sequence : learnt) scaled_by.push_back(&sequence);
-  const Scale scale = scale_of(scaled_by, validation.shape.inputs, Scaling::standard);
+  const Scale scale = scale_of(scaled_by, validation.shape.inputs, validation.scaling);
   for (std::vector<FrameSequence>* part : {&learnt, &validating}) {
     for (FrameSequence& sequence : *part) apply(scale, sequence);
   }
   const std::unique_ptr<Network> network = make_network(validation.shape, validation.training.seed);
   network->train(learnt, validating, validation.training);
-  const std::size_t before = history_of(validation.shape) - 1;
-  Calls calls(examples.size());
+  Logits logits(examples.size());
   for (std::size_t i = 0; i < examples.size(); ++i) {
     if (fold_of[i] != fold) continue;
     FrameSequence judged = examples[i].frames;
     apply(scale, judged);
-    const std::vector<float> logits = network->logits(judged.features);
-    calls[i].assign(judged.label.size(), masked);
-    for (std::size_t frame = before; frame < judged.label.size(); ++frame) {
+    logits[i] = network->logits(judged.features);
+  }
+  return logits;
+}
+
+Calls called_in_fold(std::span<const FoldExample> examples, std::span<const std::size_t> fold_of, std::size_t fold,
+                     const Validation& validation) {
+  const Logits logits = logits_in_fold(examples, fold_of, fold, validation);
+  const std::size_t before = history_of(validation.shape) - 1;
+  Calls calls(examples.size());
+  for (std::size_t i = 0; i < examples.size(); ++i) {
+    if (fold_of[i] != fold) continue;
+    calls[i].assign(examples[i].frames.label.size(), masked);
+    for (std::size_t frame = before; frame < calls[i].size(); ++frame) {
       const std::size_t at = 2 * (frame - before);
-      calls[i][frame] = logits[at + 1] > logits[at] ? 1 : 0;
+      calls[i][frame] = logits[i][at + 1] > logits[i][at] ? 1 : 0;
     }
   }
   return calls;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/program/learn/network.h"
+#include "tools/program/learn/scaling.h"
 
 namespace slipbench::learn {
 
@@ -24,7 +25,7 @@ struct Counts {
 };
 
 struct FoldExample {
-  FrameSequence frames;   // of two classes, 1: slip
+  FrameSequence frames;
   std::size_t group = 0;  // what kind of recording it is, for its user to tell
 };
 
@@ -38,18 +39,26 @@ struct Validation {
   double validated =
       0.0;  // share of the recordings learnt from that choose the best state instead, rounded down; 0: the last state is kept
   std::function<bool(std::size_t group)> learns = [](std::size_t) { return true; };  // whether it learns from a group at all
+  Scaling scaling = Scaling::standard;  // of the frames, by those that it learns from
 };
+
+// Of each example, as Network::logits gives them.
+using Logits = std::vector<std::vector<float>>;
+
+// One network: learns from the examples outside `fold`, scaled by them alone, and answers those in it; examples outside have no logits. Throws
+// InputError as make_network, std::invalid_argument as Network::train.
+Logits logits_in_fold(std::span<const FoldExample> examples, std::span<const std::size_t> fold_of, std::size_t fold,
+                      const Validation& validation);
 
 // What each frame of each example is called: 1, slip; `masked`, it is not judged.
 using Calls = std::vector<std::vector<std::uint8_t>>;
 
-// One network: learns from the examples outside `fold`, standardised by them alone, and calls the frames of those in it, slip where that is the
-// more probable class. The first history_of() - 1 frames of an example are not judged; examples outside `fold` have no calls. Throws InputError
-// as make_network, std::invalid_argument as Network::train.
+// The same of two classes, 1: slip, as calls: slip where that is the more probable class. The first history_of() - 1 frames of an example are
+// not judged; examples outside `fold` have no calls.
 Calls called_in_fold(std::span<const FoldExample> examples, std::span<const std::size_t> fold_of, std::size_t fold,
                      const Validation& validation);
 
-// Judged frames whose label is not masked, by group [greatest group + 1].
+// Judged frames of two classes whose label is not masked, by group [greatest group + 1].
 std::vector<Counts> counts_of(std::span<const FoldExample> examples, const Calls& calls);
 
 }  // namespace slipbench::learn

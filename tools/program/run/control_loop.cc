@@ -28,17 +28,44 @@ void ControlLoop::act_at(double time) {
   // A step may be longer than the loop's period.
   while (gripper.read_due(time) || gripper.write_due(time)) {
     if (gripper.read_due(time) && gripper.next_read() <= gripper.next_write()) {
-      if (detector_) input_.slip = detector_->seen();
-      input_.frame = frame_;
-      input_.gripper = gripper.read();
+      read();
       command_ = controller_->update(input_);
     } else {
-      if (command_.arm) command_arm(gripper.next_write(), *command_.arm);
-      const double start = gripper.next_write() + gripper.latency();
-      const GripCommand before = std::exchange(written_, gripper.write(command_));
-      if (written_.position > std::max(before.position, input_.gripper.position)) tightening_ = {input_.gripper.time, start};
+      write();
     }
   }
+}
+
+bool ControlLoop::act_or_wait(std::span<const Tick> ticks) {
+  Gripper& gripper = box_->gripper();
+  for (; acted_ < ticks.size(); ++acted_) {
+    if (ticks[acted_].pad != 0) continue;
+    const double time = ticks[acted_].time;
+    if (detector_) detector_->seen_at(time);
+    while (gripper.read_due(time) || gripper.write_due(time)) {
+      if (gripper.read_due(time) && gripper.next_read() <= gripper.next_write()) {
+        read();
+        return false;
+      }
+      write();
+    }
+  }
+  acted_ = 0;
+  return true;
+}
+
+void ControlLoop::read() {
+  if (detector_) input_.slip = detector_->seen();
+  input_.frame = frame_;
+  input_.gripper = box_->gripper().read();
+}
+
+void ControlLoop::write() {
+  Gripper& gripper = box_->gripper();
+  if (command_.arm) command_arm(gripper.next_write(), *command_.arm);
+  const double start = gripper.next_write() + gripper.latency();
+  const GripCommand before = std::exchange(written_, gripper.write(command_));
+  if (written_.position > std::max(before.position, input_.gripper.position)) tightening_ = {input_.gripper.time, start};
 }
 
 void ControlLoop::command_arm(double time, const ArmCommand& command) {

@@ -51,6 +51,13 @@ class ControlLoop {
     }
   }
 
+  // In place of act() where what the controller would say comes from outside: false where a read of the gripper asks for it; then, after
+  // command(), the same call goes on. True when all that is due is done.
+  bool act_or_wait(std::span<const Tick> ticks);
+  // What a controller would be handed at that read.
+  [[nodiscard]] const ControlInput& awaiting() const { return input_; }
+  void command(const GripCommand& command) { command_ = command; }
+
   // Once after the trial. Throws what the detector and the controller throw as they end.
   void finish();
 
@@ -75,6 +82,10 @@ class ControlLoop {
  private:
   [[nodiscard]] bool closed() const { return detector_.has_value() || controller_ != nullptr; }
   void act_at(double time);
+  // Reads the gripper at the read that is due.
+  void read();
+  // Writes the command with the write that is due.
+  void write();
   void command_arm(double time, const ArmCommand& command);
 
   std::optional<DelayedDetector> detector_;
@@ -87,6 +98,7 @@ class ControlLoop {
   GripCommand command_, written_;
   ArmCommand arm_command_;
   Tightening tightening_;
+  std::size_t acted_ = 0;  // ticks of this instant that act_or_wait() has done
 };
 
 }  // namespace slipbench

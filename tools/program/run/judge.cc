@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/core/error.h"
+#include "sim/core/quantity.h"
 
 namespace slipbench {
 namespace {
@@ -31,6 +32,14 @@ std::size_t index_of(const std::vector<NamedBody>& bodies, const std::string& na
 
 std::optional<HoldBodies> hold_bodies(const Scene& scene, const Simulation& simulation) {
   if (!scene.hold) return std::nullopt;
+  // Ticks of the first pad, at which bodies are looked at: one to begin with, and a later one.
+  const std::size_t ticks = simulation.ticks(0);
+  const double latest = ticks < 2 ? 0.0 : static_cast<double>(ticks - 2) * simulation.time_step(0);
+  if (ticks < 2 || scene.hold->from > latest) {
+    throw SceneValueError("hold.from", format_quantity(scene.hold->from, Quantity::time) +
+                                           " leaves no two steps to see the body move between; allowed: 0 s to " +
+                                           format_quantity(latest, Quantity::time));
+  }
   return HoldBodies{index_of(simulation.bodies(), scene.hold->body, "hold.body"),
                     index_of(simulation.bodies(), scene.hold->against, "hold.against")};
 }
@@ -88,7 +97,8 @@ void Judge::watch(const ContactFrame& truth, const ControlLoop& loop) {
 
 Eigen::Vector3d Judge::held_at() const {
   const std::vector<NamedBody>& bodies = simulation_.bodies();
-  return bodies[hold_->body].state.pose.position - bodies[hold_->against].state.pose.position;
+  const Pose& against = bodies[hold_->against].state.pose;
+  return against.rotation.transpose() * (bodies[hold_->body].state.pose.position - against.position);
 }
 
 void Judge::judge_grasp(const ContactFrame& truth, const ControlLoop::Tightening& tightening) {

@@ -26,7 +26,7 @@ struct HoldBodies {
 };
 
 // Empty where the scene has no `hold`. Throws SceneValueError at hold.body and hold.against for a name that no body has, which a dataset
-// would record.
+// would record, and at hold.from where fewer than two ticks are left from then on.
 std::optional<HoldBodies> hold_bodies(const Scene& scene, const Simulation& simulation);
 
 // A sensor that follows another one's pad has figures of its units, and none in the outcome.
@@ -68,7 +68,7 @@ class Judge {
   void watch(const ContactFrame& truth, const ControlLoop& loop);
   void judge_grasp(const ContactFrame& truth, const ControlLoop::Tightening& tightening);
   void judge_turn();
-  // The body of `hold`, from what holds it [m].
+  // The origin of the body of `hold` in the frame of what holds it [m]: a hand that turns with what it holds does not move it.
   [[nodiscard]] Eigen::Vector3d held_at() const;
 
   const Scene& scene_;

@@ -54,16 +54,6 @@ std::string overrides_json(const std::vector<Override>& overrides) {
   return json.dump();
 }
 
-// The swept values of a trial. They come as JSON already.
-std::string params_json(const std::vector<std::pair<std::string, std::string>>& drawn) {
-  std::string text = "{";
-  for (const auto& [path, value] : drawn) {
-    if (text.size() > 1) text += ", ";
-    text += Json(path).dump() + ": " + value;
-  }
-  return text + "}";
-}
-
 // A trial as a worker hands it over.
 struct FinishedTrial {
   TrialSummary summary;
@@ -86,13 +76,6 @@ TrialSummary summary_of(TrialResult& result) {
     summary.detector = {record.control->detector, record.control->sensor, record.control->confusion};
   }
   return summary;
-}
-
-// Takes away what is not there without a recording: empty columns.
-void keep_outcome(TrialRecord& record) {
-  record.sensors.clear();
-  record.body_time.clear();
-  record.bodies.clear();
 }
 
 // How the trials are run and kept.
@@ -258,6 +241,21 @@ TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, 
 }
 
 }  // namespace
+
+void keep_outcome(TrialRecord& record) {
+  record.sensors.clear();
+  record.body_time.clear();
+  record.bodies.clear();
+}
+
+std::string params_json(const std::vector<std::pair<std::string, std::string>>& drawn) {
+  std::string text = "{";
+  for (const auto& [path, value] : drawn) {
+    if (text.size() > 1) text += ", ";
+    text += Json(path).dump() + ": " + value;  // values come as JSON already
+  }
+  return text + "}";
+}
 
 PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
   PlannedTrials planned{long_enough_plan(file, catalogues, options, seed), options.limit};

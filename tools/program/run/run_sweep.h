@@ -97,6 +97,12 @@ struct PlannedTrials {
 // TrialPlan does, and when options.only is none of the trials asked for.
 PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed);
 
+// Takes away what a record does not hold where the outcome alone is kept: its empty columns.
+void keep_outcome(TrialRecord& record);
+
+// TrialPlan::Trial::drawn as a demo's attribute `params`.
+std::string params_json(const std::vector<std::pair<std::string, std::string>>& drawn);
+
 // What decides the bytes of a dataset, as a shell would be given it: no --jobs, no -o.
 std::string canonical_command(const SweepOptions& options);
 

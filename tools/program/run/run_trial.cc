@@ -15,12 +15,9 @@
 #include "tools/program/catalogue/controller_catalogue.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/control_loop.h"
 #include "tools/program/run/finite.h"
-#include "tools/program/run/judge.h"
-#include "tools/program/run/recorder.h"
-#include "tools/program/run/sampling.h"
 #include "tools/program/run/split.h"
+#include "tools/program/run/trial_run.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "sim/mujoco/articulated_simulation.h"
 #include "sim/mujoco/dynamic_simulation.h"
@@ -85,7 +82,8 @@ DelayedDetector make_delayed_detector(const DetectorScene& detector, const Scene
       simulation));
 }
 
-ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& simulation, std::uint64_t trial) {
+ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& simulation, std::uint64_t trial,
+                      const TrialRun::ControllerInPlace& in_place = {}) {
   HeldBox* box = simulation.held_box();
   if (box != nullptr && !scene.guided() && scene.duration <= box->lift_start()) {
     throw SceneValueError(
@@ -94,13 +92,14 @@ ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& si
   std::optional<DelayedDetector> detector;
   if (scene.detector) detector = make_delayed_detector(*scene.detector, scene, sensors, simulation, trial);
   std::unique_ptr<Controller> controller;
-  if (scene.controller) {
-    controller = make_controller(*scene.controller, {.channels = sensors.front()->channels(),
-                                                     .preset = scene.grasp->grip.number("preset"),
-                                                     .detected = detector.has_value(),
-                                                     .features = detector ? detector->features() : std::vector<Feature>{},
-                                                     .guided = scene.guided(),
-                                                     .sensors = sources_of(scene, sensors)});
+  if (scene.controller || in_place) {
+    const GripSource source{.channels = sensors.front()->channels(),
+                            .preset = scene.grasp->grip.number("preset"),
+                            .detected = detector.has_value(),
+                            .features = detector ? detector->features() : std::vector<Feature>{},
+                            .guided = scene.guided(),
+                            .sensors = sources_of(scene, sensors)};
+    controller = in_place ? in_place(source) : make_controller(*scene.controller, source);
   }
   return ControlLoop(std::move(detector), scene.detector ? scene.detector->sensor : 0, std::move(controller), box);
 }
@@ -153,36 +152,64 @@ PlannedSteps planned_steps(const Scene& scene, std::uint64_t trial) {
   return steps;
 }
 
+TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double max_bytes, const std::atomic<bool>* interrupt,
+                   const ControllerInPlace& controller)
+    : scene_(std::move(scene)),
+      sensors_(make_sensors(scene_, trial)),
+      simulation_(make_simulation(scene_, sensors_, trial)),
+      result_{.record = new_record(scene_, sensors_, *simulation_, trial), .units = {}},
+      sampler_(scene_, sensors_, *simulation_),
+      judge_(scene_, *simulation_, box(), result_),
+      interrupt_(interrupt) {
+  if (recording == Recording::full) recorder_.emplace(scene_, sensors_, *simulation_, box(), sampler_, max_bytes, result_.record);
+  loop_ = make_loop(scene_, sensors_, *simulation_, trial, controller);
+}
+
+// These two are the inner loop: a call of each is a percent of a cheap scene's instructions.
+[[gnu::always_inline]] inline std::span<const Tick> TrialRun::advance() {
+  if (steps_++ % steps_between_looks == 0) end_if(interrupt_);
+  simulation_->step();
+  const std::span<const Tick> ticks = sampler_.measure();
+  loop_.update(ticks);
+  return ticks;
+}
+
+[[gnu::always_inline]] inline void TrialRun::observe(std::span<const Tick> ticks) {
+  judge_.observe(ticks, loop_);
+  if (recorder_) recorder_->record(ticks, loop_);
+}
+
+void TrialRun::run() {
+  while (!finished()) {
+    const std::span<const Tick> ticks = advance();
+    loop_.act(ticks);
+    observe(ticks);
+  }
+}
+
+bool TrialRun::step_or_wait() {
+  if (!waits_) ticks_ = advance();
+  waits_ = !loop_.act_or_wait(ticks_);
+  if (!waits_) observe(ticks_);
+  return waits_;
+}
+
+TrialResult TrialRun::finish() {
+  loop_.finish();
+  judge_.finish(sensors_);
+  if (recorder_) check_finite(result_.record);
+  check_last_tick(result_.record, sensors_, *simulation_, sampler_);
+  result_.time_step = shortest_step(*simulation_, sensors_.size());
+  if (!scene_.model.empty()) result_.record.model_sha256 = file_sha256(scene_.model);
+  return std::move(result_);
+}
+
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes,
                       const std::atomic<bool>* interrupt) {
   const InterruptScope scope(interrupt);
-  const Sensors sensors = make_sensors(scene, trial);
-  const std::unique_ptr<Simulation> simulation = make_simulation(scene, sensors, trial);
-  const HeldBox* box = simulation->held_box();
-  TrialResult result{.record = new_record(scene, sensors, *simulation, trial), .units = {}};
-  Sampler sampler(scene, sensors, *simulation);
-  Judge judge(scene, *simulation, box, result);
-  std::optional<Recorder> recorder;
-  if (recording == Recording::full) recorder.emplace(scene, sensors, *simulation, box, sampler, max_bytes, result.record);
-  ControlLoop loop = make_loop(scene, sensors, *simulation, trial);
-
-  for (std::size_t step = 0; !sampler.finished(); ++step) {
-    if (step % steps_between_looks == 0) end_if(interrupt);
-    simulation->step();
-    const std::span<const Tick> ticks = sampler.measure();
-    loop.update(ticks);
-    loop.act(ticks);
-    judge.observe(ticks, loop);
-    if (recorder) recorder->record(ticks, loop);
-  }
-
-  loop.finish();
-  judge.finish(sensors);
-  if (recorder) check_finite(result.record);
-  check_last_tick(result.record, sensors, *simulation, sampler);
-  result.time_step = shortest_step(*simulation, sensors.size());
-  if (!scene.model.empty()) result.record.model_sha256 = file_sha256(scene.model);
-  return result;
+  TrialRun trial_run(scene, trial, recording, max_bytes, interrupt);
+  trial_run.run();
+  return trial_run.finish();
 }
 
 }  // namespace slipbench

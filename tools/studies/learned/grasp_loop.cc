@@ -29,9 +29,14 @@ constexpr std::size_t judged_trials = 100;   // of each row
 constexpr std::size_t default_grasps = 150;  // of each of the two controllers of learn_scene
 constexpr std::uint64_t other_seed = 76;     // added to that of the grasps learnt from: the loop's devices and boxes are others
 constexpr std::size_t piezo_steps = 600;
-// The pad as the scenes have it, and a skin that feels the same contact.
-constexpr const char* both_skins =
-    "{pad: {type: papillarray, rate: 100 Hz}, skin: {type: piezo_skin, electronics: typical, follows: pad}}";
+// The pad as the scenes have it, and sensors that feel the same contact.
+std::string pad_and(const std::vector<std::string>& others) {
+  std::string sensors = "{pad: {type: papillarray, rate: 100 Hz}";
+  for (const std::string& other : others) sensors += ", " + other;
+  return sensors + "}";
+}
+constexpr const char* skin = "skin: {type: piezo_skin, electronics: typical, follows: pad}";
+constexpr const char* array = "array: {type: myrmex, electronics: typical, follows: pad}";
 
 struct Condition {
   std::string text;
@@ -47,7 +52,7 @@ const std::vector<Condition>& conditions() {
 
 // Where the detectors that learn are written.
 struct Files {
-  std::string gru, piezo, memories;
+  std::string gru, piezo, myrmex, memories;
 };
 
 struct Loop {
@@ -58,15 +63,19 @@ std::vector<Loop> loops(const Files& files) {
   const auto tightens = [](std::string name, std::string text, const std::string& detector) {
     return Loop{std::move(name), std::move(text), {{"detector", detector}}};
   };
-  const auto feels = [](std::string name, std::string text, const std::string& detector) {
-    return Loop{std::move(name), std::move(text), {{"sensors", both_skins}, {"detector", detector}}};
+  const auto feels = [](std::string name, std::string text, const char* sensor, const std::string& detector) {
+    return Loop{std::move(name), std::move(text), {{"sensors", pad_and({sensor})}, {"detector", detector}}};
   };
   return {tightens("oracle", "oracle (sees the truth)", "{type: truth}"),
           tightens("grasp_gru", "grasp_gru", fmt::format("{{type: network, model: {}}}", Json(files.gru).dump())),
-          feels("piezo_fft_gru", "piezo_fft_gru, threshold of its file",
+          feels("piezo_fft_gru", "piezo_fft_gru, threshold of its file", skin,
                 fmt::format("{{type: network, model: {}, sensor: skin}}", Json(files.piezo).dump())),
-          feels("piezo_fft_gru_0.9", "piezo_fft_gru, threshold 0.9",
+          feels("piezo_fft_gru_0.9", "piezo_fft_gru, threshold 0.9", skin,
                 fmt::format("{{type: network, model: {}, sensor: skin, threshold: 0.9}}", Json(files.piezo).dump())),
+          feels("myrmex_net3", "myrmex_net3, threshold of its file", array,
+                fmt::format("{{type: network, model: {}, sensor: array}}", Json(files.myrmex).dump())),
+          feels("myrmex_net3_0.9", "myrmex_net3, threshold 0.9", array,
+                fmt::format("{{type: network, model: {}, sensor: array, threshold: 0.9}}", Json(files.myrmex).dump())),
           tightens("gst_hd_grasps", "gst_hd, taught grasps",
                    fmt::format("{{type: gst_hd, memories: {}}}", Json(files.memories).dump())),
           tightens("gst_hd", "gst_hd, shipped memory", "{type: gst_hd}"),
@@ -78,11 +87,11 @@ void stop_if_interrupted() {
   if (InterruptGuard::flag()) throw Interrupted();
 }
 
-// The grasps to learn from.
-void make_grasps(const std::string& path, const ReproduceOptions& options) {
+// The grasps to learn from, felt by the pad and by `others`.
+void make_grasps(const std::string& path, const std::vector<std::string>& others, const ReproduceOptions& options) {
   SweepOptions sweep;
   sweep.scene_path = project_file(learn_scene);
-  sweep.overrides = {{"sensors", both_skins}, {"detector", "{type: truth, sensor: pad}"}};
+  sweep.overrides = {{"sensors", pad_and(others)}, {"detector", "{type: truth, sensor: pad}"}};
   sweep.seed = options.seed.value_or(1);
   sweep.trials = default_grasps;
   sweep.jobs = options.jobs;
@@ -118,9 +127,15 @@ void teach(const std::vector<Loop>& rows, const Files& files, const std::string&
   const auto wanted = [&](const std::string& name) {
     return std::ranges::any_of(rows, [&](const Loop& row) { return row.name.starts_with(name); });
   };
-  const bool gru = wanted("grasp_gru"), piezo = wanted("piezo_fft_gru"), memories = wanted("gst_hd_grasps");
-  if (gru || piezo) static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
-  if (options.data.empty() && (gru || piezo || memories)) make_grasps(dataset, options);
+  const bool gru = wanted("grasp_gru"), piezo = wanted("piezo_fft_gru"), myrmex = wanted("myrmex_net3"),
+             memories = wanted("gst_hd_grasps");
+  if (gru || piezo || myrmex) static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
+  if (options.data.empty() && (gru || piezo || myrmex || memories)) {
+    std::vector<std::string> others;
+    if (piezo) others.emplace_back(skin);
+    if (myrmex) others.emplace_back(array);
+    make_grasps(dataset, others, options);
+  }
   if (gru)
     figures["grasp_gru"] = learnt(dataset, learn::find_recipe("grasp_gru"), files.gru, options).held_out.balanced_accuracy();
   if (piezo) {
@@ -128,6 +143,9 @@ void teach(const std::vector<Loop>& rows, const Files& files, const std::string&
     recipe.training.steps = piezo_steps;
     figures["piezo_fft_gru"] = learnt(dataset, recipe, files.piezo, options).held_out.balanced_accuracy();
   }
+  if (myrmex)
+    figures["myrmex_net3"] =
+        learnt(dataset, learn::find_recipe("myrmex_net3"), files.myrmex, options).held_out.balanced_accuracy();
   if (memories) {
     if (options.say) options.say("gst_hd");
     TrainOptions training;
@@ -191,7 +209,7 @@ ResultTable table_of(const Condition& condition, const std::vector<Loop>& rows, 
 Result learned_grasp_loop(const ReproduceOptions& options) {
   using namespace grasp_loop;
   const DatasetFolder folder;
-  const Files files{folder.file("grasp.onnx"), folder.file("piezo.onnx"), folder.file("memories")};
+  const Files files{folder.file("grasp.onnx"), folder.file("piezo.onnx"), folder.file("myrmex.onnx"), folder.file("memories")};
   const std::vector<Loop> all = loops(files);
   check_only(options.only, names_of(all));
   const std::vector<Loop> rows = chosen(all, options.only);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <stdexcept>
 
 #include <Eigen/Geometry>
 
@@ -115,6 +117,14 @@ TrueSlip true_slip(const SensorRecord& left, const SensorRecord& right, double f
   return slip;
 }
 
+ContactGate sum_end() {
+  // Cut off above rest, a normal variable misses sd/sqrt(2 pi) in the mean, and has the standard deviation sqrt(1/2 - 1/(2 pi)) sd.
+  constexpr double cut_mean = 0.5 * std::numbers::inv_sqrtpi * std::numbers::sqrt2;
+  const double cut_sd = std::sqrt(0.5 - cut_mean * cut_mean);
+  constexpr double taxels = 256.0, images = 20.0;  // of an array; of its sum's mean of 20 ms at 1 kHz
+  return {true, 0.02, taxels * taxel_noise_sd * (cut_mean + 5.0 * cut_sd / std::sqrt(taxels * images))};
+}
+
 double contact_end(const SensorRecord& left, const SensorRecord& right, const ContactGate& gate) {
   double end = 0.0;
   for (const SensorRecord* sensor : {&left, &right}) {
@@ -125,6 +135,23 @@ double contact_end(const SensorRecord& left, const SensorRecord& right, const Co
     }
   }
   return end;
+}
+
+const SensorRecord& bench_sensor(const TrialRecord& record, const std::string& name) {
+  const auto found = std::ranges::find(record.sensors, name, &SensorRecord::name);
+  if (found == record.sensors.end()) throw std::logic_error("scenes/myrmex/dataset.yaml has no sensor " + name);
+  return *found;
+}
+
+std::string object_name(const BodyScene& body) {
+  const Parameters& p = body.shape.parameters;
+  if (p.values().contains("bore") && p.number("bore") > 0.0) return "glass";
+  return body.shape.name == "box" ? "remote" : body.shape.name;
+}
+
+bool is_rotational(const BodyScene& body) {
+  constexpr double from = 5e-3;  // m
+  return std::abs(side_of_mass(body)) > from;
 }
 
 double side_of_mass(const BodyScene& body) {

@@ -3,12 +3,23 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "sim/scene/scene.h"
 #include "tools/base/dataset/trial_record.h"
 
 namespace slipbench::reproduce {
+
+// scenes/myrmex/dataset.yaml: the third sensor rests on the object, the arms begin to move [s].
+inline constexpr double bench_settled = 2.0, bench_apart = 2.5;
+
+// A sensor of that scene. Throws std::logic_error where the record has none of that name.
+const SensorRecord& bench_sensor(const TrialRecord& record, const std::string& name);
+// "cylinder", "remote" or "glass", by the shape.
+std::string object_name(const BodyScene& body);
+// Whether its centre of mass lies 5 mm or more to the side of the grip, so that it turns when it slips.
+bool is_rotational(const BodyScene& body);
 
 // The paper's rule: "the onset of slippage is the time when the sum of contacts on the third sensor started to decrease". What it
 // leaves open:
@@ -48,6 +59,10 @@ struct ContactGate {
   double window;  // s, over whose samples up to each that is averaged; 0: not at all
   double counts;  // that must be missing; more is a contact
 };
+// An array's sum, mean of 20 ms, 5 sd above what its noise alone makes it, since in a trial it has some thousand independent means.
+ContactGate sum_end();
+inline constexpr double taxel_noise_sd = 9.0 / 1024.0 * 4095.0;  // counts, of a resting taxel (sensors/myrmex: 9 of 1,024)
+
 // The last sample at which either array has a contact [s]; 0: there is none.
 double contact_end(const SensorRecord& left, const SensorRecord& right, const ContactGate& gate);
 

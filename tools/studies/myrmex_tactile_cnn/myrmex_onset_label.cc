@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,15 +17,7 @@
 namespace slipbench::reproduce {
 namespace {
 
-constexpr double settled = 2.0, apart = 2.5;  // s, dataset.yaml: the third sensor rests on the object, the arms begin to move
-constexpr double still = apart - settled;
-constexpr double rotational_from = 5e-3;  // m, centre of mass to the side of the grip
-// Of a resting taxel's noise [counts], sensors/myrmex: 9 of 1,024. Cut off above rest, a normal variable misses sd/sqrt(2 pi) in
-// the mean, and has the standard deviation sqrt(1/2 - 1/(2 pi)) sd.
-constexpr double noise_sd = 9.0 / 1024.0 * myrmex::full_scale;
-constexpr double cut_mean = 0.5 * std::numbers::inv_sqrtpi * std::numbers::sqrt2;
-const double cut_sd = std::sqrt(0.5 - cut_mean * cut_mean);
-constexpr double taxels = 256.0, images = 20.0;  // of an array; of its sum's mean of 20 ms at 1 kHz
+constexpr double still = bench_apart - bench_settled;
 
 struct NamedRule {
   const char* name;
@@ -43,20 +34,19 @@ constexpr std::array rules{NamedRule{"w20_2", "counts, mean of 20 ms, 2 sd", {0.
 constexpr double force_fall = 0.05;  // of the last rule
 
 // How the end of a trial is told. A single taxel: by the public tools (llach/myrmex_tools: 5 % of full scale), and by 3 sd of its
-// noise. The sum of an array: 5 sd above what its noise alone makes it, since in a trial it has some thousand independent means.
+// noise. The sum of an array: sum_end().
 struct NamedEnd {
   const char* name;
   std::string text;
   std::optional<ContactGate> gate;  // empty: by the truth
 };
 const std::array<NamedEnd, 4>& ends() {
-  static const double sum_gate = taxels * noise_sd * (cut_mean + 5.0 * cut_sd / std::sqrt(taxels * images));
   static const std::array<NamedEnd, 4> all{
       NamedEnd{"public", "a taxel, 205 counts", ContactGate{false, 0.0, 0.05 * myrmex::full_scale}},
-      NamedEnd{"taxel_3", fmt::format("a taxel, 3 sd of noise, {:.0f} counts", 3.0 * noise_sd),
-               ContactGate{false, 0.0, 3.0 * noise_sd}},
-      NamedEnd{"sum_5", fmt::format("an array's sum, mean of 20 ms, 5 sd above its rest, {:.0f} counts", sum_gate),
-               ContactGate{true, 0.02, sum_gate}},
+      NamedEnd{"taxel_3", fmt::format("a taxel, 3 sd of noise, {:.0f} counts", 3.0 * taxel_noise_sd),
+               ContactGate{false, 0.0, 3.0 * taxel_noise_sd}},
+      NamedEnd{"sum_5", fmt::format("an array's sum, mean of 20 ms, 5 sd above its rest, {:.0f} counts", sum_end().counts),
+               sum_end()},
       NamedEnd{"truth", "the truth", {}}};
   return all;
 }
@@ -71,22 +61,14 @@ struct OnsetTrial {
 };
 
 std::string object_text(const BodyScene& body) {
-  const Parameters& p = body.shape.parameters;
-  const bool hollow = p.values().contains("bore") && p.number("bore") > 0.0;
-  const std::string what = hollow ? "glass" : body.shape.name == "box" ? "remote" : body.shape.name;
-  return fmt::format("{}, {:.0f} g", what, 1e3 * p.number("mass"));
-}
-
-const SensorRecord& sensor_of(const TrialRecord& record, const std::string& name) {
-  const auto found = std::ranges::find(record.sensors, name, &SensorRecord::name);
-  if (found == record.sensors.end()) throw std::logic_error("scenes/myrmex/dataset.yaml has no sensor " + name);
-  return *found;
+  return fmt::format("{}, {:.0f} g", object_name(body), 1e3 * body.shape.parameters.number("mass"));
 }
 
 OnsetTrial onset_trial(const Scene& scene, const TrialRecord& record) {
-  const SensorRecord &left = sensor_of(record, "left"), &right = sensor_of(record, "right"), &top = sensor_of(record, "top");
-  OnsetTrial trial{object_text(scene.bodies.front()), std::abs(side_of_mass(scene.bodies.front())) > rotational_from, {}, {}, {}};
-  trial.truth = true_slip(left, right, apart);
+  const SensorRecord &left = bench_sensor(record, "left"), &right = bench_sensor(record, "right"),
+                     &top = bench_sensor(record, "top");
+  OnsetTrial trial{object_text(scene.bodies.front()), is_rotational(scene.bodies.front()), {}, {}, {}};
+  trial.truth = true_slip(left, right, bench_apart);
   const std::vector<double> counts = sum_of_contacts(top);
   std::vector<double> force;
   const std::size_t units = top.labels.units();
@@ -95,14 +77,14 @@ OnsetTrial onset_trial(const Scene& scene, const TrialRecord& record) {
     for (std::size_t u = 0; u < units; ++u) sum += top.labels.force[3 * (k * units + u) + 2];
     force.push_back(sum);
   }
-  const auto held = static_cast<std::size_t>(std::ranges::lower_bound(top.time, apart) - top.time.begin());
+  const auto held = static_cast<std::size_t>(std::ranges::lower_bound(top.time, bench_apart) - top.time.begin());
   for (std::size_t e = 0; e < end_count; ++e) {
     const std::optional<ContactGate>& gate = ends()[e].gate;
     trial.end[e] = gate ? contact_end(left, right, *gate) : trial.truth.end;
     for (std::size_t r = 0; r < rules.size(); ++r) {
       const double least = rules[r].noisy ? 0.0 : force_fall * force[held];
-      trial.labelled[e][r] =
-          decrease_onset(top.time, rules[r].noisy ? counts : force, rules[r].rule, settled, apart, trial.end[e], least);
+      trial.labelled[e][r] = decrease_onset(top.time, rules[r].noisy ? counts : force, rules[r].rule, bench_settled, bench_apart,
+                                            trial.end[e], least);
     }
   }
   return trial;

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/program/learn/recipe.h"
 #include "tools/studies/grid.h"
 
@@ -17,6 +19,11 @@ using learn::LabelRule;
 
 constexpr std::size_t epochs = 200;        // published
 constexpr double shown = 0.8, kept = 0.8;  // shares: of the recordings that are learnt from, and of these that do not validate
+
+// But for the steps, which the number of recordings decides.
+learn::TrainingOptions published_training() {
+  return {.batch = 32, .clip = 128, .optimiser = learn::Optimiser::rmsprop, .learning_rate = 8e-4};
+}
 
 void check_folds(const std::vector<PiezoRecording>& recordings) {
   const auto refuse_below = [](auto count, const char* what) {
@@ -45,6 +52,25 @@ learn::FrameSequence padded(const learn::FrameSequence& sequence, std::size_t in
   return whole;
 }
 
+// The calls of one fold, for a child process to hand over: those of its recordings, one after the other.
+std::string packed_calls(const learn::Calls& calls) {
+  std::string bytes;
+  for (const std::vector<std::uint8_t>& one : calls) bytes.append(one.begin(), one.end());
+  return bytes;
+}
+learn::Calls unpacked_calls(const std::string& bytes, const std::vector<learn::FoldExample>& examples,
+                            const std::vector<std::size_t>& fold_of, std::size_t fold) {
+  learn::Calls calls(examples.size());
+  auto next = bytes.begin();
+  for (std::size_t i = 0; i < examples.size(); ++i) {
+    if (fold_of[i] != fold) continue;
+    const auto end = next + static_cast<std::ptrdiff_t>(examples[i].frames.label.size());
+    calls[i].assign(next, end);
+    next = end;
+  }
+  return calls;
+}
+
 learn::Counts all_of(const GroupCounts& fold) {
   learn::Counts all = fold[with_slip];
   all.add(fold[motors_alone]);
@@ -66,27 +92,16 @@ NetworkFigures figures_over(const std::vector<GroupCounts>& folds, Of&& counts) 
 
 }  // namespace
 
-NetworkRow mlp_32() {
-  return {.name = "mlp_32",
-          .text = "FFT, MLP 32",
-          .shape = learn::find_recipe("piezo_mlp").network,
-          .steps = 500,
-          .f1 = 0.7913,
-          .accuracy = 88.76};
+NetworkRow row_of(const char* name, const char* text, const char* recipe, double f1, double accuracy) {
+  const learn::Recipe& published = learn::find_recipe(recipe);
+  return {.name = name, .text = text, .shape = published.network, .training = published.training, .f1 = f1, .accuracy = accuracy};
 }
-NetworkRow gru_32() {
-  return {.name = "gru_32",
-          .text = "FFT, GRU 32",
-          .shape = learn::find_recipe("piezo_fft_gru").network,
-          .steps = 200,
-          .f1 = 0.9781,
-          .accuracy = 98.70};
-}
+NetworkRow mlp_32() { return row_of("mlp_32", "FFT, MLP 32", "piezo_mlp", 0.7913, 88.76); }
+NetworkRow gru_32() { return row_of("gru_32", "FFT, GRU 32", "piezo_fft_gru", 0.9781, 98.70); }
 
 learn::Validation StudySize::training(const NetworkRow& row, std::uint64_t seed) const {
-  learn::Validation validation{row.shape, learn::find_recipe("piezo_fft_gru").training};
+  learn::Validation validation{row.shape, full ? published_training() : row.training};
   validation.training.seed = seed;
-  validation.training.steps = row.steps;
   if (!full) return validation;
   const auto epoch = static_cast<std::size_t>(shown * kept * static_cast<double>(recordings)) / validation.training.batch;
   validation.training.validate_every = std::max<std::size_t>(epoch, 1);
@@ -175,9 +190,11 @@ std::vector<std::string> setup_lines(const ReproduceOptions& options, const Stud
                         published_recordings, options.seed.value_or(1))
           : fmt::format("{} recordings of {}.", recordings, options.data),
       "Frames of 20 ms every 10 ms, log power in bins of 50 Hz, standardised on the recordings that are learnt.",
-      fmt::format("{} folds by recording; mean and standard deviation of the folds. {}", fold_count,
-                  size.full ? "200 epochs of 32 clips a step by RMSProp; a fifth of the recordings learnt from chooses the state."
-                            : "32 clips of 128 frames a step by RMSProp, 200 steps of a GRU; the last state is judged."),
+      fmt::format(
+          "{} folds by recording; mean and standard deviation of the folds. {}", fold_count,
+          size.full
+              ? "200 epochs of 32 clips of 128 frames a step by RMSProp; a fifth of the recordings learnt from chooses the state."
+              : "Learnt as the recipes say (`slipbench describe piezo_fft_gru`); the last state is judged."),
       "Labels: position, that the bench's 100 Hz position has changed since its last reading; true, that a part of the contact slips."};
 }
 
@@ -200,17 +217,25 @@ std::size_t Validations::queue_folds(const std::vector<PiezoRecording>& recordin
 }
 
 void Validations::run() {
-  std::vector<learn::Calls> called = run_in_order<learn::Calls>(
-      tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
+  static_cast<void>(learn::network_libraries());  // loaded once, not by every child
+  const InterruptGuard guard;
+  const auto say = [this](std::size_t k) {
+    if (options_.say && (k % 10 == 0 || tasks_[k].name != tasks_[k - 1].name))
+      options_.say(fmt::format("{} ({} of {} begun)", tasks_[k].name, k, tasks_.size()));
+  };
+  const std::vector<std::string> packed = run_in_processes(
+      tasks_.size(), jobs_of(options_),
       [this](std::size_t k) {
-        return learn::called_in_fold(*tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold, tasks_[k].validation);
-      });
+        return packed_calls(learn::called_in_fold(*tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold, tasks_[k].validation));
+      },
+      say, InterruptGuard::flag());
   for (std::size_t k = 0; k < tasks_.size(); ++k) {
     Outcome& outcome = results_[tasks_[k].of];
-    const std::vector<learn::Counts> counts = learn::counts_of(*tasks_[k].examples, called[k]);
+    learn::Calls called = unpacked_calls(packed[k], *tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold);
+    const std::vector<learn::Counts> counts = learn::counts_of(*tasks_[k].examples, called);
     std::ranges::copy(counts, outcome.folds.emplace_back().begin());
-    for (std::size_t i = 0; i < called[k].size(); ++i) {
-      if (!called[k][i].empty()) outcome.calls[i] = std::move(called[k][i]);
+    for (std::size_t i = 0; i < called.size(); ++i) {
+      if (!called[i].empty()) outcome.calls[i] = std::move(called[i]);
     }
   }
 }

@@ -22,22 +22,24 @@ inline constexpr std::size_t with_slip = 0, motors_alone = 1;  // groups of reco
 struct NetworkRow {
   std::string name, text;
   learn::NetworkShape shape;
-  std::size_t steps = 0;  // of the default size
-  std::size_t input = 0;  // PiezoRecording::inputs
-  Told told = {};         // a shortcut eats this instead
-  std::size_t later = 0;  // frames after the one that is named, which it has seen
+  learn::TrainingOptions training = {};  // of the default size
+  std::size_t input = 0;                 // PiezoRecording::inputs
+  Told told = {};                        // a shortcut eats this instead
+  std::size_t later = 0;                 // frames after the one that is named, which it has seen
   double f1 = std::numeric_limits<double>::quiet_NaN(),
          accuracy = std::numeric_limits<double>::quiet_NaN();  // paper's, 0 to 1, %
 };
 
-// The paper's networks of every table.
+// A recipe's network, as it teaches it.
+NetworkRow row_of(const char* name, const char* text, const char* recipe, double f1, double accuracy);
+// The networks of every table.
 NetworkRow mlp_32();
 NetworkRow gru_32();
 
 // What the options make of a study's size.
 struct StudySize {
   std::size_t recordings = 0;  // of each level
-  bool full = false;  // 200 epochs, the best state of a fifth of the recordings learnt from; else a row's steps, the last state
+  bool full = false;  // 200 epochs, the best state by a fifth of the recordings learnt from; else a row's own, the last state
 
   [[nodiscard]] learn::Validation training(const NetworkRow& row, std::uint64_t seed) const;
 };
@@ -86,7 +88,7 @@ std::vector<std::string> setup_lines(const ReproduceOptions& options, const Stud
 inline constexpr const char* table_source =
     "\"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor\". Cells are balanced accuracy in % and F1 of slip.";
 
-// Validations that the tables need: queued first, then run together.
+// Validations that the tables need: queued first, then run together, each network in a process of its own.
 class Validations {
  public:
   // `options` must outlive it.

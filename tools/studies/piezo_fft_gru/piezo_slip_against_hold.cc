@@ -31,7 +31,7 @@ const std::vector<OtherBench>& other_benches() {
   static const std::vector<OtherBench> all{
       {"deaf_direction", "slides along 135 deg, whose shear makes no charge",
        [](Scene& scene) { scene.motion.parameters.set("direction", 0.75 * std::numbers::pi); }},
-      {"fast_press", "pressed on at 2 mm/s instead of 0.5",
+      {"fast_press", "pressed on at 2 mm/s instead of 0.7",
        [](Scene& scene) {
          if (scene.motion.parameters.number("clearance") == 0.0) scene.motion.parameters.set("approach_speed", 2e-3);
        }},

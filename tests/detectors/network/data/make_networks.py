@@ -1,5 +1,5 @@
-"""Writes mlp13.onnx and gru21.onnx beside this file: networks as a user would make them, by the `onnx` package of PyPI.
-Their weights are weight(i) one after the other, which network_test.cc repeats."""
+"""Writes mlp13.onnx, gru21.onnx, unit13.onnx and unit13_biotac.onnx beside this file: networks as a user would make them, by the
+`onnx` package of PyPI. Their weights are weight(i) one after the other, which networks.h repeats."""
 
 import json
 from pathlib import Path
@@ -86,3 +86,31 @@ write(
         "threshold": 0.6,
     },
 )
+
+
+def write_unit(name, about):
+    """A frame x -> x/|x|, which is no number where x is zero -> 2 logits."""
+    values = len(about["channels"][0]["values"])
+    write(
+        name,
+        helper.make_graph(
+            [
+                helper.make_node("Flatten", ["frame"], ["flat"]),
+                helper.make_node("ReduceL2", ["flat"], ["length"], axes=[1], keepdims=1),
+                helper.make_node("Div", ["flat", "length"], ["direction"]),
+                helper.make_node("Gemm", ["direction", "W", "B"], ["logits"], transB=1),
+            ],
+            "unit",
+            [real("frame", ["N", values])],
+            [real("logits", ["N", 2])],
+            [weights("W", [2, values], 0), weights("B", [2], 2 * values)],
+        ),
+        13,
+        7,
+        {"format": 1, "input": about, "classes": classes},
+    )
+
+
+write_unit("unit13.onnx", force)
+electrodes = {"name": "electrodes", "values": list(range(24))}
+write_unit("unit13_biotac.onnx", {"sensor": "biotac_sp", "rate": 100, "channels": [electrodes]})

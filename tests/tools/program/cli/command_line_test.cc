@@ -239,6 +239,8 @@ TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
   EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--labels", "has_slipped"}),
               HasSubstr("allowed: micro, strict, paper, latched, masked"));
   EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--split", "window"}), HasSubstr("allowed: trial, material, object, speed"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp"}),
+              HasSubstr("-o m: a network is an ONNX file; allowed: a name that ends with .onnx"));
   EXPECT_THAT(refused({"--steps", "3"}), HasSubstr("train: --steps is of networks"));
   EXPECT_THAT(refused({"--resume"}), HasSubstr("train: --resume is of networks"));
   EXPECT_THAT(refused({"--labels", "latched"}), HasSubstr("train: --labels is 'latched' with the recipe gst_hd"));
@@ -278,10 +280,11 @@ TEST(CommandLine, EvalTakesADetectorAndItsParameters) {
 
 TEST(CommandLine, ReproduceTakesItsName) {
   EXPECT_EQ(parsed<ReproduceCommand>({"reproduce"}).name, "");
-  const auto command =
-      parsed<ReproduceCommand>({"reproduce", "paper/table", "--data", "a.h5", "--synthesise", "-o", "p.html", "--quiet"});
+  const auto command = parsed<ReproduceCommand>(
+      {"reproduce", "paper/table", "--data", "a.h5", "--real", "r.h5", "--synthesise", "-o", "p.html", "--quiet"});
   EXPECT_EQ(command.name, "paper/table");
   EXPECT_EQ(command.options.data, "a.h5");
+  EXPECT_EQ(command.options.real, "r.h5");
   EXPECT_TRUE(command.options.synthesise);
   EXPECT_TRUE(command.quiet);
   EXPECT_EQ(command.output, "p.html");

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program/cli/child_process.h"
+#include "tests/tools/program/import/sources.h"
 
 namespace slipbench {
 namespace {
@@ -92,6 +93,56 @@ TEST_F(ImportedFiles, WhatNeedsTheTruthIsRefused) {
   expect_refusal({"eval", "force_ratio", data_}, "eval --labels strict" + message);
   for (const char* left : {"out", "a.html", "memories"}) EXPECT_FALSE(std::filesystem::exists(folder_ / left)) << left;
 }
+
+#ifdef SLIPBENCH_WITH_ENGINE
+// Two recordings each: one slips by its own labels, one does not. The networks divide by the length of what they are fed, so that they say
+// numbers of a recording and none of zeros. The logs are 1004 us from row to row: 0.4 % below the rate that the network reads.
+TEST_F(ImportedFiles, AreJudgedByTheirOwnLabels) {
+  using namespace slipbench::testing;
+  const auto network = [](const char* name) { return SLIPBENCH_SOURCE_DIR "/tests/detectors/network/data/" + std::string(name); };
+  const std::string papillarray = network("unit13.onnx"), biotac = network("unit13_biotac.onnx");
+  struct Format {
+    std::string name, network, sensor, file, slipping,
+        sticking;  // `file`: what follows the folder in the path of the slipping one
+  };
+  const auto log = [](int state) {
+    std::string text = log_header(1);
+    for (const long time : {1004, 2008, 3012}) text += log_row(time, {log_cells(std::vector<int>(9, state))});
+    return text;
+  };
+  const auto training = [](const std::string& flags) {
+    std::string text;
+    for (const char* time : {"0.001004", "0.002008", "0.003012"}) text += training_row(time, std::vector<std::string>(9, flags));
+    return text;
+  };
+  const std::string slide = slide_header() + slide_row(1) + slide_row(2);
+  for (const Format& format : {Format{"bts3v2", biotac, "th", "a.csv", grasp_header() + grasp_row("coke", "1", 1000),
+                                      grasp_header() + grasp_row("ball", "0", 1000)},
+                               Format{"biotacsp-dos", biotac, "pad", "n/pen1.csv", slide, slide},
+                               Format{"papillarray-csv", papillarray, "pad", "a.csv", log(3), log(1)},
+                               Format{"training-csv", papillarray, "pad", "a.csv", training("1,1"), training("1,0")}}) {
+    const std::filesystem::path set = folder_ / format.name;
+    std::filesystem::create_directories(set / "n");
+    std::filesystem::create_directories(set / "t");
+    std::ofstream(set / format.file) << format.slipping;
+    std::ofstream(set / "t/pen2.csv") << format.sticking;
+    const std::string file = folder_ / (format.name + ".h5");
+    const ChildResult imported = run_program_file({"import", set, "--format", format.name, "-o", file});
+    ASSERT_EQ(imported.status, 0) << imported.err;
+    const ChildResult judged =
+        run_program_file({"eval", format.network, file, "--labels", "paper", "--sensor", format.sensor, "--json"});
+    ASSERT_EQ(judged.status, 0) << format.name << ": " << judged.err;
+    const auto all = nlohmann::json::parse(judged.out)["all"];
+    EXPECT_EQ(all["trials"], 2) << format.name;
+    EXPECT_EQ(all["slipping"], 1) << format.name;
+  }
+}
+
+TEST_F(ImportedFiles, ANetworkHasToBeNamed) {
+  expect_refusal({"eval", "network", data_, "--labels", "paper"},
+                 "eval: no network is named; allowed: FILE.onnx in place of 'network', or --set model=FILE.onnx");
+}
+#endif
 
 TEST_F(ImportedFiles, IsNoScene) {
   for (const char* command : {"run", "sweep", "check", "cost"}) expect_refusal({command, data_}, "a.h5");

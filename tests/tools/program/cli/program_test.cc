@@ -118,7 +118,7 @@ TEST(Program, UnknownNames) {
 TEST(Program, Reproductions) {
   const ChildResult list = run_program_file({"reproduce", "--json"});
   EXPECT_EQ(list.status, 0);
-  EXPECT_EQ(nlohmann::json::parse(list.out)["reproductions"][0]["name"], "hd-papillarray/table1");
+  EXPECT_EQ(nlohmann::json::parse(list.out)["reproductions"][0]["name"], "biotac-stability-slip/table1");
   EXPECT_THAT(run_program_file({"reproduce", "list"}).out, HasSubstr("hd-papillarray/latency"));
   expect_refusal({"reproduce", "hd-papillarray/latence"}, HasSubstr("did you mean 'hd-papillarray/latency'?"));
   expect_refusal({"reproduce", "hd-papillarray/latency", "--data", "a.h5"},

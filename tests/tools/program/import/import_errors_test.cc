@@ -49,6 +49,8 @@ TEST_F(ImportErrors, GraspsAreChecked) {
   refused(grasp_header() + good + grasp_row("coke", "2", 1), ":2102: column 2, slipped, is '2'; allowed: 0, 1");
   refused("", ":1: the file is empty; allowed: a header that begins with object");
   refused(grasp_header(), ":1: is the only line; allowed: a header and a row a grasp");
+  refused(grasp_header() + "\n", ":1: is the only line; allowed: a header and a row a grasp");
+  refused(grasp_header() + "\n" + grasp_row("coke", "0", 1), ":2: has 1 column; allowed: 74");
   refused(with(grasp_header(), "th_biotac_24", "th_biotac_25"),
           ":1: column 74 is called 'th_biotac_25'; allowed: 'th_biotac_24'");
   refused(with(grasp_header(), ",th_biotac_24", ""), ":1: has 73 columns; allowed: 74");

@@ -201,6 +201,23 @@ TEST_F(Imported, SaysThatItHoldsNoTruth) {
                 "slipbench has simulated");
 }
 
+// What a person can give to a shell again.
+TEST_F(Imported, NamesItsSourcesAsAShellTakesThem) {
+  const std::string file = source("my grasps.csv", grasp_header() + grasp_row("coke", "0", 1000));
+  run({file}, "bts3v2", "spaced.h5");
+  EXPECT_EQ(DatasetReader(path("spaced.h5")).header().command, "slipbench import '" + file + "' --format bts3v2 --seed 7");
+}
+
+// As spreadsheets write it: the mark of UTF-8 in front, an empty line at the end.
+TEST_F(Imported, MarkAndLastEmptyLineAreNoRows) {
+  const std::string mark = "\xef\xbb\xbf", rows = grasp_header() + grasp_row("coke", "0", 1000);
+  EXPECT_EQ(run({source("a.csv", mark + rows + "\n")}, "bts3v2", "a.h5").trials, 1u);
+  EXPECT_EQ(run({source("b.csv", mark + rows + "\r\n")}, "bts3v2", "b.h5").trials, 1u);
+  EXPECT_EQ(
+      run({source("n/case1.csv", mark + slide_header() + slide_row(1) + slide_row(2) + "\n")}, "biotacsp-dos", "c.h5").samples,
+      2u);
+}
+
 TEST_F(Imported, IsSplitByObject) {
   const DatasetReader reader(path("out.h5"));
   std::size_t all = 0;

@@ -55,6 +55,13 @@ class Evaluated : public SmallDatasetTest {
     result.dataset = dataset;
     return result;
   }
+  // What a detector says that has learnt from these trials.
+  static std::string seen(const std::string& dataset, const std::vector<std::size_t>& trials) {
+    const DatasetReader reader(dataset);
+    Json digests = Json::array();
+    for (const std::size_t trial : trials) digests.push_back(reader.trial_sha256(trial));
+    return Json{{"sha256_seen", digests}}.dump();
+  }
 };
 
 // 24 trials, half of them at 4 mm/s, half at 16; masks of 70, 15 and 15 %.
@@ -92,16 +99,22 @@ TEST_F(Evaluated, OnePartOfTheDataset) {
 
 TEST_F(Evaluated, LeavesOutWhatADetectorWasTrainedOn) {
   Options trained = options(dataset());
-  const std::string digest = DatasetReader(trained.dataset).content_sha256().front();
-  trained.trained = R"({"data_sha256": [")" + digest + R"("], "trials_learnt": [0, 1, 2], "trials_validated": [7]})";
+  trained.trained = seen(trained.dataset, {0, 1, 2, 7});
   const Json result = evaluate(trained);
   EXPECT_EQ(result.at("left_out"), (Json{0, 1, 2, 7}));
   EXPECT_EQ(result.at("all").at("trials"), 20);
+  for (const Json& by : result.at("by"))
+    EXPECT_NE(by.at("by"), "mask") << "a part of the masks that it has learnt from is not new to it";
+  // The same trials in another file, whose content has another digest.
+  Options copy = trained;
+  copy.dataset = dataset({{"description", "another one"}}, "other.h5");
+  EXPECT_NE(DatasetReader(copy.dataset).content_sha256(), DatasetReader(trained.dataset).content_sha256());
+  EXPECT_EQ(evaluate(copy).at("left_out"), (Json{0, 1, 2, 7}));
   trained.all = true;
   EXPECT_EQ(evaluate(trained).at("all").at("trials"), 24);
   trained.all = false;
-  trained.trained[18] = trained.trained[18] == '0' ? '1' : '0';  // a digit of the digest: other data
-  EXPECT_EQ(evaluate(trained).at("all").at("trials"), 24);
+  trained.trained = R"({"sha256_seen": ["12"]})";
+  EXPECT_THAT(refusal_of([&] { evaluate(trained); }), HasSubstr("sha256_seen is no list of digests"));
 }
 
 TEST_F(Evaluated, RefusesWhatItCannotJudge) {
@@ -112,8 +125,7 @@ TEST_F(Evaluated, RefusesWhatItCannotJudge) {
   EXPECT_THAT(refusal(wrong), HasSubstr("data.h5: trial 0: no sensor 'padd'; did you mean 'pad'?"));
   EXPECT_THAT(refusal(options(path("nowhere.h5"))), HasSubstr("nowhere.h5"));
   Options all = options(file);
-  all.trained = R"({"data_sha256": ")" + DatasetReader(file).content_sha256().front() + R"(", "trials_learnt": [)";
-  for (int trial = 0; trial < 24; ++trial) all.trained += std::to_string(trial) + (trial < 23 ? "," : "]}");
+  all.trained = seen(file, DatasetReader(file).trials());
   EXPECT_THAT(refusal(all), HasSubstr("no trial is left to judge: the detector was trained on all of them"));
   // One byte of an array.
   std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);

@@ -162,6 +162,28 @@ TEST(Summary, AreaUnderTheCurve) {
   EXPECT_DOUBLE_EQ(figure(summarised(trials), "auc"), 0.75);
 }
 
+// Twenty trials, half of them called wrongly: each tells the other ten nothing, or they are ten made twice, of which the interval of a share is the
+// wider one, or five made four times, which are too few for any.
+TEST(Summary, TwinsCountOnce) {
+  std::vector<Judgement> trials(20);
+  for (std::size_t k = 0; k < 20; ++k) trials[k].frames[1] = k % 2 == 0 ? StateCounts{0, 10, 0, 0} : StateCounts{0, 0, 0, 10};
+  const auto width = [&](std::size_t experiments) {
+    for (std::size_t k = 0; k < 20; ++k) trials[k].twin = std::to_string(k % experiments);
+    const Summary summary = summarised(trials);
+    for (std::size_t k = 0; k < figures.size(); ++k) {
+      if (figures[k].key == "false_alarm_share") {
+        EXPECT_DOUBLE_EQ(summary.estimates[k].value, 0.5);
+        return summary.estimates[k].interval.high - summary.estimates[k].interval.low;
+      }
+    }
+    throw std::logic_error("no such figure");
+  };
+  // Of a mean of n draws of 0 or 1 the standard deviation is 1/(2 sqrt(n)): 95 % are 1.96/sqrt(n) wide, to the coarseness of n steps.
+  EXPECT_NEAR(width(20), 1.96 / std::sqrt(20.0), 0.06);
+  EXPECT_NEAR(width(10), 1.96 / std::sqrt(10.0), 0.11);
+  EXPECT_TRUE(std::isnan(width(5)));
+}
+
 TEST(Summary, AsJson) {
   const Json json = summary_json(summarised(five()));
   EXPECT_EQ(json.at("called").at("gross").at("non_slip"), 1);

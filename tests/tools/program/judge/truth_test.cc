@@ -96,6 +96,19 @@ TEST(FirstSlip, WithoutEventsIsThatOfTheSamples) {
   EXPECT_EQ(first_slip(record, TruthRule::strict, label_states(record, TruthRule::strict, false), 0.0), record.time[3]);
 }
 
+// A recorded grasp does not say when it was lifted: its first sample counts as the others do.
+TEST(Truth, AGraspWithoutASceneCountsFromItsBeginning) {
+  TrialRecord record;
+  record.outcome.grasp.emplace().dropped = true;
+  SensorRecord finger = sensor();
+  finger.labels.event_time.clear();
+  finger.labels.state_paper = {3, 3, 3, 3, 3, 3, 3, 3};
+  const Truth truth = truth_of(nullptr, record, finger, TruthRule::paper);
+  EXPECT_EQ(truth.first_slip, 0.0);
+  EXPECT_TRUE(truth.counts(0.0));
+  EXPECT_TRUE(truth.counts(0.7));
+}
+
 // Slip of closing fingers from 1 s, lift at 2 s, drop at 4 s.
 TEST(Truth, AlarmsOfClosingFingersAndAfterADropDoNotCount) {
   Truth grasp;

@@ -2,18 +2,23 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
 #include "tools/program/learn/recipe.h"
 #include "tools/program/learn/scaling.h"
 
 namespace slipbench::learn::examples_test {
 namespace {
 
+using slipbench::testing::message_of;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 constexpr double rate = 10e3;
 
@@ -166,7 +171,19 @@ TEST(Example, OtherSensorsAreRefused) {
   EXPECT_THROW(example(skin(199), LabelRule::micro), InputError);  // shorter than a frame
   SensorRecord unlabelled = skin();
   unlabelled.labels.state_micro.clear();
-  EXPECT_THROW(example(unlabelled, LabelRule::micro), InputError);
+  unlabelled.labels.state_paper.clear();
+  EXPECT_THAT(message_of<InputError>([&] { example(unlabelled, LabelRule::micro); }),
+              HasSubstr("0 states by the labels micro for 450 samples; allowed: one each"));
+}
+
+// A recording has its set's own labels alone, and a rate that is a little off.
+TEST(Example, OfARecordingIsByItsOwnLabels) {
+  SensorRecord recording = skin();
+  recording.labels.state_micro.clear();
+  recording.rate = 1e6 / 100.4;
+  EXPECT_THAT(message_of<InputError>([&] { example(recording, LabelRule::latched); }),
+              HasSubstr("0 states by the labels latched for 450 samples; allowed: --labels paper, which are there"));
+  EXPECT_THAT(example(recording, LabelRule::paper).frames.label, ElementsAre(0, 0, 0));
 }
 
 TEST(SweptFacts, AreOfTheTrialsParameters) {
@@ -204,6 +221,37 @@ TEST(SplitExamples, DealsTrialsOutWithAndWithoutContact) {
   EXPECT_EQ(split_examples(all, Split::trial, 0.2, 1), parts);
   EXPECT_NE(split_examples(all, Split::trial, 0.2, 2), parts);
   EXPECT_EQ(std::ranges::count(split_examples(all, Split::trial, 0.0, 1), Part::judges), 0);
+}
+
+// Ten experiments, each made twice: 2 judge and of the other 8 a fifth validates, rounded up, and both of a pair are in the same part.
+TEST(SplitExamples, KeepsTwinsTogether) {
+  std::vector<Example> all = trials(20);
+  for (std::size_t i = 0; i < 20; ++i) {
+    all[i].twin = std::to_string(i % 10);
+    all[i].touches = true;
+  }
+  const std::vector<Part> parts = split_examples(all, Split::trial, 0.2, 1);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(parts[i], parts[i + 10]);
+  EXPECT_EQ(std::ranges::count(parts, Part::judges), 4);
+  EXPECT_EQ(std::ranges::count(parts, Part::validates), 4);
+}
+
+// Eight classes of five trials each: a fifth of 40 judges, 8, and a fifth of 32 validates, 7. Each part has its share of each class, none twice.
+TEST(SplitExamples, DealsEachClassOut) {
+  std::vector<Example> all = trials(40);
+  for (std::size_t i = 0; i < 40; ++i) {
+    all[i].touches = true;
+    all[i].frames.label.assign(3, static_cast<std::uint8_t>(i % 8));
+  }
+  const std::vector<Part> parts = split_examples(all, Split::trial, 0.2, 1);
+  for (const Part part : {Part::judges, Part::validates}) {
+    std::set<std::size_t> classes;
+    for (std::size_t i = 0; i < 40; ++i) {
+      if (parts[i] == part) classes.insert(i % 8);
+    }
+    EXPECT_EQ(classes.size(), part == Part::judges ? 8U : 7U);
+    EXPECT_EQ(std::ranges::count(parts, part), static_cast<std::ptrdiff_t>(classes.size()));
+  }
 }
 
 // What judges is never learnt: one of three materials, one of four octaves of speed.

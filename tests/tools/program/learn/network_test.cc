@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
@@ -18,6 +19,10 @@
 
 namespace slipbench::learn::network_test {
 namespace {
+
+using slipbench::testing::bytes_of;
+using slipbench::testing::message_of;
+using ::testing::HasSubstr;
 
 constexpr TrainingOptions quick{.steps = 200, .batch = 8, .clip = 32, .learning_rate = 3e-3};
 
@@ -274,6 +279,7 @@ TEST_F(Resumed, GivesTheSameBytes) {
     const TrainingResult result = whole->train(sequences, validation, options);
     const std::string file = path("checkpoint");
     for (std::size_t killed = 1; killed <= 3; ++killed) {
+      std::filesystem::remove(file);
       const Checkpoint first{file, "same", false}, second{file, "same", true};
       std::size_t reports = 0;
       EXPECT_THROW(make_network(shape, 1)->train(sequences, validation, options, first,
@@ -292,6 +298,44 @@ TEST_F(Resumed, GivesTheSameBytes) {
     EXPECT_THROW(make_network(shape, 1)->train(sequences, validation, options, {file, "same", true}), InputError);
     std::filesystem::remove(file);
   }
+}
+
+// A bit of any byte, and an end that is missing: libtorch itself takes changed weights.
+TEST_F(Resumed, NotFromADamagedCheckpoint) {
+  const std::vector<FrameSequence> sequences = gaussians(6, 100, 11);
+  TrainingOptions options = quick;
+  options.steps = 2;
+  const NetworkShape shape{1, {Linear{8}, Relu{}, Linear{2}}};
+  const Checkpoint whole{path("checkpoint"), "same", false}, resumed{path("checkpoint"), "same", true};
+  make_network(shape, 1)->train(sequences, {}, options, whole);
+  const std::string bytes = bytes_of(whole.path);
+  ASSERT_GT(bytes.size(), 1000U);
+  const auto refusal = [&](const std::string& content) {
+    std::ofstream(whole.path, std::ios::binary) << content;
+    return message_of<InputError>([&] { make_network(shape, 1)->train(sequences, {}, options, resumed); });
+  };
+  for (std::size_t part = 0; part < 20; ++part) {
+    std::string damaged = bytes;
+    damaged[part * bytes.size() / 20] ^= 4;
+    EXPECT_THAT(refusal(damaged), HasSubstr("is damaged, or no checkpoint of a training")) << part;
+  }
+  EXPECT_THAT(refusal(bytes.substr(0, bytes.size() / 2)), HasSubstr("is damaged"));
+  std::ofstream(whole.path, std::ios::binary) << bytes;
+  EXPECT_NO_THROW(make_network(shape, 1)->train(sequences, {}, options, resumed));
+}
+
+// Hours of training are not written over by the same command.
+TEST_F(Resumed, OrRefusedWhereACheckpointIsLeft) {
+  const std::vector<FrameSequence> sequences = gaussians(6, 100, 11);
+  TrainingOptions options = quick;
+  options.steps = 2;
+  const NetworkShape shape{1, {Linear{8}, Relu{}, Linear{2}}};
+  const Checkpoint checkpoint{path("checkpoint"), "same", false};
+  make_network(shape, 1)->train(sequences, {}, options, checkpoint);
+  const std::string bytes = bytes_of(checkpoint.path);
+  EXPECT_THAT(message_of<InputError>([&] { make_network(shape, 1)->train(sequences, {}, options, checkpoint); }),
+              HasSubstr("is what a training that did not end has left; allowed: --resume"));
+  EXPECT_EQ(bytes_of(checkpoint.path), bytes);
 }
 
 // Logits that jump cost more, so that they jump less: sum |y_t - y_(t-1)| over a sequence that alternates.

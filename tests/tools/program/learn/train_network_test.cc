@@ -1,5 +1,6 @@
 #include "tools/program/learn/train_network.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -11,6 +12,7 @@
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
 #include "tests/tools/program/train/small_dataset.h"
+#include "tools/base/dataset/reader.h"
 
 namespace slipbench::learn::train_network_test {
 namespace {
@@ -64,6 +66,12 @@ TEST_F(TrainNetwork, WritesADetectorThatSaysWhatItHasSeen) {
   EXPECT_EQ(trained["seed"], 1);
   EXPECT_EQ(trained["trials_judged"].size(), 5U);
   EXPECT_EQ(trained["data_sha256"][0].get<std::string>().size(), 64U);
+  // Those of the 15 learnt and the 4 validated; what judged is none of them.
+  EXPECT_EQ(trained["sha256_seen"].size(), 19U);
+  const DatasetReader reader(training.dataset);
+  const auto seen = trained["sha256_seen"].get<std::vector<std::string>>();
+  for (const auto& trial : trained["trials_judged"])
+    EXPECT_EQ(std::ranges::count(seen, reader.trial_sha256(trial.get<std::size_t>())), 0);
   EXPECT_FALSE(std::filesystem::exists(training.output + ".checkpoint-0"));
   EXPECT_FALSE(std::filesystem::exists(training.output + ".unchecked"));
 }
@@ -93,8 +101,9 @@ TEST_F(TrainNetwork, TheSameSeedGivesTheSameBytesAlsoWhereItIsKilled) {
 TEST_F(TrainNetwork, RefusesWhatDoesNotFit) {
   NetworkTraining training = small();
   training.recipe = find_recipe("piezo_fft_gru");
-  EXPECT_THAT(refusal(training),
-              HasSubstr("no sensor fits: has pad (papillarray at 1000 Hz); allowed: a piezo_skin at 10000 Hz with signal"));
+  EXPECT_THAT(
+      refusal(training),
+      HasSubstr("no sensor fits: has pad (papillarray at 1000 Hz); allowed: a piezo_skin at 10000 Hz (within 1 %) with signal"));
   training = small();
   training.sensor = "thumb";
   EXPECT_THAT(refusal(training), HasSubstr("no sensor 'thumb' fits"));
@@ -102,7 +111,7 @@ TEST_F(TrainNetwork, RefusesWhatDoesNotFit) {
   training.recipe.split = Split::material;
   EXPECT_THAT(refusal(training), HasSubstr("sweeps no material"));
   training = small();
-  training.dataset = dataset({{"motion.start", "10 s"}}, "still.h5");
+  training.dataset = dataset({{"sweep.motion.speed", "[0.001 mm/s, 0.002 mm/s]"}}, "still.h5");  // at most 0.4 um: nothing slips
   EXPECT_THAT(refusal(training), HasSubstr("have a class without a frame: 150 hold, 0 slip"));
   EXPECT_FALSE(std::filesystem::exists(training.output));
 }

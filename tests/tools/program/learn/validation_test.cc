@@ -1,5 +1,6 @@
 #include "tools/program/learn/validation.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -55,6 +56,26 @@ TEST(Folds, HoldAsManyOfEachGroup) {
   EXPECT_EQ(folds(groups, 5, 3), fold_of);
   EXPECT_NE(folds(groups, 5, 4), fold_of);
   EXPECT_THROW(folds(groups, 1, 3), std::invalid_argument);
+}
+
+// A straight line tells 0, 1 and 2 apart; whoever is outside of the fold says nothing.
+TEST(Logits, AreOfTheFoldAloneAndOfAllClasses) {
+  if (!networks_available()) GTEST_SKIP() << "no libtorch";
+  std::vector<FoldExample> examples;
+  std::vector<std::size_t> fold_of;
+  for (std::size_t i = 0; i < 12; ++i) {
+    examples.push_back({{{static_cast<float>(i % 3)}, {static_cast<std::uint8_t>(i % 3)}}});
+    fold_of.push_back(i < 9 ? 0 : 1);
+  }
+  Validation validation{{1, {Linear{3}}}, {.steps = 400, .optimiser = Optimiser::adam, .learning_rate = 0.1}};
+  validation.scaling = Scaling::range;
+  const Logits logits = logits_in_fold(examples, fold_of, 1, validation);
+  ASSERT_EQ(logits.size(), 12U);
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_TRUE(logits[i].empty());
+  for (std::size_t i = 9; i < 12; ++i) {
+    ASSERT_EQ(logits[i].size(), 3U);
+    EXPECT_EQ(std::ranges::max_element(logits[i]) - logits[i].begin(), static_cast<std::ptrdiff_t>(i % 3));
+  }
 }
 
 }  // namespace

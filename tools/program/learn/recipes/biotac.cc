@@ -1,8 +1,7 @@
+#include "tools/program/learn/recipes/biotac.h"
+
 #include <algorithm>
-#include <array>
-#include <cstddef>
 #include <numeric>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,12 +10,7 @@
 namespace slipbench::learn {
 namespace {
 
-constexpr std::size_t electrodes = 24, image_rows = 12, image_columns = 11;
-
-// Row and column of E1 to E24 in the image D1.
-constexpr std::array<std::pair<std::size_t, std::size_t>, electrodes> places{
-    {{0, 1},  {1, 2}, {4, 0}, {5, 1},  {6, 3}, {7, 0}, {8, 1},  {9, 4},  {10, 2}, {11, 1}, {0, 9}, {1, 8},
-     {4, 10}, {5, 9}, {6, 7}, {7, 10}, {8, 9}, {9, 6}, {10, 8}, {11, 9}, {2, 5},  {3, 4},  {3, 6}, {5, 5}}};
+using biotac::electrodes;
 
 // The graph drawn by hand, E1 being 0.
 constexpr std::array<Edge, 34> edges{{{0, 1},   {1, 20},  {2, 3},   {3, 4},   {3, 21},  {3, 23},  {4, 6},   {4, 7},   {4, 23},
@@ -24,14 +18,29 @@ constexpr std::array<Edge, 34> edges{{{0, 1},   {1, 20},  {2, 3},   {3, 4},   {3
                                       {13, 14}, {13, 22}, {13, 23}, {14, 16}, {14, 17}, {14, 23}, {15, 16}, {16, 17}, {16, 18},
                                       {17, 18}, {18, 19}, {20, 21}, {20, 22}, {21, 22}, {21, 23}, {22, 23}}};
 
-// A pixel without an electrode is the mean of the three nearest in the image.
-std::vector<std::vector<std::size_t>> image() {
+}  // namespace
+
+namespace biotac {
+
+const std::array<ImageLayout, 3>& image_layouts() {
+  static const std::array<ImageLayout, 3> layouts{{
+      {"D1", 12, 11, {{{0, 1},  {1, 2}, {4, 0}, {5, 1},  {6, 3}, {7, 0}, {8, 1},  {9, 4},  {10, 2}, {11, 1}, {0, 9}, {1, 8},
+                       {4, 10}, {5, 9}, {6, 7}, {7, 10}, {8, 9}, {9, 6}, {10, 8}, {11, 9}, {2, 5},  {3, 4},  {3, 6}, {5, 5}}}},
+      {"D2", 6, 5, {{{0, 4}, {1, 4}, {2, 4}, {2, 3}, {3, 3}, {3, 4}, {4, 4}, {4, 3}, {5, 3}, {5, 4}, {0, 0}, {1, 0},
+                     {2, 0}, {2, 1}, {3, 1}, {3, 0}, {4, 0}, {4, 1}, {5, 1}, {5, 0}, {0, 2}, {1, 3}, {1, 1}, {2, 2}}}},
+      {"D3", 4, 7, {{{0, 6}, {0, 5}, {1, 6}, {1, 5}, {2, 4}, {2, 6}, {2, 5}, {3, 4}, {3, 5}, {3, 6}, {0, 0}, {0, 1},
+                     {1, 0}, {1, 1}, {2, 2}, {2, 0}, {2, 1}, {3, 2}, {3, 1}, {3, 0}, {0, 3}, {1, 4}, {1, 2}, {2, 3}}}},
+  }};
+  return layouts;
+}
+
+std::vector<std::vector<std::size_t>> pixels_of(const ImageLayout& layout) {
   std::vector<std::vector<std::size_t>> pixels;
-  for (std::size_t row = 0; row < image_rows; ++row) {
-    for (std::size_t column = 0; column < image_columns; ++column) {
+  for (std::size_t row = 0; row < layout.rows; ++row) {
+    for (std::size_t column = 0; column < layout.columns; ++column) {
       const auto distance = [&](std::size_t e) {
-        const auto across = static_cast<double>(places[e].first) - static_cast<double>(row);
-        const auto along = static_cast<double>(places[e].second) - static_cast<double>(column);
+        const auto across = static_cast<double>(layout.places[e].first) - static_cast<double>(row);
+        const auto along = static_cast<double>(layout.places[e].second) - static_cast<double>(column);
         return across * across + along * along;
       };
       std::vector<std::size_t> order(electrodes);
@@ -44,6 +53,42 @@ std::vector<std::vector<std::size_t>> image() {
   return pixels;
 }
 
+std::vector<double> drawn_graph() { return normalised_adjacency(electrodes, edges); }
+
+NetworkShape image_network(const ImageLayout& layout, std::size_t fingers, std::size_t units) {
+  return {fingers * layout.rows * layout.columns,
+          {Reshape{{fingers, layout.rows, layout.columns}}, Conv2d{32, 3, 0}, BatchNorm{}, Relu{}, Flatten{}, Linear{units},
+           Relu{}, Linear{2}}};
+}
+
+NetworkShape graph_network(const std::vector<double>& adjacency, std::size_t fingers) {
+  NetworkShape shape{electrodes * fingers, {Reshape{{electrodes, fingers}}}};
+  for (const std::size_t units : {8, 8, 16, 16, 32}) {
+    for (const Layer& layer : Layers{GraphConvolution{units, adjacency}, BatchNorm{1}, Relu{}}) shape.layers.push_back(layer);
+  }
+  for (const Layer& layer : Layers{Flatten{}, Linear{128}, Relu{}, Linear{2}}) shape.layers.push_back(layer);
+  return shape;
+}
+
+NetworkShape lstm_network(std::size_t layers, std::size_t rows) {
+  NetworkShape shape{electrodes, {}};
+  for (std::size_t i = 0; i < layers; ++i) shape.layers.emplace_back(Lstm{32});
+  for (const Layer& layer : Layers{Last{rows}, Linear{32}, Relu{}, Linear{32}, Relu{}, Linear{7}}) shape.layers.push_back(layer);
+  return shape;
+}
+
+NetworkShape conv_lstm_network(const ImageLayout& layout, std::size_t layers, std::size_t filters, std::size_t rows) {
+  NetworkShape shape{layout.rows * layout.columns, {Reshape{{1, layout.rows, layout.columns}}}};
+  for (std::size_t i = 0; i < layers; ++i) shape.layers.emplace_back(ConvLstm{filters, 3});
+  for (const Layer& layer : Layers{Last{rows}, GlobalAverage{}, Linear{32}, Relu{}, Linear{32}, Relu{}, Linear{7}})
+    shape.layers.push_back(layer);
+  return shape;
+}
+
+}  // namespace biotac
+
+namespace {
+
 Recipe biotac_recipe(const char* name, const char* summary, const char* section, bool as_image) {
   Recipe one;
   one.name = name;
@@ -55,7 +100,7 @@ Recipe biotac_recipe(const char* name, const char* summary, const char* section,
   one.input.sensor = "biotac_sp";
   one.input.rate = 100.0;
   one.input.channels = {{"electrodes", {}}};
-  if (as_image) one.input.pixels = image();
+  if (as_image) one.input.pixels = biotac::pixels_of(biotac::image_layouts().front());
   one.scaling = Scaling::range;
   one.training = {
       .steps = 600, .batch = 64, .clip = 1, .optimiser = Optimiser::adam, .learning_rate = 1e-3, .balance = Balance::drawing};
@@ -71,37 +116,25 @@ std::vector<Recipe> biotac_recipes() {
   Recipe cnn = biotac_recipe("biotac_cnn", "The electrodes as an image of 12 x 11 through a convolution of 32 and 1024 units",
                              "section 5.1, Table 2", true);
   cnn.assumed = stability;
-  cnn.network = {image_rows * image_columns,
-                 {Reshape{{1, image_rows, image_columns}}, Conv2d{32, 3, 0}, BatchNorm{}, Relu{}, Flatten{}, Linear{1024}, Relu{},
-                  Linear{2}}};
+  cnn.network = biotac::image_network(biotac::image_layouts().front(), 1, 1024);
   Recipe gcn = biotac_recipe("biotac_gcn", "The electrodes as a graph through convolutions of 8, 8, 16, 16, 32 units",
                              "section 5.1, Table 2 and Fig. 12", false);
   gcn.assumed = stability;
-  gcn.network = {electrodes, {Reshape{{electrodes, 1}}}};
-  for (const std::size_t units : {8, 8, 16, 16, 32}) {
-    for (const Layer& layer : Layers{GraphConvolution{units, normalised_adjacency(electrodes, edges)}, BatchNorm{1}, Relu{}})
-      gcn.network.layers.push_back(layer);
-  }
-  for (const Layer& layer : Layers{Flatten{}, Linear{128}, Relu{}, Linear{2}}) gcn.network.layers.push_back(layer);
+  gcn.network = biotac::graph_network(biotac::drawn_graph(), 1);
 
   constexpr const char* direction =
       "the class is what the motion was told, in each frame in contact, as each public recording is of one class; Adam at 1e-3";
   Recipe lstm = biotac_recipe("biotac_lstm", "Five rows at 100 Hz through five LSTMs of 32; direction of slip, seven classes",
                               "section 5.2, Table 3", false);
   lstm.assumed = direction;
-  lstm.network = {electrodes, {}};
-  for (int i = 0; i < 5; ++i) lstm.network.layers.emplace_back(Lstm{32});
-  for (const Layer& layer : Layers{Last{5}, Linear{32}, Relu{}, Linear{32}, Relu{}, Linear{7}})
-    lstm.network.layers.push_back(layer);
+  lstm.network = biotac::lstm_network(5, 5);
   lstm.classes = ClassRule::direction;
   lstm.training.steps = 1000;
   Recipe conv_lstm = biotac_recipe(
       "biotac_convlstm", "Five images of 12 x 11 at 100 Hz through convolutional LSTMs; direction of slip, seven classes",
       "section 5.2, Table 3", true);
   conv_lstm.assumed = fmt::format("{}; two layers of 8 filters, not five of 32, which take 30 times as long to learn", direction);
-  conv_lstm.network = {image_rows * image_columns,
-                       {Reshape{{1, image_rows, image_columns}}, ConvLstm{8, 3}, ConvLstm{8, 3}, Last{5}, GlobalAverage{},
-                        Linear{32}, Relu{}, Linear{32}, Relu{}, Linear{7}}};
+  conv_lstm.network = biotac::conv_lstm_network(biotac::image_layouts().front(), 2, 8, 5);
   conv_lstm.classes = ClassRule::direction;
   conv_lstm.training.steps = 1000;
   return {cnn, gcn, lstm, conv_lstm};

@@ -31,8 +31,8 @@ network::Input raw() {
   return input;
 }
 
-// The paper's clips of 128 frames, 32 a step, RMSProp 8e-4.
-Recipe piezo_recipe(const char* name, const char* summary, const char* row, std::size_t steps) {
+// The paper's clips of 128 frames. Its RMSProp at 8e-4 needs thousands of steps for what Adam at a greater rate reaches in hundreds.
+Recipe piezo_recipe(const char* name, const char* summary, const char* row, std::size_t steps, std::size_t batch, double rate) {
   Recipe one;
   one.name = name;
   one.summary = summary;
@@ -41,11 +41,12 @@ Recipe piezo_recipe(const char* name, const char* summary, const char* row, std:
       "{}",
       row);
   one.assumed =
-      "four layers, which give the numbers of parameters printed; weights of classes in place of balanced drawing; the rate falls to a tenth; steps "
-      "in place of 200 epochs";
+      "four layers, which give the numbers of parameters printed; weights of classes in place of balanced drawing, no label smoothing, no penalty "
+      "of changes; steps of Adam, whose rate falls to a fiftieth, in place of 200 epochs of RMSProp at 8e-4";
   one.input = spectra();
   one.labels = LabelRule::paper;
-  one.training = {.steps = steps, .batch = 32, .clip = 128, .optimiser = Optimiser::rmsprop, .learning_rate = 8e-4};
+  one.training = {
+      .steps = steps, .batch = batch, .clip = 128, .optimiser = Optimiser::adam, .learning_rate = rate, .final_rate = 0.02};
   one.training.validate_every = steps / 20;
   return one;
 }
@@ -63,17 +64,17 @@ Layers four(const Layer& layer, bool relu) {
 }  // namespace
 
 std::vector<Recipe> piezo_recipes() {
-  Recipe mlp = piezo_recipe("piezo_mlp", "Spectra of 20 ms, each by itself, through four layers of 32", "MLP 32", 3000);
+  Recipe mlp = piezo_recipe("piezo_mlp", "Spectra of 20 ms, each by itself, through four layers of 32", "MLP 32", 1000, 64, 1e-2);
   mlp.network = {12, four(Linear{32}, true)};
-  Recipe mlp_128 = piezo_recipe("piezo_mlp_128", "The same with 128", "MLP 128", 1500);
+  Recipe mlp_128 = piezo_recipe("piezo_mlp_128", "The same with 128", "MLP 128", 500, 64, 3e-3);
   mlp_128.network = {12, four(Linear{128}, true)};
   Recipe tcn = piezo_recipe("piezo_tcn", "The latest 29 spectra through four causal convolutions of 128, kernel 8",
-                            "TCN 128, kernel 8", 400);
+                            "TCN 128, kernel 8", 800, 16, 1e-3);
   tcn.network = {12, four(Conv1d{128, 8}, true)};
-  Recipe fft_gru =
-      piezo_recipe("piezo_fft_gru", "Spectra of 20 ms, one after the other, through four GRUs of 32", "FFT GRU 32", 1000);
+  Recipe fft_gru = piezo_recipe("piezo_fft_gru", "Spectra of 20 ms, one after the other, through four GRUs of 32", "FFT GRU 32",
+                                300, 64, 4e-3);
   fft_gru.network = {12, four(Gru{32}, false)};
-  Recipe raw_gru = piezo_recipe("piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32", "raw GRU 32", 600);
+  Recipe raw_gru = piezo_recipe("piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32", "raw GRU 32", 300, 64, 4e-3);
   raw_gru.input = raw();
   raw_gru.network = {1, four(Gru{32}, false)};
   return {mlp, mlp_128, tcn, fft_gru, raw_gru};

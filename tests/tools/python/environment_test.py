@@ -1,0 +1,175 @@
+"""Grasps and stages as Gymnasium environments. Argument: the program."""
+
+import sys
+import unittest
+
+import gymnasium
+import numpy as np
+from gymnasium.utils.env_checker import check_env
+from gymnasium.utils.env_match import check_environments_match
+from gymnasium.vector import SyncVectorEnv
+
+import slipbench
+import slipbench.gym
+
+del sys.argv[1]
+SHORT = {"friction": {"static": 0.2, "kinetic": 0.15}, "duration": "2.2 s"}
+
+
+def make(**options):
+    return gymnasium.make("slipbench/Grasp-v0", **{"values": SHORT, **options})
+
+
+def total_force(environment, observation):
+    """The measured grip force [N], summed as the controllers do."""
+    names = environment.unwrapped.observation_names
+    return sum(float(value) for name, value in zip(names, observation, strict=True) if name.startswith("pad.") and name.endswith("FZ"))
+
+
+class Grasps(unittest.TestCase):
+    def test_gymnasiums_own_check_passes(self):
+        for environment in (make(), make(command="position"), gymnasium.make("slipbench/GraspLift-v0")):
+            check_env(environment.unwrapped)
+
+    def test_two_of_them_match(self):
+        check_environments_match(make(), make(), num_steps=60, seed=4)
+
+    def test_a_policy_that_acts_as_a_controller_gives_the_command_lines_trial(self):
+        scene = slipbench.Scene.load("grasp/lift.yaml").set({**SHORT, "controller.type": "hold_preset"})
+        preset = 5.0  # N
+        environment = make(command="position", values={**SHORT, "grip.preset": f"{preset} N"})
+        position = environment.unwrapped.observation_names.index("gripper.position")
+        for seed in (2, 3):
+            observation, _ = environment.reset(seed=seed)
+            last, over = None, False
+            while not over:
+                measured = int(observation[position])
+                if total_force(environment, observation) < preset:
+                    last = min(measured + 1, 255)
+                elif last is None:
+                    last = measured
+                observation, _, terminated, truncated, info = environment.step(np.array([2.0 * last / 255.0 - 1.0], np.float64))
+                over = terminated or truncated
+            expected = scene.set({"grip.preset": f"{preset} N"}).run(seed=seed, record="outcome").outcome
+            for key in ("dropped", "max_grip_force_N", "final_grip_force_N", "slip_translation_m", "touch_time_s", "max_slip_distance_m"):
+                if not expected["dropped"] or key in ("dropped", "touch_time_s"):
+                    self.assertEqual(info["outcome"][key], expected[key], key)
+
+    def test_episodes_of_a_seed_differ_and_repeat(self):
+        environment = make()
+
+        def first_observations():
+            return [environment.reset(seed=9)[0], *(environment.reset()[0] for _ in range(3))]
+
+        once, again = first_observations(), first_observations()
+        for a, b in zip(once, again, strict=True):
+            np.testing.assert_array_equal(a, b)
+        self.assertEqual(len({observation.tobytes() for observation in once}), 4)
+
+    def test_truth_is_in_the_info_alone(self):
+        environment = make()
+        self.assertFalse([name for name in environment.unwrapped.observation_names if "truth" in name or "ideal" in name])
+        _, info = environment.reset(seed=1)
+        self.assertEqual(set(info), {"time", "grip_force", "ideal_force", "slip_distance", "lifting", "params"})
+        self.assertAlmostEqual(info["ideal_force"], 5.0, delta=2.0)  # m g/(2 mu) = 0.2*9.81/0.4 = 4.9 N, times the trial's scatter
+
+    def test_the_reward_is_the_stated_one(self):
+        environment = make()
+        environment.reset(seed=1)
+        before, duration = environment.unwrapped.reset(seed=1)[1], 2.2
+        for _ in range(90):
+            _, reward, terminated, truncated, info = environment.step(np.array([-0.6], np.float32))
+            expected = -info["grip_force"] / info["ideal_force"] * (info["time"] - before["time"]) / duration
+            if before["lifting"]:
+                expected -= 100.0 * max(0.0, info["slip_distance"] - before["slip_distance"])
+            expected -= 10.0 * terminated
+            self.assertAlmostEqual(reward, expected, places=12)
+            before = info
+            if terminated or truncated:
+                break
+
+    def test_a_force_is_followed(self):
+        environment = make()
+        environment.reset(seed=1)
+        for _ in range(70):
+            observation, *_ = environment.step(np.array([2.0 * 8.0 / 20.0 - 1.0], np.float32))  # 8 N of 20
+        self.assertAlmostEqual(total_force(environment, observation), 8.0, delta=2.0)  # a count of the gripper is worth some 1.6 N
+
+    def test_the_vector_environment_equals_the_synchronous_one(self):
+        values = {**SHORT, "sweep": {"surface.material": ["ptfe", "felt"]}, "friction.scale": 1.0}
+        del values["friction"]
+        own = gymnasium.make_vec("slipbench/Grasp-v0", num_envs=3, values=values, jobs=2)
+        self.assertIsInstance(own, slipbench.gym.GraspVectorEnv)
+        other = SyncVectorEnv([lambda: gymnasium.make("slipbench/Grasp-v0", values=values) for _ in range(3)])
+        self.assert_same(own.reset(seed=5), other.reset(seed=5))
+        draws = np.random.default_rng(0)
+        ends = 0
+        for _ in range(250):
+            actions = draws.uniform(-1.0, 1.0, (3, 1)).astype(np.float32)
+            mine, theirs = own.step(actions), other.step(actions)
+            self.assert_same(mine, theirs)
+            ends += int((mine[2] | mine[3]).sum())
+        self.assertGreaterEqual(ends, 6)
+        self.assertEqual((own.single_action_space, own.single_observation_space), (other.single_action_space, other.single_observation_space))
+
+    def assert_same(self, mine, theirs):
+        for a, b in zip(mine, theirs, strict=True):
+            if isinstance(a, dict):
+                self.assertEqual(a.keys(), b.keys())
+                self.assert_same([a[key] for key in sorted(a)], [b[key] for key in sorted(a)])
+            elif a.dtype == object:
+                self.assertEqual(a.tolist(), b.tolist())
+            else:
+                np.testing.assert_array_equal(a, b)
+
+    def test_many_episodes_leak_nothing_and_repeat(self):
+        def episodes(count):
+            environment = make(values={**SHORT, "duration": "1.7 s"})
+            draws, ends = np.random.default_rng(1), []
+            for number in range(count):
+                environment.reset(seed=number % 7)
+                over = False
+                while not over:
+                    _, _, terminated, truncated, info = environment.step(draws.uniform(-1.0, 1.0, 1).astype(np.float32))
+                    over = terminated or truncated
+                ends.append(info["outcome"]["max_grip_force_N"])
+            return ends
+
+        def resident():
+            with open("/proc/self/statm", encoding="ascii") as file:
+                return int(file.read().split()[1])
+
+        first = episodes(20)
+        before = resident()
+        self.assertEqual(episodes(60)[:20], first)
+        self.assertLess(resident(), 1.05 * before)
+
+    def test_what_cannot_be_is_said(self):
+        for options, told in (({"scene": "papillarray/stage.yaml", "values": {}}, "is no grasp"), ({"command": "torque"}, "allowed: force, position"),
+                              ({"render_mode": "rgb_array"}, "draws no pictures"), ({"values": {"sped": 1}}, "unknown key 'sped'")):
+            with self.subTest(told=told), self.assertRaisesRegex(slipbench.InputError, told):
+                slipbench.gym.GraspEnv(**{"values": SHORT, **options})
+        environment = slipbench.gym.GraspEnv(values=SHORT)
+        environment.reset(seed=1)
+        with self.assertRaisesRegex(slipbench.InputError, "action 1.5; allowed: -1 to 1"):
+            environment.step(np.array([1.5], np.float32))
+
+
+class Stages(unittest.TestCase):
+    def test_gymnasiums_own_check_passes(self):
+        check_env(gymnasium.make("slipbench/StageSlip-v0").unwrapped)
+
+    def test_who_says_the_truth_is_always_right(self):
+        environment = gymnasium.make("slipbench/StageSlip-v0", scene="papillarray/stage.yaml")
+        _, info = environment.reset(seed=1)
+        states, right, steps, over = set(), 0.0, 0, False
+        while not over:
+            states.add(info["state"])
+            _, reward, _, over, info = environment.step(info["state"])
+            right, steps = right + reward, steps + 1
+        self.assertEqual(right, steps)
+        self.assertGreater(len(states), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,202 @@
+"""The package gives what the command line gives. Argument: the program."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import slipbench
+
+PROGRAM = sys.argv.pop(1)
+
+
+def command_line(folder, *words):
+    """The dataset that the program writes."""
+    path = str(Path(folder) / "command.h5")
+    subprocess.run([PROGRAM, *words, "-o", path, "--quiet"], check=True)
+    return path
+
+
+class Trials(unittest.TestCase):
+    def test_digests_are_those_of_the_command_line(self):
+        for scene, sets in (("papillarray/stage.yaml", {"motion.speed": "8 mm/s"}), ("grasp/lift.yaml", {"duration": "2 s"}),
+                            ("piezo_skin/slide.yaml", {})):
+            with self.subTest(scene=scene), tempfile.TemporaryDirectory() as folder:
+                words = [word for path, value in sets.items() for word in ("--set", f"{path}={value}")]
+                path = command_line(folder, "run", str(slipbench.scenes() / scene), *words, "--seed", "5", "--trials", "2")
+                with slipbench.open(path) as stored:
+                    self.assertEqual(stored.trials, [0, 1])
+                    for number, trial in stored.items():
+                        simulated = slipbench.Scene.load(scene).set(sets).run(number, seed=5)
+                        self.assertEqual(simulated.sha256, trial.sha256)
+                        self.assertEqual((simulated.outcome, simulated.params), (trial.outcome, trial.params))
+
+    def test_written_datasets_are_those_of_the_command_line(self):
+        sweep = {"motion.speed": ["2 mm/s", "4 mm/s"], "trials": 2}
+        with tempfile.TemporaryDirectory() as folder:
+            path = command_line(folder, "sweep", str(slipbench.scenes() / "papillarray/stage.yaml"), "--set", "sweep=" + json.dumps(sweep))
+            own = str(Path(folder) / "own.h5")
+            told = []
+            summary = slipbench.Scene.load("papillarray/stage.yaml").set(sweep=sweep).write(own, jobs=2, progress=lambda *at: told.append(at))
+            self.assertEqual(sorted(told), told)
+            self.assertEqual(told[-1], (4, 4))
+            self.assertEqual(summary["files"], [own])
+            self.assertEqual(Path(own).read_bytes(), Path(path).read_bytes())
+
+    def test_a_sweep_gives_every_trial_in_order_whatever_the_threads(self):
+        scene = slipbench.Scene.load("papillarray/stage.yaml").set(sweep={"motion.speed": ["1 mm/s", "2 mm/s", "4 mm/s"], "trials": 2})
+        self.assertEqual(scene.trials(), 6)
+        one = [trial.sha256 for trial in scene.sweep(jobs=1)]
+        self.assertEqual([trial.sha256 for trial in scene.sweep(jobs=4)], one)
+        self.assertEqual([scene.run(number).sha256 for number in range(6)], one)
+        self.assertEqual(one[::2], one[1::2])  # an ideal sensor draws nothing
+        self.assertEqual(len(set(one)), 3)
+
+    def test_an_abandoned_sweep_ends_its_trials(self):
+        sweep = slipbench.Scene.load("grasp/lift.yaml").set(sweep={"trials": 100}).sweep(jobs=2)
+        next(sweep)
+        sweep.close()
+        self.assertEqual(sweep.done, 1)
+        self.assertEqual([thread.name for thread in threading.enumerate()], ["MainThread"])
+
+    def test_arrays_are_views_that_outlive_the_trial(self):
+        trial = slipbench.Scene.load("papillarray/stage.yaml").run()
+        force = trial.sensors["pad"].channels["force"]
+        again = trial._record.sensors(trial._record)["pad"]["channels"]["force"]
+        self.assertEqual(force.__array_interface__["data"][0], again.__array_interface__["data"][0])
+        self.assertFalse(force.flags.writeable)
+        copy = force.copy()
+        del trial, again
+        np.testing.assert_array_equal(force, copy)
+
+    def test_outcome_alone_has_no_arrays(self):
+        trial = slipbench.Scene.load("papillarray/stage.yaml").run(record="outcome")
+        self.assertEqual(trial.sensors, {})
+        self.assertGreater(trial.outcome["first_slip_time_s"], 0.0)
+
+    def test_bodies_and_control_stand_beside_the_sensors(self):
+        trial = slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s"}).run()
+        samples = len(trial.control.time)
+        self.assertEqual(trial.control.command.shape, (samples, 3))
+        self.assertEqual((trial.control.detector, trial.control.controller), ("gst_hd", "step_on_slip"))
+        self.assertEqual(trial.bodies["box"]["pose"].shape[1], 7)
+
+    def test_a_check_is_that_of_the_command_line(self):
+        path, expect = slipbench.scenes() / "grasp/lift.yaml", {"dropped": False, "max_slip": "0.1 mm"}
+        done = subprocess.run([PROGRAM, "check", str(path), "--set", "duration=2.5 s", "--set", "expect=" + json.dumps(expect), "--trials", "2",
+                               "--json"], capture_output=True, text=True, check=False)
+        told = json.loads(done.stdout)["scenes"][0]
+        check = slipbench.Scene.load(path).set({"duration": "2.5 s", "expect": expect}).check(draws=2)
+        self.assertEqual(check.verdict, told["verdict"])
+        self.assertEqual([one["kept"] for one in check.expectations], [one["kept"] for one in told["expectations"]])
+
+
+class Errors(unittest.TestCase):
+    def test_bad_input_is_the_programs_own_message(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "stage.yaml"
+            path.write_text("slipbench: 1\nduration: 1 s\nmotion: {sped: 1 mm/s}\nsensors: {pad: {type: papillarray}}\n")
+            with self.assertRaisesRegex(slipbench.InputError, r"stage.yaml:3: unknown key 'sped' in motion; did you mean 'speed'"):
+                slipbench.Scene.load(path)
+        with self.assertRaisesRegex(ValueError, "--set motion.speed=fast"):
+            slipbench.Scene.load("papillarray/stage.yaml").set({"motion.speed": "fast"})
+        with self.assertRaisesRegex(slipbench.InputError, "gone.yaml: cannot be read"):
+            slipbench.Scene.load("gone.yaml")
+        with self.assertRaisesRegex(slipbench.InputError, "trial -1; allowed: 0 or more"):
+            slipbench.Scene.load("papillarray/stage.yaml").run(-1)
+
+    def test_records_and_parts_are_named(self):
+        scene = slipbench.Scene.load("papillarray/stage.yaml")
+        with self.assertRaisesRegex(slipbench.InputError, "allowed: 'full', 'outcome'"):
+            scene.run(record="all")
+
+
+class Datasets(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = str(Path(cls.folder.name) / "speeds.h5")
+        scene = slipbench.Scene.load("papillarray/stage.yaml")
+        scene.set(sweep={"motion.speed": ["2 mm/s", "4 mm/s", "8 mm/s"], "trials": 2}).write(cls.path)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_masks_and_outcomes(self):
+        with slipbench.open(self.path) as data:
+            parts = [data.mask(part) for part in ("train", "valid", "test")]
+            self.assertEqual(sorted(sum(parts, [])), list(range(6)))
+            table = data.to_pandas()
+            self.assertEqual(table.index.tolist(), list(range(6)))
+            self.assertEqual(table["motion.speed"].tolist(), [2e-3, 2e-3, 4e-3, 4e-3, 8e-3, 8e-3])
+            self.assertTrue(data.complete)
+            self.assertEqual(data.failed, [])
+
+    def test_windows_are_the_samples_and_their_last_label(self):
+        with slipbench.open(self.path) as data:
+            length, stride = 40, 7
+            windows = data.windows(length=length, stride=stride, channels=["force"], labels="micro")
+            samples = data[0].sensors["pad"]["force"].shape[0]
+            each = (samples - length) // stride + 1  # windows that fit into a trial
+            self.assertEqual(len(windows), 6 * each)
+            for index in (0, each - 1, each, 3 * each + 5, len(windows) - 1):
+                trial, first = data[index // each], index % each * stride
+                values, slips = windows[index]
+                np.testing.assert_array_equal(values, trial.sensors["pad"]["force"][first : first + length].reshape(length, -1))
+                self.assertEqual(slips, int(trial.labels["pad"]["state_micro"][first + length - 1] >= 2))
+            self.assertEqual(windows[-1][1], windows[len(windows) - 1][1])
+            self.assertEqual(len(windows[2:5]), 3)
+            with self.assertRaises(IndexError):
+                windows[len(windows)]
+
+    def test_windows_of_a_part_come_from_its_trials_alone(self):
+        with slipbench.open(self.path) as data:
+            every = len(data.windows(length=10))
+            parts = [len(data.windows(length=10, part=part)) for part in ("train", "valid", "test")]
+            self.assertEqual(sum(parts), every)
+            self.assertEqual(parts[0], every // 6 * len(data.mask("train")))
+
+    def test_what_cannot_be_asked_for_is_said(self):
+        with slipbench.open(self.path) as data:
+            for wrong in ({"length": 0}, {"length": 4, "labels": "strickt"}, {"length": 4, "sensor": "skin"}, {"length": 4, "part": "rest"}):
+                with self.subTest(wrong=wrong), self.assertRaisesRegex(slipbench.InputError, "allowed: "):
+                    data.windows(**wrong)
+
+    def test_links_to_other_files_are_refused(self):
+        import h5py
+
+        linked = Path(self.folder.name) / "linked.h5"
+        linked.write_bytes(Path(self.path).read_bytes())
+        with h5py.File(linked, "r+") as file:
+            group = file["data/demo_0/sensors/pad"]
+            del group["force"]
+            group["force"] = h5py.ExternalLink(self.path, "/data/demo_0/sensors/pad/force")
+        with slipbench.open(linked) as data, self.assertRaisesRegex(slipbench.InputError, "is a link to another place"):
+            data[0].sensors["pad"]["force"]
+
+    def test_other_files_are_no_datasets(self):
+        other = Path(self.folder.name) / "other.h5"
+        other.write_bytes(b"not HDF5")
+        with self.assertRaisesRegex(slipbench.InputError, "other.h5"):
+            slipbench.open(other)
+
+
+class Words(unittest.TestCase):
+    def test_describe_and_list_are_the_programs(self):
+        told = json.loads(subprocess.run([PROGRAM, "describe", "papillarray", "--json"], capture_output=True, text=True, check=True).stdout)
+        self.assertEqual(slipbench.describe("papillarray"), told["entries"])
+        self.assertIn("papillarray", [one["name"] for one in slipbench.list_names()["sensors"]])
+
+    def test_versions_agree(self):
+        told = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout
+        self.assertIn(slipbench.__version__, told)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,154 @@
+#include "tools/base/workers/child_process.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+
+namespace slipbench {
+namespace {
+
+using Kind = ChildEnd::Kind;
+
+// The first byte of what a child sends is a Kind.
+std::string message(Kind kind, std::string_view text) { return static_cast<char>(kind) + std::string(text); }
+
+std::string message_of(const std::function<std::string()>& action) {
+  try {
+    return message(Kind::result, action());
+  } catch (const InputError& error) {
+    return message(Kind::bad_input, error.what());
+  } catch (const std::bad_alloc&) {
+    return message(Kind::no_memory, "");
+  } catch (const std::exception& error) {
+    return message(Kind::failure, error.what());
+  }
+}
+
+[[noreturn]] void be_the_child(int channel, const std::function<std::string()>& action) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  std::signal(SIGINT, SIG_IGN);
+  const std::string text = message_of(action);
+  std::size_t sent = 0;
+  while (sent < text.size()) {
+    const ssize_t count = ::write(channel, text.data() + sent, text.size() - sent);
+    if (count < 0 && errno != EINTR) ::_exit(1);
+    if (count > 0) sent += static_cast<std::size_t>(count);
+  }
+  ::_exit(0);  // nothing of the parent's is torn down or flushed twice
+}
+
+std::string result_of(ChildProcess& child) {
+  ChildEnd end = child.end();
+  switch (end.kind) {
+    case Kind::result: break;
+    case Kind::bad_input: throw InputError(end.text);
+    case Kind::no_memory: throw std::runtime_error("a process had no memory left");
+    case Kind::failure: throw std::runtime_error(end.text);
+    case Kind::broken:
+      throw std::runtime_error(
+          fmt::format("a process ended without a result{}",
+                      WIFSIGNALED(end.status) ? fmt::format(" ({})", ::strsignal(WTERMSIG(end.status))) : std::string()));
+  }
+  return std::move(end.text);
+}
+
+}  // namespace
+
+ChildProcess::ChildProcess(const std::function<std::string()>& action) {
+  std::array<int, 2> ends{};
+  if (::pipe(ends.data()) != 0) throw std::runtime_error(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
+  process_ = ::fork();
+  if (process_ == 0) {
+    ::close(ends[0]);
+    be_the_child(ends[1], action);
+  }
+  const int error = errno;
+  ::close(ends[1]);
+  channel_ = ends[0];
+  if (process_ > 0) return;
+  ::close(channel_);
+  throw std::runtime_error(fmt::format("cannot start a process: {}", std::strerror(error)));
+}
+
+ChildProcess::ChildProcess(ChildProcess&& other) noexcept
+    : channel_(std::exchange(other.channel_, -1)), process_(std::exchange(other.process_, -1)), sent_(std::move(other.sent_)) {}
+
+ChildProcess::~ChildProcess() {
+  if (channel_ >= 0) ::close(channel_);
+  if (process_ < 0) return;
+  ::kill(process_, SIGKILL);
+  while (::waitpid(process_, nullptr, 0) < 0 && errno == EINTR) continue;
+}
+
+bool ChildProcess::read() {
+  std::array<char, 65536> buffer{};
+  while (true) {
+    const ssize_t count = ::read(channel_, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw std::runtime_error(fmt::format("cannot read from a process: {}", std::strerror(errno)));
+    sent_.append(buffer.data(), static_cast<std::size_t>(count));
+    return count > 0;
+  }
+}
+
+ChildEnd ChildProcess::end() {
+  ChildEnd end;
+  while (::waitpid(process_, &end.status, 0) < 0 && errno == EINTR) continue;
+  process_ = -1;
+  if (!WIFEXITED(end.status) || WEXITSTATUS(end.status) != 0 || sent_.empty()) return end;
+  end.kind = static_cast<Kind>(sent_.front());
+  end.text = sent_.substr(1);
+  return end;
+}
+
+std::vector<std::string> run_in_processes(std::size_t count, std::size_t jobs,
+                                          const std::function<std::string(std::size_t)>& work,
+                                          const std::function<void(std::size_t)>& begun, const std::atomic<bool>& interrupt) {
+  struct Running {
+    std::size_t index;
+    ChildProcess child;
+  };
+  std::vector<Running> running;
+  std::vector<std::string> results(count);
+  for (std::size_t next = 0; next < count || !running.empty();) {
+    if (interrupt) throw Interrupted();
+    if (next < count && running.size() < std::max<std::size_t>(jobs, 1)) {
+      begun(next);
+      running.push_back({next, ChildProcess([&] { return work(next); })});
+      ++next;
+      continue;
+    }
+    std::vector<pollfd> channels;
+    for (const Running& one : running) channels.push_back({one.child.channel(), POLLIN, 0});
+    constexpr int a_second = 1000;  // ms, after which a set `interrupt` is seen
+    if (::poll(channels.data(), channels.size(), a_second) <= 0) continue;
+    std::vector<Running> left;
+    for (std::size_t i = 0; i < running.size(); ++i) {
+      if (channels[i].revents == 0 || running[i].child.read()) {
+        left.push_back(std::move(running[i]));
+      } else {
+        results[running[i].index] = result_of(running[i].child);
+      }
+    }
+    running = std::move(left);
+  }
+  return results;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,167 @@
+#include "tools/program/environment/grasp_environment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/pad_state.h"
+#include "sim/grasp/held_box.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/run/run_sweep.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::size_t most_trials = 1'000'000;  // TrialPlan's
+constexpr std::size_t beside_sensors = 3;       // position, moving, stopped
+
+Parameters follower_parameters() {
+  Parameters parameters =
+      defaults_of({controllers::force_per_count_spec(), controllers::ceiling_spec(), controllers::loosen_spec()});
+  parameters.set("loosen", true);
+  return parameters;
+}
+
+}  // namespace
+
+// Stands where the scene's controller would, and keeps what every sensor has sampled last.
+class GraspEnvironment::Observer final : public Controller, public SampleListener {
+ public:
+  Observer(const GripSource& source, std::vector<float>& observation) : observation_(observation) {
+    for (const SensorSource& sensor : source.sensors) {
+      first_.push_back(values_);
+      for (const Channel& channel : sensor.channels) values_ += channel.size();
+    }
+  }
+  GripCommand update(const ControlInput&) override {
+    throw std::logic_error("a grasp that is commanded from outside has asked its controller");
+  }
+  SampleListener* listener() override { return this; }
+  void hear(std::size_t sensor, const SensorFrame& sample) override {
+    std::ranges::copy(sample.values, observation_.begin() + static_cast<std::ptrdiff_t>(first_[sensor]));
+  }
+
+ private:
+  std::vector<float>& observation_;
+  std::vector<std::size_t> first_;  // value of each sensor
+  std::size_t values_ = 0;
+};
+
+GraspEnvironment::GraspEnvironment(const SceneFile& file, ActionKind action)
+    : catalogues_(std::make_unique<const Catalogues>(program_catalogues())), file_(file), action_(action) {
+  registers_ = controllers::registers_of(defaults_of(controllers::with_registers({})));
+  reset(parse_scene(file_, *catalogues_).seed, 0);
+  const Scene& scene = run_->scene();
+  for (std::size_t sensor = 0; sensor < scene.sensors.size(); ++sensor) {
+    for (const Channel& channel : run_->sensors()[sensor]->channels()) {
+      for (std::size_t i = 0; i < channel.size(); ++i) {
+        names_.push_back(fmt::format(
+            "{}.{}", scene.sensors[sensor].name,
+            channel.channel_names.size() == channel.size() ? channel.channel_names[i] : fmt::format("{}[{}]", channel.name, i)));
+      }
+    }
+  }
+  names_.insert(names_.end(), {"gripper.position", "gripper.moving", "gripper.stopped"});
+  if (scene.detector) names_.emplace_back("slip.state");
+}
+
+void GraspEnvironment::reset(std::uint64_t seed, std::uint64_t episode) {
+  if (!plan_ || seed != seed_) {
+    const std::size_t cells = TrialPlan(file_, *catalogues_, 1, seed).size();
+    plan_.emplace(file_, *catalogues_, most_trials / cells, seed);
+    seed_ = seed;
+  }
+  const std::size_t cells = plan_->size() / plan_->draws();
+  trial_ = episode % cells * plan_->draws() + episode / cells % plan_->draws();
+  TrialPlan::Trial trial = plan_->trial(trial_);
+  if (!trial.scene.grasp) throw InputError(file_.name() + " is no grasp; allowed: a scene with 'grip' or 'box'");
+  if (trial.scene.guided()) throw InputError(file_.name() + ": its motion 'guided' waits for commands to the arm; allowed: lift");
+  if (trial.scene.accuracy)
+    throw InputError(file_.name() + ": has a wish for 'accuracy', which takes a search first; allowed: a time_step");
+  trial.scene.seed = seed;
+  params_ = params_json(trial.drawn);
+  outcome_.clear();
+  latest_ = {};
+  slip_before_ = 0.0;
+  std::ranges::fill(observation_, 0.0F);
+  run_.reset();
+  try {
+    run_ =
+        std::make_unique<TrialRun>(std::move(trial.scene), trial_, Recording::outcome, max_record_bytes, nullptr,
+                                   [this](const GripSource& source) { return std::make_unique<Observer>(source, observation_); });
+  } catch (const SceneValueError& error) {
+    throw InputError(plan_->where(trial_, error.path()) + ": " + error.what());
+  }
+  std::size_t values = beside_sensors + (run_->scene().detector ? 1 : 0);
+  for (const auto& sensor : run_->sensors()) {
+    for (const Channel& channel : sensor->channels()) values += channel.size();
+  }
+  observation_.resize(values, 0.0F);
+  if (action_ == ActionKind::force) {
+    force_.emplace(run_->sensors().front()->channels(), "of the environment's force commands");
+    follower_.emplace(follower_parameters());
+  }
+  run_to_read();
+}
+
+void GraspEnvironment::run_to_read() {
+  bool asked = false;
+  while (!asked && !run_->finished() && !run_->box()->truth().dropped) asked = run_->step_or_wait();
+  look();
+  latest_.dropped = run_->box()->truth().dropped;
+  latest_.ended = !asked && !latest_.dropped;
+  if (over()) outcome_ = outcome_json(run_->finish().record.outcome);
+}
+
+void GraspEnvironment::look() {
+  const GraspTruth& truth = run_->box()->truth();
+  const ContactFrame& contact = run_->simulation().contact(0);
+  latest_.time = truth.time;
+  latest_.grip_force = truth.grip_force;
+  latest_.ideal_force = run_->box()->ideal_force();
+  latest_.lifting = truth.time >= run_->box()->lift_start();
+  latest_.slip_distance = 0.0;
+  latest_.slip_distance = contact.slip_distance.maxCoeff();
+  const ControlInput& input = run_->loop().awaiting();
+  const std::size_t beside = observation_.size() - beside_sensors - (run_->scene().detector ? 1 : 0);
+  observation_[beside] = static_cast<float>(input.gripper.position);
+  observation_[beside + 1] = input.gripper.moving ? 1.0F : 0.0F;
+  observation_[beside + 2] = input.gripper.stopped ? 1.0F : 0.0F;
+  if (run_->scene().detector) observation_[beside + 3] = static_cast<float>(input.slip.state);
+}
+
+GripCommand GraspEnvironment::command_for(double action) {
+  const double share = 0.5 * (action + 1.0);
+  GripCommand command = registers_;
+  if (action_ == ActionKind::position) {
+    command.position = static_cast<int>(std::lround(share * max_register));
+  } else {
+    const ControlInput& input = run_->loop().awaiting();
+    command.position = follower_->toward(force_->total(input.frame), share * strongest, input.gripper.position);
+  }
+  return command;
+}
+
+const EnvironmentStep& GraspEnvironment::step(double action) {
+  if (!(action >= -1.0 && action <= 1.0)) throw InputError(fmt::format("action {}; allowed: -1 to 1", action));
+  if (over()) throw std::logic_error("the episode is over: reset() comes first");
+  const double before = latest_.time, slipped = latest_.slip_distance;
+  const bool lifted = latest_.lifting;
+  run_->loop().command(command_for(action));
+  run_to_read();
+  const double share = (latest_.time - before) / run_->scene().duration;
+  latest_.reward = -latest_.grip_force / latest_.ideal_force * share;
+  if (lifted) latest_.reward -= slip_penalty * std::max(0.0, latest_.slip_distance - slipped);
+  if (latest_.dropped) latest_.reward -= drop_penalty;
+  return latest_;
+}
+
+std::string GraspEnvironment::episode_command(const std::string& scene) const {
+  return fmt::format("slipbench run {} --seed {} --trials {} --trial {}", scene, seed_, plan_->size(), trial_);
+}
+
+}  // namespace slipbench

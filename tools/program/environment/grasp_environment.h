@@ -1,0 +1,95 @@
+// A grasp whose commands come from outside: a policy in the controller's place.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "controllers/grip.h"
+#include "sim/scene/catalogues.h"
+#include "sim/scene/parser.h"
+#include "tools/program/run/trial_run.h"
+
+namespace slipbench {
+
+// What an action in [-1, 1] stands for, in a straight line.
+enum class ActionKind {
+  force,  // 0 to GraspEnvironment::strongest, a target of the measured grip force, followed as the controllers do (ForceFollower)
+  position,  // 0 to max_register, the position register
+};
+
+// What a step of a policy led to.
+struct EnvironmentStep {
+  double reward = 0.0;
+  bool dropped = false;        // the episode is over
+  bool ended = false;          // so it is: the scene's duration is over
+  double time = 0.0;           // s, of the read, or of the end
+  double grip_force = 0.0;     // N, true
+  double ideal_force = 0.0;    // N, the least that could hold the box; infinite without friction
+  double slip_distance = 0.0;  // m, the largest of any unit of the first sensor's pad
+  bool lifting = false;        // the lift has begun
+};
+
+// Reward of a step: -(F/F_ideal) dt/T - 0.1/mm ds - 10 where the box was dropped in it. F: true grip force at its end, F_ideal: the least that
+// could hold the box, dt: its length, T: the scene's duration, ds: growth of slip_distance since the lift began. So an episode that holds the box
+// at the ideal force without slip is worth -1 at least.
+class GraspEnvironment {
+ public:
+  static constexpr double strongest = 20.0;      // N, of ActionKind::force
+  static constexpr double drop_penalty = 10.0;   // 1
+  static constexpr double slip_penalty = 100.0;  // 1/m
+
+  // Throws InputError for a scene that cannot be used or is no grasp, whose arm waits for commands, and, for ActionKind::force, whose first
+  // sensor tells no force.
+  GraspEnvironment(const SceneFile& file, ActionKind action);
+
+  // Names of what an observation holds: each channel value of every sensor ("pad.P0_FX"), as it was last sampled, then gripper.position [counts],
+  // gripper.moving, gripper.stopped, and, where the scene has a detector, slip.state (PadState).
+  [[nodiscard]] const std::vector<std::string>& observation_names() const { return names_; }
+
+  // Begins episode number `episode` of the scene with that seed, and runs it to its first read of the gripper. Each episode of a seed is another
+  // draw; cells of the scene's grid follow each other.
+  void reset(std::uint64_t seed, std::uint64_t episode);
+  // Commands, and runs on to the next read. Throws InputError for an action that is not within [-1, 1], std::logic_error without reset() or after
+  // the end.
+  const EnvironmentStep& step(double action);
+  // Of the read at which the next action is asked for; after the end the last one. [observation_names().size()]
+  [[nodiscard]] std::span<const float> observation() const { return observation_; }
+  [[nodiscard]] const EnvironmentStep& latest() const { return latest_; }
+  // Once the episode is over: a demo's attribute `outcome`. Empty before.
+  [[nodiscard]] const std::string& outcome() const { return outcome_; }
+  [[nodiscard]] bool over() const { return latest_.dropped || latest_.ended; }
+  // JSON of what was drawn for the episode.
+  [[nodiscard]] const std::string& params() const { return params_; }
+  // Runs the episode's trial with the scene's own controller: "slipbench run ...". `scene`: the scene's path and overrides, as a shell takes them.
+  [[nodiscard]] std::string episode_command(const std::string& scene) const;
+
+ private:
+  class Observer;
+
+  void run_to_read();
+  void look();
+  GripCommand command_for(double action);
+
+  std::unique_ptr<const Catalogues> catalogues_;
+  SceneFile file_;
+  ActionKind action_;
+  std::optional<TrialPlan> plan_;
+  std::uint64_t seed_ = 0, trial_ = 0;
+  std::vector<std::string> names_;
+  std::vector<float> observation_;
+  std::unique_ptr<TrialRun> run_;
+  std::optional<controllers::GripForce> force_;
+  std::optional<controllers::ForceFollower> follower_;
+  GripCommand registers_;
+  EnvironmentStep latest_;
+  double slip_before_ = 0.0;  // m
+  std::string outcome_, params_;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,209 @@
+// Scenes: trials in memory, sweeps into datasets, checks, and the program's own words about what a scene may say.
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tools/base/project/project_file.h"
+#include "tools/base/workers/interrupt.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/check/check.h"
+#include "tools/program/cli/describe.h"
+#include "tools/program/cli/program.h"
+#include "tools/program/cost/kept_setting.h"
+#include "tools/program/judge/detector_choice.h"
+#include "tools/program/judge/evaluate.h"
+#include "tools/program/run/run_sweep.h"
+#include "tools/python/module.h"
+
+namespace nb = nanobind;
+
+namespace slipbench::python {
+namespace {
+
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+std::vector<Override> overrides_of(const Pairs& pairs) {
+  std::vector<Override> overrides;
+  for (const auto& [path, value] : pairs) overrides.push_back({path, value});
+  return overrides;
+}
+
+// Ends trials of other threads.
+struct Stop {
+  std::atomic<bool> now = false;
+};
+
+// A scene file with what was set, checked.
+class Scene {
+ public:
+  Scene(std::string path, const Pairs& overrides) : catalogues_(std::make_shared<const Catalogues>(program_catalogues())) {
+    options_.scene_path = std::move(path);
+    options_.overrides = overrides_of(overrides);
+    nb::gil_scoped_release release;
+    setting_ = setting_for(options_, *catalogues_, [] {});
+    if (setting_) options_.overrides.insert(options_.overrides.end(), setting_->overrides.begin(), setting_->overrides.end());
+    file_ = SceneFile::load(options_.scene_path);
+    for (const Override& change : options_.overrides) file_.apply(change);
+    seed_ = parse_scene(file_, *catalogues_).seed;
+  }
+
+  [[nodiscard]] const std::string& text() const { return file_.text(); }
+  [[nodiscard]] std::uint64_t seed() const { return seed_; }
+  // Trials of the sweep, with so many draws of each cell; 0: as the scene says.
+  [[nodiscard]] std::size_t trials(std::size_t draws) const { return TrialPlan(file_, *catalogues_, draws, seed_).size(); }
+
+  // Trial `trial` of the first `limit` ones. `stop`: ends it from another thread; none: Ctrl-C does.
+  [[nodiscard]] std::shared_ptr<TrialRecord> run(std::size_t trial, std::size_t draws, std::size_t limit, std::uint64_t seed,
+                                                 bool full, const Stop* stop) const {
+    std::optional<InterruptGuard> guard;
+    if (stop == nullptr) guard.emplace();
+    const std::atomic<bool>* const interrupt = stop == nullptr ? &InterruptGuard::flag() : &stop->now;
+    const nb::gil_scoped_release release;
+    SweepOptions options = options_;
+    options.trials = draws;
+    options.limit = limit;
+    options.only = trial;
+    const PlannedTrials planned = plan_trials(file_, *catalogues_, options, seed);
+    TrialPlan::Trial chosen = planned.plan.trial(trial);
+    chosen.scene.seed = seed;
+    try {
+      TrialResult result =
+          run_trial(chosen.scene, trial, full ? Recording::full : Recording::outcome, max_record_bytes, interrupt);
+      result.record.params = params_json(chosen.drawn);
+      if (!full) keep_outcome(result.record);
+      return std::make_shared<TrialRecord>(std::move(result.record));
+    } catch (const SceneValueError& error) {
+      throw InputError(planned.plan.where(trial, error.path()) + ": " + error.what());
+    }
+  }
+
+  // Runs the sweep into a dataset; returns run_sweep()'s summary as JSON.
+  [[nodiscard]] std::string write(const std::string& output, std::size_t draws, std::size_t limit,
+                                  std::optional<std::uint64_t> seed, std::size_t jobs, bool full, bool resume,
+                                  const nb::object& progress) const {
+    SweepOptions options = options_;
+    options.verb = limit == 0 ? "sweep" : "run";
+    options.output = output;
+    options.trials = draws;
+    options.limit = limit;
+    options.seed = seed;
+    options.jobs = jobs;
+    options.recording = full ? Recording::full : Recording::outcome;
+    options.resume = resume;
+    const InterruptGuard guard;
+    options.interrupt = &InterruptGuard::flag();
+    const auto told = [&](const SweepProgress& at) {
+      if (progress.is_none()) return;
+      const nb::gil_scoped_acquire acquire;
+      progress(at.done, at.total);
+    };
+    const nb::gil_scoped_release release;
+    return summary_json(run_sweep(options, *catalogues_, told));
+  }
+
+  [[nodiscard]] nb::dict check(std::size_t draws, std::optional<std::uint64_t> seed, std::size_t jobs,
+                               const std::string& folder) const {
+    CheckOptions options;
+    options.scene_path = options_.scene_path;
+    options.overrides = options_.overrides;
+    options.trials = draws;
+    options.seed = seed;
+    options.jobs = jobs;
+    options.folder = folder;
+    SceneCheck result;
+    {
+      const InterruptGuard guard;
+      options.interrupt = &InterruptGuard::flag();
+      const nb::gil_scoped_release release;
+      result = check_scene(options, *catalogues_);
+    }
+    nb::dict all;
+    all["verdict"] = verdict_text(result.verdict);
+    nb::list expectations;
+    for (const ExpectationResult& one : result.expectations) {
+      nb::dict entry;
+      entry["name"] = one.name;
+      entry["limit"] = one.limit;
+      entry["kept"] = one.kept;
+      entry["trials"] = one.trials;
+      entry["needed"] = one.needed;
+      entry["passed"] = one.passed();
+      entry["worst"] = one.worst.value;
+      entry["worst_trial"] = one.worst.trial;
+      entry["replay"] = one.replay;
+      expectations.append(entry);
+    }
+    all["expectations"] = expectations;
+    all["failures"] = nb::cast(result.failures);
+    all["files"] = nb::cast(result.files);
+    return all;
+  }
+
+  [[nodiscard]] const SceneFile& file() const { return file_; }
+
+ private:
+  std::shared_ptr<const Catalogues> catalogues_;
+  SweepOptions options_;
+  std::optional<KeptSetting> setting_;
+  SceneFile file_;
+  std::uint64_t seed_ = 0;
+};
+
+std::string evaluate(const std::string& type, const Pairs& parameters, const std::string& dataset, const std::string& labels,
+                     const std::string& sensor, const std::string& split, bool all) {
+  judge::Options options;
+  options.detector = judge::chosen_detector(type, overrides_of(parameters));
+  options.dataset = dataset;
+  options.labels = judge::parse_label_rule(labels);
+  options.sensor = sensor;
+  options.split = split;
+  options.all = all;
+  return judge::evaluate(options).dump();
+}
+
+std::string describe(const std::string& name) {
+  const Catalogues catalogues = program_catalogues();
+  nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+  for (const CatalogueItem& item : find_items(catalogue_items(catalogues), name))
+    entries.push_back(describe_json(item, catalogues));
+  return entries.dump();
+}
+
+std::string list() { return list_json(catalogue_items(program_catalogues()), catalogue_kinds()).dump(); }
+
+}  // namespace
+
+void bind_scene(nb::module_& module) {
+  nb::class_<Stop>(module, "Stop").def(nb::init<>()).def("set", [](Stop& stop) { stop.now = true; });
+  nb::class_<Scene>(module, "Scene")
+      .def(nb::init<std::string, const Pairs&>())
+      .def_prop_ro("text", &Scene::text)
+      .def_prop_ro("seed", &Scene::seed)
+      .def("trials", &Scene::trials)
+      .def("run", &Scene::run, nb::arg("trial"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed"), nb::arg("full"),
+           nb::arg("stop").none())
+      .def("write", &Scene::write, nb::arg("output"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed").none(), nb::arg("jobs"),
+           nb::arg("full"), nb::arg("resume"), nb::arg("progress").none())
+      .def("check", &Scene::check, nb::arg("draws"), nb::arg("seed").none(), nb::arg("jobs"), nb::arg("folder"));
+  module.def("evaluate", &evaluate);
+  module.def("describe", &describe);
+  module.def("list", &list);
+  module.def("project_file", [](const std::string& path) { return project_file(path); });
+  module.def("main", [](const std::vector<std::string>& words) { return run_program(command_table(), words); });
+}
+
+}  // namespace slipbench::python

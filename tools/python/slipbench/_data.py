@@ -1,0 +1,224 @@
+"""Dataset files: trials, masks, lazy arrays, windows for a trainer."""
+
+from __future__ import annotations
+
+import json
+import os
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipbench.bin import _core
+
+if TYPE_CHECKING:
+    import h5py
+    import pandas
+
+#: How a dataset's labels say of a sample whether the pad slips: by all of a unit, a part of it, the sensor's paper.
+RULES = {"strict": "state", "micro": "state_micro", "paper": "state_paper"}
+
+
+def _member(group: h5py.Group, name: str) -> Any:
+    """What stands in a group, where it is the file's own: a link or a store elsewhere could be anybody's file."""
+    import h5py  # takes as long to load as all else here
+
+    link = group.get(name, getlink=True)
+    if link is None:
+        raise KeyError(name)
+    if not isinstance(link, h5py.HardLink):
+        raise _core.InputError(f"{group.file.filename}: {group.name}/{name} is a link to another place; allowed: what the file itself holds")
+    member = group[name]
+    if isinstance(member, h5py.Dataset) and member.external:
+        raise _core.InputError(f"{group.file.filename}: {group.name}/{name} is stored in another file; allowed: what the file itself holds")
+    return member
+
+
+class Arrays(Mapping[str, "h5py.Dataset"]):
+    """The arrays of a group by name, read when they are indexed: `labels["state"][:]`."""
+
+    def __init__(self, group: h5py.Group) -> None:
+        self._group = group
+        self.attrs: dict[str, Any] = dict(group.attrs)
+
+    def __getitem__(self, name: str) -> h5py.Dataset:
+        member = self._group
+        for part in name.split("/"):
+            member = _member(member, part)
+        return member
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._group)
+
+    def __len__(self) -> int:
+        return len(self._group)
+
+
+class StoredTrial:
+    """One trial of a dataset. Arrays stay in the file until they are indexed."""
+
+    def __init__(self, group: h5py.Group, trial: int) -> None:
+        self._group = group
+        self.trial = trial  #: number in the sweep
+        self.seed = int(group.attrs["seed"])  #: of the dataset
+        self.params: dict[str, Any] = json.loads(group.attrs["params"])  #: what was swept, SI
+        self.outcome: dict[str, Any] = json.loads(group.attrs["outcome"])  #: how it ended
+        self.sha256 = str(group.attrs.get("sha256", ""))  #: digest of all that the trial holds; empty in a file of schema 1
+
+    def _groups(self, of: str) -> dict[str, Arrays]:
+        if of not in self._group:
+            return {}
+        parent = _member(self._group, of)
+        return {name: Arrays(_member(parent, name)) for name in parent}
+
+    @property
+    def sensors(self) -> dict[str, Arrays]:
+        """The channels of each sensor, and "t" [T] s; attributes type, rate_hz, frame. Empty where outcomes alone were recorded."""
+        return self._groups("sensors")
+
+    @property
+    def labels(self) -> dict[str, Arrays]:
+        """The truth about each sensor's pad."""
+        return self._groups("labels")
+
+    @property
+    def bodies(self) -> dict[str, Arrays]:
+        """Pose and velocity of each body."""
+        return self._groups("truth")
+
+    @property
+    def control(self) -> Arrays | None:
+        """What the loop saw and did; None: the scene has neither detector nor controller."""
+        return Arrays(_member(self._group, "control")) if "control" in self._group else None
+
+
+class Dataset(Mapping[int, StoredTrial]):
+    """The trials of a dataset file, or of several that are one dataset, by number."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        import h5py
+
+        first = Path(path)
+        try:
+            self._files = [h5py.File(first, "r")]
+            shards = int(self._files[0].attrs.get("shards", 1))
+            for shard in range(1, shards):
+                self._files.append(h5py.File(first.with_name(f"{first.stem}-{shard:04d}{first.suffix}"), "r"))
+        except OSError as error:
+            raise _core.InputError(f"{first}: {error}") from error
+        about = self._files[0].attrs
+        if "schema" not in about or "data" not in self._files[0]:
+            raise _core.InputError(f"{first}: is no dataset of slipbench; allowed: what `slipbench run` or `sweep` writes")
+        self.version = str(about["version"])  #: of the program that wrote it
+        self.scene = str(about["scene"])  #: the scene file, word for word
+        self.seed = int(about["seed"])
+        self.command = str(about["command"])  #: that writes it again
+        self.complete = all(int(file.attrs.get("complete", 0)) == 1 for file in self._files)
+        self.failed: list[dict[str, Any]] = [one for file in self._files for one in json.loads(file.attrs.get("failed", "[]"))]
+        self._where = {int(name.removeprefix("demo_")): file for file in self._files for name in _member(file, "data")}
+        self.trials = sorted(self._where)  #: numbers of its trials
+
+    def __getitem__(self, trial: int) -> StoredTrial:
+        return StoredTrial(_member(_member(self._where[trial], "data"), f"demo_{trial}"), trial)
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self.trials)
+
+    def __len__(self) -> int:
+        return len(self.trials)
+
+    def mask(self, part: str) -> list[int]:
+        """Numbers of the trials of a part: "train", "valid" or "test". Empty where the run was killed."""
+        if part not in ("train", "valid", "test"):
+            raise _core.InputError(f"part {part!r}; allowed: 'train', 'valid', 'test'")
+        names = [name for file in self._files if "mask" in file for name in _member(file["mask"], part).asstr()[:]]
+        return sorted(int(name.removeprefix("demo_")) for name in names)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row a trial: what was swept, then how it ended, by their own names; index `trial`. Needs pandas."""
+        import pandas
+
+        rows = [{**self[trial].params, **self[trial].outcome} for trial in self.trials]
+        return pandas.DataFrame(rows, index=pandas.Index(self.trials, name="trial"))
+
+    def windows(self, *, length: int, stride: int = 1, sensor: str = "", channels: Sequence[str] = (), labels: str = "micro",
+                part: str = "") -> Windows:
+        """Windows of a sensor's samples with a label each, for a trainer. `part`: of the masks; empty: every trial."""
+        return Windows(self, length, stride, sensor, channels, labels, self.mask(part) if part else self.trials)
+
+    def close(self) -> None:
+        """Closes the files."""
+        for file in self._files:
+            file.close()
+
+    def __enter__(self) -> Dataset:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class Windows(Sequence[tuple[NDArray[np.float32], int]]):
+    """What `torch.utils.data.DataLoader` takes as a map-style dataset: windows [length, values] float32 and their labels, 0 hold, 1 slip.
+
+    A window's label is that of its last sample. Samples in which nothing touches are hold. No trial's window reaches into another's. A trial is
+    read once and kept: a sensor's chosen channels of all trials must fit into memory.
+    """
+
+    def __init__(self, dataset: Dataset, length: int, stride: int, sensor: str, channels: Sequence[str], labels: str, trials: Sequence[int]) -> None:
+        if length < 1 or stride < 1:
+            raise _core.InputError(f"length {length}, stride {stride}; allowed: 1 or more")
+        if labels not in RULES:
+            raise _core.InputError(f"labels {labels!r}; allowed: {', '.join(map(repr, RULES))}")
+        self._dataset, self._length, self._stride, self._rule = dataset, length, stride, RULES[labels]
+        self._sensor, self._channels = sensor, list(channels)
+        self._trials = list(trials)
+        self._kept: dict[int, tuple[NDArray[np.float32], NDArray[np.uint8]]] = {}
+        self._ends = np.cumsum([0] + [self._count(trial) for trial in self._trials]).tolist()
+
+    def _name(self, trial: StoredTrial) -> str:
+        names = list(trial.sensors)
+        if self._sensor in names:
+            return self._sensor
+        if self._sensor or len(names) != 1:
+            raise _core.InputError(f"trial {trial.trial}: sensor {self._sensor!r}; allowed: {', '.join(map(repr, names)) or 'nothing, outcomes alone'}")
+        return names[0]
+
+    def _count(self, number: int) -> int:
+        trial = self._dataset[number]
+        samples = trial.labels[self._name(trial)][self._rule].shape[0]
+        return max(0, (samples - self._length) // self._stride + 1)
+
+    def _read(self, number: int) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+        if number not in self._kept:
+            trial = self._dataset[number]
+            name = self._name(trial)
+            sensor = trial.sensors[name]
+            channels = self._channels or [str(one) for one in sensor.attrs["channels"]]
+            samples = len(trial.labels[name][self._rule])
+            values = np.concatenate([np.asarray(sensor[channel][:], np.float32).reshape(samples, -1) for channel in channels], axis=1)
+            slips = (np.asarray(trial.labels[name][self._rule][:]) >= 2).astype(np.uint8)
+            self._kept[number] = values, slips
+        return self._kept[number]
+
+    def __len__(self) -> int:
+        return int(self._ends[-1])
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        if not -len(self) <= index < len(self):
+            raise IndexError(index)
+        index %= len(self)
+        place = bisect_right(self._ends, index) - 1
+        values, slips = self._read(self._trials[place])
+        first = (index - self._ends[place]) * self._stride
+        return values[first : first + self._length], int(slips[first + self._length - 1])
+
+
+def open(path: str | os.PathLike[str]) -> Dataset:
+    """Opens a dataset that `slipbench run`, `sweep` or `Scene.write()` has written, by the name of its first file."""
+    return Dataset(path)

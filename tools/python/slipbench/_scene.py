@@ -1,0 +1,185 @@
+"""Scenes: what is simulated."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from slipbench._trial import Trial
+from slipbench.bin import _core
+
+
+def _yaml(value: Any) -> str:
+    """A Python value as YAML, of which JSON is a part; a text stays as it is: "4 mm/s"."""
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+@dataclass(frozen=True)
+class Check:
+    """What became of a scene's expectations."""
+
+    verdict: str  #: "passed", "failed", "tests nothing", "not checked"
+    expectations: list[dict[str, Any]]  #: name, limit, kept, trials, needed, passed, worst, worst_trial, replay
+    failures: list[str]  #: why trials failed to run
+    files: list[str]  #: what a failed check left
+
+    @property
+    def passed(self) -> bool:
+        """Whether the scene expects something, and all of it was kept."""
+        return self.verdict == "passed"
+
+
+class Sweep(Iterator[Trial]):
+    """Trials in the order of their numbers, simulated by threads ahead of who asks. `len()`: how many there are; `done`: handed over."""
+
+    def __init__(self, one: Callable[[int, _core.Stop], Trial], count: int, jobs: int) -> None:
+        self._stop = _core.Stop()
+        self._pool = ThreadPoolExecutor(jobs)
+        self._one, self._count, self._next = one, count, 0
+        self._ahead: deque[Future[Trial]] = deque()
+        self._depth = 2 * jobs
+        self.done = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __next__(self) -> Trial:
+        while self._next < self._count and len(self._ahead) < self._depth:
+            self._ahead.append(self._pool.submit(self._one, self._next, self._stop))
+            self._next += 1
+        if not self._ahead:
+            self.close()
+            raise StopIteration
+        try:
+            trial = self._ahead.popleft().result()
+        except BaseException:
+            self.close()
+            raise
+        self.done += 1
+        return trial
+
+    def close(self) -> None:
+        """Ends the trials at hand."""
+        self._stop.set()
+        self._ahead.clear()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def __del__(self) -> None:
+        self.close()
+
+
+class Scene:
+    """A scene file, with what was set beside it. Immutable."""
+
+    def __init__(self, path: str, overrides: list[tuple[str, str]]) -> None:
+        self.path = path
+        self.overrides = overrides  #: path and YAML text, as `--set` takes them
+        self._core = _core.Scene(path, overrides)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Scene:
+        """Reads a file, or one of the scenes that come with the package: `Scene.load("papillarray/stage.yaml")`.
+
+        Raises InputError: "stage.yaml:12: unknown key 'sped' in motion; did you mean 'speed'? allowed: ...".
+        """
+        name = os.fspath(path)
+        if not os.path.exists(name) and not os.path.isabs(name) and (scenes() / name).exists():
+            name = str(scenes() / name)
+        return cls(name, [])
+
+    def set(self, values: dict[str, Any] | None = None, /, **more: Any) -> Scene:
+        """The same scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"}, seed=3)`. Text is YAML, other values are SI."""
+        changes = [(path, _yaml(value)) for path, value in {**(values or {}), **more}.items()]
+        return Scene(self.path, self.overrides + changes)
+
+    @property
+    def text(self) -> str:
+        """The file, word for word."""
+        return self._core.text
+
+    @property
+    def seed(self) -> int:
+        """Of the scene."""
+        return self._core.seed
+
+    def trials(self, draws: int = 0) -> int:
+        """Trials of the scene's sweep with so many draws of each cell of its grid; 0: as the scene says."""
+        return self._core.trials(draws)
+
+    def run(self, trial: int = 0, *, seed: int | None = None, record: str = "full") -> Trial:
+        """Simulates trial number `trial`: what `slipbench run SCENE --trials N` writes as that trial, N the least that has it.
+
+        `record="outcome"` leaves the arrays out. The interpreter's other threads run meanwhile; Ctrl-C ends it.
+        """
+        if trial < 0:
+            raise _core.InputError(f"trial {trial}; allowed: 0 or more")
+        chosen = self.seed if seed is None else seed
+        return Trial(self._core.run(trial, 0, trial + 1, chosen, _full(record), None))
+
+    def sweep(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full") -> Sweep:
+        """All trials of the scene's sweep, in order: `for trial in scene.sweep()`. `jobs`: threads; 0: one a core."""
+        chosen = self.seed if seed is None else seed
+        full = _full(record)
+        return Sweep(lambda trial, stop: Trial(self._core.run(trial, draws, 0, chosen, full, stop)), self.trials(draws), jobs or os.cpu_count() or 1)
+
+    def write(self, path: str | os.PathLike[str], *, draws: int = 0, trials: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full",
+              resume: bool = False, progress: Callable[[int, int], None] | None = None) -> dict[str, Any]:
+        """Runs the sweep into a dataset, byte for byte what `slipbench sweep` writes; with `trials` what `slipbench run --trials` writes.
+
+        Returns the summary that `--json` prints. `progress(done, total)` is called now and then, and at the end. Raises KeyboardInterrupt after Ctrl-C, when
+        the finished trials are kept for `resume=True`.
+        """
+        summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, _full(record), resume, progress))
+        if summary.get("interrupted"):
+            raise KeyboardInterrupt
+        if progress is not None:
+            progress(summary["planned"], summary["planned"])
+        return summary
+
+    def check(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, folder: str = "") -> Check:
+        """Holds the scene's `expect` against its trials, as `slipbench check`. `folder`: for what a failed check leaves; empty: nothing."""
+        return Check(**self._core.check(draws, seed, jobs, folder))
+
+    def __repr__(self) -> str:
+        return f"<slipbench.Scene {self.path}{''.join(f' {path}={value}' for path, value in self.overrides)}>"
+
+
+def _full(record: str) -> bool:
+    if record not in ("full", "outcome"):
+        raise _core.InputError(f"record={record!r}; allowed: 'full', 'outcome'")
+    return record == "full"
+
+
+def scenes() -> Path:
+    """The folder of the scenes that come with the package."""
+    return Path(_core.project_file("scenes"))
+
+
+def describe(name: str) -> list[dict[str, Any]]:
+    """What `slipbench describe NAME --json` says: law, source, parameters with unit, default, what is allowed."""
+    described: list[dict[str, Any]] = json.loads(_core.describe(name))
+    return described
+
+
+def list_names() -> dict[str, Any]:
+    """What a scene may name, by catalogue, as `slipbench list --json`."""
+    listed: dict[str, Any] = json.loads(_core.list())
+    return listed
+
+
+def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: dict[str, Any] | None = None, labels: str = "strict", sensor: str = "",
+             split: str = "", all_trials: bool = False) -> dict[str, Any]:
+    """Judges a detector on the trials of a dataset: what `slipbench eval DETECTOR DATASET --json` prints.
+
+    `detector`: a name that a scene may say, one of one's own among them, FILE.onnx, or a folder of memories. `labels`: the truth to judge by,
+    strict, micro, paper, latched or has_slipped. The recording is read, and the detector run, in a child process.
+    """
+    pairs = [(name, _yaml(value)) for name, value in (parameters or {}).items()]
+    result: dict[str, Any] = json.loads(_core.evaluate(detector, pairs, os.fspath(dataset), labels, sensor, split, all_trials))
+    return result

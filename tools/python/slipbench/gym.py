@@ -1,0 +1,186 @@
+"""Grasps as Gymnasium environments: importing this module registers them.
+
+`slipbench/GraspLift-v0`: the published grasp, lifted by 100 mm. `slipbench/Grasp-v0`: any grasp scene, `gymnasium.make("slipbench/Grasp-v0",
+scene="my.yaml")`. `slipbench/StageSlip-v0`: a detector's task, frame by frame, in an open recording.
+
+Reward of a grasp's step: -(F / F_ideal) dt / T - 0.1 for each mm slipped since the lift began - 10 where the box is dropped in it. F is the true grip
+force at the step's end, F_ideal the least that could hold the box, dt the step's length, T the scene's duration. The episode terminates when the box
+is dropped and is truncated when the scene's duration is over.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.envs.registration import register
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from slipbench._scene import Scene, _yaml
+from slipbench.bin import _core
+
+Observation = NDArray[np.float32]
+
+
+def _checked(scene: str | os.PathLike[str], values: dict[str, Any] | None, render_mode: str | None) -> Scene:
+    if render_mode is not None:
+        raise _core.InputError(f"render_mode {render_mode!r}: slipbench draws no pictures yet; allowed: None")
+    return Scene.load(scene).set(values)
+
+
+_GREATEST = np.finfo(np.float32).max  # what a sensor's float32 may be: it has no other bound
+_BOUNDS = {"gripper.position": 255.0, "gripper.moving": 1.0, "gripper.stopped": 1.0, "slip.state": 3.0}
+
+
+def _spaces(names: list[str]) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+    low = np.array([0.0 if name in _BOUNDS else -_GREATEST for name in names], np.float32)
+    high = np.array([_BOUNDS.get(name, _GREATEST) for name in names], np.float32)
+    return gymnasium.spaces.Box(low, high, dtype=np.float32), gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float32)
+
+
+def _info(truth: dict[str, Any], params: str) -> dict[str, Any]:
+    info = {**truth, "params": json.loads(params)}
+    if "outcome" in info:
+        info["outcome"] = json.loads(info["outcome"])
+    return info
+
+
+class GraspEnv(gymnasium.Env[Observation, Observation]):
+    """A grasp whose gripper the policy commands, from one read of the gripper to the next (20 ms unless the scene says other).
+
+    scene: file, or name of one that comes with the package. values: as `Scene.set()` takes them. command: what the action in [-1, 1] stands for,
+    "force", 0 to 20 N of measured grip force, or "position", 0 to 255 counts. `observation_names` says what an observation holds. Truth is in
+    `info` only. Each episode of a seed is another draw of the scene's sweep and scatter.
+    """
+
+    metadata = {"render_modes": []}
+
+    def __init__(self, scene: str | os.PathLike[str] = "grasp/lift.yaml", values: dict[str, Any] | None = None, command: str = "force",
+                 render_mode: str | None = None) -> None:
+        chosen = _checked(scene, values, render_mode)
+        self.render_mode = render_mode
+        self._grasp = _core.Grasp(chosen.path, chosen.overrides, command)
+        self._scene = chosen
+        self._seed, self._episode = chosen.seed, -1
+        self.observation_names: list[str] = self._grasp.names
+        self.observation_space, self.action_space = _spaces(self.observation_names)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
+        """Begins the next episode of the seed, with `seed` the first one of that seed, and runs it to its first read of the gripper."""
+        super().reset(seed=seed)
+        self._seed, self._episode = (self._seed, self._episode + 1) if seed is None else (seed, 0)
+        observation, _, _, _, truth = self._grasp.reset(self._seed, self._episode)
+        return observation, _info(truth, self._grasp.params)
+
+    def step(self, action: Observation) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Commands, and runs on to the next read."""
+        observation, reward, dropped, ended, truth = self._grasp.step(float(np.asarray(action).reshape(())))
+        return observation, reward, dropped, ended, _info(truth, self._grasp.params)
+
+    @property
+    def episode_command(self) -> str:
+        """The command that runs this episode's trial with the scene's own controller."""
+        sets = "".join(f" --set {shlex.quote(f'{path}={value}')}" for path, value in self._scene.overrides)
+        return self._grasp.command(shlex.quote(self._scene.path) + sets)
+
+
+class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
+    """Several such grasps, stepped by threads. Equal, step by step, to `SyncVectorEnv` of GraspEnv; what it gives does not depend on `jobs`."""
+
+    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    def __init__(self, num_envs: int = 1, scene: str | os.PathLike[str] = "grasp/lift.yaml", values: dict[str, Any] | None = None,
+                 command: str = "force", render_mode: str | None = None, jobs: int = 0) -> None:
+        chosen = _checked(scene, values, render_mode)
+        self.render_mode = render_mode
+        self.num_envs = num_envs
+        self._grasps = _core.Grasps(chosen.path, chosen.overrides, command, num_envs, jobs or os.cpu_count() or 1)
+        self._seeds, self._episodes = [chosen.seed] * num_envs, [-1] * num_envs
+        self.observation_names: list[str] = self._grasps.names
+        self.single_observation_space, self.single_action_space = _spaces(self.observation_names)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
+        """Begins an episode in each; a single seed is that of the first, the others follow it."""
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        seeds = [None] * self.num_envs if seed is None else [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else list(seed)
+        for i, one in enumerate(seeds):
+            self._seeds[i], self._episodes[i] = (self._seeds[i], self._episodes[i] + 1) if one is None else (one, 0)
+        told = self._grasps.reset(self._seeds, self._episodes, [1] * self.num_envs)
+        observations, _, _, _, infos = self._batch(told)
+        return observations, infos
+
+    def step(self, actions: Observation) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """Commands each, but where its episode has ended: there the next one begins, and the action counts for nothing."""
+        told = self._grasps.step([float(action) for action in np.asarray(actions).reshape(self.num_envs)])
+        for i, (_, began, _) in enumerate(told):
+            self._episodes[i] += bool(began)
+        return self._batch(told)
+
+    def _batch(self, told: list[Any]) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        observations = np.stack([result[0] for result, _, _ in told])
+        rewards = np.array([result[1] for result, _, _ in told], np.float64)
+        terminated = np.array([result[2] for result, _, _ in told], np.bool_)
+        truncated = np.array([result[3] for result, _, _ in told], np.bool_)
+        infos: dict[str, Any] = {}
+        for i, (result, _, params) in enumerate(told):
+            infos = self._add_info(infos, _info(result[4], params), i)
+        return observations, rewards, terminated, truncated, infos
+
+
+class StageSlipEnv(gymnasium.Env[Observation, int]):
+    """A detector's task: an open recording of a stage scene, sample by sample; the action says the pad's `State` at that sample.
+
+    Observation: the sensor's channels, in order. Reward: 1 where the action says rightly whether the pad slips (incipient or gross, as
+    `state_micro` has it), else 0. Truth is in `info` only. The episode is truncated at the recording's end.
+    """
+
+    metadata = {"render_modes": []}
+
+    def __init__(self, scene: str | os.PathLike[str] = "papillarray/hexapod.yaml", values: dict[str, Any] | None = None, sensor: str = "",
+                 render_mode: str | None = None) -> None:
+        self._scene = _checked(scene, values, render_mode)
+        self.render_mode = render_mode
+        self._sensor, self._seed, self._episode = sensor, self._scene.seed, -1
+        self._record(self._seed, 0)
+        self.observation_space = gymnasium.spaces.Box(-_GREATEST, _GREATEST, (self._values.shape[1],), np.float32)
+        self.action_space = gymnasium.spaces.Discrete(4)
+
+    def _record(self, seed: int, episode: int) -> None:
+        trial = self._scene.run(episode, seed=seed)
+        if self._sensor not in trial.sensors and (self._sensor or len(trial.sensors) != 1):
+            raise _core.InputError(f"sensor {self._sensor!r}; allowed: {', '.join(map(repr, trial.sensors))}")
+        sensor = trial.sensors[self._sensor or next(iter(trial.sensors))]
+        samples = len(sensor.time)
+        self._values = np.concatenate([values.reshape(samples, -1) for values in sensor.channels.values()], axis=1)
+        self._time, self._states, self._params = sensor.time, sensor.labels.state_micro, trial.params
+        self._at = 0
+
+    def _info(self) -> dict[str, Any]:
+        return {"time": float(self._time[self._at]), "state": int(self._states[self._at]), "params": dict(self._params)}
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
+        """Simulates the next recording of the seed, with `seed` the first one of that seed."""
+        super().reset(seed=seed)
+        self._seed, self._episode = (self._seed, self._episode + 1) if seed is None else (seed, 0)
+        self._record(self._seed, self._episode)
+        return self._values[0].copy(), self._info()
+
+    def step(self, action: int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Judges what was said of the sample shown last, and shows the next."""
+        right = (int(action) >= 2) == (self._states[self._at] >= 2)
+        self._at += 1
+        return self._values[self._at].copy(), float(right), False, self._at + 1 == len(self._values), self._info()
+
+
+register("slipbench/Grasp-v0", "slipbench.gym:GraspEnv", vector_entry_point="slipbench.gym:GraspVectorEnv")
+register("slipbench/GraspLift-v0", "slipbench.gym:GraspEnv", vector_entry_point="slipbench.gym:GraspVectorEnv",
+         kwargs={"scene": "grasp/lift.yaml", "values": {"friction": {"static": 0.2, "kinetic": 0.15}}})
+register("slipbench/StageSlip-v0", "slipbench.gym:StageSlipEnv")

@@ -1,0 +1,231 @@
+#include "tools/studies/biotac/biotac_recordings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/content_check.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/program/export/samples.h"
+#include "tools/program/learn/examples.h"
+#include "tools/program/learn/recipe.h"
+#include "tools/studies/grid.h"
+
+namespace slipbench::reproduce::biotac {
+namespace {
+
+constexpr const char* grasp_scene = "scenes/biotac_sp/grasp.yaml";
+constexpr std::array<const char*, fingers> finger_names{"ff", "mf", "th"};
+
+[[noreturn]] void no_grasp(const TrialRecord& record, const std::string& what) {
+  throw InputError(fmt::format(
+      "trial {}: {}; allowed: grasps of {}, or files bts3v2_palm_down.csv, _side and _45 that `slipbench import --format bts3v2` has read",
+      record.trial, what, grasp_scene));
+}
+
+std::size_t palm_of(const TrialRecord& record, const Json& swept) {
+  const bool real = swept.contains("slipped");
+  const std::string word = swept.value(real ? "palm" : "model", "");
+  const auto found = std::ranges::find_if(palms, [&](const Palm& palm) { return word == (real ? palm.imported : palm.model); });
+  if (found == palms.end()) no_grasp(record, fmt::format("its palm is {}", quote(word)));
+  return static_cast<std::size_t>(found - palms.begin());
+}
+
+Touch touch_of(learn::Example example) {
+  return {std::move(example.frames.features), std::move(example.frames.label), std::move(example.object)};
+}
+
+learn::ExampleOptions touch_options() {
+  learn::ExampleOptions how;
+  how.input = learn::find_recipe("biotac_lstm").input;
+  how.classes = learn::ClassRule::direction;
+  return how;
+}
+
+// [T, places]: each place of a frame is the mean of some electrodes.
+std::vector<float> averaged(std::span<const float> counts, const std::vector<std::vector<std::size_t>>& places) {
+  std::vector<float> values;
+  for (std::size_t first = 0; first < counts.size(); first += electrodes) {
+    for (const std::vector<std::size_t>& place : places) {
+      float sum = 0.0F;
+      for (const std::size_t e : place) sum += counts[first + e];
+      values.push_back(sum / static_cast<float>(place.size()));
+    }
+  }
+  return values;
+}
+
+// The standard deviations of all electrodes, then their slopes.
+std::vector<float> window_figures(std::span<const float> counts) {
+  const std::size_t rows = counts.size() / electrodes;
+  const auto count = static_cast<double>(rows);
+  const double middle = 0.5 * (count - 1.0), moment = count * (count * count - 1.0) / 12.0;  // sum of (t - middle)^2
+  std::vector<float> figures(2 * electrodes);
+  for (std::size_t e = 0; e < electrodes; ++e) {
+    double mean = 0.0, square = 0.0, slope = 0.0;
+    for (std::size_t t = 0; t < rows; ++t) mean += double{counts[t * electrodes + e]} / count;
+    for (std::size_t t = 0; t < rows; ++t) {
+      const double off = double{counts[t * electrodes + e]} - mean;
+      square += off * off;
+      slope += off * (static_cast<double>(t) - middle) / moment;
+    }
+    figures[e] = static_cast<float>(std::sqrt(square / (count - 1.0)));
+    figures[electrodes + e] = static_cast<float>(slope);
+  }
+  return figures;
+}
+
+void take_mean_off(std::vector<float>& counts) {
+  const std::size_t rows = counts.size() / electrodes;
+  for (std::size_t e = 0; e < electrodes; ++e) {
+    double mean = 0.0;
+    for (std::size_t t = 0; t < rows; ++t) mean += double{counts[t * electrodes + e]} / static_cast<double>(rows);
+    for (std::size_t t = 0; t < rows; ++t)
+      counts[t * electrodes + e] = static_cast<float>(double{counts[t * electrodes + e]} - mean);
+  }
+}
+
+std::string packed_grasps(const std::string& path) {
+  const DatasetReader reader(path);
+  ContentCheck check(reader);
+  Json all = Json::array();
+  for (const std::size_t trial : reader.trials()) {
+    reader.check_recorded(trial);
+    const TrialRecord record = reader.read_trial(trial);
+    check.add(trial);
+    try {
+      const Grasp grasp = grasp_of(record);
+      all.push_back({grasp.counts, grasp.object, grasp.palm, grasp.slipped});
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", path, error.what()));
+    }
+  }
+  check.finish();
+  return all.dump();
+}
+
+}  // namespace
+
+Grasp grasp_of(const TrialRecord& record) {
+  const Json swept = Json::parse(record.params);
+  Grasp grasp;
+  grasp.palm = palm_of(record, swept);
+  grasp.object = learn::swept_facts(record.params).object;
+  if (grasp.object.empty()) no_grasp(record, "it names no object");
+  const auto slipped = swept.find("slipped");
+  if (slipped == swept.end() && !record.outcome.hold) no_grasp(record, "its outcome does not say whether the object was held");
+  grasp.slipped = slipped != swept.end() ? slipped->get<bool>() : !record.outcome.hold->held;
+  for (const char* finger : finger_names) {
+    const auto sensor = std::ranges::find(record.sensors, finger, &SensorRecord::name);
+    if (sensor == record.sensors.end() || sensor->type != "biotac_sp" || sensor->time.empty())
+      no_grasp(record, fmt::format("no reading of a biotac_sp '{}'", finger));
+    const SensorColumn& column = *std::ranges::find(sensor->channels, "electrodes", &SensorColumn::name);
+    const std::size_t row =
+        record.outcome.hold ? latest_row(sensor->time, record.outcome.hold->from).value_or(0) : sensor->time.size() - 1;
+    const auto first = column.values.begin() + static_cast<std::ptrdiff_t>(row * electrodes);
+    grasp.counts.insert(grasp.counts.end(), first, first + electrodes);
+  }
+  return grasp;
+}
+
+std::vector<Grasp> read_grasps(const std::string& path) {
+  std::vector<Grasp> grasps;
+  for (const Json& one : Json::parse(guarded(path, [&] { return packed_grasps(path); })))
+    grasps.push_back(
+        {one[0].get<std::vector<float>>(), one[1].get<std::string>(), one[2].get<std::size_t>(), one[3].get<bool>()});
+  return grasps;
+}
+
+std::vector<Grasp> run_grasps(std::size_t draws, const ReproduceOptions& options) {
+  const GridCell cell{.name = "grasps", .scene = grasp_scene, .draws = draws};
+  return run_grid<Grasp>({cell}, options, [](const GridTrial& trial) { return grasp_of(trial.record()); }).front();
+}
+
+learn::FoldExample as_list(const Grasp& grasp) { return {{grasp.counts, {static_cast<std::uint8_t>(grasp.slipped ? 1 : 0)}}}; }
+
+learn::FoldExample as_image(const Grasp& grasp, const learn::biotac::ImageLayout& layout) {
+  learn::FoldExample example = as_list(grasp);
+  example.frames.features = averaged(grasp.counts, learn::biotac::pixels_of(layout));
+  return example;
+}
+
+learn::FoldExample as_graph(const Grasp& grasp) {
+  learn::FoldExample example = as_list(grasp);
+  for (std::size_t finger = 0; finger < fingers; ++finger) {
+    for (std::size_t e = 0; e < electrodes; ++e)
+      example.frames.features[e * fingers + finger] = grasp.counts[finger * electrodes + e];
+  }
+  return example;
+}
+
+std::vector<Touch> read_touches(const std::string& path) {
+  std::vector<Touch> touches;
+  for (learn::Example& example : learn::read_examples(path, touch_options()).all) {
+    if (example.object.empty())
+      throw InputError(
+          fmt::format("{}: trial {} names no object; allowed: recordings of {}, or of BioTacSP-DoS as `slipbench import "
+                      "--format biotacsp-dos` has read them",
+                      path, example.trial, slip_scene));
+    touches.push_back(touch_of(std::move(example)));
+  }
+  return touches;
+}
+
+std::vector<Touch> run_touches(const char* scene, std::size_t draws, const ReproduceOptions& options) {
+  std::vector<std::size_t> numbers;
+  for (std::size_t device = 1; device <= devices; ++device) numbers.push_back(device);
+  const GridCell cell{.name = std::string(scene) == slip_scene ? "recordings" : "recordings, random site",
+                      .scene = scene,
+                      .overrides = {{"sweep.sensors.pad.device_number", Json(numbers).dump()}},
+                      .draws = draws};
+  return run_grid<Touch>({cell}, options,
+                         [](const GridTrial& trial) {
+                           const TrialRecord record = trial.record();
+                           return touch_of(learn::example_of(record, record.sensors.front(), touch_options()));
+                         })
+      .front();
+}
+
+std::vector<learn::FoldExample> windows_of(const Touch& touch, const Window& window) {
+  std::vector<learn::FoldExample> examples;
+  for (std::size_t first = 0; first + window.rows <= touch.label.size(); first += window.stride) {
+    const std::span<const std::uint8_t> labels = std::span(touch.label).subspan(first, window.rows);
+    if (std::ranges::find(labels, learn::masked) != labels.end()) continue;
+    const auto begin = touch.counts.begin() + static_cast<std::ptrdiff_t>(first * electrodes);
+    std::vector<float> counts(begin, begin + static_cast<std::ptrdiff_t>(window.rows * electrodes));
+    learn::FrameSequence frames;
+    frames.label.assign(window.figures == Window::Figures::none ? window.rows : 1, learn::masked);
+    frames.label.back() = labels.back();
+    if (!window.site) take_mean_off(counts);
+    if (window.figures != Window::Figures::none) {
+      frames.features = window_figures(counts);
+      if (window.figures == Window::Figures::sorted) {
+        frames.features.resize(electrodes);
+        std::ranges::sort(frames.features);
+      }
+    } else {
+      frames.features = window.layout != nullptr ? averaged(counts, learn::biotac::pixels_of(*window.layout)) : std::move(counts);
+    }
+    examples.push_back({std::move(frames)});
+  }
+  return examples;
+}
+
+std::vector<std::size_t> folds_by_object(std::span<const std::string> objects, std::size_t count, std::uint64_t seed) {
+  const std::set<std::string> different(objects.begin(), objects.end());
+  if (different.size() < count)
+    throw InputError(fmt::format("{} objects make no {} folds; allowed: {} or more", different.size(), count, count));
+  const std::vector<std::size_t> dealt = learn::folds(std::vector<std::size_t>(different.size()), count, seed);
+  std::map<std::string, std::size_t> fold_of;
+  for (const std::string& object : different) fold_of.emplace(object, dealt[fold_of.size()]);
+  std::vector<std::size_t> folds;
+  for (const std::string& object : objects) folds.push_back(fold_of.at(object));
+  return folds;
+}
+
+}  // namespace slipbench::reproduce::biotac

@@ -1,0 +1,219 @@
+// Table 3 of the paper: direction of slip under one finger, on objects that were not learnt; with and without the place of the touch.
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/studies/biotac/biotac_learning.h"
+#include "tools/studies/grid.h"
+
+namespace slipbench::reproduce {
+namespace biotac {
+namespace {
+
+constexpr std::size_t short_rows = 5, long_rows = 50, usual_draws = 4,
+                      published_touches = 8;  // draws of each of 28 cells and each device
+constexpr std::size_t classes = 7, direction_steps = 1200;
+
+// Who learns, and who judges.
+constexpr std::array<std::array<const char*, 2>, 6> direction_columns{{{"real", "real alone"},
+                                                                       {"synthetic_to_real", "synthetic alone"},
+                                                                       {"both", "both"},
+                                                                       {"random_to_real", "random site alone"},
+                                                                       {"synthetic", "synthetic, on synthetic"},
+                                                                       {"random_site", "random site, on random site"}}};
+
+struct DirectionNetwork {
+  Network network;
+  Window window;
+  std::size_t columns = direction_columns.size();  // the first so many of them, without real recordings all: of what takes long
+};
+
+Set windows_of_all(const std::vector<Touch>& touches, const Window& window, std::size_t folds, std::uint64_t seed) {
+  Set set;
+  set.folds = folds;
+  std::vector<std::string> objects;
+  for (const Touch& touch : touches) {
+    for (learn::FoldExample& example : windows_of(touch, window)) {
+      set.examples.push_back(std::move(example));
+      objects.push_back(touch.object);
+    }
+  }
+  set.fold_of = folds_by_object(objects, folds, seed);
+  return set;
+}
+
+// Of windows of `rows`, frames of `inputs`: all rows at once.
+learn::NetworkShape direction_regression(std::size_t inputs, std::size_t rows) {
+  return {inputs, {learn::Conv1d{classes, rows}}};
+}
+learn::NetworkShape direction_plain(std::size_t inputs, std::size_t rows) {
+  return {inputs, {learn::Conv1d{128, rows}, learn::BatchNorm{}, learn::Relu{}, learn::Linear{classes}}};
+}
+
+std::vector<DirectionNetwork> direction_networks(bool full) {
+  using namespace learn::biotac;
+  const ImageLayout& image = image_layouts().front();
+  std::vector<DirectionNetwork> all;
+  for (const bool site : {true, false}) {
+    const learn::Scaling scaling = site ? learn::Scaling::range : learn::Scaling::standard;
+    const char* const suffix = site ? "" : "_no_site";
+    const auto add = [&](const char* name, const char* text, learn::NetworkShape shape, std::size_t steps, Window window,
+                         std::size_t columns = direction_columns.size()) {
+      window.site = site;
+      all.push_back(
+          {{fmt::format("{}{}", name, suffix), fmt::format("{}, {} ms{}", text, 10 * window.rows, site ? "" : ", mean taken off"),
+            std::move(shape), steps, scaling},
+           window,
+           columns});
+    };
+    const Window brief{.rows = short_rows, .stride = short_rows}, whole{.rows = long_rows, .stride = long_rows / 2};
+    Window images = brief;
+    images.layout = &image;
+    const std::size_t three = 3;  // columns of what takes long
+    add("lr", "logistic regression", direction_regression(electrodes, short_rows), direction_steps, brief);
+    add("mlp", "MLP 128", direction_plain(electrodes, short_rows), direction_steps, brief);
+    if (site) {
+      add("lstm", "LSTM, 5 layers of 32", lstm_network(5, short_rows), direction_steps / 2, brief);
+      add("lstm_longer", "the same, four times the steps", lstm_network(5, short_rows), 2 * direction_steps, brief, 1);
+      add("lstm_2", "LSTM, 2 layers of 32", lstm_network(2, short_rows), direction_steps, brief, three);
+    } else {
+      add("lstm", "LSTM, 5 layers of 32", lstm_network(5, short_rows), direction_steps / 2, brief, three);
+    }
+    if (full) {
+      add("convlstm", "ConvLSTM, 5 layers of 32", conv_lstm_network(image, 5, 32, short_rows), direction_steps, images);
+    } else {
+      add("convlstm", "ConvLSTM, 2 layers of 8", conv_lstm_network(image, 2, 8, short_rows), direction_steps, images,
+          site ? three : 2);
+    }
+    add("lstm_500", "LSTM, 2 layers of 32", lstm_network(2, long_rows), direction_steps / 4, whole, site ? 2 : three);
+    if (site) continue;
+    Window figures = whole;
+    figures.figures = Window::Figures::by_electrode;
+    add("sd_trend", "MLP 128 of SDs and trends", direction_plain(2 * electrodes, 1), direction_steps / 2, figures);
+    figures.figures = Window::Figures::sorted;
+    add("sorted_sd", "MLP 128 of the SDs in order", direction_plain(electrodes, 1), direction_steps / 2, figures);
+  }
+  return all;
+}
+
+}  // namespace
+}  // namespace biotac
+
+Result biotac_table3(const ReproduceOptions& options) {
+  using namespace biotac;
+  const std::vector<DirectionNetwork> all = direction_networks(options.full);
+  std::vector<std::string> names;
+  for (const DirectionNetwork& one : all) names.push_back(one.network.name);
+  check_only(options.only, names);
+  if (!options.data.empty() && options.trials != 0)
+    throw InputError("reproduce: --trials is for recordings that are made; allowed: --data alone");
+  Lessons lessons(options);
+  const std::size_t draws = options.trials != 0 ? options.trials : options.full ? published_touches : usual_draws;
+  std::vector<Touch> real;
+  if (!options.real.empty()) real = read_touches(options.real);
+  const std::vector<Touch> synthetic =
+                               options.data.empty() ? run_touches(slip_scene, draws, options) : read_touches(options.data),
+                           random_site = run_touches(random_site_scene, draws, options);
+
+  struct Row {
+    const DirectionNetwork* network;
+    std::map<std::string, std::pair<std::size_t, std::vector<std::size_t>>> numbers;  // of Lessons; the folds to report by
+  };
+  std::vector<Row> rows;
+  const auto object_count = [](const std::vector<Touch>& touches) {
+    std::set<std::string> objects;
+    for (const Touch& touch : touches) objects.insert(touch.object);
+    return objects.size();
+  };
+  const std::uint64_t seed = options.seed.value_or(1);
+  for (const DirectionNetwork& one : all) {
+    if (!options.only.empty() && std::ranges::find(options.only, one.network.name) == options.only.end()) continue;
+    Row& row = rows.emplace_back(Row{&one, {}});
+    const auto set_of_touches = [&](const std::vector<Touch>& touches) {
+      return windows_of_all(touches, one.window, object_count(touches), seed);
+    };
+    const Set made = set_of_touches(synthetic), anywhere = set_of_touches(random_site);
+    const auto add = [&](const char* name, const Set& set, const Set* other, Learns learns) {
+      row.numbers[name] = {lessons.queue(set, other, learns, one.network), set.fold_of};
+    };
+    if (real.empty()) {
+      add("synthetic", made, nullptr, Learns::own);
+      add("random_site", anywhere, nullptr, Learns::own);
+      continue;
+    }
+    const Set recorded = set_of_touches(real);
+    for (const auto& [name, text] : std::span(direction_columns).first(one.columns)) {
+      const std::string column = name;
+      if (column == "real") add(name, recorded, nullptr, Learns::own);
+      if (column == "synthetic_to_real") add(name, recorded, &made, Learns::other);
+      if (column == "both") add(name, recorded, &made, Learns::both);
+      if (column == "random_to_real") add(name, recorded, &anywhere, Learns::other);
+      if (column == "synthetic") add(name, made, nullptr, Learns::own);
+      if (column == "random_site") add(name, anywhere, nullptr, Learns::own);
+    }
+  }
+  lessons.run();
+
+  Result result;
+  result.title = "Direction of slip under a BioTac SP: t, n, e, s, w, cw, aw";
+  result.source = fmt::format("Table 3 of {}. Figures in %.", paper);
+  const auto table_of = [&](const char* title, MeanSd Scores::*member) {
+    ResultTable table;
+    table.title = title;
+    table.head = {"network"};
+    const auto columns = std::span(direction_columns).subspan(real.empty() ? 4 : 0);
+    for (const auto& [name, text] : columns) table.head.emplace_back(text);
+    for (const Row& row : rows) {
+      std::vector<std::string> cells{row.network->network.text};
+      for (const auto& [name, text] : columns) {
+        const auto found = row.numbers.find(name);
+        if (found == row.numbers.end()) {
+          cells.emplace_back("-");
+          continue;
+        }
+        const auto& [number, fold_of] = found->second;
+        const Scores scores = scores_of(lessons.answers(number), fold_of);
+        result.figures[row.network->network.name][name] = json_of(scores);
+        cells.push_back(cell(scores.*member));
+      }
+      table.rows.push_back(std::move(cells));
+    }
+    return table;
+  };
+  result.tables.push_back({"The paper: accuracy on objects of a kind, five repetitions",
+                           {"network, 50 ms", "rigid and smooth", "rough", "little contact", "mean"},
+                           {{"LSTM", "82.5 +- 2.0", "73.8 +- 2.0", "72.4 +- 3.6", "76.1 +- 2.4"},
+                            {"ConvLSTM", "82.6 +- 1.2", "73.5 +- .7", "70.9 +- 1.9", "75.5 +- 1.2"}},
+                           ""});
+  result.tables.push_back(table_of("Seven classes, balanced accuracy, object left out (chance 14.3)", &Scores::balanced));
+  result.tables.push_back(table_of("Slip against touch, area under the curve, object left out", &Scores::auc));
+  result.tables.back().note =
+      "A network that names the direction says slip by the probability of all classes but t. The first columns are judged on real objects that were "
+      "not learnt; synthetic and random site alone are one network each.";
+  const auto recordings = [&](const std::vector<Touch>& touches) {
+    return fmt::format("{} recordings of {} objects", touches.size(), object_count(touches));
+  };
+  if (!real.empty()) result.setup.push_back(fmt::format("Real: {}, {}.", options.real, recordings(real)));
+  result.setup.push_back(fmt::format("Synthetic: {}, {}.",
+                                     options.data.empty() ? fmt::format("{}, {} fingers", slip_scene, devices) : options.data,
+                                     recordings(synthetic)));
+  result.setup.push_back(fmt::format("Random site: {}, {} fingers, {}.", random_site_scene, devices, recordings(random_site)));
+  result.setup.push_back(fmt::format(
+      "Five rows of 100 Hz, one after the other; 0.5 s, half overlapping. Mean and standard deviation of the objects. Each electrode scaled to 0..1, "
+      "or to mean 0 and deviation 1 where the window's mean is taken off. Adam at 1e-3, {} steps of 64 at 50 ms, the LSTM of five layers half of them; the last state "
+      "is judged.",
+      (options.full ? 4 : 1) * direction_steps));
+  result.remarks = {
+      "The paper judges seven other objects, which are not in the local copy of its recordings: here each of the four is left out in turn.",
+      "Where the finger is touched tells the direction in these recordings: without the window's mean there is only what moves within it."};
+  if (!options.full) result.remarks.emplace_back("The paper's ConvLSTM has five layers of 32 filters (--full), here two of 8.");
+  if (options.real.empty()) result.remarks.push_back(without_real("biotacsp-dos", "yayaneath/BioTacSP-DoS"));
+  return result;
+}
+
+}  // namespace slipbench::reproduce

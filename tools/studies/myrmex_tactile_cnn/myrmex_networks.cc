@@ -1,0 +1,306 @@
+#include "tools/studies/myrmex_tactile_cnn/myrmex_networks.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/base/statistics/descriptive.h"
+#include "tools/program/learn/recipe.h"
+#include "tools/program/learn/scaling.h"
+#include "tools/studies/grid.h"
+
+namespace slipbench::reproduce {
+namespace {
+
+constexpr std::size_t edge = 12, taxels = edge * edge, bins = 32;
+constexpr std::size_t cut_bins = 4;  // of 15.625 Hz: 0 to 46.9 Hz, below the paper's 60 Hz
+constexpr std::array objects{"cylinder", "remote", "glass"};
+constexpr std::size_t usual_draws = 8;           // 64 trials, the paper's
+constexpr std::size_t published_steps = 700000;  // "converges after around 700000 iterations" of 64 windows
+constexpr std::size_t forward_passes = 201;
+constexpr std::array<std::array<double, 2>, 3> published{{{91.01, 92.65}, {96.12, 96.5}, {97.45, 97.89}}};
+
+bool of_taxels(MyrmexInput input) {
+  return input == MyrmexInput::spectra || input == MyrmexInput::high_pass || input == MyrmexInput::static_image;
+}
+
+std::pair<std::size_t, std::size_t> bins_of(MyrmexInput input) {  // first and end
+  if (input == MyrmexInput::high_pass) return {cut_bins, bins};
+  return {0, input == MyrmexInput::static_image ? 1 : bins};
+}
+
+void append(learn::FrameSequence& sequence, const std::vector<float>& features, std::uint8_t label) {
+  sequence.features.insert(sequence.features.end(), features.begin(), features.end());
+  sequence.label.push_back(label);
+}
+
+}  // namespace
+
+std::size_t inputs_of(MyrmexInput input) {
+  const auto [first, end] = bins_of(input);
+  switch (input) {
+    case MyrmexInput::spectra:
+    case MyrmexInput::high_pass:
+    case MyrmexInput::static_image: return taxels * (end - first);
+    case MyrmexInput::load:
+    case MyrmexInput::clock: return 1;
+    case MyrmexInput::placement: return 1 + objects.size();
+    case MyrmexInput::clock_placement: return 2 + objects.size();
+  }
+  return 0;
+}
+
+std::vector<float> told(const MyrmexTrial& trial, const MyrmexWindow& window, MyrmexInput input) {
+  std::vector<float> values;
+  if (of_taxels(input)) {
+    const auto [first, end] = bins_of(input);
+    for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
+      const auto at = window.spectra.begin() + static_cast<std::ptrdiff_t>(taxel * bins);
+      values.insert(values.end(), at + static_cast<std::ptrdiff_t>(first), at + static_cast<std::ptrdiff_t>(end));
+    }
+    return values;
+  }
+  if (input == MyrmexInput::load) {
+    double sum = 0.0;
+    for (std::size_t taxel = 0; taxel < taxels; ++taxel) sum += static_cast<double>(window.spectra[taxel * bins]);
+    return {static_cast<float>(sum / static_cast<double>(taxels))};
+  }
+  if (input != MyrmexInput::placement) values.push_back(static_cast<float>(window.time));
+  if (input == MyrmexInput::clock) return values;
+  values.push_back(trial.rotational ? 1.0F : 0.0F);
+  for (const char* object : objects) values.push_back(trial.object == object ? 1.0F : 0.0F);
+  return values;
+}
+
+const char* slip_word(SlipWord word) {
+  constexpr std::array<const char*, slip_words> words{"true", "bench", "motion"};
+  return words[static_cast<std::size_t>(word)];
+}
+
+MyrmexRow network_row(std::size_t net, MyrmexInput input, SlipWord word) {
+  const bool passed = input == MyrmexInput::high_pass;
+  MyrmexRow row;
+  row.name = fmt::format("net_{}{}{}", net, passed ? "_high_pass" : "",
+                         word == SlipWord::truth ? std::string() : fmt::format("_{}", slip_word(word)));
+  row.text = fmt::format("net {}{}", net, passed ? ", from 62.5 Hz" : "");
+  row.layers = fmt::format("myrmex_net{}", net);
+  row.input = input;
+  row.word = word;
+  row.published = published.at(net - 1)[passed ? 1 : 0];
+  return row;
+}
+
+learn::NetworkShape shape_of(const MyrmexRow& row) {
+  if (row.layers.empty()) return {inputs_of(row.input), {learn::Linear{32}, learn::Tanh{}, learn::Linear{kinds}}};
+  learn::NetworkShape shape = learn::find_recipe(row.layers).network;
+  shape.inputs = inputs_of(row.input);
+  shape.layers.front() = learn::Reshape{{edge, edge, shape.inputs / taxels}};
+  return shape;
+}
+
+void KindCounts::add(const KindCounts& other) {
+  for (std::size_t label = 0; label < kinds; ++label) {
+    for (std::size_t called = 0; called < kinds; ++called) windows[label][called] += other.windows[label][called];
+  }
+}
+
+double KindCounts::share(std::size_t label, std::size_t called) const {
+  std::uint64_t all = 0;
+  for (const std::uint64_t count : windows[label]) all += count;
+  return all == 0 ? std::numeric_limits<double>::quiet_NaN()
+                  : static_cast<double>(windows[label][called]) / static_cast<double>(all);
+}
+
+double KindCounts::accuracy() const {
+  std::vector<double> recalls;
+  for (std::size_t label = 0; label < kinds; ++label) {
+    if (const double recall = share(label, label); !std::isnan(recall)) recalls.push_back(recall);
+  }
+  return mean_sd(recalls).mean;
+}
+
+double WrongCount::share() const {
+  return all == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(wrong) / static_cast<double>(all);
+}
+
+KindCounts MyrmexFigures::all() const {
+  KindCounts sum;
+  for (const KindCounts& fold : folds) sum.add(fold);
+  return sum;
+}
+
+std::vector<std::uint8_t> called_kinds(const learn::NetworkShape& shape, learn::FrameSequence learnt, learn::FrameSequence judged,
+                                       const learn::TrainingOptions& training) {
+  const std::array<const learn::FrameSequence*, 1> by{&learnt};
+  const learn::Scale scale = learn::scale_of(by, shape.inputs, learn::Scaling::standard);
+  apply(scale, learnt);
+  apply(scale, judged);
+  const std::unique_ptr<learn::Network> network = learn::make_network(shape, training.seed);
+  network->train(std::span(&learnt, 1), {}, training);
+  const std::vector<float> logits = network->logits(judged.features);
+  std::vector<std::uint8_t> called;
+  for (auto at = logits.begin(); at != logits.end(); at += kinds)
+    called.push_back(static_cast<std::uint8_t>(std::max_element(at, at + kinds) - at));
+  return called;
+}
+
+MyrmexSize myrmex_size(const ReproduceOptions& options) {
+  if (!learn::networks_available()) static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
+  const std::size_t usual_steps = learn::find_recipe("myrmex_net3").training.steps;
+  MyrmexSize size{options.trials != 0 ? options.trials : usual_draws, options.full ? published_steps : usual_steps,
+                  options.full ? std::size_t{11} : std::size_t{0}};
+  if (size.draws < 2)
+    throw InputError(
+        "reproduce: --trials 1: one trial of each object and placement leaves nothing to judge by; allowed: 2 or more");
+  return size;
+}
+
+std::vector<MyrmexTrial> myrmex_trials(const ReproduceOptions& options, const MyrmexSize& size) {
+  WindowOptions windows;
+  windows.turned = size.turned;
+  windows.seed = options.seed.value_or(1);
+  std::vector<MyrmexTrial> trials =
+      run_grid<MyrmexTrial>({{"trials", "scenes/myrmex/dataset.yaml", {}, {}, size.draws}}, options, [&](const GridTrial& trial) {
+        return myrmex_trial(trial.scene, trial.record(), windows);
+      }).front();
+  for (const SlipWord word : {SlipWord::truth, SlipWord::bench, SlipWord::motion}) {
+    if (balanced_windows(trials, word, false, windows.seed).empty())
+      throw InputError(
+          fmt::format("reproduce: {} trials have no window of one of stable, translation and rotation; allowed: more --trials",
+                      trials.size()));
+  }
+  return trials;
+}
+
+std::size_t MyrmexValidations::queue(const MyrmexRow& row, MyrmexSplit split, std::size_t count, std::size_t last) {
+  const std::uint64_t seed = options_.seed.value_or(1);
+  Plan plan{row, split, balanced_windows(trials_, row.word, row.late, seed), {}};
+  plan.fold_of = window_folds(trials_, plan.places, row.word, split, count, seed);
+  const std::set<std::size_t> folds(plan.fold_of.begin(), plan.fold_of.end());  // a small set of trials may leave one empty
+  for (const std::size_t fold : folds) {
+    if (fold < last) tasks_.push_back({plans_.size(), fold, row.text});
+  }
+  plans_.push_back(std::move(plan));
+  results_.emplace_back();
+  return plans_.size() - 1;
+}
+
+MyrmexFigures MyrmexValidations::judged(const Plan& plan, std::size_t fold) const {
+  const auto word = static_cast<std::size_t>(plan.row.word);
+  learn::FrameSequence learnt, asked;
+  std::set<std::size_t> judging;  // trials of which none is learnt from
+  std::vector<const MyrmexWindow*> windows;
+  const auto ask = [&](const MyrmexTrial& trial, const MyrmexWindow& window) {
+    append(asked, told(trial, window, plan.row.input), window.label[word]);
+    windows.push_back(&window);
+  };
+  std::set<std::pair<std::size_t, double>> times;  // of what is learnt, for its turned copies
+  for (std::size_t k = 0; k < plan.places.size(); ++k) {
+    const MyrmexTrial& trial = trials_[plan.places[k].trial];
+    const MyrmexWindow& window = trial.windows[plan.places[k].window];
+    if (plan.fold_of[k] == fold) {
+      ask(trial, window);
+      if (plan.split != MyrmexSplit::window) judging.insert(plan.places[k].trial);
+    } else {
+      append(learnt, told(trial, window, plan.row.input), window.label[word]);
+      times.insert({plan.places[k].trial, window.time});
+    }
+  }
+  for (std::size_t t = 0; t < trials_.size() && of_taxels(plan.row.input); ++t) {
+    for (const MyrmexWindow& window : trials_[t].windows) {
+      if (window.turn != 0 && window.label[word] != learn::masked && times.contains({t, window.time}))
+        append(learnt, told(trials_[t], window, plan.row.input), window.label[word]);
+    }
+  }
+  const std::size_t drawn = windows.size();
+  for (const std::size_t t : judging) {
+    for (const MyrmexWindow& window : trials_[t].windows) {
+      if (window.turn == 0 && window.late() && window.label[word] == 0) ask(trials_[t], window);
+    }
+  }
+  learn::TrainingOptions training = learn::find_recipe("myrmex_net3").training;
+  training.steps = size_.steps * plan.row.longer;
+  training.seed = options_.seed.value_or(1);
+  const std::vector<std::uint8_t> labels = asked.label;
+  const std::vector<std::uint8_t> called = called_kinds(shape_of(plan.row), std::move(learnt), std::move(asked), training);
+  MyrmexFigures figures;
+  figures.folds.emplace_back();
+  for (std::size_t k = 0; k < called.size(); ++k) {
+    const MyrmexWindow& window = *windows[k];
+    if (k < drawn) figures.folds.back().add(labels[k], called[k]);
+    if (labels[k] != 0) continue;
+    if (k >= drawn) figures.late.add(called[k] != 0);
+    if (k < drawn && std::isnan(window.to_onset)) figures.holds.add(called[k] != 0);
+    if (k < drawn && window.to_onset > last_seconds) figures.earlier.add(called[k] != 0);
+  }
+  return figures;
+}
+
+void MyrmexValidations::run() {
+  std::vector<MyrmexFigures> done = run_in_order<MyrmexFigures>(
+      tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
+      [this](std::size_t k) { return judged(plans_[tasks_[k].of], tasks_[k].fold); });
+  for (std::size_t k = 0; k < tasks_.size(); ++k) {
+    MyrmexFigures& figures = results_[tasks_[k].of];
+    figures.folds.push_back(done[k].folds.front());
+    figures.late.add(done[k].late);
+    figures.earlier.add(done[k].earlier);
+    figures.holds.add(done[k].holds);
+  }
+}
+
+double forward_seconds(const MyrmexRow& row) {
+  const learn::NetworkShape shape = shape_of(row);
+  const std::unique_ptr<learn::Network> network = learn::make_network(shape, 1);
+  const std::vector<float> window(shape.inputs, 0.5F);
+  std::vector<double> times;
+  for (std::size_t pass = 0; pass < forward_passes; ++pass) {
+    const auto start = std::chrono::steady_clock::now();
+    static_cast<void>(network->logits(window));
+    times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  return median(std::move(times));
+}
+
+std::string percent_text(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f}", 100.0 * share); }
+
+std::vector<std::string> myrmex_setup(const ReproduceOptions& options, const MyrmexSize& size,
+                                      const std::vector<MyrmexTrial>& trials) {
+  const std::uint64_t seed = options.seed.value_or(1);
+  const auto slipping = std::ranges::count_if(trials, &MyrmexTrial::slips);
+  const auto windows = [&](SlipWord word) { return balanced_windows(trials, word, false, seed).size(); };
+  std::size_t placed = 0, moving = 0;
+  for (const MyrmexTrial& trial : trials) {
+    for (const MyrmexWindow& window : trial.windows) {
+      const std::uint8_t label = window.label[static_cast<std::size_t>(SlipWord::motion)];
+      if (window.turn != 0 || label == 0 || label == learn::masked) continue;
+      ++moving;
+      placed += (label == 2) == trial.rotational ? 1 : 0;
+    }
+  }
+  return {
+      fmt::format("scenes/myrmex/dataset.yaml, seed {}: {} trials (paper: 64), {} of them hold to the end; both arrays.", seed,
+                  trials.size(), trials.size() - static_cast<std::size_t>(slipping)),
+      fmt::format(
+          "Windows of 64 ms at 1 kHz every 8 ms, amplitudes of 12 x 12 x 32, at most 60 of a class, trial and array, then as many of each class: {} by the "
+          "true label, {} by the bench's, {} by the motion{}.",
+          windows(SlipWord::truth), windows(SlipWord::bench), windows(SlipWord::motion),
+          size.turned == 0 ? "; images as recorded"
+                           : fmt::format("; {} copies of each, turned, are learnt from as well", size.turned)),
+      fmt::format("{} steps of 64 windows by Adam (paper: about {}); the last state is judged.", size.steps, published_steps),
+      "Label true: from when slipping taxels carry half of the load on both pads until one has lost contact; class by how the object was placed.",
+      "Label bench, the paper's: from when the sum of the third sensor falls (mean of 100 ms, 3 sd) until the arrays' sums are at rest; class likewise.",
+      "Label motion: as true, with the class of the rigid motion that fits the slip of the taxels, the part with more energy.",
+      fmt::format("The motion names the class of the placement in {} % of the true slip.",
+                  percent_text(static_cast<double>(placed) / static_cast<double>(moving))),
+      "Accuracy: mean of the shares of stable, translation and rotation that are called so, of all folds together. High pass: the bins from 62.5 Hz on."};
+}
+
+}  // namespace slipbench::reproduce
