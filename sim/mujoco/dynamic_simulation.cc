@@ -157,7 +157,7 @@ void DynamicSimulation::State::refuse_implicit() const {
   }
   std::string why = implicit_refusal(m(), joined);
   if (why.empty()) why = implicit_self_test(m(), joined);
-  if (!why.empty()) throw SceneValueError("field_solver", why);
+  if (!why.empty()) throw SceneValueError("field_solver", "implicit " + why);
 }
 
 // With every element of every pad stuck, as stiff as it can get, where a pad that is away would come down on what it touches: from

@@ -1,15 +1,20 @@
 #include "sim/mujoco/field_plugin.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "sim/mujoco/mujoco_call.h"
+#include "sim/mujoco/plugin_interface.h"
 #include "sim/mujoco/register_plugin.h"
 
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <iterator>
+#include <limits>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -42,11 +47,13 @@ struct Slot {
   std::unique_ptr<PadGroup> group;
 };
 
+int make(const mjModel* model, mjData* data, int instance);
+
 Slot* slot_in(const mjData* data, int instance) { return reinterpret_cast<Slot*>(data->plugin_data[instance]); }
 
 bool is_pad(const mjModel* model, int instance) {
   const mjpPlugin* plugin = mjp_getPluginAtSlot(model->plugin[instance]);
-  return plugin != nullptr && std::strcmp(plugin->name, field_plugin_name) == 0;
+  return plugin != nullptr && plugin->init == &make;  // and not of another copy of this code
 }
 
 int last_pad(const mjModel* model) {
@@ -123,19 +130,16 @@ void visualize(const mjModel* model, mjData* data, const mjvOption* /*option*/, 
   report_errors([&] { slot_in(data, instance)->pad.draw(model, data, scene); });
 }
 
-}  // namespace
+// 4000001 is 4.0.1, and in older ones 337 is 3.3.7.
+std::string header_version() {
+  constexpr int part = mjVERSION_HEADER < 10000 ? 10 : 1000;
+  return fmt::format("{}.{}.{}", mjVERSION_HEADER / (part * part), mjVERSION_HEADER / part % part, mjVERSION_HEADER % part);
+}
 
-void register_field_plugin(PadCatalogue pads) {
-  if (mj_version() != mjVERSION_HEADER) {
-    // No mju_error: it may jump over the loader that is running a library's constructors, which would then stay locked.
-    mju_warning("slipbench.field is for MuJoCo %d.%d.%d and not for %s, the one that is loaded: it stays unknown",
-                mjVERSION_HEADER / 1000000, mjVERSION_HEADER / 1000 % 1000, mjVERSION_HEADER % 1000, mj_versionString());
-    return;
-  }
-  catalogue() = std::move(pads);
+void register_as(const char* name) {
   mjpPlugin plugin;
   mjp_defaultPlugin(&plugin);
-  plugin.name = field_plugin_name;
+  plugin.name = name;
   plugin.capabilityflags = mjPLUGIN_PASSIVE | mjPLUGIN_SENSOR;
   plugin.needstage = mjSTAGE_VEL;
   plugin.nattribute = static_cast<int>(std::size(pad_attributes));
@@ -150,6 +154,44 @@ void register_field_plugin(PadCatalogue pads) {
   plugin.advance = &advance;
   plugin.visualize = &visualize;
   mjp_registerPlugin(&plugin);
+}
+
+}  // namespace
+
+void register_field_plugin(PadCatalogue pads) {
+  if (mj_version() != mjVERSION_HEADER) {
+    // No mju_error: it may jump over the loader that is running a library's constructors, which would then stay locked.
+    mju_warning("slipbench.field is for MuJoCo %s and not for %s, the one that is loaded: it stays unknown",
+                header_version().c_str(), mj_versionString());
+    return;
+  }
+  catalogue() = std::move(pads);
+  if (mjp_getPlugin(field_plugin_name, nullptr) == nullptr) register_as(field_plugin_name);
+}
+
+void register_bench_plugin(PadCatalogue pads) {
+  register_field_plugin(std::move(pads));
+  if (mj_version() == mjVERSION_HEADER) register_as(bench_plugin_name);
+}
+
+std::string describe_pads(const mjModel* model) {
+  std::string text;
+  for (int i = 0; i < static_cast<int>(model->nplugin); ++i) {
+    if (!is_pad(model, i)) continue;
+    const PadConfig config = read_pad_config(model, i, catalogue());
+    const std::unique_ptr<Sensor> sensor = config.make_sensor(catalogue());
+    text += fmt::format("{}\t{}\t{}\t{}\t{:d}\n", i, model->names + model->name_pluginadr[i], config.site,
+                        sensor->layout().units.size(), config.truth);
+    for (const Channel& channel : sensor->channels()) {
+      text += fmt::format("\t{}\t{}\t{}\n", channel.name, channel.unit, fmt::join(channel.shape, " "));
+    }
+  }
+  return text;
+}
+
+double longest_step(const mjModel* model, mjData* data) {
+  const PadGroup* group = pad_group_of(model, data);
+  return group == nullptr ? std::numeric_limits<double>::infinity() : group->longest_step(model, data);
 }
 
 PadInstance* pad_of(const mjModel* model, const mjData* data, int instance) {

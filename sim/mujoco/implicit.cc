@@ -13,17 +13,12 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-// Exported by the library and in no header; their types as of the version below.
-extern "C" {
-void* mj_arenaAllocByte(mjData* d, size_t bytes, size_t alignment);
-void mj_effShift(const mjModel* m, mjData* d);
-}
+#include "sim/mujoco/mujoco_differences.h"
 
 namespace slipbench {
 namespace {
 
-constexpr int written_for = 4000001;     // the MuJoCo whose metric this is
-constexpr double tendon_damping = 1e-9;  // N s/m, so small that it damps nothing, and not zero
+constexpr int least_iterations = 20;  // of MuJoCo's solver, which has the pads' stiffness to bring in
 constexpr int max_iterations = 25;
 constexpr double tolerance = 1e-10;  // of the terms of the predicted velocity
 // Of the last step in the memory. A contact of MuJoCo answers the field within the step; taking its answer whole into the next
@@ -63,8 +58,7 @@ Squares squares(const Matrix6d& k) {
   return out;
 }
 
-// Appends rows to the metric: scale_k (values_k' J)'(values_k' J). Layout of MuJoCo 4.0.1, packed: indices [n, contact,
-// columns...], values [scale, force, values...]. False when the arena is full.
+// Rows of the metric: scale_k (values_k' J)'(values_k' J).
 class MetricRows {
  public:
   // `scale` multiplies all of K. J has six rows.
@@ -88,21 +82,8 @@ class MetricRows {
     }
   }
 
-  [[nodiscard]] bool write(mjData* d) const {
-    if (indices_.empty()) return true;
-    const auto before = static_cast<std::size_t>(d->nefmcon), total = before + indices_.size();
-    auto* indices = static_cast<int*>(mj_arenaAllocByte(d, total * sizeof(int), alignof(int)));
-    auto* values = static_cast<mjtNum*>(mj_arenaAllocByte(d, total * sizeof(mjtNum), alignof(mjtNum)));
-    if (indices == nullptr || values == nullptr) return false;
-    std::copy_n(d->efm_con_ind, before, indices);
-    std::copy_n(d->efm_con_val, before, values);
-    std::copy(indices_.begin(), indices_.end(), indices + before);
-    std::copy(values_.begin(), values_.end(), values + before);
-    d->efm_con_ind = indices;
-    d->efm_con_val = values;
-    d->nefmcon = static_cast<int>(total);
-    return true;
-  }
+  // False when the arena is full.
+  [[nodiscard]] bool write(mjData* d) const { return indices_.empty() || append_to_metric(d, indices_, values_); }
 
  private:
   std::vector<int> columns_, indices_;
@@ -132,44 +113,31 @@ std::string body_name(const mjModel* m, int body) {
 
 }  // namespace
 
-void prepare_implicit(mjSpec* spec, std::span<const SitePair> pairs) {
-  for (const SitePair& pair : pairs) {
-    for (const std::string& site : {pair.pad_site, pair.object_site}) {
-      if (mjs_findElement(spec, mjOBJ_SITE, site.c_str()) == nullptr) {
-        throw std::invalid_argument("implicit fields: the model has no site '" + site + "'");
-      }
-    }
-  }
-  spec->option.integrator = mjINT_DISCRETE;
-  spec->option.noslip_iterations = 0;
-  if (spec->option.solver == mjSOL_PGS) spec->option.solver = mjSOL_NEWTON;
-  for (const SitePair& pair : pairs) {
-    mjsTendon* tendon = mjs_addTendon(spec, nullptr);
-    tendon->damping[0] = tendon_damping;
-    tendon->rgba[3] = 0.0F;
-    mjs_wrapSite(tendon, pair.pad_site.c_str());
-    mjs_wrapSite(tendon, pair.object_site.c_str());
-  }
-}
-
 std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads) {
-  const std::string who = "field_solver implicit ";
-  if (mj_version() != written_for || mjVERSION_HEADER != written_for) {
-    return who + "writes to undocumented memory of MuJoCo 4.0.1; this is " + mj_versionString() + ". Use field_solver explicit";
+  if (!has_metric) {
+    return std::string("needs the integrator discrete, which MuJoCo ") + mj_versionString() +
+           " lacks: use 3.17.0 or newer, or the explicit solver";
   }
-  if (m->opt.integrator != mjINT_DISCRETE) return who + "needs <option integrator=\"discrete\"/>";
-  if (m->opt.noslip_iterations != 0) return who + "needs noslip_iterations=\"0\": the noslip solver does not see the fields";
-  if (m->opt.solver == mjSOL_PGS) return who + "needs solver Newton or CG: PGS does not see the fields";
-  if ((m->opt.disableflags & mjDSBL_DAMPER) != 0) return who + "needs the flag damper: without it no tendon is in the metric";
-  if ((m->opt.enableflags & mjENBL_SLEEP) != 0) return who + "does not work with the flag sleep";
+  std::vector<std::string> missing;
+  if (!is_discrete(m)) missing.emplace_back("integrator=\"discrete\"");
+  if (m->opt.noslip_iterations != 0) missing.emplace_back("noslip_iterations=\"0\" (the noslip solver does not see the pads)");
+  if (m->opt.iterations < least_iterations) {
+    missing.push_back("iterations=\"" + std::to_string(least_iterations) + "\" or more, found " +
+                      std::to_string(m->opt.iterations));
+  }
+  if (m->opt.solver == mjSOL_PGS) missing.emplace_back("solver=\"Newton\" or \"CG\" (PGS does not see the pads)");
+  if ((m->opt.disableflags & mjDSBL_DAMPER) != 0) missing.emplace_back("the flag damper (without it no tendon is in the metric)");
+  if (sleep_enabled(m)) missing.emplace_back("the flag sleep disabled");
   for (const ImplicitPad& pad : pads) {
-    if (!joined(m, pad.pad_body, pad.object_body)) {
-      return who + "needs a tendon between a site on body " + body_name(m, pad.pad_body) + " and a site on body " +
-             body_name(m, pad.object_body) +
-             ": <spatial damping=\"1e-9\"><site site=\"...\"/><site site=\"...\"/></spatial> in <tendon>; without it MuJoCo leaves the field out of its solver";
-    }
+    if (joined(m, pad.pad_body, pad.object_body)) continue;
+    const std::string tendon =
+        "a tendon between a site on body " + body_name(m, pad.pad_body) + " and a site on body " + body_name(m, pad.object_body) +
+        ", <spatial damping=\"1e-9\"><site site=\"...\"/><site site=\"...\"/></spatial> in <tendon> (without it MuJoCo leaves the pad out of its solver)";
+    if (std::ranges::find(missing, tendon) == missing.end()) missing.push_back(tendon);
   }
-  return {};
+  std::string all;
+  for (const std::string& one : missing) all += (all.empty() ? "needs " : "; ") + one;
+  return all;
 }
 
 std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pads) {
@@ -179,7 +147,7 @@ std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pa
   };
   const std::unique_ptr<mjModel, Freed> copy(mj_copyModel(nullptr, m));
   copy->nplugin = 0;  // the fields themselves are plugins
-  std::fill_n(copy->actuator_plugin, copy->nactuator, -1);
+  std::fill_n(copy->actuator_plugin, actuator_count(copy.get()), -1);
   copy->opt.disableflags |= mjDSBL_CONSTRAINT;  // MuJoCo's short cuts past the metric are those without constraints
   const std::unique_ptr<mjData, Freed> data(mj_makeData(copy.get()));
   mjData* d = data.get();
@@ -205,9 +173,9 @@ std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pa
     mj_fwdPosition(copy.get(), d);
     mj_fwdVelocity(copy.get(), d);
     if (with_rows) {
-      if (d->efm_active == 0) return "field_solver implicit: MuJoCo built no effective metric for this model";
-      if (!rows.write(d)) return "field_solver implicit: MuJoCo's arena is full; raise <size memory=\"...\"/>";
-      mj_effShift(copy.get(), d);  // as MuJoCo does after its PASSIVE callbacks
+      if (!metric_is_on(d)) return "MuJoCo built no effective metric for this model";
+      if (!rows.write(d)) return "MuJoCo's arena is full; raise <size memory=\"...\"/>";
+      shift_by_metric(copy.get(), d);
     }
     mj_fwdActuation(copy.get(), d);
     mj_fwdAcceleration(copy.get(), d);
@@ -225,9 +193,9 @@ std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pa
   // as a difference of large numbers where the pads are stiff, which costs digits: h^2 K / m may be 1e6.
   const double difference = (with_rows - with_force).norm(), size = with_rows.norm() + v.norm() / h;
   if (std::isfinite(difference) && difference <= 1e-6 * size) return {};
-  return "field_solver implicit: self-test failed. With the pads in MuJoCo's metric the acceleration differs by " +
-         std::to_string(difference) + " from that under their force (size " + std::to_string(size) +
-         "): this model takes a path through MuJoCo that leaves them out. Use field_solver explicit";
+  return "self-test failed. With the pads in MuJoCo's metric the acceleration differs by " + std::to_string(difference) +
+         " from that under their force (size " + std::to_string(size) +
+         "): this model takes a path through MuJoCo that leaves them out. Use the explicit solver";
 }
 
 // Steps the field to where w leads the pad while the surface stands still; the pad's pose there.
@@ -350,7 +318,7 @@ void ImplicitFields::predict(std::span<const ImplicitContact> contacts) {
 
 std::string ImplicitFields::apply(const mjModel* m, mjData* d, std::span<const ImplicitContact> contacts,
                                   std::span<const double> memory, double viscous_time) {
-  if (d->efm_active == 0) return "field_solver implicit: MuJoCo has no effective metric in this step";
+  if (!metric_is_on(d)) return "MuJoCo has no effective metric in this step";
   h_ = m->opt.timestep;
   tau_ = viscous_time;
   const auto nv = static_cast<Index>(m->nv);
@@ -374,7 +342,7 @@ std::string ImplicitFields::apply(const mjModel* m, mjData* d, std::span<const I
   for (std::size_t a = 0; a < active_.size(); ++a) {
     rows.add(linear_[a].stiffness, h_ * h_, jacobian.middleRows<6>(block(a)));
   }
-  if (!rows.write(d)) return "field_solver implicit: MuJoCo's arena is full; raise <size memory=\"...\"/>";
+  if (!rows.write(d)) return "MuJoCo's arena is full; raise <size memory=\"...\"/>";
   for (std::size_t a = 0; a < active_.size(); ++a) {
     // MuJoCo itself takes h K w' away (mj_effShift and the metric).
     const Vector6d force = linear_[a].force + h_ * linear_[a].stiffness * w_.segment<6>(block(a));

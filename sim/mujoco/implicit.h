@@ -22,11 +22,11 @@
 // springs and dashpots.
 //
 // What the model must have (implicit_refusal() checks it, prepare_implicit() makes it so):
-//   - integrator="discrete", noslip_iterations="0", solver Newton or CG, flag damper on, sleep off,
+//   - integrator="discrete", noslip_iterations="0", iterations="20" or more, solver Newton or CG, flag damper on, sleep off,
 //   - for every pad and every object that it touches a spatial tendon with damping > 0 from a site on the pad's body to a site on
 //     the object's, for instance <spatial damping="1e-9"><site site="pad"/><site site="box"/></spatial>. Without one in the
 //     metric MuJoCo takes short cuts that leave the rows out. What it damps is nothing: 1e-9 N s/m.
-//   - MuJoCo of exactly the version this was written for, as the rows are no part of its interface. implicit_self_test() proves
+//   - a MuJoCo whose metric is known (mujoco_differences.h), as the rows are no part of its interface. implicit_self_test() proves
 //     on the very model that they do what they should; nothing falls back in silence.
 #pragma once
 
@@ -63,7 +63,7 @@ struct SitePair {
 };
 void prepare_implicit(mjSpec_* spec, std::span<const SitePair> pairs);
 
-// Why this model cannot have implicit fields, as a sentence that says what to change; empty when it can.
+// All that this model lacks for implicit fields: "needs integrator="discrete"; iterations="20" or more, found 5"; empty when it lacks nothing.
 [[nodiscard]] std::string implicit_refusal(const mjModel_* m, std::span<const ImplicitPad> pads);
 
 // Steps a copy of the model (plugins and constraints off, at qpos0, seeded velocities) with pads at their stiffest as rows of the

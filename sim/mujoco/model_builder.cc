@@ -549,7 +549,7 @@ class Builder {
 
   // The plugin's instances, as a user would write them.
   [[nodiscard]] std::string extension() const {
-    std::string text = fmt::format("<extension><plugin plugin=\"{}\">", field_plugin_name);
+    std::string text = fmt::format("<extension><plugin plugin=\"{}\">", bench_plugin_name);
     for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
       const SensorScene& sensor = scene_.sensors[i];
       const FrictionScene& friction = sensor.friction.value_or(scene_.friction);
@@ -562,7 +562,7 @@ class Builder {
                                              format_number(friction.kinetic_coefficient))) +
               config("effects", sensor.friction ? "[]" : yaml_of(scene_.effects)) + config("seed", std::to_string(scene_.seed)) +
               config("trial", std::to_string(trial_)) + config("damping", format_number(sensor.damping)) +
-              config("solver", scene_.implicit_fields ? "implicit" : "explicit");
+              config("solver", scene_.implicit_fields ? "implicit" : "explicit") + config("check", "off");
       text += "</instance>";
     }
     return text + "</plugin></extension>";

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <deque>
 #include <iterator>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -26,6 +27,9 @@ const ParameterSpec element_truth_spec =
     flag_spec("element_truth", "false", "Whether the truth lists each element, too.", "free");
 const ParameterSpec solver_spec =
     choice_spec("solver", "explicit", {"explicit", "implicit"}, "How the springs enter the step.", "free");
+const ParameterSpec check_spec =
+    choice_spec("check", "error", {"error", "warn", "off"}, "What a mistake in the model is.", "free");
+const ParameterSpec unloaded_spec = choice_spec("unloaded", "1", {"1", "nan"}, "Margin of what does not touch.", "free");
 
 // The attributes of one instance.
 class Attributes {
@@ -58,9 +62,23 @@ class Attributes {
     }
   }
 
-  // The object called `object_name`; `noun`: "site".
-  [[nodiscard]] int object(mjtObj type, const char* noun, const std::string& object_name, int count) const {
+  // The object called `object_name`, -1: there is none. After MjSpec.attach it may have the prefix or suffix that the instance has.
+  [[nodiscard]] int find(mjtObj type, const std::string& object_name) const {
+    const std::string declared = text("name");
+    for (std::size_t at = declared.empty() ? std::string::npos : name_.find(declared); at != std::string::npos;
+         at = name_.find(declared, at + 1)) {
+      const std::string attached = name_.substr(0, at) + object_name + name_.substr(at + declared.size());
+      if (const int id = mj_name2id(model_, type, attached.c_str()); id >= 0) return id;
+    }
     if (const int id = mj_name2id(model_, type, object_name.c_str()); id >= 0) return id;
+    for (std::size_t size = declared.empty() ? name_.size() : 0; size > 0; --size) {
+      if (const int id = mj_name2id(model_, type, (name_.substr(0, size) + object_name).c_str()); id >= 0) return id;
+    }
+    return -1;
+  }
+  // The same; `noun`: "site". Throws InputError where there is none.
+  [[nodiscard]] int object(mjtObj type, const char* noun, const std::string& object_name, int count) const {
+    if (const int id = find(type, object_name); id >= 0) return id;
     std::vector<std::string> known;
     for (int id = 0; id < count; ++id) {
       if (const char* other = mj_id2name(model_, type, id)) known.emplace_back(other);
@@ -89,6 +107,14 @@ void add(YamlNode& map, const char* key, YamlNode child) {
   map.children.push_back(std::move(child));
 }
 
+// The instance's name as a scene may name a sensor: MjSpec.attach puts things like "left/" before it.
+std::string sensor_name(std::string name) {
+  for (char& c : name) {
+    if (!(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && !(c >= '0' && c <= '9')) c = '_';
+  }
+  return name.front() >= '0' && name.front() <= '9' ? "_" + name : name;
+}
+
 // The attributes that are those of a scene, put together as one.
 YamlNode scene_tree(const Attributes& attributes) {
   YamlNode root, sensors, surface;
@@ -109,7 +135,7 @@ YamlNode scene_tree(const Attributes& attributes) {
     sensor.kind = YamlNode::Kind::map;
     add(sensor, "type", scalar(table_type));
   }
-  add(sensors, attributes.name().c_str(), std::move(sensor));
+  add(sensors, sensor_name(attributes.name()).c_str(), std::move(sensor));
   add(root, "sensors", std::move(sensors));
   return root;
 }
@@ -120,15 +146,65 @@ Scene read_contact(const Attributes& attributes, const Catalogues& known) {
   return read_scene(scene_tree(attributes), catalogues, nullptr);
 }
 
-std::vector<int> touched_geoms(const Attributes& attributes) {
+bool below(const mjModel* model, int body, int root) {
+  while (body > root) body = model->body_parentid[body];
+  return body == root;
+}
+
+// Where MuJoCo asks for sizes it has not yet found out which bodies are welded.
+bool welded(const mjModel* model, int a, int b) {
+  const auto top = [model](int body) {
+    while (body > 0 && model->body_jntnum[body] == 0) body = model->body_parentid[body];
+    return body;
+  };
+  return top(a) == top(b);
+}
+
+// The geoms that a word of `touch` stands for.
+std::vector<int> geoms_of(const Attributes& attributes, const std::string& word, int site) {
+  const mjModel* model = attributes.model();
+  const std::size_t colon = word.find(':');
+  const std::string kind = word.substr(0, colon), rest = colon == std::string::npos ? "" : word.substr(colon + 1);
+  if (attributes.find(mjOBJ_GEOM, word) >= 0 || (kind != "body" && kind != "subtree" && kind != "group")) {
+    return {attributes.object(mjOBJ_GEOM, "geom", word, static_cast<int>(model->ngeom))};
+  }
+  std::vector<int> all, colliding;
+  const auto take = [&](int geom) {
+    all.push_back(geom);
+    if (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0) colliding.push_back(geom);
+  };
+  if (kind == "group") {
+    for (int geom = 0; geom < static_cast<int>(model->ngeom); ++geom) {
+      if (std::to_string(model->geom_group[geom]) != rest) continue;
+      if (!welded(model, model->geom_bodyid[geom], model->site_bodyid[site])) all.push_back(geom);
+    }
+    if (all.empty())
+      attributes.refuse("touch: no geom in group " + quote(rest) +
+                        " but what moves with the pad; allowed: the number of a group that has");
+    return all;
+  }
+  const int body = attributes.object(mjOBJ_BODY, "body", rest, static_cast<int>(model->nbody));
+  for (int geom = 0; geom < static_cast<int>(model->ngeom); ++geom) {
+    if (kind == "body" ? model->geom_bodyid[geom] == body : below(model, model->geom_bodyid[geom], body)) take(geom);
+  }
+  if (all.empty()) attributes.refuse("touch: the " + kind + " " + quote(rest) + " has no geom; allowed: one that has");
+  return colliding.empty() ? all : colliding;
+}
+
+std::vector<int> touched_geoms(const Attributes& attributes, int site) {
   std::istringstream words(attributes.text("touch"));
   std::vector<int> geoms;
   for (std::string word; words >> word;) {
-    const int geom = attributes.object(mjOBJ_GEOM, "geom", word, static_cast<int>(attributes.model()->ngeom));
-    if (std::ranges::find(geoms, geom) != geoms.end()) attributes.refuse("touch names the geom " + quote(word) + " twice");
-    geoms.push_back(geom);
+    for (const int geom : geoms_of(attributes, word, site)) {
+      if (std::ranges::find(geoms, geom) != geoms.end()) {
+        const char* name = mj_id2name(attributes.model(), mjOBJ_GEOM, geom);
+        attributes.refuse("touch names the geom " + quote(name == nullptr ? std::to_string(geom) : name) + " twice");
+      }
+      geoms.push_back(geom);
+    }
   }
-  if (geoms.empty()) attributes.refuse("no attribute touch; allowed: names of geoms, with blanks between");
+  if (geoms.empty())
+    attributes.refuse("no attribute touch; allowed: names of geoms, body:NAME, subtree:NAME or group:N, with blanks between");
   return geoms;
 }
 
@@ -177,7 +253,7 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
   config.name = attributes.name();
   if (!attributes.has("pad")) attributes.refuse("no attribute pad; allowed: the name of a site");
   config.site = attributes.object(mjOBJ_SITE, "site", attributes.text("pad"), static_cast<int>(model->nsite));
-  config.geoms = touched_geoms(attributes);
+  config.geoms = touched_geoms(attributes, config.site);
   if (attributes.has("sensor") == attributes.has("elements")) {
     attributes.refuse("the pad is given by one of the attributes sensor and elements; found: " +
                       std::string(attributes.has("sensor") ? "both" : "neither"));
@@ -186,6 +262,9 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
     attributes.refuse("units belongs to elements; allowed: both or neither");
   if (attributes.has("element_truth") && !attributes.has("elements"))
     attributes.refuse("element_truth belongs to elements; allowed: both or neither");
+  if (attributes.has("material") && attributes.has("friction"))
+    attributes.refuse(
+        "material and friction are both given, and friction would replace that of the material; allowed: one of them");
   if (attributes.has("elements")) {
     config.table = {table_of(attributes)};
     config.table.front().element_truth = std::get<bool>(attributes.value(element_truth_spec));
@@ -199,7 +278,18 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
   config.damping = std::get<double>(attributes.value(damping_spec));
   config.truth = std::get<bool>(attributes.value(truth_spec));
   config.implicit = std::get<std::string>(attributes.value(solver_spec)) == "implicit";
+  if (std::get<std::string>(attributes.value(unloaded_spec)) == "nan") config.unloaded = std::numeric_limits<double>::quiet_NaN();
+  const auto check = std::get<std::string>(attributes.value(check_spec));
+  config.warn = check == "warn";
+  config.unchecked = check == "off";
   return config;
+}
+
+void PadConfig::report(const std::string& mistake) const {
+  if (unchecked) return;
+  const std::string text = "plugin '" + name + "': " + mistake;
+  if (!warn) throw InputError(text + ". The key check='warn' makes this a warning");
+  mju_warning("slipbench: %s", text.c_str());
 }
 
 }  // namespace slipbench

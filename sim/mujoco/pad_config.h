@@ -18,7 +18,9 @@ namespace slipbench {
 // The attributes in the order in which MuJoCo hands them over. All but `pad`, `touch` and one of `sensor` and
 // `elements` have defaults.
 //   pad       site whose frame is the pad frame P: +Z from the touched object into the pad, origin at the undeformed tips
-//   touch     names of the touched geoms, with blanks between; a pad may touch several at once or in turn
+//   touch     what is touched, with blanks between: names of geoms, body:NAME, which are the geoms of a body that can collide (all, where none
+//             can), subtree:NAME, the same of a body and all below it, group:N, the geoms of a group but those that move with the pad. A pad may
+//             touch several geoms at once or in turn
 //   sensor    {type: papillarray, ...} as under `sensors` in a scene, electronics included
 //   elements  [[x, y, z, k_n, k_t], ...]: tip [m] in P and stiffness [N/m] of each element, and its axis in three more columns
 //             [ax, ay, az] where it is not -Z
@@ -29,8 +31,14 @@ namespace slipbench {
 //   damping   time tau of a dashpot tau*k beside each spring; default 1 ms (assumed)
 //   truth     true: the sensor's values are followed by the truth (pad_instance.h)
 //   solver    explicit or implicit
-inline constexpr const char* pad_attributes[] = {"pad",  "touch", "sensor",  "element_truth", "material", "friction", "effects",
-                                                 "seed", "trial", "damping", "truth",         "solver",   "units",    "elements"};
+//   unloaded  what margin of units that do not touch and stuck_fraction without contact are: 1 (default) or nan
+//   check     what a mistake is (pad_misuse.h): error (default), warn, which prints it once, or off, as in models that the
+//             program builds: it has checks of its own, and MuJoCo's compiler takes a step before bodies are where the scene has them
+//   name      the instance's name before MjSpec.attach gave it a prefix or a suffix: pad and touch are then looked for with the same ones first.
+//             Without it, a name that is not there is looked for with each beginning of the instance's name before it
+inline constexpr const char* pad_attributes[] = {"pad",     "touch",    "sensor", "element_truth", "material", "friction",
+                                                 "effects", "seed",     "trial",  "damping",       "truth",    "solver",
+                                                 "units",   "elements", "name",   "check",         "unloaded"};
 
 struct PadConfig {
   std::string name;  // of the instance
@@ -44,6 +52,12 @@ struct PadConfig {
   double damping = 0.0;  // s
   bool truth = false;
   bool implicit = false;
+  double unloaded = 1.0;
+  bool warn = false;       // of mistakes
+  bool unchecked = false;  // nor that
+
+  // Throws InputError, or where the model says so prints by mju_warning: "plugin 'left': " and `mistake`.
+  void report(const std::string& mistake) const;
 
   [[nodiscard]] std::unique_ptr<Sensor> make_sensor(const PadCatalogue& catalogue) const;
 };

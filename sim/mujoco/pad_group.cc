@@ -18,6 +18,9 @@ namespace {
 // and up to there weight, threshold and slide are right to 0.1 % (tests/sim/mujoco/plugin_grip_test.cc); beyond, a slide comes out wrong.
 constexpr double bearable = 4.0 / 3.0;
 
+// With three digits.
+std::string short_time(double time) { return format_quantity(std::stod(fmt::format("{:.3g}", time)), Quantity::time); }
+
 std::string names_of(const std::vector<PadInstance*>& pads) {
   std::string names;
   for (const PadInstance* pad : pads) names += (names.empty() ? "'" : ", '") + pad->config().name + "'";
@@ -31,6 +34,14 @@ PadGroup::PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads) 
   std::size_t contacts = 0;
   for (const PadInstance* pad : explicit_) contacts += pad->config().geoms.size();
   touching_.assign(contacts, 0);
+  for (std::size_t i = 0; i < pads.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (pads[k]->config().site != pads[i]->config().site) continue;
+      pads[i]->config().report(
+          fmt::format("it is on the site '{}' of plugin '{}', so that their forces would add up; allowed: a site for each",
+                      mj_id2name(model, mjOBJ_SITE, pads[i]->config().site), pads[k]->config().name));
+    }
+  }
   if (implicit_.empty()) return;
 
   for (const PadInstance* pad : implicit_) {
@@ -43,7 +54,7 @@ PadGroup::PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads) 
   }
   std::string failure = implicit_refusal(model, described_);
   if (failure.empty()) failure = implicit_self_test(model, described_);
-  if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit': {}", names_of(implicit_), failure));
+  if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit' {}", names_of(implicit_), failure));
   memory_.resize(described_.size() * ImplicitFields::memory_per_contact);
 }
 
@@ -52,7 +63,7 @@ void PadGroup::add_force(const mjModel* model, mjData* data) {
   if (implicit_.empty()) return;
   // Options may have been changed since the mjData was made.
   if (const std::string refusal = implicit_refusal(model, described_); !refusal.empty()) {
-    throw InputError(fmt::format("plugins {}: solver='implicit': {}", names_of(implicit_), refusal));
+    throw InputError(fmt::format("plugins {}: solver='implicit' {}", names_of(implicit_), refusal));
   }
   std::vector<ImplicitContact> contacts;
   double* gathered = memory_.data();
@@ -63,7 +74,7 @@ void PadGroup::add_force(const mjModel* model, mjData* data) {
   }
   const std::string failure = solver_.apply(model, data, contacts, memory_, implicit_.front()->config().damping);
   for (PadInstance* pad : implicit_) pad->forget_trial();
-  if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit': {}", names_of(implicit_), failure));
+  if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit' {}", names_of(implicit_), failure));
 }
 
 void PadGroup::finish(const mjModel* model, mjData* data) {
@@ -101,6 +112,13 @@ void PadGroup::copy_from(const PadGroup& other) {
   unconverged_ = other.unconverged_;
 }
 
+double PadGroup::longest_step(const mjModel* model, mjData* data) const {
+  std::vector<PadOnBodies> bodies;
+  std::vector<PadTangent> tangents;
+  for (const PadInstance* pad : explicit_) pad->add_stuck_tangent(model, data, bodies, tangents);
+  return bearable * longest_explicit_step(fastest_vibration(model, data, bodies, tangents));
+}
+
 // The step is judged when more elements of a pad touch than in the step before. Before the first commit nothing is thrown, since MuJoCo's
 // compiler takes one step with whatever step the model has; what was found then is thrown at the next one, contact or not.
 void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
@@ -127,9 +145,9 @@ void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
     const double longest = bearable * longest_explicit_step(vibration);
     if (!(model->opt.timestep <= longest)) {
       pending_ = fmt::format(
-          "plugins {}: the time step {} is too long for what touches at {}: its fastest vibration is {:.4g} rad/s; allowed: up to {:.4g} ms, or solver='implicit'",
-          names_of(explicit_), format_quantity(model->opt.timestep, Quantity::time), format_quantity(data->time, Quantity::time),
-          vibration.omega, 1e3 * longest);
+          "plugins {}: the time step {} is too long for what touches at {}: its fastest vibration is {:.3g} rad/s; allowed: up to {:.3g} ms now, up to {:.3g} ms with all elements touching at once, or solver='implicit'",
+          names_of(explicit_), short_time(model->opt.timestep), short_time(data->time), vibration.omega, 1e3 * longest,
+          1e3 * std::min(longest, longest_step(model, data)));
       if (placed) throw InputError(std::exchange(pending_, ""));
     }
   }

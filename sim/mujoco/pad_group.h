@@ -33,6 +33,9 @@ class PadGroup {
   // What mj_copyData does not copy.
   void copy_from(const PadGroup& other);
 
+  // The longest step [s] that the explicit pads bear with all their elements touching at once; infinite without such pads.
+  [[nodiscard]] double longest_step(const mjModel* model, mjData* data) const;
+
   // For a host that sees to the step itself.
   void allow_long_steps() { guarded_ = false; }
   // Steps whose implicit prediction did not meet its tolerance and stood on the best guess.

@@ -5,12 +5,14 @@
 #include <cstring>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
 #include "sim/effects/install.h"
 #include "sim/mujoco/geom_surface.h"
+#include "sim/mujoco/mujoco_differences.h"
 
 namespace slipbench {
 namespace {
@@ -41,13 +43,18 @@ std::size_t memory_values(Sensor& sensor) {
   return size;
 }
 
+// Its number where it has none.
+std::string name_of_geom(const mjModel* model, int geom) {
+  const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
+  return name == nullptr ? std::to_string(geom) : name;
+}
+
 Field field_of(const mjModel* model, const PadConfig& config, const PadLayout& layout, int geom, const Surface& surface) {
   FieldEffects effects;
   try {
     effects = install_effects(config.effects, layout, surface, config.seed, config.trial);
   } catch (const SceneValueError& error) {
-    throw InputError(
-        fmt::format("plugin '{}': {}; geom '{}' is none", config.name, error.what(), mj_id2name(model, mjOBJ_GEOM, geom)));
+    throw InputError(fmt::format("plugin '{}': {}; geom '{}' is none", config.name, error.what(), name_of_geom(model, geom)));
   }
   // Bodies that forces move accelerate under the tips, and are solved for with springs that have no state of their own.
   if (effects.tip) {
@@ -96,16 +103,17 @@ void push(const mjModel* model, mjData* data, const Eigen::Vector3d& force, cons
   }
 }
 
-void write_truth(const ContactFrame& frame, double* out) {
+void write_truth(const ContactFrame& frame, double unloaded, double* out) {
   const Eigen::Index n = frame.margin.size();
+  const auto or_unloaded = [unloaded](double value) { return std::isnan(value) ? unloaded : value; };
   for (const UnitState state : frame.unit_state) *out++ = static_cast<double>(state);
   out = std::copy_n(frame.slip_velocity.data(), 2 * n, out);
   out = std::copy_n(frame.slip_distance.data(), n, out);
-  out = std::copy_n(frame.margin.data(), n, out);
+  out = std::transform(frame.margin.data(), frame.margin.data() + n, out, or_unloaded);
   out = std::copy_n(frame.contact_force.data(), 3 * n, out);
   *out++ = static_cast<double>(frame.state);
   *out++ = static_cast<double>(frame.state_micro);
-  *out++ = frame.stuck_fraction;
+  *out++ = or_unloaded(frame.stuck_fraction);
 }
 
 }  // namespace
@@ -142,7 +150,7 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   for (const int geom : config_.geoms) {
     const GeomSurface surface = surface_of_geom(model, geom);
     fields_.push_back(field_of(model, config_, layout, geom, surface.shape));
-    touched_.push_back({geom, model->geom_bodyid[geom], surface.in_geom, {}, {}});
+    touched_.push_back({geom, model->geom_bodyid[geom], surface.in_geom, surface.shape, SiteWatch(layout)});
   }
   for (int id = 0; id < static_cast<int>(model->nsensor); ++id) {
     if (model->sensor_plugin[id] == instance_) outputs_.push_back(model->sensor_adr[id]);
@@ -156,8 +164,11 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   for (const Touched& touched : touched_) {
     if (model->body_weldid[touched.body] == model->body_weldid[model->site_bodyid[config_.site]]) {
       throw InputError(fmt::format("plugin '{}': the touched geom '{}' moves with the pad; allowed: a geom of another body",
-                                   config_.name, mj_id2name(model, mjOBJ_GEOM, touched.geom)));
+                                   config_.name, name_of_geom(model, touched.geom)));
     }
+  }
+  if (!config_.unchecked) {
+    if (const std::string contact = possible_contact(model, config_); !contact.empty()) config_.report(contact);
   }
   std::size_t size = 0;
   for (Field& field : fields_) size += field.state_size();
@@ -234,7 +245,7 @@ void PadInstance::evaluate(const Parts& state, double time) {
   const double dt = is_placed(state.fields) ? time - state.header[committed_time] : 0.0;
   if (dt < 0.0) {
     throw InputError(fmt::format(
-        "plugin '{}': the time went back from {} s to {} s without a reset; allowed: mj_resetData, or a whole state by mj_setState",
+        "plugin '{}': the time went back from {:.3g} s to {:.3g} s without a reset; allowed: mj_resetData, or a whole state by mj_setState",
         config_.name, state.header[committed_time], time));
   }
   if (keeps_state_) {
@@ -287,7 +298,8 @@ void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
   if (sensor_->scans() > 1 && step_ > sample_time_ * (1.0 + rounding)) {
     throw InputError(fmt::format(
         "plugin '{}': the time step {} is longer than the {} between two readings of the sensor, which needs each; allowed: at most that",
-        config_.name, format_quantity(step_, Quantity::time), format_quantity(sample_time_, Quantity::time)));
+        config_.name, format_quantity(std::stod(fmt::format("{:.3g}", step_)), Quantity::time),
+        format_quantity(std::stod(fmt::format("{:.3g}", sample_time_)), Quantity::time)));
   }
   constexpr int no_passive_forces = mjDSBL_SPRING | mjDSBL_DAMPER;
   if ((model->opt.disableflags & no_passive_forces) == no_passive_forces) {
@@ -295,15 +307,39 @@ void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
         "plugin '{}': the flags spring and damper are both disabled, so that MuJoCo leaves out every passive force, the pad's too; allowed: at most one of them",
         config_.name));
   }
-  if ((model->opt.enableflags & mjENBL_SLEEP) != 0) {
+  if (sleep_enabled(model)) {
     throw InputError(fmt::format(
         "plugin '{}': the flag sleep is enabled, and MuJoCo does not see that a pad joins two bodies: one that sleeps would stay where it is when the other lets go; allowed: sleep off",
         config_.name));
   }
   if (model->opt.timestep != step_) {
     throw InputError(
-        fmt::format("plugin '{}': the time step has changed from {} s to {} s; allowed: mj_makeData after the change",
+        fmt::format("plugin '{}': the time step has changed from {:.3g} s to {:.3g} s; allowed: mj_makeData after the change",
                     config_.name, step_, model->opt.timestep));
+  }
+}
+
+// What exerts no force because it looks away, or a huge one because it begins deep inside, was meant otherwise.
+void PadInstance::check_site(const mjModel* model, bool placed) {
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    Touched& touched = touched_[k];
+    const auto mistake = [&](const std::string& where, const std::string& what) {
+      if (std::exchange(warned_, true)) return;
+      config_.report(fmt::format("tips of the pad at site '{}' are {} the touched geom '{}'{}",
+                                 mj_id2name(model, mjOBJ_SITE, config_.site), where, name_of_geom(model, touched.geom), what));
+    };
+    if (touched.watch.looks_out(touched.shape, touched.pad_in_surface, fields_[k].touching())) {
+      mistake(
+          "inside",
+          " and look out of it: the site looks the wrong way, or lies inside; allowed: +Z from the touched object into the pad");
+    }
+    if (placed || fields_[k].touching() == 0) continue;
+    double deepest = 0.0;
+    for (std::size_t i = 0; i < fields_[k].size(); ++i) deepest = std::max(deepest, fields_[k].penetration(i));
+    if (deepest > touched.watch.deepest_start()) {
+      mistake(fmt::format("{:.3g} mm inside", 1e3 * deepest),
+              fmt::format(" in the beginning; allowed: up to {:.3g} mm", 1e3 * touched.watch.deepest_start()));
+    }
   }
 }
 
@@ -313,6 +349,7 @@ void PadInstance::add_force(const mjModel* model, mjData* data) {
   computed_at_ = data->time;
   evaluated_ = locate(model, data);
   evaluate(state, data->time);
+  if (!config_.unchecked) check_site(model, is_placed(state.fields));
   const mjtNum* origin = data->site_xpos + 3 * config_.site;
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     const Wrench wrench = fields_[k].damped_wrench_on_pad(touched_[k].motion, config_.damping);
@@ -344,6 +381,35 @@ void PadInstance::add_touching_tangents(const mjModel* model, const mjData* data
   }
 }
 
+void PadInstance::add_stuck_tangent(const mjModel* model, mjData* data, std::vector<PadOnBodies>& bodies,
+                                    std::vector<PadTangent>& tangents) const {
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  PadOnBodies on{};
+  PadTangent tangent;
+  double fastest = -1.0;
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    const Touched& touched = touched_[k];
+    const Pose placed = pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom) * touched.surface_in_geom;
+    const Eigen::Vector3d origin = placed.inverse() * pad.position, axis = -(placed.rotation.transpose() * pad.rotation.col(2));
+    const SurfacePoint met =
+        std::visit([&](const auto& shape) { return shape.at(origin.x(), origin.y(), origin.z(), axis.x(), axis.y(), axis.z()); },
+                   touched.shape);
+    Pose there = pad;  // from afar it would turn the object by a lever that it will never have
+    if (met.gap > 0.0) there.position -= met.gap * (placed.rotation * Eigen::Vector3d(met.nx, met.ny, met.nz));
+    PadLayout layout = fields_[k].layout();
+    for (Element& element : layout.elements) element.k_tangential += fields_[k].stop_stiffness();
+    const PadOnBodies candidate{model->site_bodyid[config_.site], touched.body, there.position};
+    const PadTangent stuck = stuck_tangent(layout, there, there.position, config_.damping);
+    const double omega = fastest_vibration(model, data, {&candidate, 1}, {&stuck, 1}).omega;
+    if (omega <= fastest) continue;
+    fastest = omega;
+    on = candidate;
+    tangent = stuck;
+  }
+  bodies.push_back(on);
+  tangents.push_back(tangent);
+}
+
 void PadInstance::describe(const mjModel* model, std::vector<ImplicitPad>& pads) const {
   mjtNum rotation[9];
   mju_quat2Mat(rotation, model->site_quat + 4 * config_.site);
@@ -359,6 +425,7 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
   computed_at_ = data->time;
   evaluated_ = locate(model, data);
   evaluate(state, data->time);
+  if (!config_.unchecked) check_site(model, is_placed(state.fields));
   ended_with_.resize(began_with_.size());
   std::span<double> rest = ended_with_;
   const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
@@ -392,7 +459,7 @@ void PadInstance::write_sensors(const mjModel* model, mjData* data) {
   for (const int address : outputs_) {
     mjtNum* const out = data->sensordata + address;
     sampled_ ? std::copy(sample_.begin(), sample_.end(), out) : std::copy(state.held.begin(), state.held.end(), out);
-    if (config_.truth) write_truth(labels_.frame(), out + state.held.size());
+    if (config_.truth) write_truth(labels_.frame(), config_.unloaded, out + state.held.size());
   }
 }
 
@@ -429,7 +496,7 @@ void PadInstance::remember_readings(const Parts& state) {
     for (const std::span<double> memory : sensor_memory_) remembered = std::copy(memory.begin(), memory.end(), remembered);
     std::copy(sample_.begin(), sample_.end(), state.held.begin());
   }
-  if (config_.truth) write_truth(labels_.frame(), state.truth.data());
+  if (config_.truth) write_truth(labels_.frame(), config_.unloaded, state.truth.data());
 }
 
 void PadInstance::draw(const mjModel* model, mjData* data, mjvScene* scene) {

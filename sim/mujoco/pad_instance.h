@@ -13,9 +13,9 @@
 //
 // sensordata of one instance: the values of the sensor, in the order of its channels. With truth="true" these follow, N the
 // number of units:
-//   unit_state [N] (0 detached, 1 stick, 2 slip, 3 partial), slip_velocity [N,2] m/s, slip_distance [N] m, margin [N] (NaN while
-//   detached), contact_force [N,3] N, state and state_micro (0 none, 1 non-slip, 2 incipient, 3 gross), stuck_fraction (NaN
-//   without contact)
+//   unit_state [N] (0 detached, 1 stick, 2 slip, 3 partial), slip_velocity [N,2] m/s, slip_distance [N] m, margin [N],
+//   contact_force [N,3] N, state and state_micro (0 none, 1 non-slip, 2 incipient, 3 gross), stuck_fraction
+// margin of a unit that does not touch and stuck_fraction without contact are 1, or NaN with unloaded="nan".
 // They are those of the state before the step, as all of MuJoCo's sensordata.
 #pragma once
 
@@ -32,6 +32,7 @@
 #include "sim/field/field.h"
 #include "sim/mujoco/implicit.h"
 #include "sim/mujoco/pad_config.h"
+#include "sim/mujoco/pad_misuse.h"
 #include "sim/mujoco/stability.h"
 
 namespace slipbench {
@@ -64,6 +65,9 @@ class PadInstance {
   // The tangent of every touched geom's elements that touch in the trial, taken as stuck.
   void add_touching_tangents(const mjModel* model, const mjData* data, std::vector<PadOnBodies>& bodies,
                              std::vector<PadTangent>& tangents) const;
+  // The pad's tangent with all elements stuck on that body among the touched ones on which it vibrates fastest, put down on it where it is away.
+  void add_stuck_tangent(const mjModel* model, mjData* data, std::vector<PadOnBodies>& bodies,
+                         std::vector<PadTangent>& tangents) const;
   // What implicit.h wants to know of a pad before there is any motion: one entry a touched geom.
   void describe(const mjModel* model, std::vector<ImplicitPad>& pads) const;
   // Instead of add_force(): the trial at the present pose, one entry a touched geom. The fields are the solver's until forget_trial().
@@ -98,8 +102,10 @@ class PadInstance {
     int geom;
     int body;
     Pose surface_in_geom;
-    Pose pad_in_surface;
-    Twist motion;  // of the pad in the surface's frame
+    Surface shape;
+    SiteWatch watch;
+    Pose pad_in_surface{};
+    Twist motion{};  // of the pad in the surface's frame
   };
   // Parts of the instance's share of plugin_state.
   struct Parts {
@@ -110,6 +116,7 @@ class PadInstance {
   bool locate(const mjModel* model, const mjData* data);
   [[nodiscard]] bool sees_the_same(const mjModel* model, const mjData* data);
   void evaluate(const Parts& state, double time);
+  void check_site(const mjModel* model, bool placed);
   void judge(const Parts& state);
   void measure(const Parts& state);
   void remember_readings(const Parts& state);
@@ -136,6 +143,7 @@ class PadInstance {
   // The trial that the fields hold.
   std::vector<double> ended_with_;  // the state of the fields after the trial, for the implicit solver
   std::vector<double> began_with_;  // the state from which it started, as far as fields are concerned
+  bool warned_ = false;             // of the site
   bool evaluated_ = false;
   bool judged_ = false;
   bool measured_ = false;

@@ -12,6 +12,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "sim/mujoco/mujoco_differences.h"
+
 namespace slipbench {
 namespace {
 
@@ -232,7 +234,7 @@ LinearModel linear_model(const mjModel* m, mjData* d, std::span<const PadOnBodie
   const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(nv, nv);
   LinearModel model{none, none, none, none};
   RowMatrix mass(nv, nv);
-  mj_fullM(m, d, mass.data());
+  full_inertia(m, d, mass.data());
   model.mass = mass;
   RowMatrix jacobian(6, nv);
   for (std::size_t i = 0; i < pads.size(); ++i) {

@@ -61,6 +61,14 @@ class LockTest(unittest.TestCase):
             for package, version in asked(name).items():
                 self.assertEqual(pinned[package][0], version, f"{name}: tools/setup/lock.sh has not run since")
 
+    def test_every_further_mujoco_is_hashed(self):
+        lines = (SETUP / "requirements-mujoco.in").read_text(encoding="utf-8").splitlines()
+        wanted = [line for line in lines if line and not line.startswith("#")]
+        text = (SETUP / "requirements-mujoco.txt").read_text(encoding="utf-8").replace("\\\n", " ")
+        entries = [re.fullmatch(r"(\S+)((?: +--hash=sha256:[0-9a-f]{64})+) *", line) for line in text.splitlines()]
+        self.assertTrue(wanted)
+        self.assertEqual([entry[1] for entry in entries], wanted, "tools/setup/lock.sh has not run since")
+
     def test_both_sets_of_the_environment_agree(self):
         built, tested = locked("requirements"), locked("requirements-test")
         self.assertTrue(built.keys() & tested.keys())  # numpy at least, which both need

@@ -47,6 +47,8 @@ def loaded():
                 found.add(name)
     for module in MODULES.glob("*.so"):
         found.update(re.findall(r"\(NEEDED\).*\[(.*)\]", output("readelf", "--dynamic", module)))
+    # The plugin's builds work in other versions of MuJoCo, which are their users'.
+    found = {name for name in found if not name.startswith("libmujoco.so.") or name in output("ldd", BUILD / PROGRAMS[0])}
     return found | set(LOADED_BY_NAME)
 
 

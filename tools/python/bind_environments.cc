@@ -1,5 +1,6 @@
 // Grasps that are commanded from Python.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -11,6 +12,7 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
+#include <Eigen/Geometry>
 
 #include "sim/core/error.h"
 #include "tools/program/environment/grasp_environment.h"
@@ -22,11 +24,9 @@ namespace nb = nanobind;
 namespace slipbench::python {
 namespace {
 
-using Pairs = std::vector<std::pair<std::string, std::string>>;
-
 SceneFile scene_file(const std::string& path, const Pairs& overrides) {
   SceneFile file = SceneFile::load(path);
-  for (const auto& [key, value] : overrides) file.apply({key, value});
+  for (const Override& change : overrides_of(overrides)) file.apply(change);
   return file;
 }
 
@@ -36,17 +36,35 @@ ActionKind action_named(const std::string& name) {
   throw InputError("command " + quote(name) + "; allowed: force, position");
 }
 
-nb::object copied(std::span<const float> values) {
-  auto* const copy = new std::vector<float>(values.begin(), values.end());
-  const nb::capsule owner(copy, [](void* held) noexcept { delete static_cast<std::vector<float>*>(held); });
+template <typename T>
+nb::object copied(std::span<const T> values) {
+  auto* const copy = new std::vector<T>(values.begin(), values.end());
+  const nb::capsule owner(copy, [](void* held) noexcept { delete static_cast<std::vector<T>*>(held); });
   const std::size_t size = copy->size();
-  return nb::cast(nb::ndarray<nb::numpy, float>(copy->data(), 1, &size, owner));
+  return nb::cast(nb::ndarray<nb::numpy, T>(copy->data(), 1, &size, owner));
 }
 
+// name: (x y z qw qx qy qz, its extent or None).
+using Bodies = nb::typed<nb::dict, nb::str, nb::typed<nb::tuple, nb::ndarray<nb::numpy, double>, nb::any>>;
+
+Bodies bodies_of(const GraspEnvironment& environment) {
+  Bodies all;
+  for (const NamedBody& body : environment.bodies()) {
+    const Eigen::Vector3d& at = body.state.pose.position;
+    const Eigen::Quaterniond turn(body.state.pose.rotation);
+    const std::array<double, 7> pose{at.x(), at.y(), at.z(), turn.w(), turn.x(), turn.y(), turn.z()};
+    const nb::object size = body.size.empty() ? nb::none() : copied(std::span<const double>(body.size));
+    all[body.name.c_str()] = nb::make_tuple(copied(std::span<const double>(pose)), size);
+  }
+  return all;
+}
+
+using Truth = nb::typed<nb::dict, nb::str, nb::any>;
+
 // What is true after a step, which no policy is to see.
-nb::dict truth_of(const GraspEnvironment& environment) {
+Truth truth_of(const GraspEnvironment& environment) {
   const EnvironmentStep& step = environment.latest();
-  nb::dict truth;
+  Truth truth;
   truth["time"] = step.time;
   truth["grip_force"] = step.grip_force;
   truth["ideal_force"] = step.ideal_force;
@@ -56,7 +74,12 @@ nb::dict truth_of(const GraspEnvironment& environment) {
   return truth;
 }
 
-nb::tuple result_of(const GraspEnvironment& environment) {
+// Observation, reward, dropped, ended, truth.
+using Result = nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, double, bool, bool, Truth>;
+// Of each environment: its result, whether an episode has begun, what was drawn for it.
+using Results = nb::typed<nb::list, nb::typed<nb::tuple, Result, bool, std::string>>;
+
+Result result_of(const GraspEnvironment& environment) {
   const EnvironmentStep& step = environment.latest();
   return nb::make_tuple(copied(environment.observation()), step.reward, step.dropped, step.ended, truth_of(environment));
 }
@@ -67,14 +90,14 @@ class Grasp {
   Grasp(const std::string& path, const Pairs& overrides, const std::string& action)
       : environment_(std::make_unique<GraspEnvironment>(scene_file(path, overrides), action_named(action))) {}
 
-  nb::tuple reset(std::uint64_t seed, std::uint64_t episode) {
+  Result reset(std::uint64_t seed, std::uint64_t episode) {
     {
       const nb::gil_scoped_release release;
       environment_->reset(seed, episode);
     }
     return result_of(*environment_);
   }
-  nb::tuple step(double action) {
+  Result step(double action) {
     {
       const nb::gil_scoped_release release;
       environment_->step(action);
@@ -92,8 +115,8 @@ class Grasps {
   Grasps(const std::string& path, const Pairs& overrides, const std::string& action, std::size_t count, std::size_t threads)
       : environments_(scene_file(path, overrides), action_named(action), count, threads) {}
 
-  nb::list reset(const std::vector<std::uint64_t>& seeds, const std::vector<std::uint64_t>& episodes,
-                 const std::vector<std::uint8_t>& chosen) {
+  Results reset(const std::vector<std::uint64_t>& seeds, const std::vector<std::uint64_t>& episodes,
+                const std::vector<std::uint8_t>& chosen) {
     check(seeds.size(), "seeds");
     check(episodes.size(), "episodes");
     check(chosen.size(), "chosen");
@@ -103,7 +126,7 @@ class Grasps {
     }
     return results();
   }
-  nb::list step(const std::vector<double>& actions) {
+  Results step(const std::vector<double>& actions) {
     check(actions.size(), "actions");
     {
       const nb::gil_scoped_release release;
@@ -119,8 +142,8 @@ class Grasps {
       throw InputError(std::to_string(found) + " " + what + "; allowed: one for each of " + std::to_string(environments_.size()) +
                        " environments");
   }
-  nb::list results() {
-    nb::list all;
+  Results results() {
+    Results all;
     for (std::size_t i = 0; i < environments_.size(); ++i)
       all.append(
           nb::make_tuple(result_of(environments_.environment(i)), environments_.began(i), environments_.environment(i).params()));
@@ -138,6 +161,7 @@ void bind_environments(nb::module_& module) {
       .def(nb::init<const std::string&, const Pairs&, const std::string&>())
       .def("reset", &Grasp::reset)
       .def("step", &Grasp::step)
+      .def("bodies", [](const Grasp& grasp) { return bodies_of(grasp.environment()); })
       .def_prop_ro("names", [](const Grasp& grasp) { return grasp.environment().observation_names(); })
       .def_prop_ro("params", [](const Grasp& grasp) { return grasp.environment().params(); })
       .def("command", [](const Grasp& grasp, const std::string& scene) { return grasp.environment().episode_command(scene); });

@@ -1,7 +1,5 @@
 // Detectors and controllers that are Python classes. Trials run in threads of their own without Python's lock, which is taken for each call.
 #include <algorithm>
-#include <cmath>
-#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -14,7 +12,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "controllers/grip.h"
 #include "sim/core/error.h"
 #include "tools/program/catalogue/controller_catalogue.h"
 #include "tools/program/catalogue/detector_catalogue.h"
@@ -58,7 +55,7 @@ struct Own {
   Own(std::string name, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
       const std::vector<Channel>& channels)
       : whose(std::move(name)),
-        package(nb::module_::import_("slipbench")),
+        package(nb::module_::import_("slipbench._own")),
         frame_type(package.attr("Frame")),
         call(nb::object(type(source, **keywords)).attr(method)),
         arrays(channels) {}
@@ -139,7 +136,7 @@ class PythonDetector final : public Detector {
 
 class PythonController final : public Controller {
  public:
-  PythonController(OwnPart own, const GripCommand& registers) : own_(std::move(own)), command_(registers) {}
+  explicit PythonController(OwnPart own) : own_(std::move(own)) {}
 
   GripCommand update(const ControlInput& input) override {
     locked(own_->whose, [&] {
@@ -166,8 +163,8 @@ void add_detector(const std::string& name, const nb::object& type, const std::st
   register_detector(entry_of(name, summary, declared), [=](const Parameters& parameters, const FrameSource& source) {
     const std::string whose = "detector " + name;
     OwnPart own = locked(whose, [&] {
-      const nb::object about =
-          nb::module_::import_("slipbench").attr("Source")(source.sensor, source.type, source.rate, shapes_of(source.channels));
+      const nb::object about = nb::module_::import_("slipbench._own")
+                                   .attr("Source")(source.sensor, source.type, source.rate, shapes_of(source.channels));
       return OwnPart(new Own(whose, *held, "update", about, keywords_of(parameters, declared), source.channels));
     });
     return std::make_unique<PythonDetector>(std::move(own));
@@ -180,11 +177,11 @@ void add_controller(const std::string& name, const nb::object& type, const std::
     const std::string whose = "controller " + name;
     OwnPart own = locked(whose, [&] {
       const SensorSource& first = source.sensors.front();
-      const nb::object about = nb::module_::import_("slipbench")
+      const nb::object about = nb::module_::import_("slipbench._own")
                                    .attr("Source")(first.name, first.type, first.rate, shapes_of(first.channels), source.preset);
       return OwnPart(new Own(whose, *held, "act", about, keywords_of(parameters, declared), source.channels));
     });
-    return std::make_unique<PythonController>(std::move(own), GripCommand{});
+    return std::make_unique<PythonController>(std::move(own));
   });
 }
 

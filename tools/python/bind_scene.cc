@@ -1,20 +1,23 @@
 // Scenes: trials in memory, sweeps into datasets, checks, and the program's own words about what a scene may say.
+#include <pthread.h>
+
+#include <array>
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "detectors/network/engine.h"
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
 #include "tools/base/project/project_file.h"
@@ -34,13 +37,69 @@ namespace nb = nanobind;
 namespace slipbench::python {
 namespace {
 
-using Pairs = std::vector<std::pair<std::string, std::string>>;
+// Called with the trials done and all of them.
+using Progress = nb::typed<nb::object, nb::typed<nb::callable, void(std::size_t, std::size_t)>>;
 
-std::vector<Override> overrides_of(const Pairs& pairs) {
-  std::vector<Override> overrides;
-  for (const auto& [path, value] : pairs) overrides.push_back({path, value});
-  return overrides;
+// Judging forks a child that may call a user's detector: Python must know of it, or the child waits for threads that it lacks. While the parent
+// waits, other threads run.
+thread_local bool python_forks = false;
+thread_local PyThreadState* waiting = nullptr;
+
+void before_fork() {
+  if (!python_forks) return;
+  if (waiting != nullptr) PyEval_RestoreThread(std::exchange(waiting, nullptr));
+  PyOS_BeforeFork();
 }
+void after_fork_in_parent() {
+  if (!python_forks) return;
+  PyOS_AfterFork_Parent();
+  waiting = PyEval_SaveThread();
+}
+void after_fork_in_child() {
+  if (python_forks) PyOS_AfterFork_Child();
+}
+
+struct PythonForks {
+  PythonForks() {
+    static const int registered = ::pthread_atfork(before_fork, after_fork_in_parent, after_fork_in_child);
+    python_forks = registered == 0;
+  }
+  PythonForks(const PythonForks&) = delete;
+  PythonForks& operator=(const PythonForks&) = delete;
+  ~PythonForks() {
+    python_forks = false;
+    if (waiting != nullptr) PyEval_RestoreThread(std::exchange(waiting, nullptr));
+  }
+};
+
+// One InterruptGuard for all threads that simulate at once.
+class SharedInterrupt {
+ public:
+  SharedInterrupt() {
+    const std::lock_guard lock(mutex());
+    if (users()++ == 0) guard().emplace();
+  }
+  SharedInterrupt(const SharedInterrupt&) = delete;
+  SharedInterrupt& operator=(const SharedInterrupt&) = delete;
+  ~SharedInterrupt() {
+    const std::lock_guard lock(mutex());
+    if (--users() == 0) guard().reset();
+  }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+  static std::size_t& users() {
+    static std::size_t count = 0;
+    return count;
+  }
+  static std::optional<InterruptGuard>& guard() {
+    static std::optional<InterruptGuard> one;
+    return one;
+  }
+};
 
 // Ends trials of other threads.
 struct Stop {
@@ -54,8 +113,8 @@ class Scene {
     options_.scene_path = std::move(path);
     options_.overrides = overrides_of(overrides);
     nb::gil_scoped_release release;
-    setting_ = setting_for(options_, *catalogues_, [] {});
-    if (setting_) options_.overrides.insert(options_.overrides.end(), setting_->overrides.begin(), setting_->overrides.end());
+    if (const std::optional<KeptSetting> setting = setting_for(options_, *catalogues_))
+      options_.overrides.insert(options_.overrides.end(), setting->overrides.begin(), setting->overrides.end());
     file_ = SceneFile::load(options_.scene_path);
     for (const Override& change : options_.overrides) file_.apply(change);
     seed_ = parse_scene(file_, *catalogues_).seed;
@@ -69,16 +128,12 @@ class Scene {
   // Trial `trial` of the first `limit` ones. `stop`: ends it from another thread; none: Ctrl-C does.
   [[nodiscard]] std::shared_ptr<TrialRecord> run(std::size_t trial, std::size_t draws, std::size_t limit, std::uint64_t seed,
                                                  bool full, const Stop* stop) const {
-    std::optional<InterruptGuard> guard;
+    std::optional<SharedInterrupt> guard;
     if (stop == nullptr) guard.emplace();
     const std::atomic<bool>* const interrupt = stop == nullptr ? &InterruptGuard::flag() : &stop->now;
     const nb::gil_scoped_release release;
-    SweepOptions options = options_;
-    options.trials = draws;
-    options.limit = limit;
-    options.only = trial;
-    const PlannedTrials planned = plan_trials(file_, *catalogues_, options, seed);
-    TrialPlan::Trial chosen = planned.plan.trial(trial);
+    const std::shared_ptr<const PlannedTrials> planned = plan(trial, draws, limit, seed);
+    TrialPlan::Trial chosen = planned->plan.trial(trial);
     chosen.scene.seed = seed;
     try {
       TrialResult result =
@@ -87,14 +142,14 @@ class Scene {
       if (!full) keep_outcome(result.record);
       return std::make_shared<TrialRecord>(std::move(result.record));
     } catch (const SceneValueError& error) {
-      throw InputError(planned.plan.where(trial, error.path()) + ": " + error.what());
+      throw InputError(planned->plan.where(trial, error.path()) + ": " + error.what());
     }
   }
 
   // Runs the sweep into a dataset; returns run_sweep()'s summary as JSON.
   [[nodiscard]] std::string write(const std::string& output, std::size_t draws, std::size_t limit,
                                   std::optional<std::uint64_t> seed, std::size_t jobs, bool full, bool resume,
-                                  const nb::object& progress) const {
+                                  const Progress& progress) const {
     SweepOptions options = options_;
     options.verb = limit == 0 ? "sweep" : "run";
     options.output = output;
@@ -104,7 +159,7 @@ class Scene {
     options.jobs = jobs;
     options.recording = full ? Recording::full : Recording::outcome;
     options.resume = resume;
-    const InterruptGuard guard;
+    const SharedInterrupt guard;
     options.interrupt = &InterruptGuard::flag();
     const auto told = [&](const SweepProgress& at) {
       if (progress.is_none()) return;
@@ -115,8 +170,8 @@ class Scene {
     return summary_json(run_sweep(options, *catalogues_, told));
   }
 
-  [[nodiscard]] nb::dict check(std::size_t draws, std::optional<std::uint64_t> seed, std::size_t jobs,
-                               const std::string& folder) const {
+  [[nodiscard]] nb::typed<nb::dict, nb::str, nb::any> check(std::size_t draws, std::optional<std::uint64_t> seed,
+                                                            std::size_t jobs, const std::string& folder) const {
     CheckOptions options;
     options.scene_path = options_.scene_path;
     options.overrides = options_.overrides;
@@ -126,7 +181,7 @@ class Scene {
     options.folder = folder;
     SceneCheck result;
     {
-      const InterruptGuard guard;
+      const SharedInterrupt guard;
       options.interrupt = &InterruptGuard::flag();
       const nb::gil_scoped_release release;
       result = check_scene(options, *catalogues_);
@@ -153,12 +208,32 @@ class Scene {
     return all;
   }
 
-  [[nodiscard]] const SceneFile& file() const { return file_; }
-
  private:
+  // The plan that has the trial. The last one is kept: a sweep asks for it once a trial.
+  [[nodiscard]] std::shared_ptr<const PlannedTrials> plan(std::size_t trial, std::size_t draws, std::size_t limit,
+                                                          std::uint64_t seed) const {
+    const std::lock_guard lock(plan_->mutex);
+    const std::array<std::uint64_t, 3> wanted{draws, limit, seed};
+    if (!plan_->kept || plan_->of != wanted || trial >= plan_->kept->asked) {
+      SweepOptions options = options_;
+      options.trials = draws;
+      options.limit = limit;
+      options.only = trial;
+      plan_->kept = std::make_shared<const PlannedTrials>(plan_trials(file_, *catalogues_, options, seed));
+      plan_->of = wanted;
+    }
+    return plan_->kept;
+  }
+
+  struct KeptPlan {
+    std::mutex mutex;
+    std::array<std::uint64_t, 3> of{};
+    std::shared_ptr<const PlannedTrials> kept;
+  };
+
   std::shared_ptr<const Catalogues> catalogues_;
+  std::unique_ptr<KeptPlan> plan_ = std::make_unique<KeptPlan>();
   SweepOptions options_;
-  std::optional<KeptSetting> setting_;
   SceneFile file_;
   std::uint64_t seed_ = 0;
 };
@@ -168,10 +243,13 @@ std::string evaluate(const std::string& type, const Pairs& parameters, const std
   judge::Options options;
   options.detector = judge::chosen_detector(type, overrides_of(parameters));
   options.dataset = dataset;
-  options.labels = judge::parse_label_rule(labels);
   options.sensor = sensor;
   options.split = split;
   options.all = all;
+  if (const std::unique_ptr<network::Engine> engine = judge::network_of(options.detector))
+    options.trained = engine->description().trained;
+  options.labels = labels.empty() ? judge::learnt_labels(options.trained) : judge::parse_label_rule(labels);
+  const PythonForks forks;
   return judge::evaluate(options).dump();
 }
 
@@ -183,7 +261,7 @@ std::string describe(const std::string& name) {
   return entries.dump();
 }
 
-std::string list() { return list_json(catalogue_items(program_catalogues()), catalogue_kinds()).dump(); }
+std::string list_names() { return list_json(catalogue_items(program_catalogues()), catalogue_kinds()).dump(); }
 
 }  // namespace
 
@@ -201,7 +279,7 @@ void bind_scene(nb::module_& module) {
       .def("check", &Scene::check, nb::arg("draws"), nb::arg("seed").none(), nb::arg("jobs"), nb::arg("folder"));
   module.def("evaluate", &evaluate);
   module.def("describe", &describe);
-  module.def("list", &list);
+  module.def("list_names", &list_names);
   module.def("project_file", [](const std::string& path) { return project_file(path); });
   module.def("main", [](const std::vector<std::string>& words) { return run_program(command_table(), words); });
 }

@@ -1,10 +1,12 @@
 // A trial's record as numpy sees it: views of the record's own memory, which lives as long as any of them.
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
@@ -19,6 +21,8 @@ namespace slipbench::python {
 namespace {
 
 using Held = std::shared_ptr<TrialRecord>;
+using Described = nb::typed<nb::dict, nb::str, nb::any>;  // what a class of the package is made of, by its attributes
+using ByName = nb::typed<nb::dict, nb::str, Described>;
 
 // [rows, shape...] of `values`; nothing where the record has no such column.
 template <class T>
@@ -81,7 +85,7 @@ nb::dict sensor_of(const Held& record, SensorRecord& sensor) {
   return all;
 }
 
-nb::object control_of(const Held& record) {
+nb::typed<nb::object, std::optional<Described>> control_of(const Held& record) {
   if (!record->control) return nb::none();
   ControlRecord& control = *record->control;
   nb::dict all;
@@ -98,8 +102,8 @@ nb::object control_of(const Held& record) {
   return all;
 }
 
-nb::dict bodies_of(const Held& record) {
-  nb::dict all;
+ByName bodies_of(const Held& record) {
+  ByName all;
   for (BodyRecord& body : record->bodies) {
     nb::dict one;
     one["time"] = view(record, record->body_time);
@@ -126,7 +130,7 @@ void bind_trial(nb::module_& module) {
       .def("sha256", &sha256_of)
       .def_static("sensors",
                   [](const Held& record) {
-                    nb::dict all;
+                    ByName all;
                     for (SensorRecord& sensor : record->sensors) all[nb::str(sensor.name.c_str())] = sensor_of(record, sensor);
                     return all;
                   })

@@ -7,10 +7,17 @@
 
 namespace nb = nanobind;
 
+std::vector<slipbench::Override> slipbench::python::overrides_of(const Pairs& pairs) {
+  std::vector<Override> overrides;
+  for (const auto& [path, value] : pairs) overrides.push_back({path, value});
+  return overrides;
+}
+
 // The extension `_core`: what the package `slipbench` is made of, which documents it.
 NB_MODULE(_core, module) {
   nb::set_leak_warnings(false);  // detectors that a user registers live as long as the process
-  const nb::exception<slipbench::InputError> input_error(module, "InputError", PyExc_ValueError);
+  nb::exception<slipbench::InputError>(module, "InputError", PyExc_ValueError).attr("__doc__") =
+      "Bad input, a ValueError, with the program's own message: file:line, what was found, what is allowed.";
   nb::register_exception_translator([](const std::exception_ptr& error, void*) {
     try {
       std::rethrow_exception(error);
@@ -18,7 +25,7 @@ NB_MODULE(_core, module) {
       PyErr_SetNone(PyExc_KeyboardInterrupt);
     }
   });
-  module.attr("__version__") = SLIPBENCH_VERSION;
+  module.attr("version") = SLIPBENCH_VERSION;
   slipbench::python::bind_trial(module);
   slipbench::python::bind_own_parts(module);
   slipbench::python::bind_scene(module);

@@ -1,9 +1,19 @@
 // The parts of Python's module, a file each.
 #pragma once
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <nanobind/nanobind.h>
 
+#include "sim/scene/parser.h"
+
 namespace slipbench::python {
+
+// What was set beside a scene, as Python has it: path and YAML.
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+std::vector<Override> overrides_of(const Pairs& pairs);
 
 void bind_trial(nanobind::module_& module);
 void bind_scene(nanobind::module_& module);

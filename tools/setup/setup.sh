@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Installs what the project needs: setup.sh SET..., where a SET is `build`, `test` or `all` (Debian packages of packages.txt), `python` or
 # `test-python` (PyPI packages of requirements.txt and requirements-test.txt, into the virtual environment build/venv: wheels whose SHA-256 stands
-# there, and nothing else). Does nothing where all is there; touches build/installed where it installed something, so that the launcher configures
-# anew.
+# there, and nothing else), `mujoco-VERSION` (that version of requirements-mujoco.txt, into build/mujoco/VERSION, for which the plugin is then
+# built, too) or `mujoco` (all of them). Does nothing where all is there; touches build/installed where it installed something, so that the launcher
+# configures anew.
 # setup.sh rights SET...: installs nothing; where Debian packages are missing, lets sudo ask for its password, or says what root is to run.
 set -euo pipefail
 
@@ -76,6 +77,26 @@ install_python() {
   touch "$root/build/installed"
 }
 
+# install_mujoco VERSION: into a folder of its own, since an environment holds one.
+install_mujoco() {
+  local folder=$root/build/mujoco/$1 entry=$root/build/mujoco/$1.txt
+  [[ ! -d $folder ]] || return 0
+  mkdir -p "$root/build/mujoco"
+  awk -v version="$1" '!/^ / { keep = $1 ~ "==" version "$" } keep' "$here/requirements-mujoco.txt" >"$entry"
+  [[ -s $entry ]] || {
+    say "unknown MuJoCo version '$1'; allowed: $(known_mujocos | paste -sd ' ')"
+    exit 2
+  }
+  say "installing into build/mujoco/$1: $(sed -n 's/^\([^ ]*==[^ ]*\).*/\1/p' "$entry")"
+  rm -rf "$folder.part"
+  mkdir "$folder.part"
+  "$venv/bin/pip" install --disable-pip-version-check --progress-bar off --require-hashes --only-binary :all: --no-deps --target "$folder.part" \
+    --requirement "$entry"
+  mv "$folder.part" "$folder"
+  touch "$root/build/installed"
+}
+known_mujocos() { sed -n 's/^mujoco.*==//p' "$here/requirements-mujoco.in"; }
+
 if [[ ${1:-} == rights ]]; then
   shift
   check_debian
@@ -91,8 +112,10 @@ for set in "$@"; do
     build | test | all) install_debian "$set" ;;
     python) install_python "$here/requirements.txt" ;;
     test-python) install_python "$here/requirements-test.txt" ;;
+    mujoco) for version in $(known_mujocos); do install_mujoco "$version"; done ;;
+    mujoco-*) install_mujoco "${set#mujoco-}" ;;
     *)
-      say "unknown set '$set'; allowed: build, test, all, python, test-python"
+      say "unknown set '$set'; allowed: build, test, all, python, test-python, mujoco, mujoco-VERSION"
       exit 2
       ;;
   esac

@@ -1,14 +1,16 @@
-// What the studies simulate: trials of the project's scenes under changes, many at a time.
+// What the studies simulate, trials of the project's scenes under changes, and the networks that they teach: many at a time.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <iterator>
 #include <optional>
 #include <string>
 #include <thread>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
 #include "tools/base/dataset/trial_record.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/studies/study_catalogue.h"
@@ -92,6 +95,33 @@ std::vector<Outcome> run_in_order(std::size_t count, const ReproduceOptions& opt
     outcomes.push_back(std::move(*outcome));
   }
   return outcomes;
+}
+
+// For networks, of which libtorch teaches one at a time in a process: does work 0 to count - 1, options.jobs at a time, each in a child process of
+// its own, and returns the results in this order, the same whatever options.jobs. `options.say` hears `subject(index)` and how many have begun
+// whenever the subject changes, and at each tenth. Call it while this process has no other thread. Throws what the work throws, and Interrupted.
+template <class Value>
+std::vector<std::vector<Value>> run_in_processes(std::size_t count, const ReproduceOptions& options,
+                                                 const std::function<std::string(std::size_t)>& subject,
+                                                 const std::function<std::vector<Value>(std::size_t)>& work) {
+  static_assert(std::is_trivially_copyable_v<Value>, "values are handed over as bytes");
+  const InterruptGuard guard;
+  const auto say = [&](std::size_t k) {
+    if (options.say && (k % 10 == 0 || subject(k) != subject(k - 1)))
+      options.say(fmt::format("{} ({} of {} begun)", subject(k), k, count));
+  };
+  const auto sent = [&](std::size_t k) {
+    const std::vector<Value> values = work(k);
+    std::string bytes(values.size() * sizeof(Value), '\0');
+    if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+    return bytes;
+  };
+  std::vector<std::vector<Value>> results;
+  for (const std::string& bytes : slipbench::run_in_processes(count, jobs_of(options), sent, say, InterruptGuard::flag())) {
+    std::vector<Value>& values = results.emplace_back(bytes.size() / sizeof(Value));
+    if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  }
+  return results;
 }
 
 // Runs all trials of a grid under options.seed (1 without one), and returns what `reduce` makes of each: [cell][trial]. Throws

@@ -20,7 +20,7 @@
 namespace slipbench {
 
 inline void register_plugin_once() {
-  [[maybe_unused]] static const bool registered = (register_field_plugin({pad_catalogues(), &make_sensor}), true);
+  [[maybe_unused]] static const bool registered = (register_bench_plugin({pad_catalogues(), &make_sensor}), true);
 }
 
 // A folder of its own for model files, gone with the object.

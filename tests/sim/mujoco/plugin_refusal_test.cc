@@ -50,7 +50,7 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
   };
   EXPECT_EQ(refusal_of(site + plate + one), "accepted");
   refuses(plate + one, ": no attribute pad; allowed: the name of a site");
-  refuses(site + one, ": no attribute touch; allowed: names of geoms, with blanks between");
+  refuses(site + one, ": no attribute touch; allowed: names of geoms, body:NAME, subtree:NAME or group:N, with blanks between");
   refuses(config("pad", "fingertop") + plate + one,
           ": no site 'fingertop' in the model; did you mean 'fingertip'? allowed: fingertip");
   refuses(site + config("touch", "plat") + one, ": no geom 'plat' in the model; did you mean 'plate'? allowed: plate, ball");

@@ -1,5 +1,7 @@
 """Grasps and stages as Gymnasium environments. Argument: the program."""
 
+import ctypes.util
+import importlib.util
 import sys
 import unittest
 
@@ -30,6 +32,13 @@ class Grasps(unittest.TestCase):
     def test_gymnasiums_own_check_passes(self):
         for environment in (make(), make(command="position"), gymnasium.make("slipbench/GraspLift-v0")):
             check_env(environment.unwrapped)
+
+    @unittest.skipUnless(importlib.util.find_spec("stable_baselines3"), "stable_baselines3 is not installed")
+    def test_the_check_of_stable_baselines3_passes(self):
+        from stable_baselines3.common.env_checker import check_env as check
+
+        for name in ("Grasp-v0", "GraspLift-v0", "StageSlip-v0"):
+            check(gymnasium.make(f"slipbench/{name}").unwrapped)  # what it warns of is an error here
 
     def test_two_of_them_match(self):
         check_environments_match(make(), make(), num_steps=60, seed=4)
@@ -144,15 +153,73 @@ class Grasps(unittest.TestCase):
         self.assertEqual(episodes(60)[:20], first)
         self.assertLess(resident(), 1.05 * before)
 
+    def test_pictures_show_the_box_rise_or_say_what_is_missing(self):
+        try:
+            environment = make(values={**SHORT, "friction": {"static": 0.8, "kinetic": 0.8}, "duration": "3 s"}, render_mode="rgb_array")
+        except slipbench.InputError as error:
+            self.assertRegex(str(error), "needs EGL and pip install")
+            self.assertFalse(importlib.util.find_spec("OpenGL") and ctypes.util.find_library("EGL"), "it is there, and was not used")
+            return
+
+        def height():
+            """Of the box's orange in the picture [pixel rows from below], and its share of the picture."""
+            picture = environment.render().astype(int)
+            self.assertEqual(picture.shape, (480, 480, 3))
+            rows, _ = np.nonzero((picture[:, :, 0] > picture[:, :, 2] + 60) & (picture[:, :, 0] > 80))
+            return 480.0 - rows.mean(), len(rows) / 480.0**2
+
+        environment.reset(seed=1)
+        before, share = height()
+        self.assertGreater(share, 0.02)
+        over = False
+        while not over:
+            _, _, terminated, truncated, _ = environment.step(np.array([0.0], np.float32))
+            over = terminated or truncated
+        self.assertGreater(height()[0], before + 30.0)
+        environment.close()
+
     def test_what_cannot_be_is_said(self):
         for options, told in (({"scene": "papillarray/stage.yaml", "values": {}}, "is no grasp"), ({"command": "torque"}, "allowed: force, position"),
-                              ({"render_mode": "rgb_array"}, "draws no pictures"), ({"values": {"sped": 1}}, "unknown key 'sped'")):
+                              ({"render_mode": "human"}, "allowed: None, 'rgb_array'"), ({"values": {"sped": 1}}, "unknown key 'sped'")):
             with self.subTest(told=told), self.assertRaisesRegex(slipbench.InputError, told):
                 slipbench.gym.GraspEnv(**{"values": SHORT, **options})
+        vector = slipbench.gym.GraspVectorEnv(3, values=SHORT)
+        for seed in ([7, 8], -1, 2**64):
+            with self.subTest(seed=seed), self.assertRaisesRegex(slipbench.InputError, "allowed"):
+                vector.reset(seed=seed)
+        with self.assertRaisesRegex(slipbench.InputError, "options"):
+            vector.reset(seed=1, options={"reset_mask": np.array([True, False, False])})
+        before = vector.reset(seed=1)[1]["time"].copy()
+        with self.assertRaisesRegex(slipbench.InputError, "action nan; allowed: -1 to 1"):
+            vector.step(np.array([[0.0], [np.nan], [0.0]], np.float32))
+        after = vector.step(np.zeros((3, 1), np.float32))[4]["time"]
+        self.assertLess(np.ptp(after - before), 1e-3, "a refused step moved some of them")
         environment = slipbench.gym.GraspEnv(values=SHORT)
         environment.reset(seed=1)
         with self.assertRaisesRegex(slipbench.InputError, "action 1.5; allowed: -1 to 1"):
             environment.step(np.array([1.5], np.float32))
+
+
+class Failing(unittest.TestCase):
+    def test_a_reset_that_fails_leaves_nothing_to_step(self):
+        @slipbench.detector("fails_to_begin")
+        class Fails:
+            fails = False
+
+            def __init__(self, source):
+                if Fails.fails:
+                    raise ValueError("not today")
+
+            def update(self, frame):
+                return slipbench.State.NON_SLIP
+
+        environment = slipbench.gym.GraspEnv(values={**SHORT, "detector": {"type": "fails_to_begin"}})
+        Fails.fails = True
+        with self.assertRaisesRegex(slipbench.InputError, "not today"):
+            environment.reset(seed=1)
+        for use in (lambda: environment.step(np.zeros(1)), lambda: environment._grasp.bodies()):
+            with self.assertRaisesRegex(RuntimeError, "reset\\(\\) comes first"):
+                use()
 
 
 class Stages(unittest.TestCase):

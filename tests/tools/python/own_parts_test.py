@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 from pathlib import Path
 
@@ -97,9 +98,21 @@ class OwnDetectors(unittest.TestCase):
             self.assertEqual(result["detector"]["type"], "twin_of_force_ratio")
             own = slipbench.evaluate("twin_of_force_ratio", path, parameters={"share": 0.05})
             self.assertNotEqual(own["all"], result["all"])
+            # The child that judges has none of this process's other threads, and must not wait for them.
+            stop = threading.Event()
+            other = threading.Thread(target=stop.wait)
+            busy = threading.Thread(target=lambda: [None for _ in iter(lambda: stop.wait(0.001), True)])
+            for thread in (other, busy):
+                thread.start()
+            try:
+                again = slipbench.evaluate("twin_of_force_ratio", path)
+            finally:
+                stop.set()
+            self.assertEqual(again["all"], result["all"])
 
     def test_what_goes_wrong_in_it_is_told(self):
         for wrong, told in ((lambda frame: 7, r"update\(\) returned 7; allowed: a State"), (lambda frame: None, "returned None"),
+                            (lambda frame: True, "returned True; allowed: a State"),
                             (lambda frame: Estimate(1, latency=-1.0), "a latency of -1.0 s"),
                             (lambda frame: Estimate(1, stuck_fraction=2.0), "a stuck fraction of 2.0"),
                             (lambda frame: frame["gone"], "KeyError: 'gone'")):

@@ -1,6 +1,8 @@
 """The package gives what the command line gives. Argument: the program."""
 
+import importlib.util
 import json
+import signal
 import subprocess
 import sys
 import tempfile
@@ -88,8 +90,9 @@ class Trials(unittest.TestCase):
 
     def test_a_check_is_that_of_the_command_line(self):
         path, expect = slipbench.scenes() / "grasp/lift.yaml", {"dropped": False, "max_slip": "0.1 mm"}
-        done = subprocess.run([PROGRAM, "check", str(path), "--set", "duration=2.5 s", "--set", "expect=" + json.dumps(expect), "--trials", "2",
-                               "--json"], capture_output=True, text=True, check=False)
+        with tempfile.TemporaryDirectory() as folder:  # where a failed check leaves its evidence
+            done = subprocess.run([str(Path(PROGRAM).resolve()), "check", str(path), "--set", "duration=2.5 s", "--set", "expect=" + json.dumps(expect),
+                                   "--trials", "2", "--json"], capture_output=True, text=True, check=False, cwd=folder)
         told = json.loads(done.stdout)["scenes"][0]
         check = slipbench.Scene.load(path).set({"duration": "2.5 s", "expect": expect}).check(draws=2)
         self.assertEqual(check.verdict, told["verdict"])
@@ -109,6 +112,39 @@ class Errors(unittest.TestCase):
             slipbench.Scene.load("gone.yaml")
         with self.assertRaisesRegex(slipbench.InputError, "trial -1; allowed: 0 or more"):
             slipbench.Scene.load("papillarray/stage.yaml").run(-1)
+
+    def test_counts_that_cannot_be_are_named(self):
+        scene = slipbench.Scene.load("papillarray/stage.yaml")
+        for call, told in ((lambda: scene.sweep(jobs=-1), "jobs=-1; allowed"), (lambda: scene.run(seed=-1), "seed=-1; allowed"),
+                           (lambda: scene.run(seed=2**64), "allowed"), (lambda: scene.check(draws=-2), "draws=-2; allowed"),
+                           (lambda: scene.write("never.h5", draws=3, trials=2), "draws=3 and trials=2; allowed: one of them")):
+            with self.subTest(told=told), self.assertRaisesRegex(slipbench.InputError, told):
+                call()
+        self.assertFalse(Path("never.h5").exists())
+
+    def test_interrupts_go_back_to_python_when_the_last_thread_is_done(self):
+        scene, before = slipbench.Scene.load("papillarray/stage.yaml"), signal.getsignal(signal.SIGINT)
+        threads = [threading.Thread(target=lambda: [scene.run(k, record="outcome") for k in range(10)]) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertIs(signal.getsignal(signal.SIGINT), before)
+        with self.assertRaises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+
+    def test_channels_of_another_rate_are_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "nib.h5"
+            slipbench.Scene.load("nib_pad/reorient.yaml").set({"duration": "1 s"}).write(path, trials=1)
+            with slipbench.open(path) as data:
+                name = next(iter(data[0].sensors))
+                rates = {channel: len(values) for channel, values in data[0].sensors[name].items()}
+                self.assertGreater(len(set(rates.values())), 1)
+                with self.assertRaisesRegex(slipbench.InputError, "has another rate than the labels; allowed: channels="):
+                    data.windows(length=4, sensor=name)[0]
+                with self.assertRaisesRegex(slipbench.InputError, "'nope' is not there; allowed: channels="):
+                    data.windows(length=4, sensor=name, channels=["nope"])[0]
 
     def test_records_and_parts_are_named(self):
         scene = slipbench.Scene.load("papillarray/stage.yaml")
@@ -187,6 +223,40 @@ class Datasets(unittest.TestCase):
             slipbench.open(other)
 
 
+def with_training(network, trained):
+    """A copy of a network's file whose description, the last entry of the file, says what it was trained on."""
+    data = network.read_bytes()
+    start = data.rindex(b"\x72", 0, data.index(b"\n\tslipbench\x12"))  # metadata_props is field 14 of ModelProto, of the wire type 2
+    text = data[data.index(b'{"format"', start) :]
+
+    def field(tag, value):
+        length, size = b"", len(value)
+        while size > 127:
+            length, size = length + bytes([size & 127 | 128]), size >> 7
+        return bytes([tag]) + length + bytes([size]) + value
+
+    description = json.loads(text) | {"trained": trained}
+    return data[:start] + field(0x72, field(0x0A, b"slipbench") + field(0x12, json.dumps(description).encode()))
+
+
+@unittest.skipUnless(importlib.util.find_spec("openvino"), "networks need the package openvino")
+class Networks(unittest.TestCase):
+    def test_a_network_is_not_judged_on_what_it_has_learnt(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path, model = Path(folder) / "lifts.h5", Path(folder) / "grasp.onnx"
+            slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s", "sweep": {"trials": 3}}).write(path)
+            with slipbench.open(path) as data:
+                learnt = [data[0].sha256, data[2].sha256]
+            model.write_bytes(with_training(slipbench.scenes() / "grasp/grasp_gru.onnx", {"sha256_seen": learnt}))
+            told = subprocess.run([PROGRAM, "eval", str(model), str(path), "--json"], capture_output=True, text=True, check=True).stdout
+            own = slipbench.evaluate(str(model), path)
+            self.assertEqual(own["left_out"], [0, 2])
+            self.assertEqual(own["all"], json.loads(told)["all"])
+            self.assertEqual(slipbench.evaluate(str(model), path, all_trials=True)["left_out"], [])
+            with self.assertRaisesRegex(slipbench.InputError, "no network is named; allowed: FILE.onnx"):
+                slipbench.evaluate("network", path)
+
+
 class Words(unittest.TestCase):
     def test_describe_and_list_are_the_programs(self):
         told = json.loads(subprocess.run([PROGRAM, "describe", "papillarray", "--json"], capture_output=True, text=True, check=True).stdout)
@@ -195,7 +265,7 @@ class Words(unittest.TestCase):
 
     def test_versions_agree(self):
         told = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout
-        self.assertIn(slipbench.__version__, told)
+        self.assertEqual(told.split()[1], slipbench.__version__)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The examples of the README pass mypy --strict with the types of the package. Argument: the project's root."""
+"""The package's own files, its extension's types and its examples pass mypy --strict. Arguments: the project's root, the package."""
 
 import re
 import subprocess
@@ -6,14 +6,22 @@ import sys
 import tempfile
 from pathlib import Path
 
-root = Path(sys.argv[1]).resolve()
+root, package = (Path(word).resolve() for word in sys.argv[1:])
 with tempfile.TemporaryDirectory() as name:
     folder = Path(name)
+    # Other libraries may come without types: h5py, pandas, scikit-learn.
+    strict = [sys.executable, "-m", "mypy", "--strict", "--disable-error-code=import-untyped", f"--cache-dir={folder / 'cache'}"]
     text = (root / "tools/python/README.md").read_text(encoding="utf-8")
     for file, example in re.findall(r"```python (\S+)\n(.*?)```", text, re.DOTALL):
         (folder / file).write_text(example, encoding="utf-8")
     # An example for a reader leaves the types of its own functions out; all that it uses of the package has them.
     own = ["--allow-untyped-defs", "--allow-untyped-decorators", "--allow-untyped-calls"]
-    print(sorted(path.name for path in folder.glob("*.py")))
-    examples = subprocess.run([sys.executable, "-m", "mypy", "--strict", *own, *map(str, sorted(folder.glob("*.py")))], cwd=folder, check=False)
-sys.exit(examples.returncode)
+    examples = [*sorted(folder.glob("*.py")), *sorted((root / "tools/python/examples").glob("*.py"))]
+    print([path.name for path in examples])
+    ends = [subprocess.run([*strict, *own, *map(str, examples)], cwd=folder, check=False).returncode]
+    # By name: the package of a build has links to the folders of all that it is built from.
+    files = [*sorted(package.glob("*.py")), package / "bin/_core.pyi", package / "py.typed"]
+    print([path.name for path in files])
+    ends.append(0 if files[-1].is_file() else "the package has no py.typed")
+    ends.append(subprocess.run([*strict, "--explicit-package-bases", *map(str, files[:-1])], cwd=package.parent, check=False).returncode)
+sys.exit(next(filter(None, ends), 0))

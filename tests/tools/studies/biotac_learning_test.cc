@@ -78,7 +78,7 @@ TEST(Lessons, LearnFromWhomTheyAreTold) {
   };
   const Set set = signs(8, false), other = signs(40, true);
   ReproduceOptions options;
-  options.jobs = 1;
+  options.jobs = 2;
   Lessons lessons(options);
   const Network network{"lr", "lr", {1, {learn::Linear{2}}}, 2000};
   const std::size_t own = lessons.queue(set, nullptr, Learns::own, network),

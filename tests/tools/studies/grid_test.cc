@@ -70,6 +70,30 @@ TEST(Grid, SaysWhatIsBeingDoneAndEndsAtAnInterrupt) {
   EXPECT_THAT(said, ElementsAre("first (0 of 100000 done)", "second (20 of 100000 done)", "second (50 of 100000 done)"));
 }
 
+TEST(Processes, EachWorkHasOneOfItsOwnAndResultsKeepTheirOrder) {
+  static int done = 0;  // of this process: what a child adds stays in the child
+  const auto work = [](std::size_t k) {
+    ++done;
+    return std::vector<std::int64_t>(k, static_cast<std::int64_t>(10 * k) + done);
+  };
+  std::vector<std::string> said;
+  ReproduceOptions options;
+  options.say = [&](const std::string& what) { said.push_back(what); };
+  for (const std::size_t jobs : {1U, 3U}) {
+    options.jobs = jobs;
+    said.clear();
+    EXPECT_THAT(run_in_processes<std::int64_t>(
+                    4, options, [](std::size_t k) { return k < 2 ? "first" : "second"; }, work),
+                ElementsAre(SizeIs(0), ElementsAre(11), ElementsAre(21, 21), ElementsAre(31, 31, 31)));
+    EXPECT_THAT(said, ElementsAre("first (0 of 4 begun)", "second (2 of 4 begun)"));
+  }
+  EXPECT_EQ(done, 0);
+  EXPECT_THROW(
+      run_in_processes<char>(
+          1, options, [](std::size_t) { return "one"; }, [](std::size_t) -> std::vector<char> { throw InputError("no"); }),
+      InputError);
+}
+
 TEST(Only, KeepsWhatIsNamedAndRefusesWhatIsNot) {
   EXPECT_THAT(names_of(chosen(cells, {"other"})), ElementsAre("other"));
   EXPECT_THAT(names_of(chosen(cells, {})), ElementsAre("as it is", "rubber", "other"));

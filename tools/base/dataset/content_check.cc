@@ -1,6 +1,7 @@
 #include "tools/base/dataset/content_check.h"
 
 #include <cstdio>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -43,6 +44,11 @@ void check_content(const DatasetReader& reader, std::size_t file) {
     if (reader.file_of(trial) == file) check.add(trial);
   }
   check.finish(file);
+}
+
+std::string trial_identity(const DatasetReader& reader, std::size_t trial) {
+  const std::string written = reader.trial_sha256(trial);
+  return written.empty() ? hexadecimal(reader.stored_digest(trial)) : written;
 }
 
 }  // namespace slipbench

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -30,5 +31,9 @@ class ContentCheck {
 
 // Reads all trials of a file for that.
 void check_content(const DatasetReader& reader, std::size_t file);
+
+// What tells a trial from others in whatever file it stands, 64 hexadecimal digits: its attribute `sha256`, or in a file of schema 1,
+// which has none, the digest of its arrays.
+[[nodiscard]] std::string trial_identity(const DatasetReader& reader, std::size_t trial);
 
 }  // namespace slipbench

@@ -1,8 +1,10 @@
 #include "tools/base/dataset/header.h"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -38,6 +40,32 @@ std::map<std::string, std::string> parse_files(const std::string& file_name, con
   } catch (const nlohmann::json::exception&) {
     throw InputError(file_name + ": /: attribute 'files' is no list of files and their SHA-256");
   }
+}
+
+std::string shard_words(const SweepShard& shard) { return " --shard " + shard_text(shard); }
+
+std::string shard_text(const SweepShard& shard) { return fmt::format("{}/{}", shard.number, shard.count); }
+
+SweepShard parse_shard(const std::string& file_name, const std::string& text, std::uint64_t trials) {
+  SweepShard shard{.number = 0, .count = 0, .trials = trials};
+  const char* const end = text.data() + text.size();
+  const auto [slash, number_error] = std::from_chars(text.data(), end, shard.number);
+  const bool has_count = number_error == std::errc() && slash != end && *slash == '/';
+  if (has_count) std::from_chars(slash + 1, end, shard.count);
+  if (shard_text(shard) != text || shard.number < 1 || shard.number > shard.count || shard.count > trials) {
+    throw InputError(
+        fmt::format("{}: /: attribute 'sweep_shard' is {}, which is no shard of {} trials", file_name, quote(text), trials));
+  }
+  return shard;
+}
+
+DatasetHeader whole_header(const DatasetHeader& shard) {
+  DatasetHeader whole = shard;
+  if (!shard.part) return whole;
+  const std::string words = shard_words(*shard.part);
+  if (whole.command.ends_with(words)) whole.command.resize(whole.command.size() - words.size());
+  whole.part.reset();
+  return whole;
 }
 
 std::string failures_text(const std::vector<FailedTrial>& failed, std::size_t planned) {

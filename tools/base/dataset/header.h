@@ -18,6 +18,18 @@ inline constexpr std::uint64_t oldest_dataset_schema = 1;  // what is read still
 // A file lists no more demos, so that the list stays one block of HDF5, which can be rewritten at one go (shard.h).
 inline constexpr std::size_t most_trials_per_file = 2000;
 
+// A part of a sweep that is cut into several: sweep --shard k/n.
+struct SweepShard {
+  std::size_t number = 1;  // k, from 1 on
+  std::size_t count = 1;   // n
+  std::size_t trials = 0;  // of the whole sweep
+
+  friend bool operator==(const SweepShard&, const SweepShard&) = default;
+};
+
+// " --shard 3/8": the last words of the canonical command of a shard.
+std::string shard_words(const SweepShard& shard);
+
 // Attributes of the root group.
 struct DatasetHeader {
   std::string version;           // of the program
@@ -28,7 +40,15 @@ struct DatasetHeader {
   std::optional<SplitRule> split = {};            // of the scene, which says it; not read back
   std::map<std::string, std::string> files = {};  // that the scene names: path -> SHA-256, 64 hexadecimal digits
   std::string truth = {};  // "none: imported from bts3v2": what stands in the truth's place; empty: simulated, with all of it
+  std::optional<SweepShard> part = {};  // empty: the whole sweep
 };
+
+// That of the undivided sweep which a shard is a part of.
+DatasetHeader whole_header(const DatasetHeader& shard);
+
+// The root's attribute `sweep_shard`: "3/8". Its inverse throws InputError, naming the file.
+std::string shard_text(const SweepShard& shard);
+SweepShard parse_shard(const std::string& file_name, const std::string& text, std::uint64_t trials);
 
 // A trial that could not be simulated.
 struct FailedTrial {

@@ -17,7 +17,7 @@ namespace slipbench {
 namespace {
 
 // Where two texts of several lines part.
-std::string line_difference(const std::string& left, const std::string& now) {
+std::string line_difference(const std::string& left, const std::string& now, const std::string& other) {
   std::istringstream left_lines(left);
   std::istringstream now_lines(now);
   std::string left_line;
@@ -28,19 +28,20 @@ std::string line_difference(const std::string& left, const std::string& now) {
     if (!left_has) left_line = "(its end)";
     if (!now_has) now_line = "(its end)";
     if (left_line != now_line || !left_has || !now_has) {
-      return fmt::format("scene with line {} '{}', this run's has '{}'", number, left_line, now_line);
+      return fmt::format("scene with line {} '{}', {}'s has '{}'", number, left_line, other, now_line);
     }
   }
 }
 
 // The first file that two runs have named and found different, as a clause.
-std::string file_difference(const std::map<std::string, std::string>& left, const std::map<std::string, std::string>& now) {
+std::string file_difference(const std::map<std::string, std::string>& left, const std::map<std::string, std::string>& now,
+                            const std::string& other) {
   for (const auto& [path, digest] : left) {
-    if (!now.contains(path)) return fmt::format("file {}, which this run's scene does not name", path);
+    if (!now.contains(path)) return fmt::format("file {}, which {}'s scene does not name", path, other);
     if (now.at(path) != digest) return fmt::format("file {} has changed since", path);
   }
   for (const auto& [path, digest] : now) {
-    if (!left.contains(path)) return fmt::format("no file {}, which this run's scene names", path);
+    if (!left.contains(path)) return fmt::format("no file {}, which {}'s scene names", path, other);
   }
   return "";
 }
@@ -66,17 +67,18 @@ std::string parts_of(const std::string& name) {
 
 }  // namespace
 
-std::string header_difference(const DatasetHeader& left, const DatasetHeader& now) {
+std::string header_difference(const DatasetHeader& left, const DatasetHeader& now, const std::string& other) {
   std::vector<std::string> parts;
   const auto compare = [&](const char* what, const auto& of_left, const auto& of_now) {
-    if (of_left != of_now) parts.push_back(fmt::format("{} {}, this run has {}", what, of_left, of_now));
+    if (of_left != of_now) parts.push_back(fmt::format("{} {}, {} has {}", what, of_left, other, of_now));
   };
   compare("version", left.version, now.version);
   compare("seed", left.seed, now.seed);
-  if (left.scene != now.scene) parts.push_back(line_difference(left.scene, now.scene));
+  if (left.scene != now.scene) parts.push_back(line_difference(left.scene, now.scene, other));
   compare("overrides", left.overrides, now.overrides);
   compare("command", left.command, now.command);
-  if (const std::string difference = file_difference(left.files, now.files); !difference.empty()) parts.push_back(difference);
+  if (const std::string difference = file_difference(left.files, now.files, other); !difference.empty())
+    parts.push_back(difference);
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 

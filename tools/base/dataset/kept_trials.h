@@ -51,7 +51,8 @@ struct FinishedDataset {
 // where it cannot be read. Call it before any thread is made (guarded.h).
 std::optional<FinishedDataset> finished_dataset(const std::string& path, const DatasetHeader& header);
 
-// What two runs say differently of themselves, as a clause: "seed 7, this run has 8; ...". Empty: nothing.
-std::string header_difference(const DatasetHeader& left, const DatasetHeader& now);
+// What two runs say differently of themselves, as a clause: "seed 7, this run has 8; ...". `other`: what the second one is called. Empty:
+// nothing.
+std::string header_difference(const DatasetHeader& left, const DatasetHeader& now, const std::string& other = "this run");
 
 }  // namespace slipbench

@@ -135,6 +135,10 @@ FileAbout read_about(const Place& place) {
   if (H5Aexists(object.get(), "files") > 0) {
     about.header.files = parse_files(place.file_name, read_text(place, object, "files"));
   }
+  if (H5Aexists(object.get(), "sweep_shard") > 0) {
+    about.header.part = parse_shard(place.file_name, read_text(place, object, "sweep_shard"),
+                                    read_number<std::uint64_t>(place, object, "sweep_trials"));
+  }
   about.shard = read_number<std::uint64_t>(place, object, "shard");
   H5G_info_t list;
   check(H5Gget_info_by_name(place.file, "/data", &list, H5P_DEFAULT));

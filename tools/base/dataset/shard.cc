@@ -158,6 +158,19 @@ void forget_heaps(hid_t file, const std::function<void()>& insert) {
   check(H5Fset_mdc_config(file, &usual));
 }
 
+// An array of texts of a fixed length, padded with zeros.
+void write_texts(hid_t group, const char* name, const std::string& padded, std::size_t width) {
+  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+  check(H5Tset_size(type.get(), width));
+  check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD));
+  const Handle space = space_of({padded.size() / width});
+  Handle properties = property_list(H5P_DATASET_CREATE);
+  check(H5Pset_obj_track_times(properties.get(), 0));
+  Handle dataset(H5Dcreate2(group, name, type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
+  if (!padded.empty()) check(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()));
+  dataset.close();
+}
+
 // Names of the trials that are both in `part` and in `held`, as robomimic writes them: fixed-length strings.
 void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& part, const std::vector<std::size_t>& held) {
   std::vector<std::size_t> members;
@@ -169,18 +182,24 @@ void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& p
     names += demo_name(trial);
     names.resize((names.size() + width - 1) / width * width, '\0');
   }
-  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
-  check(H5Tset_size(type.get(), width));
-  check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD));
-  const Handle space = space_of({members.size()});
-  Handle properties = property_list(H5P_DATASET_CREATE);
-  check(H5Pset_obj_track_times(properties.get(), 0));
-  Handle dataset(H5Dcreate2(group, name, type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
-  if (!members.empty()) check(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, names.data()));
-  dataset.close();
+  write_texts(group, name, names, width);
 }
 
-void write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>& held) {
+// What merging splits the whole sweep by.
+void write_groups(hid_t mask, const std::vector<std::string>& groups, const std::optional<SplitRule>& split) {
+  std::size_t width = 1;
+  for (const std::string& name : groups) width = std::max(width, name.size());
+  std::string padded;
+  for (const std::string& name : groups) {
+    padded += name;
+    padded.resize(padded.size() + width - name.size(), '\0');
+  }
+  write_texts(mask, split_groups_name, padded, width);
+  if (split)
+    write_attribute(mask, split_shares_name, EncodedAttribute::Doubles{{3}, {split->shares.begin(), split->shares.end()}});
+}
+
+Handle write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>& held) {
   Handle group;
   forget_heaps(file, [&] { group = create_group(file, "mask"); });
   write_attribute(group.get(), "split_by", masks.split_by);
@@ -188,13 +207,13 @@ void write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>&
   write_mask(group.get(), "train", masks.train, held);
   write_mask(group.get(), "valid", masks.valid, held);
   write_mask(group.get(), "test", masks.test, held);
-  group.close();
+  return group;
 }
 
 // The root's header takes in one block what the constructor of Shard gives it, as CrashSafeFile needs it. No other creation
 // property: any would add an object that carries the time of day.
-Handle file_properties() {
-  constexpr unsigned entries = 16;
+Handle file_properties(bool of_shard) {
+  const unsigned entries = of_shard ? 24 : 16;
   constexpr unsigned name_length = 32;
   Handle properties = group_properties(H5P_FILE_CREATE);
   check(H5Pset_est_link_info(properties.get(), entries, name_length));
@@ -221,11 +240,11 @@ void write_demo(hid_t file, hid_t list, const EncodedTrial& trial) {
 }  // namespace
 
 Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned, std::size_t last)
-    : path_(std::move(temporary)), descriptor_(lock_file(path_)) {
+    : path_(std::move(temporary)), descriptor_(lock_file(path_)), of_shard_(header.part.has_value()), split_(header.split) {
   hdf5::initialise();
   try {
     write([&] {
-      file_ = hdf5::CrashSafeFile(descriptor_.get(), file_properties().get());
+      file_ = hdf5::CrashSafeFile(descriptor_.get(), file_properties(of_shard_).get());
       const hid_t root = file_.get();
       write_attribute(root, "schema", dataset_schema);
       write_attribute(root, "version", header.version);
@@ -235,6 +254,10 @@ Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t ind
       write_attribute(root, "command", header.command);
       if (!header.truth.empty()) write_attribute(root, "truth", header.truth);
       if (!header.files.empty()) write_attribute(root, "files", files_json(header.files));
+      if (header.part) {
+        write_attribute(root, "sweep_shard", shard_text(*header.part));
+        write_attribute(root, "sweep_trials", static_cast<std::uint64_t>(header.part->trials));
+      }
       write_attribute(root, "shard", static_cast<std::uint64_t>(index));
       list_ = create_demo_list(root, planned, last);
       file_.begin("data");
@@ -269,6 +292,7 @@ void Shard::append(const EncodedTrial& trial) {
     file_.flush();
   });
   trials_.push_back(trial.trial);
+  if (of_shard_) groups_.push_back(trial.material);
   digests_.push_back(trial.digest);
 }
 
@@ -283,7 +307,9 @@ std::uint64_t Shard::size_bytes() const { return file_.size_bytes(); }
 void Shard::prepare(const Masks& masks, const std::vector<FailedTrial>& failed, std::size_t shards, bool complete) {
   publish();
   write([&] {
-    write_masks(file_.get(), masks, trials_);
+    Handle mask = write_masks(file_.get(), masks, trials_);
+    if (of_shard_) write_groups(mask.get(), groups_, split_);
+    mask.close();
     if (!failed.empty()) write_attribute(file_.get(), "failed", failures_json(failed));
     write_attribute(file_.get(), "shards", static_cast<std::uint64_t>(shards));
     write_attribute(file_.get(), "complete", static_cast<std::uint64_t>(complete));

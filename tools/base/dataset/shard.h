@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,12 +56,19 @@ class Shard {
   Descriptor descriptor_;  // holds the lock, and is what is written through
   hdf5::CrashSafeFile file_;
   hdf5::Handle list_;  // the group of the demos
+  bool of_shard_;      // of a sweep: masks are then no last word, and what they are made from is kept
+  std::optional<SplitRule> split_;
+  std::vector<std::string> groups_;  // of the trials; only of a sweep's shard
   std::vector<std::size_t> trials_;
   std::size_t published_ = 0;
   bool prepared_ = false;
   std::vector<Digest> digests_;
   bool failed_ = false;
 };
+
+// Name of the array of /mask that holds the groups of a shard's trials, and of its attribute with the shares that the scene's split gives.
+inline constexpr const char* split_groups_name = "group";
+inline constexpr const char* split_shares_name = "shares";
 
 // What a demo takes in a file beside its chunks, from above [bytes].
 std::uint64_t overhead_bytes(const EncodedTrial& trial);

@@ -46,6 +46,7 @@ struct DatasetWriter::State {
   std::vector<std::string> kept_files;  // of the run that this one goes on with
   std::size_t kept = 0;                 // trials in them
   std::size_t kept_instead = 0;         // of these, those that keep_partial() has left in place of fewer of this run
+  std::size_t longest_group = 0;        // bytes, of a trial's material
   std::size_t checked = 0;              // files whose names were looked at before the run began
   bool ended = false;
 
@@ -53,7 +54,8 @@ struct DatasetWriter::State {
     if (!shards.empty()) shards.back().publish();
     if (shards.size() >= checked) check_names_are_free(path, shards.size());
     const std::size_t left = planned > trials.size() ? planned - trials.size() : 0;
-    const std::size_t last = std::max<std::size_t>(planned, 10'000) - 1;
+    const std::size_t numbers = header.part ? header.part->trials : planned;
+    const std::size_t last = std::max<std::size_t>(numbers, 10'000) - 1;
     shards.emplace_back(temporary_path(shard_path(path, shards.size())), header, shards.size(), left, last);
   }
 
@@ -141,7 +143,9 @@ void DatasetWriter::append(const EncodedTrial& trial) {
   const std::uint64_t needed = trial.stored_bytes() + overhead_bytes(trial);
   const Shard& last = state_->shards.back();
   const std::size_t held = last.trials().size();
-  const bool too_large = last.size_bytes() + needed + closing_bytes(held + 1) > state_->shard_limit;
+  state_->longest_group = std::max(state_->longest_group, trial.material.size());
+  const std::uint64_t groups = state_->header.part ? (held + 1) * state_->longest_group : 0;
+  const bool too_large = last.size_bytes() + needed + closing_bytes(held + 1) + groups > state_->shard_limit;
   if (held == most_trials_per_file || (held > 0 && too_large)) state_->add_shard();
   state_->shards.back().append(trial);
   state_->trials.emplace_back(trial.trial, trial.material);

@@ -3,6 +3,7 @@
 
 #include "tools/program/cli/catalogue_commands.h"
 #include "tools/program/cli/check_command.h"
+#include "tools/program/cli/cluster_command.h"
 #include "tools/program/cli/command.h"
 #include "tools/program/cli/command_elsewhere.h"
 #include "tools/program/cli/cost_command.h"
@@ -11,6 +12,7 @@
 #include "tools/program/cli/hd_commands.h"
 #include "tools/program/cli/import_command.h"
 #include "tools/program/cli/installation_commands.h"
+#include "tools/program/cli/merge_command.h"
 #include "tools/program/cli/simulation_commands.h"
 #include "tools/program/cli/train_command.h"
 #include "tools/program/cli/verify_command.h"
@@ -22,7 +24,7 @@ Commands command_table() {
     return std::make_unique<CommandElsewhere>(name, summary, "slipbench-studies");
   };
   Commands commands = make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ExportCommand, ImportCommand,
-                                    VerifyCommand, HdCommand, TrainCommand, EvalCommand>();
+                                    VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand>();
   commands.push_back(study("reproduce", "Reproduce a table of a paper"));
   commands.push_back(std::make_unique<CostCommand>());
   commands.push_back(study("bench", "Count the instructions of the reference scenes"));

@@ -12,7 +12,6 @@
 
 #include "detectors/hd/words.h"
 #include "detectors/network/engine.h"
-#include "detectors/network/network_detector.h"
 #include "sim/core/error.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/cli/arguments.h"
@@ -76,7 +75,7 @@ DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a fo
 classifier that ships with the program. Trials of this dataset that a network was trained on are left out.
 
 Labels: strict (a unit slips when all of it does), micro (when a part of it does), paper (the rule of the sensor's paper), latched (micro, and what
-has slipped stays so until contact is lost), has_slipped (of a PapillArray: a pillar whose tip was fast stays so until it loses contact).
+has slipped stays so until contact is lost), masked (micro, without the frames that stick again after a slip), has_slipped (of a PapillArray: a pillar whose tip was fast stays so until it loses contact).
 
 Examples:
   slipbench eval memories hexapod.h5 --labels paper
@@ -86,8 +85,9 @@ Examples:
   arguments.text("FILE", options.dataset, "Dataset (HDF5) of the detector's sensor").required();
   arguments.sets(parameters, "A parameter of the detector, e.g. ratio=0.35");
   arguments.read("--labels RULE",
-                 fmt::format("Truth to judge by: {} (default: strict)", fmt::join(judge::label_rule_names(), ", ")),
-                 [this](const std::string& name) { options.labels = judge::parse_label_rule(name); });
+                 fmt::format("Truth to judge by: {} (default: what a network learnt by, else strict)",
+                             fmt::join(judge::label_rule_names(), ", ")),
+                 [this](const std::string& name) { labels = judge::parse_label_rule(name); });
   arguments.text("--sensor NAME", options.sensor, "The scene's name of the sensor (default: the only one)");
   arguments.word("--split PART", options.split, "Trials to judge, by the dataset's masks: {} (default: all)", splits);
   arguments.flag("--all", options.all, "Also trials that the detector was trained on");
@@ -97,13 +97,11 @@ Examples:
 int EvalCommand::run() {
   if (!output.empty()) judge::check_eval_target(output);
   options.detector = judge::chosen_detector(detector, parameters);
+  if (labels) options.labels = *labels;
   std::string step;
-  if (options.detector.type == "network") {
-    const std::string& model = options.detector.parameters.path("model");
-    if (model == no_network)
-      throw InputError("eval: no network is named; allowed: FILE.onnx in place of 'network', or --set model=FILE.onnx");
-    const std::unique_ptr<network::Engine> engine = network::load_engine(model);
+  if (const std::unique_ptr<network::Engine> engine = judge::network_of(options.detector)) {
     options.trained = engine->description().trained;
+    if (!labels) options.labels = judge::learnt_labels(options.trained);
     step = step_text(*engine);
   }
   Json result = judge::evaluate(options);

@@ -1,6 +1,7 @@
 // `eval`: slip detectors judged on datasets.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,11 @@ class EvalCommand final : public Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
-  std::string detector;              // a name, FILE.onnx or a folder
-  std::vector<Override> parameters;  // of it, by name
-  std::string output;                // HTML file; empty: none
-  judge::Options options;            // but for the detector
+  std::string detector;                    // a name, FILE.onnx or a folder
+  std::vector<Override> parameters;        // of it, by name
+  std::string output;                      // HTML file; empty: none
+  judge::Options options;                  // but for the detector and, until run(), labels
+  std::optional<judge::TruthRule> labels;  // empty: what a network learnt by, else strict
 };
 
 }  // namespace slipbench

@@ -1,6 +1,8 @@
 // `doctor` and `plugin-path`: what is installed, and where.
 #pragma once
 
+#include <string>
+
 #include "tools/program/cli/command.h"
 
 namespace slipbench {
@@ -15,6 +17,9 @@ class PluginPathCommand final : public Command {
  public:
   void declare(Arguments& arguments) override;
   int run() override;
+
+ private:
+  std::string mujoco;  // version
 };
 
 }  // namespace slipbench

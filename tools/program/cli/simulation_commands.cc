@@ -3,22 +3,24 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "detectors/hd/words.h"
 #include "sim/core/error.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/accuracy_setting.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
+#include "tools/program/cli/recording_words.h"
 #include "tools/program/cli/sweep_text.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/cli/warning_text.h"
@@ -26,9 +28,6 @@
 
 namespace slipbench {
 namespace {
-
-constexpr std::array record_words{hd::Word<Recording>{"full", Recording::full},
-                                  hd::Word<Recording>{"outcome", Recording::outcome}};
 
 // What a sweep gave, and how long it took on the clock.
 struct Finished {
@@ -108,8 +107,9 @@ void print_next(const SweepOptions& options, const SweepSummary& summary, const 
   if (summary.files.empty()) {
     fmt::print("{} slipbench {} {} -o FILE.h5 keeps the recordings\n", style.dim("next:"), options.verb, options.scene_path);
   } else {
-    fmt::print("{} {}\n{} slipbench report {}\n", style.good("written:"), joined(summary.files), style.dim("next:"),
-               summary.files.front());
+    const char* next = summary.shard ? "slipbench merge SHARD.h5 ... -o FILE.h5, once all shards are there" : "slipbench report ";
+    fmt::print("{} {}\n{} {}{}\n", style.good("written:"), joined(summary.files), style.dim("next:"), next,
+               summary.shard ? "" : summary.files.front());
   }
 }
 
@@ -131,8 +131,20 @@ void print_summary(const SweepOptions& options, const Finished& finished, const 
   } else {
     fmt::print("{}", sweep_text(summary, style));
   }
+  if (summary.shard)
+    fmt::print("shard {}: {} of the sweep's {} trials\n", shard_text(*summary.shard), summary.planned, summary.shard->trials);
   fmt::print("\n{}\n", speed_text(summary, finished.elapsed));
   print_next(options, summary, style);
+}
+
+// "3/8".
+SweepShard parse_shard_option(const std::string& text) {
+  SweepShard shard{.number = 0, .count = 0};
+  const char* const end = text.data() + text.size();
+  const auto [slash, error] = std::from_chars(text.data(), end, shard.number);
+  if (error == std::errc() && slash != end && *slash == '/') std::from_chars(slash + 1, end, shard.count);
+  if (shard_text(shard) == text && shard.number >= 1 && shard.number <= shard.count) return shard;
+  throw InputError(fmt::format("sweep: --shard is {}; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8", quote(text)));
 }
 
 int report_interrupted(const SweepSummary& summary) {
@@ -155,7 +167,7 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
   arguments.jobs(sweep.jobs);
   arguments.file("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5)");
   arguments.word("--record NAME", sweep.recording, "What -o writes: everything (full, the default), or outcomes alone (outcome)",
-                 record_words);
+                 recording_words);
   arguments.flag("--resume", sweep.resume, "Go on with what a killed or interrupted run of the same command has left of FILE.h5");
   arguments.then([this] {
     if (sweep.resume && sweep.output.empty())
@@ -176,7 +188,7 @@ int SimulationCommand::run() {
   const Finished finished = simulate(sweep, catalogues, silent());
   const SweepSummary& summary = finished.summary;
   // A trial that was asked for alone is no part of a sweep that could go on.
-  if (summary.planned == 1 && !summary.failed.empty()) throw InputError(summary.failed.front().message);
+  if (summary.planned == 1 && !summary.shard && !summary.failed.empty()) throw InputError(summary.failed.front().message);
   const std::vector<Warning> shown = converter_warnings(summary.trials);
   print_warnings(shown);
   warnings.insert(warnings.end(), shown.begin(), shown.end());
@@ -228,8 +240,15 @@ fail the others are written, and the exit status is 1.
 
 Examples:
   slipbench sweep scenes/papillarray/hexapod.yaml -o hexapod.h5
-  slipbench sweep scenes/papillarray/stage.yaml --set "sweep={motion.speed: [1 mm/s, 4 mm/s]}" -o speeds.h5)");
+  slipbench sweep scenes/papillarray/stage.yaml --set "sweep={motion.speed: [1 mm/s, 4 mm/s]}" -o speeds.h5
+  slipbench sweep scenes/papillarray/hexapod.yaml --shard 1/2 -o shard-1.h5
+  slipbench sweep scenes/papillarray/hexapod.yaml --shard 2/2 -o shard-2.h5)");
   declare_both(arguments, sweep.trials, "Number of random draws of each cell of the grid");
+  arguments.read("--shard k/n", "Simulate part k of n alone, for slipbench merge: the parts of all machines make up the sweep",
+                 [this](const std::string& text) {
+                   sweep.shard = parse_shard_option(text);
+                   if (sweep.output.empty()) throw InputError("sweep: --shard writes a part of a dataset; allowed: with -o");
+                 });
 }
 
 }  // namespace slipbench

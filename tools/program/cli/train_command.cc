@@ -178,10 +178,7 @@ int TrainCommand::run() { return training ? train_network() : train_hd(); }
 std::string TrainCommand::eval_options() const {
   std::string words;
   if (!training->sensor.empty()) words += " --sensor " + shell_word(training->sensor);
-  // Frames that were masked are judged as micro has them.
-  const learn::LabelRule labels =
-      training->recipe.labels == learn::LabelRule::masked ? learn::LabelRule::micro : training->recipe.labels;
-  return words + " --labels " + std::string(hd::name_of(learn::label_words, labels));
+  return words + " --labels " + std::string(hd::name_of(learn::label_words, training->recipe.labels));
 }
 
 int TrainCommand::train_network() {

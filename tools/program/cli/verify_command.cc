@@ -44,16 +44,30 @@ std::string report_of(const Json& dataset, const Style& style) {
   return text;
 }
 
+std::string sweep_report(const Json& sweep, const Style& style) {
+  std::string text =
+      fmt::format("{} the {} shards together", sweep["holds"].get<bool>() ? style.good("holds:") : style.error("does not hold:"),
+                  sweep["shards"].get<std::size_t>());
+  if (!sweep["trials"].is_null()) text += fmt::format(": {} trials", sweep["trials"].get<std::size_t>());
+  if (!sweep["duplicates"].is_null() && sweep["duplicates"] != 0) {
+    text += fmt::format(", {} of them twice with the same digest, which is harmless", sweep["duplicates"].get<std::size_t>());
+  }
+  text += "\n";
+  for (const Json& failure : sweep["failures"]) text += fmt::format("  {}\n", text_of(failure));
+  return text;
+}
+
 }  // namespace
 
 void VerifyCommand::declare(Arguments& arguments) {
   arguments.about("verify", "Hold datasets against themselves", R"(
 Checks digests, order and masks of trials, times, that values are finite, events against onset times and states, and Coulomb's law in the
-labels. Says what was checked, what was left out and why, and what does not hold, with trial, array and sample.
+labels. Shards of a sweep (sweep --shard k/n) are held against each other too: one sweep, no gaps, no trial twice with different digests. Says what was checked, what was left out and why, and what does not hold, with trial, array and sample.
 Exit status 1: something does not hold; 2: a file cannot be read.
 
 Examples:
   slipbench verify hexapod.h5
+  slipbench verify shard-1.h5 shard-2.h5
   slipbench verify hexapod.h5 --json)");
   arguments.texts("FILE ...", datasets, "Datasets (HDF5), by their first files").required();
 }
@@ -62,8 +76,9 @@ int VerifyCommand::run() {
   const Verified verified = verify_datasets(datasets);
   const Style style = style_for(stdout);
   if (json) {
-    fmt::print("{}\n", Json{{"holds", verified.holds && verified.readable}, {"datasets", verified.datasets}}.dump(
-                           -1, ' ', false, Json::error_handler_t::replace));
+    Json object{{"holds", verified.holds && verified.readable}, {"datasets", verified.datasets}};
+    if (!verified.sweep.is_null()) object["sweep"] = verified.sweep;
+    fmt::print("{}\n", object.dump(-1, ' ', false, Json::error_handler_t::replace));
   }
   for (const Json& dataset : verified.datasets) {
     if (dataset.contains("error")) {
@@ -74,6 +89,7 @@ int VerifyCommand::run() {
                                                    : report_of(dataset, style));
     }
   }
+  if (!json && !verified.sweep.is_null()) fmt::print("{}", sweep_report(verified.sweep, style));
   if (!verified.readable) return exit_bad_input;
   return verified.holds ? exit_good : exit_check_failed;
 }

@@ -48,8 +48,8 @@ std::string pad(const std::string& name, const std::string& site, double pitch, 
 
 std::string model_of(const std::string& integrator, double gravity, const std::string& pads, const std::string& world) {
   return fmt::format(
-      "<mujoco><compiler angle='radian'/><option integrator='{}' gravity='0 0 {}'/><extension><plugin plugin='slipbench.field'>{}</plugin></extension><default><geom contype='0' conaffinity='0'/></default><worldbody>{}</worldbody></mujoco>",
-      integrator, -gravity, pads, world);
+      "<mujoco><compiler angle='radian'/><option integrator='{}' gravity='0 0 {}'/><extension><plugin plugin='{}'>{}</plugin></extension><default><geom contype='0' conaffinity='0'/></default><worldbody>{}</worldbody></mujoco>",
+      integrator, -gravity, bench_plugin_name, pads, world);
 }
 
 // A free box of half widths `half` [m] whose centre of mass lies at `position`, its geom a little beside it and turned by 4 mrad about
@@ -209,7 +209,7 @@ std::size_t StabilityMap::above() const {
 }
 
 StabilityMap measure_stability(const StabilityOptions& options) {
-  [[maybe_unused]] static const bool registered = (register_field_plugin({pad_catalogues(), &make_sensor}), true);
+  [[maybe_unused]] static const bool registered = (register_bench_plugin({pad_catalogues(), &make_sensor}), true);
   StabilityMap map;
   std::size_t number = 0;
   for (const SetUp& set_up : set_ups()) {

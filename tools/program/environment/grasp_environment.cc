@@ -86,13 +86,16 @@ void GraspEnvironment::reset(std::uint64_t seed, std::uint64_t episode) {
   params_ = params_json(trial.drawn);
   outcome_.clear();
   latest_ = {};
-  slip_before_ = 0.0;
   std::ranges::fill(observation_, 0.0F);
   run_.reset();
   try {
     run_ =
         std::make_unique<TrialRun>(std::move(trial.scene), trial_, Recording::outcome, max_record_bytes, nullptr,
                                    [this](const GripSource& source) { return std::make_unique<Observer>(source, observation_); });
+    if (action_ == ActionKind::force) {
+      force_.emplace(run_->sensors().front()->channels(), "that is told a force");
+      follower_.emplace(follower_parameters());
+    }
   } catch (const SceneValueError& error) {
     throw InputError(plan_->where(trial_, error.path()) + ": " + error.what());
   }
@@ -101,10 +104,6 @@ void GraspEnvironment::reset(std::uint64_t seed, std::uint64_t episode) {
     for (const Channel& channel : sensor->channels()) values += channel.size();
   }
   observation_.resize(values, 0.0F);
-  if (action_ == ActionKind::force) {
-    force_.emplace(run_->sensors().front()->channels(), "of the environment's force commands");
-    follower_.emplace(follower_parameters());
-  }
   run_to_read();
 }
 
@@ -124,7 +123,6 @@ void GraspEnvironment::look() {
   latest_.grip_force = truth.grip_force;
   latest_.ideal_force = run_->box()->ideal_force();
   latest_.lifting = truth.time >= run_->box()->lift_start();
-  latest_.slip_distance = 0.0;
   latest_.slip_distance = contact.slip_distance.maxCoeff();
   const ControlInput& input = run_->loop().awaiting();
   const std::size_t beside = observation_.size() - beside_sensors - (run_->scene().detector ? 1 : 0);
@@ -146,9 +144,18 @@ GripCommand GraspEnvironment::command_for(double action) {
   return command;
 }
 
-const EnvironmentStep& GraspEnvironment::step(double action) {
+const std::vector<NamedBody>& GraspEnvironment::bodies() const {
+  if (!run_) throw std::logic_error("no episode has begun: reset() comes first");
+  return run_->simulation().bodies();
+}
+
+void GraspEnvironment::check_action(double action) {
   if (!(action >= -1.0 && action <= 1.0)) throw InputError(fmt::format("action {}; allowed: -1 to 1", action));
-  if (over()) throw std::logic_error("the episode is over: reset() comes first");
+}
+
+const EnvironmentStep& GraspEnvironment::step(double action) {
+  check_action(action);
+  if (!run_ || over()) throw std::logic_error("the episode is over, or has not begun: reset() comes first");
   const double before = latest_.time, slipped = latest_.slip_distance;
   const bool lifted = latest_.lifting;
   run_->loop().command(command_for(action));

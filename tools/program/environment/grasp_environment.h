@@ -1,7 +1,6 @@
 // A grasp whose commands come from outside: a policy in the controller's place.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "controllers/grip.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
+#include "sim/simulation/simulation.h"
 #include "tools/program/run/trial_run.h"
 
 namespace slipbench {
@@ -26,8 +26,8 @@ enum class ActionKind {
 // What a step of a policy led to.
 struct EnvironmentStep {
   double reward = 0.0;
-  bool dropped = false;        // the episode is over
-  bool ended = false;          // so it is: the scene's duration is over
+  bool dropped = false;        // the box was; this ends the episode
+  bool ended = false;          // the scene's duration is over; so does this
   double time = 0.0;           // s, of the read, or of the end
   double grip_force = 0.0;     // N, true
   double ideal_force = 0.0;    // N, the least that could hold the box; infinite without friction
@@ -64,6 +64,10 @@ class GraspEnvironment {
   // Once the episode is over: a demo's attribute `outcome`. Empty before.
   [[nodiscard]] const std::string& outcome() const { return outcome_; }
   [[nodiscard]] bool over() const { return latest_.dropped || latest_.ended; }
+  // Where the grasp's bodies are, in the world (GraspSimulation::bodies()). Throws std::logic_error after a reset() that failed.
+  [[nodiscard]] const std::vector<NamedBody>& bodies() const;
+  // Throws InputError for an action that is not within [-1, 1].
+  static void check_action(double action);
   // JSON of what was drawn for the episode.
   [[nodiscard]] const std::string& params() const { return params_; }
   // Runs the episode's trial with the scene's own controller: "slipbench run ...". `scene`: the scene's path and overrides, as a shell takes them.
@@ -88,7 +92,6 @@ class GraspEnvironment {
   std::optional<controllers::ForceFollower> follower_;
   GripCommand registers_;
   EnvironmentStep latest_;
-  double slip_before_ = 0.0;  // m
   std::string outcome_, params_;
 };
 

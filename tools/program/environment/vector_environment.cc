@@ -84,6 +84,10 @@ void VectorEnvironment::reset(std::span<const std::uint64_t> seeds, std::span<co
 }
 
 void VectorEnvironment::step(std::span<const double> actions) {
+  // All of them before any environment goes on.
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (!places_[i].environment->over()) GraspEnvironment::check_action(actions[i]);
+  }
   for_each([&](Place& place, std::size_t i) {
     place.began = place.environment->over();
     if (place.began) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 #include "detectors/hd/shipped_memories.h"
+#include "detectors/network/network_detector.h"
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "tools/program/catalogue/detector_catalogue.h"
@@ -49,6 +51,14 @@ DetectorScene chosen_detector(const std::string& text, const std::vector<Overrid
   for (const Override& change : own) scene.apply(change);
   for (const Override& change : parameters) scene.apply({"detector." + change.path, change.value});
   return parse_scene(scene, program_catalogues()).detector.value();
+}
+
+std::unique_ptr<network::Engine> network_of(const DetectorScene& detector) {
+  if (detector.type != "network") return nullptr;
+  const std::string& model = detector.parameters.path("model");
+  if (model == no_network)
+    throw InputError("eval: no network is named; allowed: FILE.onnx in place of 'network', or the parameter model=FILE.onnx");
+  return network::load_engine(model);
 }
 
 }  // namespace slipbench::judge

@@ -162,8 +162,11 @@ std::set<std::string> seen_trials(const Options& options) {
   if (!trained.is_object() || !trained.contains("sha256_seen")) return digests;
   const Json& told = trained.at("sha256_seen");
   const auto is_digest = [](const Json& one) { return one.is_string() && one.get_ref<const std::string&>().size() == 64; };
-  if (!told.is_array() || !std::ranges::all_of(told, is_digest))
-    throw InputError("the detector's metadata: trained.sha256_seen is no list of digests; allowed: 64 hexadecimal digits each");
+  if (!told.is_array() || !std::ranges::all_of(told, is_digest)) {
+    const DetectorScene& detector = options.detector;
+    throw InputError(fmt::format("{}: metadata: trained.sha256_seen is no list of digests; allowed: 64 hexadecimal digits each",
+                                 detector.type == "network" ? detector.parameters.path("model") : detector.type));
+  }
   if (!options.all) digests.insert(told.begin(), told.end());
   return digests;
 }
@@ -380,7 +383,7 @@ std::string evaluated(const Options& options) {
   for (const std::size_t trial : reader.trials()) {
     const std::string mask = mask_of.contains(trial) ? mask_of.at(trial) : "";
     if (!options.split.empty() && mask != options.split) continue;
-    if (seen.contains(reader.trial_sha256(trial))) {
+    if (seen.contains(trial_identity(reader, trial))) {
       left_out.push_back(trial);
       continue;
     }
@@ -417,6 +420,18 @@ std::string evaluated(const Options& options) {
 }
 
 }  // namespace
+
+TruthRule learnt_labels(const std::string& trained) {
+  const Json said = Json::parse(trained, nullptr, false);
+  if (!said.is_object() || !said.contains("labels")) return TruthRule::strict;
+  const Json& labels = said.at("labels");
+  try {
+    if (labels.is_string()) return parse_label_rule(labels.get<std::string>());
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("the detector's metadata: trained.labels: {}; judge by another with --labels", error.what()));
+  }
+  throw InputError("the detector's metadata: trained.labels is no name of a rule; judge by one with --labels");
+}
 
 Json evaluate(const Options& options) {
   check_dataset(options.dataset);

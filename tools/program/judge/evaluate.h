@@ -23,6 +23,9 @@ struct Options {
   bool all = false;
 };
 
+// The rule that a detector learnt by, of what it says of its training; strict where that names none. Throws InputError for a rule that is none.
+TruthRule learnt_labels(const std::string& trained);
+
 inline constexpr const char* result_key = "slipbench_eval";
 
 // The result, which --json prints and the page shows; its first key is result_key: 1.

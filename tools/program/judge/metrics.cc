@@ -127,8 +127,9 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
   for (std::size_t row = 0; row < rows; ++row) {
     const double time = truth.time[row];
     const PadState state = truth.state[row], seen = replayed.seen[row];
-    count(result.frames, state, seen);
-    if (const double value = replayed.probability[row]; !std::isnan(value)) {
+    const bool judges = truth.masked.empty() || !truth.masked[row];
+    if (judges) count(result.frames, state, seen);
+    if (const double value = replayed.probability[row]; judges && !std::isnan(value)) {
       (is_slip(state) ? result.positives : result.negatives).push_back(value);
     }
     if (!truth.stuck_fraction.empty()) {
@@ -145,6 +146,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
       const bool new_here = row == 0 || replayed.seen_since[row] > truth.time[row - 1];
       result.alarm_time = new_here ? replayed.seen_since[row] : time;
     }
+    if (!judges) continue;
     if (state == PadState::non_slip) {
       result.stick_time += truth.period;
       result.stick_alarms += begins ? 1U : 0U;

@@ -16,10 +16,11 @@
 namespace slipbench::judge {
 namespace {
 
-constexpr std::array<std::pair<const char*, TruthRule>, 5> rules{{{"strict", TruthRule::strict},
+constexpr std::array<std::pair<const char*, TruthRule>, 6> rules{{{"strict", TruthRule::strict},
                                                                   {"micro", TruthRule::micro},
                                                                   {"paper", TruthRule::paper},
                                                                   {"latched", TruthRule::latched},
+                                                                  {"masked", TruthRule::masked},
                                                                   {"has_slipped", TruthRule::has_slipped}}};
 
 std::vector<PadState> latched(std::vector<PadState> states) {
@@ -30,6 +31,18 @@ std::vector<PadState> latched(std::vector<PadState> states) {
     state = held;
   }
   return states;
+}
+
+// Which samples stick after a slip of the same contact.
+std::vector<bool> stuck_again(const std::vector<PadState>& states) {
+  std::vector<bool> masked;
+  bool slipped = false;
+  for (const PadState state : states) {
+    if (state == PadState::no_contact) slipped = false;
+    if (state == PadState::incipient || state == PadState::gross) slipped = true;
+    masked.push_back(slipped && state == PadState::non_slip);
+  }
+  return masked;
 }
 
 std::vector<PadState> has_slipped(const SensorRecord& sensor, bool turning) {
@@ -94,15 +107,16 @@ std::string label_rule_name(TruthRule rule) {
 std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, bool turning) {
   switch (rule) {
     case TruthRule::strict: return checked_states(sensor, sensor.labels.state);
-    case TruthRule::micro: return checked_states(sensor, sensor.labels.state_micro);
+    case TruthRule::micro:
+    case TruthRule::masked: return checked_states(sensor, sensor.labels.state_micro);
     case TruthRule::paper: return checked_states(sensor, sensor.labels.state_paper);
     case TruthRule::latched: return latched(checked_states(sensor, sensor.labels.state_micro));
     case TruthRule::has_slipped: break;
   }
   if (sensor.type != "papillarray") {
-    throw InputError(
-        fmt::format("sensor {}: is a {}; the rule has_slipped is the PapillArray's, allowed: strict, micro, paper, latched",
-                    sensor.name, sensor.type));
+    throw InputError(fmt::format(
+        "sensor {}: is a {}; the rule has_slipped is the PapillArray's, allowed: strict, micro, paper, latched, masked",
+        sensor.name, sensor.type));
   }
   return has_slipped(sensor, turning);
 }
@@ -129,6 +143,7 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   Truth truth;
   truth.time = sensor.time;
   truth.state = label_states(sensor, rule, turns(scene));
+  if (rule == TruthRule::masked) truth.masked = stuck_again(truth.state);
   truth.stuck_fraction = sensor.labels.stuck_fraction;
   truth.period = 1.0 / sensor.rate;
   truth.any_slip = first_slip(sensor, rule, truth.state, truth.judged_from);

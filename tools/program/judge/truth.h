@@ -18,6 +18,7 @@ enum class TruthRule {
   micro,        // labels/state_micro: as soon as a part of it does
   paper,        // labels/state_paper: as the sensor's paper has it
   latched,      // micro, and what has slipped stays so until the whole pad loses contact, though it may have come to rest
+  masked,       // micro, and what sticks again after a slip, before contact is lost, is neither right nor wrong
   has_slipped,  // of a PapillArray alone: a pillar whose tip was fast (SlipRule) stays so until it loses contact
 };
 
@@ -38,6 +39,7 @@ double first_slip(const SensorRecord& sensor, TruthRule rule, const std::vector<
 struct Truth {
   std::vector<double> time;           // [T] s, samples of the sensor
   std::vector<PadState> state;        // [T]
+  std::vector<bool> masked;           // [T] no frame to be judged by, though alarms in it count; empty: none is
   std::vector<float> stuck_fraction;  // [T], NaN while nothing touches
   double period = 0.0;                // s, from one sample to the next
 

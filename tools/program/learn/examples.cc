@@ -333,7 +333,7 @@ std::string packed_examples(const std::string& dataset_path, const ExampleOption
       for (std::size_t copy = 0; copy <= options.turned; ++copy) {
         try {
           Example example = example_of(record, *sensor, options, copy == 0 ? 0 : 1 + turns.integer(rotations - 1));
-          example.sha256 = reader.trial_sha256(trial);
+          example.sha256 = trial_identity(reader, trial);
           for_each_member(example, [&](const auto& member) { bytes.put(member); });
         } catch (const InputError& error) {
           throw InputError(fmt::format("{}: {}", subject, error.what()));

@@ -42,7 +42,7 @@ std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels);
 // One sensor in one trial.
 struct Example {
   std::size_t trial = 0;
-  std::string sha256;    // the trial's own digest in its dataset, 64 hexadecimal digits; empty: not known
+  std::string sha256;    // the trial's digest (trial_identity)
   std::string twin;      // truth_sha256(): trials in which it is equal are one experiment; empty: not known
   std::string sensor;    // the scene's name
   std::string material;  // what was swept of surface.material and friction.static and kinetic; empty: nothing

@@ -56,7 +56,8 @@ struct TrainingOptions {
   std::size_t steps = 1000;
   std::size_t batch = 32;  // clips a step
   std::size_t clip =
-      128;  // answers a clip, which has history_of() - 1 frames more; fewer where the shortest sequence has fewer. 1 with Last
+      128;  // answers a clip, which has history_of() - 1 frames more; fewer where the longest sequence has fewer, 1 with Last. A shorter sequence is
+            // a clip as a whole, behind which its last frame stands still and teaches nothing
   Optimiser optimiser = Optimiser::rmsprop;
   double learning_rate = 8e-4;  // at the first step
   double final_rate = 0.1;      // share of it at the last step; it falls in a straight line

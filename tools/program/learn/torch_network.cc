@@ -158,18 +158,20 @@ class Clips {
     answers_ = std::ranges::any_of(shape.layers, [](const Layer& layer) { return std::holds_alternative<Last>(layer); })
                    ? 1
                    : options.clip;
+    std::size_t longest = 0;
     for (std::size_t s = 0; s < sequences.size(); ++s) {
       const FrameSequence& sequence = sequences[s];
       if (sequence.label.size() * inputs_ != sequence.features.size())
         throw std::invalid_argument("features do not fit the labels");
       if (sequence.label.size() <= before_) throw std::invalid_argument("a sequence is shorter than what an answer is made of");
-      answers_ = std::min(answers_, sequence.label.size() - before_);
+      longest = std::max(longest, sequence.label.size() - before_);
       for (std::size_t t = before_; t < sequence.label.size(); ++t) {
         if (sequence.label[t] == masked) continue;
         if (sequence.label[t] >= of_class_.size()) throw std::invalid_argument("a label is no class");
         of_class_[sequence.label[t]].push_back({s, t});
       }
     }
+    answers_ = std::min(answers_, longest);
     if (answers_ == 0 || options.batch == 0) throw std::invalid_argument("a clip without a frame");
     for (const std::vector<Place>& frames : of_class_) {
       if (frames.empty()) throw std::invalid_argument("a class has no frame to learn from");
@@ -198,11 +200,14 @@ class Clips {
     for (std::size_t b = 0; b < options_.batch; ++b) {
       const Place place = options_.balance == Balance::drawing ? around_a_class(random) : anywhere(random);
       const FrameSequence& sequence = sequences_[place.sequence];
-      std::copy_n(sequence.features.data() + place.frame * inputs_, frames * inputs_,
-                  features.data_ptr<float>() + b * frames * inputs_);
+      const std::size_t there = std::min(frames, sequence.label.size() - place.frame);
+      float* into_features = features.data_ptr<float>() + b * frames * inputs_;
+      into_features = std::copy_n(sequence.features.data() + place.frame * inputs_, there * inputs_, into_features);
+      for (std::size_t t = there; t < frames; ++t)
+        into_features = std::copy_n(sequence.features.end() - extent(inputs_), inputs_, into_features);
       std::int64_t* const into = classes.data_ptr<std::int64_t>() + b * answers_;
       for (std::size_t t = 0; t < answers_; ++t) {
-        const std::uint8_t label = sequence.label[place.frame + before_ + t];
+        const std::uint8_t label = before_ + t < there ? sequence.label[place.frame + before_ + t] : masked;
         into[t] = label == masked ? ignored : label;
       }
     }
@@ -213,14 +218,19 @@ class Clips {
   struct Place {
     std::size_t sequence = 0, frame = 0;
   };
+  // The last frame that a clip of a sequence can begin with.
+  [[nodiscard]] std::size_t latest(std::size_t sequence) const {
+    const std::size_t answers = sequences_[sequence].label.size() - before_;
+    return answers > answers_ ? answers - answers_ : 0;
+  }
   Place anywhere(RandomStream& random) const {
     const std::size_t sequence = random.integer(sequences_.size());
-    return {sequence, random.integer(sequences_[sequence].label.size() - before_ - answers_ + 1)};
+    return {sequence, random.integer(latest(sequence) + 1)};
   }
   Place around_a_class(RandomStream& random) const {
     const std::vector<Place>& frames = of_class_[random.integer(of_class_.size())];
     const Place wanted = frames[random.integer(frames.size())];
-    const std::size_t answer = wanted.frame - before_, last = sequences_[wanted.sequence].label.size() - before_ - answers_;
+    const std::size_t answer = wanted.frame - before_, last = latest(wanted.sequence);
     const std::size_t first = answer + 1 > answers_ ? answer + 1 - answers_ : 0, end = std::min(answer, last);
     return {wanted.sequence, first + random.integer(end - first + 1)};
   }

@@ -1,4 +1,11 @@
-// libslipbench_mujoco.so: what mj_loadPluginLibrary loads.
+// libslipbench_mujoco-VERSION.so: the plugin for one version of MuJoCo. Its code knows no MuJoCo, so that it is compiled once for all.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <string>
+
+#include "sim/mujoco/plugin_interface.h"
 #include "sim/mujoco/register_plugin.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
@@ -9,3 +16,42 @@ namespace {
 
 }  // namespace
 }  // namespace slipbench
+
+// For slipbench.mujoco (tools/python), by ctypes. Each writes to `text` as many of its characters as `size` holds, with a zero at the end, and returns
+// how long it is; of an error -1, and `text` is what went wrong.
+namespace {
+
+template <class Action>
+int write_text(char* text, int size, const Action& action) {
+  std::string written;
+  int length = -1;
+  try {
+    written = action();
+    length = static_cast<int>(written.size());
+  } catch (const std::exception& error) {
+    written = error.what();
+  }
+  const std::size_t shown = std::min(written.size(), static_cast<std::size_t>(size) - 1);
+  std::memcpy(text, written.data(), shown);
+  text[shown] = '\0';
+  return length;
+}
+
+}  // namespace
+
+extern "C" {
+
+// describe_pads() of sim/mujoco/plugin_interface.h.
+[[gnu::visibility("default")]] int slipbench_describe_pads(const mjModel_* model, char* text, int size) {
+  return write_text(text, size, [model] { return slipbench::describe_pads(model); });
+}
+
+// longest_step() there, as a number of seconds.
+[[gnu::visibility("default")]] int slipbench_longest_step(const mjModel_* model, mjData_* data, char* text, int size) {
+  return write_text(text, size, [model, data] {
+    const double longest = slipbench::longest_step(model, data);
+    return std::isinf(longest) ? "inf" : std::to_string(1e9 * longest) + "e-9";
+  });
+}
+
+}  // extern "C"

@@ -27,6 +27,7 @@
 #include "tools/program/run/recorder.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/run/split.h"
+#include "tools/program/run/sweep_shard.h"
 
 namespace slipbench {
 namespace {
@@ -123,18 +124,38 @@ Workforce workforce_for(const SweepOptions& options, std::size_t trials, double 
   return {static_cast<std::size_t>(threads), max_record_bytes / threads};
 }
 
-// Builds the first trial of every grid cell, or the only one that runs, so that a scene that contradicts itself, or whose records
-// would not fit into memory, is refused before anything is written. Adds the files that they name to `files`.
-Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::size_t trials, const Catalogues& catalogues,
-                      std::set<std::string>& files) {
-  const std::size_t end = options.only ? *options.only + 1 : std::min(plan.size(), max_checked_cells * plan.draws());
-  std::size_t index = options.only.value_or(0);
+// The trials that are looked at before a run of `trials`: the first of every grid cell, or the only one. Of a shard the first of
+// the cells that it has trials of, since the others are those of other machines.
+std::vector<std::size_t> checked_trials(const TrialPlan& plan, const SweepOptions& options,
+                                        const std::vector<std::size_t>& trials) {
+  if (options.only) return {*options.only};
+  std::vector<std::size_t> checked;
+  if (!options.shard) {
+    for (std::size_t index = 0; index < std::min(plan.size(), max_checked_cells * plan.draws()); index += plan.draws())
+      checked.push_back(index);
+    return checked;
+  }
+  for (const std::size_t trial : trials) {
+    const std::size_t first = trial / plan.draws() * plan.draws();
+    if (checked.size() < max_checked_cells && (checked.empty() || checked.back() != first)) checked.push_back(first);
+  }
+  return checked;
+}
+
+// Builds checked_trials(), so that a scene that contradicts itself, or whose records would not fit into memory, is refused before anything is
+// written. Adds the files that they name to `files`. `asked`: trials of the whole sweep.
+Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const std::vector<std::size_t>& trials,
+                      std::size_t asked, const Catalogues& catalogues, std::set<std::string>& files) {
+  const std::vector<std::size_t> checked = checked_trials(plan, options, trials);
+  std::size_t index = checked.front();
   std::size_t largest = index;  // trial of the largest record
   double bytes = 0.0;
   try {
-    for (; index < end && !(options.interrupt != nullptr && *options.interrupt); index += plan.draws()) {
+    for (const std::size_t trial : checked) {
+      if (options.interrupt != nullptr && *options.interrupt) break;
+      index = trial;
       const Scene scene = plan.trial(index).scene;
-      if (scene.detector) check_run(*scene.detector, options.only ? end : trials);
+      if (scene.detector) check_run(*scene.detector, options.only ? index + 1 : asked);
       const double size = check_trial(scene, index);
       add_named_files(scene, catalogues, files);
       if (recording_of(options) == Recording::outcome || size <= bytes) continue;
@@ -142,7 +163,7 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, std::s
       bytes = size;
     }
     index = largest;
-    const Workforce workforce = workforce_for(options, trials, bytes);
+    const Workforce workforce = workforce_for(options, trials.size(), bytes);
     check_record_size(plan.trial(index).scene, bytes, workforce.max_bytes);
     return workforce;
   } catch (const SceneValueError& error) {
@@ -211,6 +232,7 @@ std::string repeating_command(const SweepOptions& options, std::uint64_t seed, s
   run.recording = Recording::full;
   run.seed = seed;
   run.only = trial;
+  run.shard.reset();
   // `run` knows the trials of the scene's own sweep: their number goes there.
   if (options.trials > 0) run.overrides.push_back({"sweep.trials", std::to_string(std::exchange(run.trials, 0))});
   return canonical_command(run);
@@ -284,8 +306,21 @@ std::string canonical_command(const SweepOptions& options) {
   if (options.limit > 1) command += fmt::format(" --trials {}", options.limit);
   if (options.only) command += fmt::format(" --trial {}", *options.only);
   if (options.recording == Recording::outcome) command += " --record outcome";
+  if (options.shard) command += shard_words(*options.shard);
   return command;
 }
+
+namespace {
+
+// The numbers of those that run.
+std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
+  if (options.shard) return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
+  std::vector<std::size_t> trials(options.only ? 1 : planned.asked);
+  std::iota(trials.begin(), trials.end(), options.only.value_or(0));
+  return trials;
+}
+
+}  // namespace
 
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
   SceneFile file = SceneFile::load(options.scene_path);
@@ -296,12 +331,14 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   summary.command = canonical_command(options);
   const PlannedTrials chosen = plan_trials(file, catalogues, options, summary.seed);
   const TrialPlan& plan = chosen.plan;
-  summary.planned = options.only ? 1 : chosen.asked;
-  summary.scene = plan.trial(options.only.value_or(0)).scene;
+  std::vector<std::size_t> trials = chosen_trials(chosen, options, summary.seed);
+  summary.planned = trials.size();
+  if (options.shard) summary.shard = SweepShard{options.shard->number, options.shard->count, chosen.asked};
+  summary.scene = plan.trial(trials.front()).scene;
   if (summary.scene.accuracy) throw std::logic_error("run_sweep: a scene whose wish for accuracy has not been settled");
   summary.available = plan.size();
   std::set<std::string> files;
-  const Workforce workforce = check_cells(plan, options, summary.planned, catalogues, files);
+  const Workforce workforce = check_cells(plan, options, trials, chosen.asked, catalogues, files);
   if (options.on_start) options.on_start();
 
   const DatasetHeader header{SLIPBENCH_VERSION,
@@ -310,7 +347,9 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
                              summary.seed,
                              summary.command,
                              split_rule(summary.scene),
-                             options.output.empty() ? std::map<std::string, std::string>{} : digests_of(files)};
+                             options.output.empty() ? std::map<std::string, std::string>{} : digests_of(files),
+                             {},
+                             summary.shard};
   std::optional<KeptTrials> kept;
   if (options.resume) {
     kept.emplace(options.output, header);
@@ -326,14 +365,13 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   }
   std::unique_ptr<DatasetWriter> writer;
   if (!options.output.empty()) {
-    writer = std::make_unique<DatasetWriter>(options.output, header, plan.size(), options.shard_limit, kept ? &*kept : nullptr);
+    const std::size_t planned = options.shard ? trials.size() : plan.size();
+    writer = std::make_unique<DatasetWriter>(options.output, header, planned, options.shard_limit, kept ? &*kept : nullptr);
   }
 
   // OpenSSL crashes where there is no memory to set itself up, which many workers may leave none for: it does so before them.
   if (writer) static_cast<void>(content_digest({}));
 
-  std::vector<std::size_t> trials(summary.planned);
-  std::iota(trials.begin(), trials.end(), options.only.value_or(0));
   std::vector<std::size_t> missing;
   summary.trials.reserve(summary.planned);  // growing, it would leave holes of as much again in the heap
   std::ranges::copy_if(trials, std::back_inserter(missing), [&](std::size_t trial) { return !kept || !kept->holds(trial); });
@@ -394,7 +432,8 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
     } catch (const Interrupted&) {  // in the first of the trials that were running: those before it are in
     }
     summary.interrupted = summary.trials.size() + summary.failed.size() < summary.planned;
-    const bool whole = !summary.interrupted && !summary.trials.empty();
+    // A shard tells of its failed trials even where it has no others: merging counts them.
+    const bool whole = !summary.interrupted && (!summary.trials.empty() || summary.shard);
     if (writer) summary.files = whole ? writer->commit() : writer->keep_partial();
     if (writer) summary.kept = writer->size();
     report_progress();
@@ -446,15 +485,16 @@ std::string summary_json(const SweepSummary& summary) {
   for (const FailedTrial& trial : summary.failed) {
     failed.push_back({{"trial", trial.trial}, {"message", trial.message}, {"command", trial.command}});
   }
-  const Json json = {{"command", summary.command},
-                     {"seed", summary.seed},
-                     {"planned", summary.planned},
-                     {"finished", summary.was_complete ? summary.resumed : summary.trials.size()},
-                     {"resumed", summary.resumed},
-                     {"failed", std::move(failed)},
-                     {"simulated_s", summary.simulated},
-                     {"interrupted", summary.interrupted},
-                     {"files", summary.files}};
+  Json json = {{"command", summary.command},
+               {"seed", summary.seed},
+               {"planned", summary.planned},
+               {"finished", summary.was_complete ? summary.resumed : summary.trials.size()},
+               {"resumed", summary.resumed},
+               {"failed", std::move(failed)},
+               {"simulated_s", summary.simulated},
+               {"interrupted", summary.interrupted},
+               {"files", summary.files}};
+  if (summary.shard) json["shard"] = shard_text(*summary.shard);
   return json.dump();
 }
 

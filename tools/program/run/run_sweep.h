@@ -57,11 +57,13 @@ struct SweepOptions {
   std::optional<std::uint64_t> seed;  // empty: the scene's
   std::size_t trials = 0;             // repetitions of each cell of the grid; 0: the scene's
   std::size_t limit = 0;              // run no more than the first so many trials, repeating cells as often as that needs; 0: all
-  std::optional<std::size_t> only = {};   // run no other than this one of those trials; empty: all
-  bool resume = false;                    // go on with what a run of the same that did not come to its end has left of `output`
-  bool keep_units = true;                 // in the summary of every trial of several: some 100 B a unit
-  std::size_t jobs = 0;                   // worker threads; 0: as many as the machine has, or as their records have room for
-  std::string output;                     // dataset; empty: nothing is written
+  std::optional<std::size_t> only = {};  // run no other than this one of those trials; empty: all
+  std::optional<SweepShard> shard =
+      {};                  // run no other than the trials of this part of the sweep, whose `trials` are not looked at; empty: all
+  bool resume = false;     // go on with what a run of the same that did not come to its end has left of `output`
+  bool keep_units = true;  // in the summary of every trial of several: some 100 B a unit
+  std::size_t jobs = 0;    // worker threads; 0: as many as the machine has, or as their records have room for
+  std::string output;      // dataset; empty: nothing is written
   Recording recording = Recording::full;  // what the dataset holds of a trial: its outcome alone takes some kB
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
   const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials end and count for nothing
@@ -74,7 +76,8 @@ struct SweepSummary {
   std::string command;               // canonical
   Scene scene;                       // of the first trial that runs
   std::size_t available = 0;         // trials that the scene's sweep has
-  std::size_t planned = 0;           // trials asked for
+  std::size_t planned = 0;           // trials asked for; of a shard its own
+  std::optional<SweepShard> shard;   // empty: the run is no part of another
   std::vector<TrialSummary> trials;  // finished, in order
   std::vector<FailedTrial> failed;   // the others, in order
   std::size_t resumed = 0;           // of the finished, those that an earlier run has simulated

@@ -41,7 +41,7 @@ Sensors make_sensors(const Scene& scene, std::uint64_t trial) {
 std::unique_ptr<Simulation> make_mujoco_simulation(const Scene& scene, std::span<const PadLayout* const> pads,
                                                    std::span<const double> rates, std::uint64_t trial) {
   if (!scene.dynamic()) return std::make_unique<ArticulatedSimulation>(scene, pads, rates, trial);
-  [[maybe_unused]] static const bool registered = (register_field_plugin({pad_catalogues(), &make_sensor}), true);
+  [[maybe_unused]] static const bool registered = (register_bench_plugin({pad_catalogues(), &make_sensor}), true);
   if (scene.grasp) return std::make_unique<GraspSimulation>(scene, pads, rates, trial);
   return std::make_unique<DynamicSimulation>(scene, pads, rates, trial);
 }

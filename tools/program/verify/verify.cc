@@ -8,11 +8,13 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/layout.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/shard_set.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/verify/cone_law.h"
@@ -42,6 +44,7 @@ class DatasetCheck {
                 {"schema", reader_.schema(0)},
                 {"complete", reader_.complete()},
                 {"trials", reader_.trials().size()}};
+    if (const auto& part = reader_.header().part) result["shard"] = shard_text(*part);
     result.update(verification_.json());
     return result;
   }
@@ -107,7 +110,10 @@ class DatasetCheck {
       const auto between = std::ranges::count_if(
           failed, [&](const FailedTrial& trial) { return trial.trial > trials[i - 1] && trial.trial < trials[i]; });
       const std::size_t next = trials[i - 1] + 1 + static_cast<std::size_t>(between);
-      if (trials[i] > next && reader_.content_sha256().front().empty()) {
+      if (reader_.header().part) {
+        verification_.leave_out(
+            Check::order, "missing trials: the dataset is a shard of a sweep, which is held against the others that are named");
+      } else if (trials[i] > next && reader_.content_sha256().front().empty()) {
         verification_.leave_out(Check::order, "missing trials: the run was killed before it wrote which failed");
       } else if (trials[i] > next) {
         verification_.fail(Check::order, {trials[i]},
@@ -223,12 +229,33 @@ std::uint64_t shard_of(const std::string& path) {
   return std::stoull(shard);
 }
 
+// Several shards against each other.
+Json shards_result(const std::vector<std::string>& paths) {
+  const auto action = [&] {
+    Json result{{"shards", paths.size()}, {"trials", nullptr}, {"duplicates", nullptr}};
+    std::vector<std::string> failures;
+    try {
+      ShardSet set(paths);
+      failures = set.gaps();
+      result["trials"] = set.size();
+      result["duplicates"] = set.check_duplicates();
+    } catch (const InputError& error) {
+      failures.emplace_back(error.what());
+    }
+    result["holds"] = failures.empty();
+    result["failures"] = failures;
+    return dumped(result);
+  };
+  return Json::parse(guarded("one of the shards", reading_limits(paths), action));
+}
+
 }  // namespace
 
 Verified verify_datasets(const std::vector<std::string>& paths) {
   Verified verified;
   std::set<std::string> seen;  // files of datasets that are verified
   std::vector<std::string> further;
+  std::vector<std::string> shards;
   const auto run = [&](const std::string& path, const auto& action) {
     try {
       action();
@@ -247,6 +274,7 @@ Verified verify_datasets(const std::vector<std::string>& paths) {
       for (const Json& file : result["files"])
         seen.insert(std::filesystem::path(file.get<std::string>()).lexically_normal().string());
       verified.holds = verified.holds && result["holds"].get<bool>();
+      if (result.contains("shard")) shards.push_back(path);
       Json dataset{{"file", path}};
       dataset.update(result);
       verified.datasets.push_back(std::move(dataset));
@@ -258,6 +286,12 @@ Verified verify_datasets(const std::vector<std::string>& paths) {
         throw InputError(path + ": is a further file of a dataset; allowed: its first file, with which it is verified");
       }
       verified.datasets.push_back({{"file", path}, {"part_of", "a dataset above"}});
+    });
+  }
+  if (shards.size() > 1) {
+    run(fmt::format("{}", fmt::join(shards, ", ")), [&] {
+      verified.sweep = shards_result(shards);
+      verified.holds = verified.holds && verified.sweep["holds"].get<bool>();
     });
   }
   return verified;

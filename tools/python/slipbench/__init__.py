@@ -6,14 +6,14 @@ Detectors and controllers may be classes of one's own (`detector()`, `controller
 Units are SI throughout. Bad input raises `InputError` with the program's own message: file:line, what was found, what is allowed.
 """
 
-from slipbench.bin._core import InputError, __version__
-from slipbench._data import Dataset, Windows, open
-from slipbench._own import Command, Estimate, Frame, Slip, Source, State, command_of, controller, detector, estimate_of
+from slipbench.bin._core import InputError, version as __version__
+from slipbench._data import Arrays, Dataset, StoredTrial, Windows, open
+from slipbench._own import Command, Controller, Detector, Estimate, Frame, Slip, Source, State, controller, detector
 from slipbench._scene import Check, Scene, Sweep, describe, evaluate, list_names, scenes
 from slipbench._trial import Control, Labels, Sensor, Trial
 
 __all__ = [
-    "Check", "Command", "Control", "Dataset", "Estimate", "Frame", "InputError", "Labels", "Scene", "Sensor", "Slip", "Source", "State", "Sweep",
-    "Trial", "Windows", "__version__", "command_of", "controller", "describe", "detector", "estimate_of", "evaluate", "list_names", "open",
-    "scenes",
+    "Arrays", "Check", "Command", "Control", "Controller", "Dataset", "Detector", "Estimate", "Frame", "InputError", "Labels", "Scene", "Sensor",
+    "Slip", "Source", "State", "StoredTrial", "Sweep", "Trial", "Windows", "__version__", "controller", "describe", "detector", "evaluate",
+    "list_names", "open", "scenes",
 ]

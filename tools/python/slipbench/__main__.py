@@ -1,5 +1,6 @@
 """The program `slipbench`, as a module and as the command that `pip install` makes."""
 
+import os
 import sys
 
 from slipbench.bin import _core
@@ -7,6 +8,7 @@ from slipbench.bin import _core
 
 def main() -> int:
     """Runs the command line with this process's arguments; returns its exit status."""
+    os.environ.setdefault("SLIPBENCH", f"{sys.executable} -m slipbench")  # how scripts that `cluster` writes start it again
     return _core.main(sys.argv[1:])
 
 

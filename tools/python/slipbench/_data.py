@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import h5py
     import pandas
 
-#: How a dataset's labels say of a sample whether the pad slips: by all of a unit, a part of it, the sensor's paper.
+# How a dataset's labels say of a sample whether the pad slips: by all of a unit, a part of it, the sensor's paper.
 RULES = {"strict": "state", "micro": "state_micro", "paper": "state_paper"}
 
 
@@ -38,7 +38,11 @@ def _member(group: h5py.Group, name: str) -> Any:
 
 
 class Arrays(Mapping[str, "h5py.Dataset"]):
-    """The arrays of a group by name, read when they are indexed: `labels["state"][:]`."""
+    """The arrays of a group by name, read when they are indexed: `labels["state"][:]`. Each has its unit as `array.attrs["unit"]`.
+
+    Attributes:
+        attrs: the group's own attributes
+    """
 
     def __init__(self, group: h5py.Group) -> None:
         self._group = group
@@ -58,15 +62,23 @@ class Arrays(Mapping[str, "h5py.Dataset"]):
 
 
 class StoredTrial:
-    """One trial of a dataset. Arrays stay in the file until they are indexed."""
+    """One trial of a dataset. Arrays stay in the file until they are indexed.
+
+    Attributes:
+        trial: number in the sweep
+        seed: of the dataset
+        params: what was swept, by dotted path, SI
+        outcome: how it ended
+        sha256: digest of all that the trial holds; empty in a file of schema 1
+    """
 
     def __init__(self, group: h5py.Group, trial: int) -> None:
         self._group = group
-        self.trial = trial  #: number in the sweep
-        self.seed = int(group.attrs["seed"])  #: of the dataset
-        self.params: dict[str, Any] = json.loads(group.attrs["params"])  #: what was swept, SI
-        self.outcome: dict[str, Any] = json.loads(group.attrs["outcome"])  #: how it ended
-        self.sha256 = str(group.attrs.get("sha256", ""))  #: digest of all that the trial holds; empty in a file of schema 1
+        self.trial = trial
+        self.seed = int(group.attrs["seed"])
+        self.params: dict[str, Any] = json.loads(group.attrs["params"])
+        self.outcome: dict[str, Any] = json.loads(group.attrs["outcome"])
+        self.sha256 = str(group.attrs.get("sha256", ""))
 
     def _groups(self, of: str) -> dict[str, Arrays]:
         if of not in self._group:
@@ -76,27 +88,40 @@ class StoredTrial:
 
     @property
     def sensors(self) -> dict[str, Arrays]:
-        """The channels of each sensor, and "t" [T] s; attributes type, rate_hz, frame. Empty where outcomes alone were recorded."""
+        """The channels of each sensor by name, [T, ...], and "t" [T] s; attributes type, rate_hz, frame. Empty where outcomes alone were recorded."""
         return self._groups("sensors")
 
     @property
     def labels(self) -> dict[str, Arrays]:
-        """The truth about each sensor's pad."""
+        """The truth about each sensor's pad: the arrays of `Labels`, with the same shapes and units; events are "events/t", "events/unit", "events/kind"."""
         return self._groups("labels")
 
     @property
     def bodies(self) -> dict[str, Arrays]:
-        """Pose and velocity of each body."""
+        """Motion of each body in the world: "t" [T] s, "pose" [T, 7] m and quaternion w x y z, "velocity" [T, 6] m/s and rad/s."""
         return self._groups("truth")
 
     @property
     def control(self) -> Arrays | None:
-        """What the loop saw and did; None: the scene has neither detector nor controller."""
+        """What the loop saw and did: "t" [T] s, "detector_class" [T]; in a grasp "command" [T, 3] and "measured_position" [T] counts, "grip_force" [T] N.
+
+        None: the scene has neither detector nor controller.
+        """
         return Arrays(_member(self._group, "control")) if "control" in self._group else None
 
 
 class Dataset(Mapping[int, StoredTrial]):
-    """The trials of a dataset file, or of several that are one dataset, by number."""
+    """The trials of a dataset file, or of several that are one dataset, by number. `open()` makes one.
+
+    Attributes:
+        version: of the program that wrote it
+        scene: the scene file, word for word
+        seed: of the dataset
+        command: that writes it again
+        complete: whether all of the sweep is in it
+        failed: trials that failed, each a dict of trial, message, command
+        trials: numbers of its trials
+    """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         import h5py
@@ -112,14 +137,14 @@ class Dataset(Mapping[int, StoredTrial]):
         about = self._files[0].attrs
         if "schema" not in about or "data" not in self._files[0]:
             raise _core.InputError(f"{first}: is no dataset of slipbench; allowed: what `slipbench run` or `sweep` writes")
-        self.version = str(about["version"])  #: of the program that wrote it
-        self.scene = str(about["scene"])  #: the scene file, word for word
+        self.version = str(about["version"])
+        self.scene = str(about["scene"])
         self.seed = int(about["seed"])
-        self.command = str(about["command"])  #: that writes it again
+        self.command = str(about["command"])
         self.complete = all(int(file.attrs.get("complete", 0)) == 1 for file in self._files)
         self.failed: list[dict[str, Any]] = [one for file in self._files for one in json.loads(file.attrs.get("failed", "[]"))]
         self._where = {int(name.removeprefix("demo_")): file for file in self._files for name in _member(file, "data")}
-        self.trials = sorted(self._where)  #: numbers of its trials
+        self.trials = sorted(self._where)
 
     def __getitem__(self, trial: int) -> StoredTrial:
         return StoredTrial(_member(_member(self._where[trial], "data"), f"demo_{trial}"), trial)
@@ -131,7 +156,7 @@ class Dataset(Mapping[int, StoredTrial]):
         return len(self.trials)
 
     def mask(self, part: str) -> list[int]:
-        """Numbers of the trials of a part: "train", "valid" or "test". Empty where the run was killed."""
+        """Numbers of the trials of `part`: "train", "valid" or "test". Empty where the run was killed."""
         if part not in ("train", "valid", "test"):
             raise _core.InputError(f"part {part!r}; allowed: 'train', 'valid', 'test'")
         names = [name for file in self._files if "mask" in file for name in _member(file["mask"], part).asstr()[:]]
@@ -146,7 +171,12 @@ class Dataset(Mapping[int, StoredTrial]):
 
     def windows(self, *, length: int, stride: int = 1, sensor: str = "", channels: Sequence[str] = (), labels: str = "micro",
                 part: str = "") -> Windows:
-        """Windows of a sensor's samples with a label each, for a trainer. `part`: of the masks; empty: every trial."""
+        """Windows of a sensor's samples with a label each, for a trainer.
+
+        `length` and `stride` count samples. `sensor`: which; empty: the only one. `channels`: their columns side by side; empty: all. `labels`: when a
+        sample is slip, "strict" (all of a unit slips), "micro" (a part of it does) or "paper" (the rule of the sensor's paper). `part`: of the masks;
+        empty: every trial.
+        """
         return Windows(self, length, stride, sensor, channels, labels, self.mask(part) if part else self.trials)
 
     def close(self) -> None:
@@ -189,7 +219,7 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
 
     def _count(self, number: int) -> int:
         trial = self._dataset[number]
-        samples = trial.labels[self._name(trial)][self._rule].shape[0]
+        samples = len(trial.labels[self._name(trial)][self._rule])
         return max(0, (samples - self._length) // self._stride + 1)
 
     def _read(self, number: int) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
@@ -199,6 +229,11 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             sensor = trial.sensors[name]
             channels = self._channels or [str(one) for one in sensor.attrs["channels"]]
             samples = len(trial.labels[name][self._rule])
+            for channel in channels:
+                if channel not in sensor or len(sensor[channel]) != samples:
+                    at_rate = [one for one in sensor.attrs["channels"] if len(sensor[str(one)]) == samples]
+                    raise _core.InputError(f"trial {number}: channel {channel!r} {'is not there' if channel not in sensor else 'has another rate than the labels'}; "
+                                           f"allowed: channels={[str(one) for one in at_rate]}")
             values = np.concatenate([np.asarray(sensor[channel][:], np.float32).reshape(samples, -1) for channel in channels], axis=1)
             slips = (np.asarray(trial.labels[name][self._rule][:]) >= 2).astype(np.uint8)
             self._kept[number] = values, slips
@@ -220,5 +255,5 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
 
 
 def open(path: str | os.PathLike[str]) -> Dataset:
-    """Opens a dataset that `slipbench run`, `sweep` or `Scene.write()` has written, by the name of its first file."""
+    """Opens a dataset that `slipbench run`, `sweep` or `Scene.write()` has written, by the `path` of its first file."""
     return Dataset(path)

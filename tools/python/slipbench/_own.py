@@ -18,7 +18,14 @@ from slipbench.bin import _core
 
 
 class State(IntEnum):
-    """What can be said of a whole pad; the codes of a dataset."""
+    """What can be said of a whole pad; the codes of a dataset.
+
+    Attributes:
+        NO_CONTACT: 0
+        NON_SLIP: 1
+        INCIPIENT: 2, some touching units slip
+        GROSS: 3, all of them slip
+    """
 
     NO_CONTACT = 0
     NON_SLIP = 1
@@ -28,21 +35,34 @@ class State(IntEnum):
 
 @dataclass(frozen=True)
 class Source:
-    """Whose frames come: handed to a class when a trial begins."""
+    """Whose frames come: handed to a class when a trial begins.
 
-    sensor: str  #: the scene's name for it
-    type: str  #: "papillarray"
-    rate: float  #: Hz
-    shapes: dict[str, tuple[int, ...]]  #: of each channel
-    preset: float = math.nan  #: N, the force with which the box is taken; of controllers alone
+    Attributes:
+        sensor: the scene's name for it
+        type: what it is: "papillarray"
+        rate: Hz, of the frames
+        shapes: of each channel's array in a frame: {"force": (9, 3)}
+        preset: N, the grip force with which the box is taken; NaN for a detector
+    """
+
+    sensor: str
+    type: str
+    rate: float
+    shapes: dict[str, tuple[int, ...]]
+    preset: float = math.nan
 
 
 @dataclass(frozen=True)
 class Frame:
-    """One sample of a sensor. The arrays are filled anew for the next frame: copy what is to be kept."""
+    """One sample of a sensor. The arrays are filled anew for the next frame: copy what is to be kept.
 
-    time: float  #: s
-    channels: dict[str, NDArray[Any]]  #: by name, in the shape that Source says
+    Attributes:
+        time: s
+        channels: arrays by name, in the shapes that `Source` says and the units of `Sensor.units`; `frame["force"]` is one of them
+    """
+
+    time: float
+    channels: dict[str, NDArray[Any]]
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.channels[name]
@@ -50,22 +70,36 @@ class Frame:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a detector says."""
+    """What a detector says.
+
+    Attributes:
+        state: of the whole pad
+        latency: s, from the frame until the loop can see it
+        stuck_fraction: of the touching units, 0 to 1; NaN: not told
+    """
 
     state: State
-    latency: float = 0.0  #: s, from the frame until the loop can see it
-    stuck_fraction: float = math.nan  #: of the touching units, 0 to 1; NaN: not told
+    latency: float = 0.0
+    stuck_fraction: float = math.nan
 
 
 @dataclass(frozen=True)
 class Slip:
-    """What a controller is told beside the frame: the detector's estimate, and the gripper's status."""
+    """What a controller is told beside the frame: the detector's estimate, and the gripper's status.
 
-    state: int  #: State; NO_CONTACT without a detector
-    stuck_fraction: float  #: NaN: not told
-    position: int  #: counts, 0 open to 255
+    Attributes:
+        state: a `State`; NO_CONTACT without a detector
+        stuck_fraction: of the touching units, 0 to 1; NaN: not told
+        position: counts, 0 open to 255
+        moving: whether the fingers are on their way
+        stopped: whether they have stopped at the force limit
+    """
+
+    state: int
+    stuck_fraction: float
+    position: int
     moving: bool
-    stopped: bool  #: at the force limit
+    stopped: bool
 
     @property
     def slips(self) -> bool:
@@ -75,29 +109,37 @@ class Slip:
 
 @dataclass(frozen=True)
 class Command:
-    """The gripper's registers, 0 to 255."""
+    """The gripper's registers, 0 to 255.
 
-    position: int  #: counts, 0 open
-    speed: int = 0  #: 0 slowest
-    force: int = 0  #: 0 weakest
+    Attributes:
+        position: counts, 0 open to 255 closed
+        speed: counts, 0 slowest to 255
+        force: counts, 0 weakest to 255
+    """
+
+    position: int
+    speed: int = 0
+    force: int = 0
 
 
 class Detector(Protocol):
-    """What `detector()` takes: `update` is called with each frame of the sensor."""
+    """What `detector()` takes."""
 
-    def update(self, frame: Frame) -> Estimate | State | int: ...
+    def update(self, frame: Frame) -> Estimate | State | int:
+        """Called with each `frame` of the sensor; says what the pad does. An int is the code of a `State`."""
 
 
 class Controller(Protocol):
-    """What `controller()` takes: `act` is called at each read of the gripper."""
+    """What `controller()` takes."""
 
-    def act(self, frame: Frame, slip: Slip) -> Command | int: ...
+    def act(self, frame: Frame, slip: Slip) -> Command | int:
+        """Called at each read of the gripper with the sensor's latest `frame` and what is known of `slip`; says what to command. An int is a position."""
 
 
 def estimate_of(said: Any) -> Estimate:
     """What a detector returned, checked."""
     estimate = said if isinstance(said, Estimate) else Estimate(said)
-    if not isinstance(estimate.state, numbers.Integral) or not 0 <= int(estimate.state) <= 3:
+    if isinstance(estimate.state, bool) or not isinstance(estimate.state, numbers.Integral) or not 0 <= int(estimate.state) <= 3:
         raise TypeError(f"update() returned {said!r}; allowed: a State, 0 to 3, or an Estimate")
     if not 0.0 <= estimate.latency < math.inf:
         raise ValueError(f"a latency of {estimate.latency} s; allowed: 0 s or more")
@@ -111,7 +153,7 @@ def command_of(said: Any) -> Command:
     command = said if isinstance(said, Command) else Command(said)
     for name in ("position", "speed", "force"):
         value = getattr(command, name)
-        if not isinstance(value, numbers.Integral) or not 0 <= int(value) <= 255:
+        if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not 0 <= int(value) <= 255:
             raise TypeError(f"act() returned {said!r}; allowed: a position of 0 to 255, or a Command of such numbers")
     return command
 
@@ -125,14 +167,15 @@ def _declared(made: Any) -> list[tuple[str, float]]:
 
 
 def _summary(made: Any) -> str:
-    return (made.__doc__ or "A Python class.").strip().splitlines()[0]
+    return ((made.__doc__ or "").strip() or "A Python class.").splitlines()[0]
 
 
 def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:
-    """Registers a class as `detector: {type: NAME}` for the scenes of this process.
+    """Registers a class as `detector: {type: NAME}`, where NAME is `name`, for the scenes of this process: `@slipbench.detector("mine")`.
 
-    It is made as `cls(source, **parameters)`, where its attribute `parameters`, a dict of numbers, gives names and defaults of what a scene may
-    say beside the type. Raises InputError for a name that is slipbench's own; one of one's own is replaced.
+    The class has the method of `Detector`. It is made anew for each trial as `cls(source, **parameters)`, where its attribute `parameters`, a dict of
+    numbers, gives names and defaults of what a scene may say beside the type. Raises InputError for a name that is slipbench's own; one of one's own
+    is replaced.
     """
 
     def register(made: DetectorClass) -> DetectorClass:
@@ -143,7 +186,7 @@ def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:
 
 
 def controller(name: str) -> Callable[[ControllerClass], ControllerClass]:
-    """Registers a class as `controller: {type: NAME}`, as `detector()` does."""
+    """Registers a class as `controller: {type: NAME}`, where NAME is `name`, as `detector()` does. The class has the method of `Controller`."""
 
     def register(made: ControllerClass) -> ControllerClass:
         _core.register_controller(name, made, _summary(made), _declared(made))

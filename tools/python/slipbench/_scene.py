@@ -22,12 +22,19 @@ def _yaml(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Check:
-    """What became of a scene's expectations."""
+    """What became of a scene's expectations.
 
-    verdict: str  #: "passed", "failed", "tests nothing", "not checked"
-    expectations: list[dict[str, Any]]  #: name, limit, kept, trials, needed, passed, worst, worst_trial, replay
-    failures: list[str]  #: why trials failed to run
-    files: list[str]  #: what a failed check left
+    Attributes:
+        verdict: "passed", "failed", "tests nothing", "not checked"
+        expectations: of each a dict of name, limit, kept, trials, needed, passed, worst, worst_trial, replay
+        failures: why trials failed to run
+        files: what a failed check left
+    """
+
+    verdict: str
+    expectations: list[dict[str, Any]]
+    failures: list[str]
+    files: list[str]
 
     @property
     def passed(self) -> bool:
@@ -36,7 +43,11 @@ class Check:
 
 
 class Sweep(Iterator[Trial]):
-    """Trials in the order of their numbers, simulated by threads ahead of who asks. `len()`: how many there are; `done`: handed over."""
+    """Trials in the order of their numbers, simulated by threads ahead of who asks. `len()` says how many there are.
+
+    Attributes:
+        done: how many have been handed over
+    """
 
     def __init__(self, one: Callable[[int, _core.Stop], Trial], count: int, jobs: int) -> None:
         self._stop = _core.Stop()
@@ -75,16 +86,21 @@ class Sweep(Iterator[Trial]):
 
 
 class Scene:
-    """A scene file, with what was set beside it. Immutable."""
+    """A scene file, with what was set beside it. Immutable. `Scene.load()` makes one.
+
+    Attributes:
+        path: of the file
+        overrides: pairs of dotted path and YAML text, as `--set` takes them
+    """
 
     def __init__(self, path: str, overrides: list[tuple[str, str]]) -> None:
         self.path = path
-        self.overrides = overrides  #: path and YAML text, as `--set` takes them
+        self.overrides = overrides
         self._core = _core.Scene(path, overrides)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Scene:
-        """Reads a file, or one of the scenes that come with the package: `Scene.load("papillarray/stage.yaml")`.
+        """Reads the scene at `path`: a file, or one of the scenes that come with the package, `Scene.load("papillarray/stage.yaml")`.
 
         Raises InputError: "stage.yaml:12: unknown key 'sped' in motion; did you mean 'speed'? allowed: ...".
         """
@@ -94,7 +110,11 @@ class Scene:
         return cls(name, [])
 
     def set(self, values: dict[str, Any] | None = None, /, **more: Any) -> Scene:
-        """The same scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"}, seed=3)`. Text is YAML, other values are SI."""
+        """The same scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"}, seed=3)`. Text is YAML, other values are SI.
+
+        `values` takes any path, `more` those that are a word. What is set is not swept, nor is what lies below it. Raises InputError for what the
+        scene may not say.
+        """
         changes = [(path, _yaml(value)) for path, value in {**(values or {}), **more}.items()]
         return Scene(self.path, self.overrides + changes)
 
@@ -105,36 +125,46 @@ class Scene:
 
     @property
     def seed(self) -> int:
-        """Of the scene."""
+        """The one that the scene states."""
         return self._core.seed
 
     def trials(self, draws: int = 0) -> int:
-        """Trials of the scene's sweep with so many draws of each cell of its grid; 0: as the scene says."""
+        """How many trials the scene's sweep has with `draws` draws of each cell of its grid; 0: as the scene says."""
         return self._core.trials(draws)
 
     def run(self, trial: int = 0, *, seed: int | None = None, record: str = "full") -> Trial:
         """Simulates trial number `trial`: what `slipbench run SCENE --trials N` writes as that trial, N the least that has it.
 
-        `record="outcome"` leaves the arrays out. The interpreter's other threads run meanwhile; Ctrl-C ends it.
+        `seed`: instead of the scene's. `record="outcome"` leaves the arrays out, else it is "full". The interpreter's other threads run meanwhile;
+        Ctrl-C ends it.
         """
         if trial < 0:
             raise _core.InputError(f"trial {trial}; allowed: 0 or more")
+        _check_counts(seed=seed)
         chosen = self.seed if seed is None else seed
         return Trial(self._core.run(trial, 0, trial + 1, chosen, _full(record), None))
 
     def sweep(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full") -> Sweep:
-        """All trials of the scene's sweep, in order: `for trial in scene.sweep()`. `jobs`: threads; 0: one a core."""
+        """All trials of the scene's sweep, in order: `for trial in scene.sweep()`.
+
+        `draws`: of each cell of the grid; 0: as the scene says. `seed`, `record`: as `run()` takes them. `jobs`: threads; 0: one a core.
+        """
+        _check_counts(draws=draws, seed=seed, jobs=jobs)
         chosen = self.seed if seed is None else seed
         full = _full(record)
         return Sweep(lambda trial, stop: Trial(self._core.run(trial, draws, 0, chosen, full, stop)), self.trials(draws), jobs or os.cpu_count() or 1)
 
     def write(self, path: str | os.PathLike[str], *, draws: int = 0, trials: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full",
               resume: bool = False, progress: Callable[[int, int], None] | None = None) -> dict[str, Any]:
-        """Runs the sweep into a dataset, byte for byte what `slipbench sweep` writes; with `trials` what `slipbench run --trials` writes.
+        """Runs the sweep into the dataset at `path`, byte for byte what `slipbench sweep` writes; with `trials` what `slipbench run --trials` writes.
 
-        Returns the summary that `--json` prints. `progress(done, total)` is called now and then, and at the end. Raises KeyboardInterrupt after Ctrl-C, when
-        the finished trials are kept for `resume=True`.
+        `draws`, `seed`, `jobs`, `record`: as `sweep()` takes them. `resume`: goes on with a file that an interrupted call has left. Returns the
+        summary that `--json` prints. `progress(done, total)` is called now and then, and at the end. Raises KeyboardInterrupt after Ctrl-C, when the
+        finished trials are kept for `resume=True`.
         """
+        _check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
+        if draws and trials:
+            raise _core.InputError(f"draws={draws} and trials={trials}; allowed: one of them")
         summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, _full(record), resume, progress))
         if summary.get("interrupted"):
             raise KeyboardInterrupt
@@ -143,11 +173,21 @@ class Scene:
         return summary
 
     def check(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, folder: str = "") -> Check:
-        """Holds the scene's `expect` against its trials, as `slipbench check`. `folder`: for what a failed check leaves; empty: nothing."""
+        """Holds the scene's `expect` against its trials, as `slipbench check`.
+
+        `draws`, `seed`, `jobs`: as `sweep()` takes them. `folder`: for what a failed check leaves; empty: nothing.
+        """
+        _check_counts(draws=draws, seed=seed, jobs=jobs)
         return Check(**self._core.check(draws, seed, jobs, folder))
 
     def __repr__(self) -> str:
         return f"<slipbench.Scene {self.path}{''.join(f' {path}={value}' for path, value in self.overrides)}>"
+
+
+def _check_counts(**counts: int | None) -> None:
+    for name, value in counts.items():
+        if value is not None and not 0 <= value < 2**64:
+            raise _core.InputError(f"{name}={value}; allowed: 0 or more")
 
 
 def _full(record: str) -> bool:
@@ -162,23 +202,25 @@ def scenes() -> Path:
 
 
 def describe(name: str) -> list[dict[str, Any]]:
-    """What `slipbench describe NAME --json` says: law, source, parameters with unit, default, what is allowed."""
+    """What `slipbench describe NAME --json` says of all that is called `name`: law, source, parameters with unit, default, what is allowed."""
     described: list[dict[str, Any]] = json.loads(_core.describe(name))
     return described
 
 
 def list_names() -> dict[str, Any]:
-    """What a scene may name, by catalogue, as `slipbench list --json`."""
-    listed: dict[str, Any] = json.loads(_core.list())
+    """What a scene may name, by catalogue, as `slipbench list --json`: `list_names()["detectors"]`."""
+    listed: dict[str, Any] = json.loads(_core.list_names())
     return listed
 
 
-def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: dict[str, Any] | None = None, labels: str = "strict", sensor: str = "",
+def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: dict[str, Any] | None = None, labels: str = "", sensor: str = "",
              split: str = "", all_trials: bool = False) -> dict[str, Any]:
-    """Judges a detector on the trials of a dataset: what `slipbench eval DETECTOR DATASET --json` prints.
+    """Judges a detector on the trials of the file `dataset`: what `slipbench eval DETECTOR DATASET --json` prints.
 
-    `detector`: a name that a scene may say, one of one's own among them, FILE.onnx, or a folder of memories. `labels`: the truth to judge by,
-    strict, micro, paper, latched or has_slipped. The recording is read, and the detector run, in a child process.
+    `detector`: a name that a scene may say, one of one's own among them, FILE.onnx, or a folder of memories. `parameters`: of the detector, by name.
+    `labels`: the truth to judge by, strict, micro, masked, paper, latched or has_slipped; empty: what a network has learnt by, else strict. `sensor`: which one it reads; empty: the only one. `split`:
+    "train", "valid" or "test" of the dataset's masks; empty: all of them. `all_trials`: also those that the detector was trained on. The recording is
+    read, and the detector run, in a child process.
     """
     pairs = [(name, _yaml(value)) for name, value in (parameters or {}).items()]
     result: dict[str, Any] = json.loads(_core.evaluate(detector, pairs, os.fspath(dataset), labels, sensor, split, all_trials))

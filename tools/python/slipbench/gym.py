@@ -10,6 +10,7 @@ is dropped and is truncated when the scene's duration is over.
 
 from __future__ import annotations
 
+import copy
 import json
 import os
 import shlex
@@ -22,23 +23,31 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from slipbench._scene import Scene, _yaml
+from slipbench._render import Renderer
+from slipbench._scene import Scene
 from slipbench.bin import _core
+
+__all__ = ["GraspEnv", "GraspVectorEnv", "StageSlipEnv"]
 
 Observation = NDArray[np.float32]
 
 
-def _checked(scene: str | os.PathLike[str], values: dict[str, Any] | None, render_mode: str | None) -> Scene:
+def _seed(seed: int | None) -> int | None:
+    if seed is not None and not 0 <= int(seed) < 2**64:
+        raise _core.InputError(f"seed {seed}; allowed: 0 to 2^64 - 1")
+    return None if seed is None else int(seed)
+
+
+def _refuse_pictures(render_mode: str | None, allowed: str) -> None:
     if render_mode is not None:
-        raise _core.InputError(f"render_mode {render_mode!r}: slipbench draws no pictures yet; allowed: None")
-    return Scene.load(scene).set(values)
+        raise _core.InputError(f"render_mode {render_mode!r}; allowed: {allowed}")
 
 
 _GREATEST = np.finfo(np.float32).max  # what a sensor's float32 may be: it has no other bound
 _BOUNDS = {"gripper.position": 255.0, "gripper.moving": 1.0, "gripper.stopped": 1.0, "slip.state": 3.0}
 
 
-def _spaces(names: list[str]) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+def _spaces(names: list[str]) -> tuple[gymnasium.Space[Observation], gymnasium.Space[Observation]]:
     low = np.array([0.0 if name in _BOUNDS else -_GREATEST for name in names], np.float32)
     high = np.array([_BOUNDS.get(name, _GREATEST) for name in names], np.float32)
     return gymnasium.spaces.Box(low, high, dtype=np.float32), gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float32)
@@ -54,71 +63,116 @@ def _info(truth: dict[str, Any], params: str) -> dict[str, Any]:
 class GraspEnv(gymnasium.Env[Observation, Observation]):
     """A grasp whose gripper the policy commands, from one read of the gripper to the next (20 ms unless the scene says other).
 
-    scene: file, or name of one that comes with the package. values: as `Scene.set()` takes them. command: what the action in [-1, 1] stands for,
-    "force", 0 to 20 N of measured grip force, or "position", 0 to 255 counts. `observation_names` says what an observation holds. Truth is in
-    `info` only. Each episode of a seed is another draw of the scene's sweep and scatter.
+    Truth is in `info` only. Each episode of a seed is another draw of the scene's sweep and scatter.
+
+    Attributes:
+        observation_names: of each value of an observation: "gripper.position", "pad.P0_FX", ...
     """
 
-    metadata = {"render_modes": []}
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
 
     def __init__(self, scene: str | os.PathLike[str] = "grasp/lift.yaml", values: dict[str, Any] | None = None, command: str = "force",
                  render_mode: str | None = None) -> None:
-        chosen = _checked(scene, values, render_mode)
+        """`scene`: a file, or one that comes with the package. `values`: as `Scene.set()` takes them.
+
+        `command`: what the action in [-1, 1] stands for, "force", 0 to 20 N of measured grip force, or "position", 0 to 255 counts. `render_mode`: one
+        of `metadata["render_modes"]`, or None.
+        """
+        if render_mode != "rgb_array":
+            _refuse_pictures(render_mode, "None, 'rgb_array'")
+        chosen = Scene.load(scene).set(values)
         self.render_mode = render_mode
         self._grasp = _core.Grasp(chosen.path, chosen.overrides, command)
         self._scene = chosen
         self._seed, self._episode = chosen.seed, -1
         self.observation_names: list[str] = self._grasp.names
         self.observation_space, self.action_space = _spaces(self.observation_names)
+        self._renderer = Renderer(self._grasp.bodies()) if render_mode else None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Begins the next episode of the seed, with `seed` the first one of that seed, and runs it to its first read of the gripper."""
-        super().reset(seed=seed)
-        self._seed, self._episode = (self._seed, self._episode + 1) if seed is None else (seed, 0)
+        """Begins the next episode of the seed, with `seed` the first one of that seed, and runs it to its first read of the gripper.
+
+        Gives the observation [len(observation_names)], and `info`: the truth before the first step. `options` says nothing.
+        """
+        super().reset(seed=_seed(seed))
+        self._seed, self._episode = (self._seed, self._episode + 1) if seed is None else (int(seed), 0)
         observation, _, _, _, truth = self._grasp.reset(self._seed, self._episode)
         return observation, _info(truth, self._grasp.params)
 
     def step(self, action: Observation) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Commands, and runs on to the next read."""
+        """Commands `action` [1], -1 to 1, and runs on to the next read. Gives observation, reward, terminated, truncated, info.
+
+        `info` holds the truth: time s, grip_force N, ideal_force N, slip_distance m since the trial began, lifting, what was drawn (`params`), and after the
+        last step the trial's `outcome`.
+        """
         observation, reward, dropped, ended, truth = self._grasp.step(float(np.asarray(action).reshape(())))
         return observation, reward, dropped, ended, _info(truth, self._grasp.params)
 
+    def render(self) -> NDArray[np.uint8] | None:
+        """The grasp as it is, [480, 480, 3]: box, plates of the fingers (the blue one carries the first sensor) and table."""
+        return self._renderer.draw(self._grasp.bodies()) if self._renderer else None
+
+    def close(self) -> None:
+        """Gives the renderer's buffers back."""
+        if self._renderer:
+            self._renderer.close()
+            self._renderer = None
+
     @property
     def episode_command(self) -> str:
-        """The command that runs this episode's trial with the scene's own controller."""
+        """The command line that runs this episode's trial with the scene's own controller."""
         sets = "".join(f" --set {shlex.quote(f'{path}={value}')}" for path, value in self._scene.overrides)
         return self._grasp.command(shlex.quote(self._scene.path) + sets)
 
 
 class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
-    """Several such grasps, stepped by threads. Equal, step by step, to `SyncVectorEnv` of GraspEnv; what it gives does not depend on `jobs`."""
+    """Several such grasps, stepped by threads. Equal, step by step, to `SyncVectorEnv` of GraspEnv. `gymnasium.make_vec()` makes one.
+
+    Attributes:
+        observation_names: of each value of an environment's observation
+    """
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
     def __init__(self, num_envs: int = 1, scene: str | os.PathLike[str] = "grasp/lift.yaml", values: dict[str, Any] | None = None,
                  command: str = "force", render_mode: str | None = None, jobs: int = 0) -> None:
-        chosen = _checked(scene, values, render_mode)
+        """`num_envs` grasps; `scene`, `values`, `command`, `render_mode`: as GraspEnv takes them.
+
+        `jobs`: threads; 0: one a core. What it gives does not depend on their number.
+        """
+        _refuse_pictures(render_mode, "None, in a vector of grasps")
+        if num_envs < 1 or jobs < 0:
+            raise _core.InputError(f"num_envs {num_envs}, jobs {jobs}; allowed: 1 or more, 0 or more")
+        chosen = Scene.load(scene).set(values)
         self.render_mode = render_mode
         self.num_envs = num_envs
         self._grasps = _core.Grasps(chosen.path, chosen.overrides, command, num_envs, jobs or os.cpu_count() or 1)
         self._seeds, self._episodes = [chosen.seed] * num_envs, [-1] * num_envs
+        self._drawn: list[str] = []
+        self._params: dict[str, Any] = {}
         self.observation_names: list[str] = self._grasps.names
         self.single_observation_space, self.single_action_space = _spaces(self.observation_names)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
 
     def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Begins an episode in each; a single seed is that of the first, the others follow it."""
-        super().reset(seed=seed if isinstance(seed, int) else None)
-        seeds = [None] * self.num_envs if seed is None else [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else list(seed)
-        for i, one in enumerate(seeds):
+        """Begins an episode in each; a single `seed` is that of the first, the others follow it. Observations are [num_envs, values]. `options` says nothing."""
+        first = seed if seed is None or not isinstance(seed, (list, tuple)) else None
+        super().reset(seed=_seed(first))
+        seeds = list(seed) if isinstance(seed, (list, tuple)) else [None if first is None else int(first) + i for i in range(self.num_envs)]
+        if len(seeds) != self.num_envs:
+            raise _core.InputError(f"{len(seeds)} seeds; allowed: one for each of {self.num_envs} environments")
+        if options:
+            raise _core.InputError(f"options {options!r}; allowed: None")
+        for i, one in enumerate([_seed(one) for one in seeds]):
             self._seeds[i], self._episodes[i] = (self._seeds[i], self._episodes[i] + 1) if one is None else (one, 0)
         told = self._grasps.reset(self._seeds, self._episodes, [1] * self.num_envs)
         observations, _, _, _, infos = self._batch(told)
         return observations, infos
 
     def step(self, actions: Observation) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """Commands each, but where its episode has ended: there the next one begins, and the action counts for nothing."""
+        """Commands each with its row of `actions` [num_envs, 1], but where its episode has ended: there the next one begins, and the action counts for
+        nothing."""
         told = self._grasps.step([float(action) for action in np.asarray(actions).reshape(self.num_envs)])
         for i, (_, began, _) in enumerate(told):
             self._episodes[i] += bool(began)
@@ -129,24 +183,38 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         rewards = np.array([result[1] for result, _, _ in told], np.float64)
         terminated = np.array([result[2] for result, _, _ in told], np.bool_)
         truncated = np.array([result[3] for result, _, _ in told], np.bool_)
+        # As `_add_info` puts them together, of which each call takes as long as a step of a grasp: so once an episode, for what lasts that long.
+        truths = [result[4] for result, _, _ in told]
         infos: dict[str, Any] = {}
-        for i, (result, _, params) in enumerate(told):
-            infos = self._add_info(infos, _info(result[4], params), i)
+        for name in ("time", "grip_force", "ideal_force", "slip_distance", "lifting"):
+            infos[name] = np.array([truth[name] for truth in truths])
+            infos[f"_{name}"] = np.ones(self.num_envs, np.bool_)
+        drawn = [params for _, _, params in told]
+        if drawn != self._drawn:
+            self._drawn, self._params = drawn, {}
+            for i, params in enumerate(drawn):
+                self._params = self._add_info(self._params, {"params": json.loads(params)}, i)
+        infos.update(copy.deepcopy(self._params))
+        for i, truth in enumerate(truths):
+            if "outcome" in truth:
+                infos = self._add_info(infos, {"outcome": json.loads(truth["outcome"])}, i)
         return observations, rewards, terminated, truncated, infos
 
 
-class StageSlipEnv(gymnasium.Env[Observation, int]):
+class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
     """A detector's task: an open recording of a stage scene, sample by sample; the action says the pad's `State` at that sample.
 
-    Observation: the sensor's channels, in order. Reward: 1 where the action says rightly whether the pad slips (incipient or gross, as
-    `state_micro` has it), else 0. Truth is in `info` only. The episode is truncated at the recording's end.
+    Observation: the sensor's channels at that sample, side by side, in their own units. Reward: 1 where the action says rightly whether the pad slips
+    (incipient or gross, as `state_micro` has it), else 0. Truth is in `info` only. The episode is truncated at the recording's end.
     """
 
     metadata = {"render_modes": []}
 
     def __init__(self, scene: str | os.PathLike[str] = "papillarray/hexapod.yaml", values: dict[str, Any] | None = None, sensor: str = "",
                  render_mode: str | None = None) -> None:
-        self._scene = _checked(scene, values, render_mode)
+        """`scene`, `values`: as GraspEnv takes them. `sensor`: which one is shown; empty: the only one. `render_mode`: None."""
+        _refuse_pictures(render_mode, "None: a recording is no picture")
+        self._scene = Scene.load(scene).set(values)
         self.render_mode = render_mode
         self._sensor, self._seed, self._episode = sensor, self._scene.seed, -1
         self._record(self._seed, 0)
@@ -159,6 +227,9 @@ class StageSlipEnv(gymnasium.Env[Observation, int]):
             raise _core.InputError(f"sensor {self._sensor!r}; allowed: {', '.join(map(repr, trial.sensors))}")
         sensor = trial.sensors[self._sensor or next(iter(trial.sensors))]
         samples = len(sensor.time)
+        slower = [name for name, values in sensor.channels.items() if len(values) != samples]
+        if slower:
+            raise _core.InputError(f"sensor {sensor.type!r}: channels {slower} have a rate of their own; allowed: a sensor whose channels share one rate")
         self._values = np.concatenate([values.reshape(samples, -1) for values in sensor.channels.values()], axis=1)
         self._time, self._states, self._params = sensor.time, sensor.labels.state_micro, trial.params
         self._at = 0
@@ -167,14 +238,18 @@ class StageSlipEnv(gymnasium.Env[Observation, int]):
         return {"time": float(self._time[self._at]), "state": int(self._states[self._at]), "params": dict(self._params)}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Simulates the next recording of the seed, with `seed` the first one of that seed."""
-        super().reset(seed=seed)
-        self._seed, self._episode = (self._seed, self._episode + 1) if seed is None else (seed, 0)
+        """Simulates the next recording of the seed, with `seed` the first one of that seed. `options` says nothing."""
+        super().reset(seed=_seed(seed))
+        self._seed, self._episode = (self._seed, self._episode + 1) if seed is None else (int(seed), 0)
         self._record(self._seed, self._episode)
         return self._values[0].copy(), self._info()
 
-    def step(self, action: int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Judges what was said of the sample shown last, and shows the next."""
+    def step(self, action: np.int64 | int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Judges what `action`, the code of a `State`, says of the sample shown last, and shows the next."""
+        if not self.action_space.contains(np.int64(action)):
+            raise _core.InputError(f"action {action}; allowed: 0 to 3, a State")
+        if self._at + 1 == len(self._values):
+            raise RuntimeError("the episode is over: reset() comes first")
         right = (int(action) >= 2) == (self._states[self._at] >= 2)
         self._at += 1
         return self._values[self._at].copy(), float(right), False, self._at + 1 == len(self._values), self._info()

@@ -139,7 +139,7 @@ std::size_t Lessons::queue(const Set& set, const Set* other, Learns learns, cons
 }
 
 void Lessons::run() {
-  const std::vector<std::vector<Answer>> said = run_in_order<std::vector<Answer>>(
+  const std::vector<std::vector<Answer>> said = run_in_processes<Answer>(
       tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
       [this](std::size_t k) {
         const Task& task = tasks_[k];

@@ -62,7 +62,7 @@ struct Network {
   learn::Scaling scaling = learn::Scaling::range;
 };
 
-// Networks that the tables need: queued first, then taught together.
+// Networks that the tables need: queued first, then taught together, each in a process of its own.
 class Lessons {
  public:
   // `options` must outlive it. A network's steps are those of its row, four times as many with --full. Throws InputError without libtorch.

@@ -192,7 +192,7 @@ std::size_t MyrmexValidations::queue(const MyrmexRow& row, MyrmexSplit split, st
   return plans_.size() - 1;
 }
 
-MyrmexFigures MyrmexValidations::judged(const Plan& plan, std::size_t fold) const {
+MyrmexFold MyrmexValidations::judged(const Plan& plan, std::size_t fold) const {
   const auto word = static_cast<std::size_t>(plan.row.word);
   learn::FrameSequence learnt, asked;
   std::set<std::size_t> judging;  // trials of which none is learnt from
@@ -230,29 +230,30 @@ MyrmexFigures MyrmexValidations::judged(const Plan& plan, std::size_t fold) cons
   training.seed = options_.seed.value_or(1);
   const std::vector<std::uint8_t> labels = asked.label;
   const std::vector<std::uint8_t> called = called_kinds(shape_of(plan.row), std::move(learnt), std::move(asked), training);
-  MyrmexFigures figures;
-  figures.folds.emplace_back();
+  MyrmexFold result;
   for (std::size_t k = 0; k < called.size(); ++k) {
     const MyrmexWindow& window = *windows[k];
-    if (k < drawn) figures.folds.back().add(labels[k], called[k]);
+    if (k < drawn) result.counts.add(labels[k], called[k]);
     if (labels[k] != 0) continue;
-    if (k >= drawn) figures.late.add(called[k] != 0);
-    if (k < drawn && std::isnan(window.to_onset)) figures.holds.add(called[k] != 0);
-    if (k < drawn && window.to_onset > last_seconds) figures.earlier.add(called[k] != 0);
+    if (k >= drawn) result.late.add(called[k] != 0);
+    if (k < drawn && std::isnan(window.to_onset)) result.holds.add(called[k] != 0);
+    if (k < drawn && window.to_onset > last_seconds) result.earlier.add(called[k] != 0);
   }
-  return figures;
+  return result;
 }
 
 void MyrmexValidations::run() {
-  std::vector<MyrmexFigures> done = run_in_order<MyrmexFigures>(
+  static_cast<void>(learn::network_libraries());  // loaded once, not by every child
+  const std::vector<std::vector<MyrmexFold>> done = run_in_processes<MyrmexFold>(
       tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
-      [this](std::size_t k) { return judged(plans_[tasks_[k].of], tasks_[k].fold); });
+      [this](std::size_t k) { return std::vector{judged(plans_[tasks_[k].of], tasks_[k].fold)}; });
   for (std::size_t k = 0; k < tasks_.size(); ++k) {
     MyrmexFigures& figures = results_[tasks_[k].of];
-    figures.folds.push_back(done[k].folds.front());
-    figures.late.add(done[k].late);
-    figures.earlier.add(done[k].earlier);
-    figures.holds.add(done[k].holds);
+    const MyrmexFold& fold = done[k].front();
+    figures.folds.push_back(fold.counts);
+    figures.late.add(fold.late);
+    figures.earlier.add(fold.earlier);
+    figures.holds.add(fold.holds);
   }
 }
 

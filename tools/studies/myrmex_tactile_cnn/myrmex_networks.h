@@ -72,10 +72,16 @@ struct WrongCount {
   [[nodiscard]] double share() const;  // NaN of none
 };
 
-struct MyrmexFigures {
-  std::vector<KindCounts> folds;
+// Of one network.
+struct MyrmexFold {
+  KindCounts counts;
   // Stable windows: of the last half second before the onset, all of them; of those drawn: earlier, and of trials that hold.
   WrongCount late, earlier, holds;
+};
+
+struct MyrmexFigures {
+  std::vector<KindCounts> folds;
+  WrongCount late, earlier, holds;  // of all folds
 
   [[nodiscard]] KindCounts all() const;
 };
@@ -97,7 +103,7 @@ inline constexpr std::size_t trial_folds = 5;
 // The trials of scenes/myrmex/dataset.yaml. Throws InputError and Interrupted, and InputError where a class has no window.
 std::vector<MyrmexTrial> myrmex_trials(const ReproduceOptions& options, const MyrmexSize& size);
 
-// Rows judged by splits: queued first, then run together.
+// Rows judged by splits: queued first, then run together, each network in a process of its own.
 class MyrmexValidations {
  public:
   // All three must outlive it.
@@ -122,7 +128,7 @@ class MyrmexValidations {
     std::vector<WindowPlace> places;
     std::vector<std::size_t> fold_of;
   };
-  [[nodiscard]] MyrmexFigures judged(const Plan& plan, std::size_t fold) const;
+  [[nodiscard]] MyrmexFold judged(const Plan& plan, std::size_t fold) const;
 
   const ReproduceOptions& options_;
   const MyrmexSize& size_;

@@ -7,8 +7,6 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/workers/child_process.h"
-#include "tools/base/workers/interrupt.h"
 #include "tools/program/learn/recipe.h"
 #include "tools/studies/grid.h"
 
@@ -52,16 +50,16 @@ learn::FrameSequence padded(const learn::FrameSequence& sequence, std::size_t in
   return whole;
 }
 
-// The calls of one fold, for a child process to hand over: those of its recordings, one after the other.
-std::string packed_calls(const learn::Calls& calls) {
-  std::string bytes;
-  for (const std::vector<std::uint8_t>& one : calls) bytes.append(one.begin(), one.end());
-  return bytes;
+// The calls of one fold one after the other, as a child process hands them over; and each recording's.
+std::vector<std::uint8_t> joined(const learn::Calls& calls) {
+  std::vector<std::uint8_t> all;
+  for (const std::vector<std::uint8_t>& one : calls) all.insert(all.end(), one.begin(), one.end());
+  return all;
 }
-learn::Calls unpacked_calls(const std::string& bytes, const std::vector<learn::FoldExample>& examples,
-                            const std::vector<std::size_t>& fold_of, std::size_t fold) {
+learn::Calls split(const std::vector<std::uint8_t>& all, const std::vector<learn::FoldExample>& examples,
+                   const std::vector<std::size_t>& fold_of, std::size_t fold) {
   learn::Calls calls(examples.size());
-  auto next = bytes.begin();
+  auto next = all.begin();
   for (std::size_t i = 0; i < examples.size(); ++i) {
     if (fold_of[i] != fold) continue;
     const auto end = next + static_cast<std::ptrdiff_t>(examples[i].frames.label.size());
@@ -218,20 +216,15 @@ std::size_t Validations::queue_folds(const std::vector<PiezoRecording>& recordin
 
 void Validations::run() {
   static_cast<void>(learn::network_libraries());  // loaded once, not by every child
-  const InterruptGuard guard;
-  const auto say = [this](std::size_t k) {
-    if (options_.say && (k % 10 == 0 || tasks_[k].name != tasks_[k - 1].name))
-      options_.say(fmt::format("{} ({} of {} begun)", tasks_[k].name, k, tasks_.size()));
-  };
-  const std::vector<std::string> packed = run_in_processes(
-      tasks_.size(), jobs_of(options_),
+  const std::vector<std::vector<std::uint8_t>> said = run_in_processes<std::uint8_t>(
+      tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
       [this](std::size_t k) {
-        return packed_calls(learn::called_in_fold(*tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold, tasks_[k].validation));
-      },
-      say, InterruptGuard::flag());
+        const Task& task = tasks_[k];
+        return joined(learn::called_in_fold(*task.examples, task.fold_of, task.fold, task.validation));
+      });
   for (std::size_t k = 0; k < tasks_.size(); ++k) {
     Outcome& outcome = results_[tasks_[k].of];
-    learn::Calls called = unpacked_calls(packed[k], *tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold);
+    learn::Calls called = split(said[k], *tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold);
     const std::vector<learn::Counts> counts = learn::counts_of(*tasks_[k].examples, called);
     std::ranges::copy(counts, outcome.folds.emplace_back().begin());
     for (std::size_t i = 0; i < called.size(); ++i) {

@@ -134,6 +134,12 @@ TEST_F(IntegrityTest, SchemaOneHasItsArraysChecked) {
   ::testing::internal::CaptureStderr();
   EXPECT_NO_THROW(check());
   const std::string said = ::testing::internal::GetCapturedStderr();
+  // What a detector has learnt from is known by this.
+  {
+    const DatasetReader reader(path("a.h5"));
+    EXPECT_EQ(trial_identity(reader, 1), hexadecimal(reader.stored_digest(1)));
+    EXPECT_NE(trial_identity(reader, 1), trial_identity(reader, 2));
+  }
   EXPECT_EQ(said, "slipbench: " + path("a.h5") +
                       ": schema 1: its digest covers arrays alone, so attributes such as onset_time_s go unchecked\n");
   change([](hid_t file) {

@@ -58,6 +58,9 @@ def attribute_text(value):
 # The second of two trials is beyond what can be computed.
 WITH_A_FAILURE = ["--trials", "2", "--set", "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e300}}]]}"]
 RUNS += (("papillarray/stage.yaml", *WITH_A_FAILURE),)
+# A part of a sweep, whose scene says how it is split.
+SHARD = ("--shard", "1/1", "--record", "outcome", "--set", "split={by: trial, shares: [0.8, 0.1, 0.1]}", "duration=1 s", "motion.start=500 ms")
+RUNS += (("papillarray/stage.yaml", *SHARD),)
 
 
 class ReferenceTest(unittest.TestCase):
@@ -105,7 +108,8 @@ class ReferenceTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for scene, *options in RUNS:
                 out = Path(folder) / "out.h5"
-                result = subprocess.run([PROGRAM, "run", ROOT / "scenes" / scene, *options, "-o", out], stdout=subprocess.DEVNULL)
+                verb = "sweep" if "--shard" in options else "run"
+                result = subprocess.run([PROGRAM, verb, ROOT / "scenes" / scene, *options, "-o", out], stdout=subprocess.DEVNULL)
                 self.assertEqual(result.returncode, int(options == WITH_A_FAILURE))
                 with h5py.File(out) as file:
                     self.look_at(file)

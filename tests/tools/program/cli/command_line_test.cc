@@ -267,13 +267,13 @@ TEST(CommandLine, EvalTakesADetectorAndItsParameters) {
   ASSERT_EQ(command.parameters.size(), 2U);
   EXPECT_EQ(command.parameters[1].path, "touch");
   EXPECT_EQ(command.parameters[1].value, "20 mN");
-  EXPECT_EQ(command.options.labels, judge::TruthRule::latched);
+  EXPECT_EQ(command.labels, judge::TruthRule::latched);
   EXPECT_EQ(command.options.sensor, "pad");
   EXPECT_EQ(command.options.split, "test");
   EXPECT_TRUE(command.options.all);
   EXPECT_EQ(command.output, "p.html");
   const auto plain = parsed<EvalCommand>({"eval", "m", "a.h5"});
-  EXPECT_EQ(plain.options.labels, judge::TruthRule::strict);
+  EXPECT_EQ(plain.labels, std::nullopt) << "what a network learnt by, else strict";
   EXPECT_EQ(plain.options.split, "");
   EXPECT_EQ(parsed<EvalCommand>({"eval", "m", "a.h5", "--split", "all"}).options.split, "");
 }
@@ -341,8 +341,8 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
 }
 
 TEST(CommandLine, EveryCommandExplainsItself) {
-  for (const std::string name : {"run", "sweep", "check", "report", "export", "import", "verify", "hd", "train", "eval",
-                                 "reproduce", "cost", "bench", "list", "describe", "doctor", "plugin-path"}) {
+  for (const std::string name : {"run", "sweep", "check", "report", "export", "import", "verify", "merge", "cluster", "hd",
+                                 "train", "eval", "reproduce", "cost", "bench", "list", "describe", "doctor", "plugin-path"}) {
     const std::string text = parse({name, "--help"}).help;
     EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
     EXPECT_THAT(text, HasSubstr("--json")) << name;
@@ -364,21 +364,26 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Refusal{
             {"swep", "s.yaml"},
-            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, import, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, export, import, verify, merge, cluster, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{
             {"xyzzy"},
-            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, import, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'xyzzy'; commands: run, sweep, check, report, export, import, verify, merge, cluster, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{
             {"--json", "lst"},
-            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, import, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, export, import, verify, merge, cluster, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"doctor", "list"}, "doctor: unexpected argument 'list'; see slipbench doctor --help"},
         Refusal{{"list", "run", "sweep"}, "list: unexpected argument 'sweep'; see slipbench list --help"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
         Refusal{
             {"--json"},
-            "no command given; commands: run, sweep, check, report, export, import, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "no command given; commands: run, sweep, check, report, export, import, verify, merge, cluster, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"verify"}, "verify: FILE is required"},
-        Refusal{{"describe"}, "describe: NAME is required"},
+        Refusal{{"describe"}, "describe: NAME is required"}, Refusal{{"merge", "-o", "m.h5"}, "merge: FILE is required"},
+        Refusal{{"merge", "a.h5"}, "merge: --output is required"},
+        Refusal{{"cluster", "s.yaml", "-o", "dir"}, "cluster: --shards is required"},
+        Refusal{{"sweep", "s.yaml", "--shard", "0/3", "-o", "a.h5"},
+                "sweep: --shard is '0/3'; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8"},
+        Refusal{{"sweep", "s.yaml", "--shard", "1/3"}, "sweep: --shard writes a part of a dataset; allowed: with -o"},
         Refusal{
             {"run", "s.yaml", "--job", "2"},
             "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --resume, --trial"},
@@ -389,7 +394,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
         Refusal{
             {"view", "s.yaml"},
-            "command 'view' is not available in this version; available: run, sweep, check, report, export, import, verify, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "command 'view' is not available in this version; available: run, sweep, check, report, export, import, verify, merge, cluster, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
         Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
         Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},
@@ -424,7 +429,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "train: --context and --no-context exclude each other"},
         Refusal{{"eval", "m"}, "eval: FILE is required"},
         Refusal{{"eval", "m", "a.h5", "--labels", "stric"},
-                "unknown label rule 'stric'; did you mean 'strict'? allowed: strict, micro, paper, latched, has_slipped"},
+                "unknown label rule 'stric'; did you mean 'strict'? allowed: strict, micro, paper, latched, masked, has_slipped"},
         Refusal{{"eval", "m", "a.h5", "--split", "tests"},
                 "eval: --split is 'tests'; did you mean 'test'? allowed: all, train, valid, test"},
         Refusal{{"export", "a.h5", "--format", "vendor-csv"}, "export: --output is required"}));

@@ -140,7 +140,7 @@ TEST_F(ImportedFiles, AreJudgedByTheirOwnLabels) {
 
 TEST_F(ImportedFiles, ANetworkHasToBeNamed) {
   expect_refusal({"eval", "network", data_, "--labels", "paper"},
-                 "eval: no network is named; allowed: FILE.onnx in place of 'network', or --set model=FILE.onnx");
+                 "eval: no network is named; allowed: FILE.onnx in place of 'network', or the parameter model=FILE.onnx");
 }
 #endif
 

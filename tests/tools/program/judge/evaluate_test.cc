@@ -38,6 +38,15 @@ TEST(ChosenDetector, IsANameAFileOrAFolder) {
   EXPECT_EQ(folder.parameters.number("rate"), 50.0);
 }
 
+TEST(LearntLabels, AreThoseOfTheTraining) {
+  EXPECT_EQ(learnt_labels("{}"), TruthRule::strict);
+  EXPECT_EQ(learnt_labels("no JSON"), TruthRule::strict);
+  EXPECT_EQ(learnt_labels(R"({"labels": "masked"})"), TruthRule::masked);
+  EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": "micra"})"); }),
+              HasSubstr("trained.labels: unknown label rule 'micra'; did you mean 'micro'?"));
+  EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": 1})"); }), HasSubstr("judge by one with --labels"));
+}
+
 TEST(ChosenDetector, RefusesAsAScene) {
   const auto refusal = [](const std::string& text, const std::vector<Override>& parameters) {
     return refusal_of([&] { chosen_detector(text, parameters); });

@@ -54,6 +54,21 @@ TEST(Judged, AnAlarmBeforeTheSlipIsEarlyAndCountedWhereItBegins) {
   EXPECT_EQ(result.stick_alarms, 2U) << "that at 0.4 s goes on into the slip";
 }
 
+// Samples 8 and 9, in which the pad sticks again, are masked: neither a frame nor a false alarm, but the alarm at 0.8 s sees the slip.
+TEST(Judged, MaskedFramesJudgeNothingButTheDelay) {
+  Truth masked = truth();
+  masked.masked = {false, false, false, false, false, false, false, false, true, true};
+  Replayed late = seen({none, stick, stick, stick, stick, stick, stick, stick, all, stick});
+  late.probability.assign(10, 0.5);
+  const Judgement result = judged(0, masked, late);
+  EXPECT_EQ(result.frames[1][3] + result.frames[2][3] + result.frames[3][3], 0U);
+  EXPECT_EQ(result.frames[1][1], 5U) << "samples 1 to 5";
+  EXPECT_EQ(result.negatives.size(), 6U) << "and that in the air";
+  EXPECT_NEAR(result.stick_time, 0.5, 1e-12);
+  EXPECT_EQ(result.stick_alarms, 0U);
+  EXPECT_DOUBLE_EQ(result.delay, 0.8 - 0.55);
+}
+
 TEST(Judged, MissedQuietAndFalseAlarm) {
   const std::vector<PadState> quiet(10, stick);
   EXPECT_EQ(judged(0, truth(), seen(quiet)).detection, Detection::missed);

@@ -43,6 +43,14 @@ TEST(Labels, LatchedHoldsUntilContactIsLost) {
   EXPECT_EQ(label_states(sensor(), TruthRule::latched, false), (std::vector{none, stick, some, all, all, all, none, stick}));
 }
 
+// Slips from 0.2 s to 0.4 s: at 0.5 s it sticks under the shear of that slip, at 0.7 s in a new contact.
+TEST(Labels, MaskedIsMicroWithoutWhatSticksAgain) {
+  EXPECT_EQ(label_states(sensor(), TruthRule::masked, false), label_states(sensor(), TruthRule::micro, false));
+  const auto masked = [](TruthRule rule) { return truth_of(nullptr, {}, sensor(), rule).masked; };
+  EXPECT_EQ(masked(TruthRule::masked), (std::vector{false, false, false, false, false, true, false, false}));
+  EXPECT_TRUE(masked(TruthRule::micro).empty());
+}
+
 TEST(Labels, RefuseWhatDoesNotFit) {
   const auto refusal = [](const SensorRecord& record, TruthRule rule) {
     try {

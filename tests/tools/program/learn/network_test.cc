@@ -354,6 +354,25 @@ TEST(Network, APenaltyOnChangeSmoothes) {
   EXPECT_LT(roughness(0.2), 0.7 * roughness(0.0));
 }
 
+// As if its last frame stood still behind it and were masked; 32 is a clip.
+TEST(Network, AShortSequenceCutsNoOthersClips) {
+  const std::vector<FrameSequence> both = gaussians(2, 50, 6);
+  FrameSequence brief = both[1];
+  brief.features.resize(10);
+  brief.label.resize(10);
+  FrameSequence padded = brief;
+  padded.features.resize(32, brief.features.back());
+  padded.label.resize(32, masked);
+  for (const Balance balance : {Balance::weights, Balance::drawing}) {
+    TrainingOptions options = quick;
+    options.balance = balance;
+    const auto losses = [&](const FrameSequence& second) {
+      return make_network(mlp(1, 8, 2), 1)->train(std::vector{both[0], second}, {}, options).losses;
+    };
+    EXPECT_EQ(losses(brief), losses(padded));
+  }
+}
+
 // The target of a smoothed label is 1 - s/2 and s/2, so the best log odds of what can be told for certain are ln((2 - s)/s): for s = 0.2, 2.197.
 TEST(Network, SmoothedLabelsBoundTheOdds) {
   std::vector<FrameSequence> sequences(2);

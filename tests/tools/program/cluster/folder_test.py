@@ -1,0 +1,125 @@
+"""The folder that `slipbench cluster` writes: what it says, what is refused, and its scripts by hand. Arguments: the project's root, the program."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = Path(sys.argv.pop(2)).resolve()
+ROOT = Path(sys.argv.pop(1)).resolve()
+STAGE = ROOT / "scenes/papillarray/stage.yaml"
+SETTINGS = ("--set", "duration=320 ms", "sweep={motion.direction: {draw: uniform, min: 0 deg, max: 90 deg}}", "motion.start=300 ms",
+            "motion.compression=0.2 mm", "--seed", "3")  # fmt: skip
+SWEEP = (*SETTINGS, "--trials", "6")
+
+
+class FolderTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        shutil.copy(STAGE, self.folder / "a scene.yaml")
+
+    def run_program(self, *words, status=0):
+        result = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, cwd=self.folder, timeout=300)
+        self.assertEqual(result.returncode, status, result.stderr)
+        return result
+
+    def cluster(self, name, shards, *words, trials=6):
+        self.run_program("cluster", "a scene.yaml", *SETTINGS, "--trials", trials, "-o", name, "--shards", shards, *words)
+        return self.folder / name
+
+    def script(self, *words, status=0, environment=None):
+        result = subprocess.run(["bash", *map(str, words)], capture_output=True, text=True, timeout=300, env={**os.environ, **(environment or {})})
+        self.assertEqual(result.returncode, status, result.stderr)
+        return result
+
+    def test_scripts_by_hand_give_the_undivided_sweep(self):
+        self.run_program("sweep", "a scene.yaml", *SWEEP, "-o", "whole.h5", "--quiet")
+        cluster = self.cluster("a folder", 3)
+        for k in (2, 1, 3):
+            self.assertIn(f"shard {k}/3 is finished", self.script(cluster / "shard.sh", k, "by-hand").stdout)
+        self.assertIn("shard 2/3 is there, and its digests hold", self.script(cluster / "shard.sh", 2, "again").stdout)
+        self.script(cluster / "merge.sh")
+        self.assertEqual((cluster / "a scene.h5").read_bytes(), (self.folder / "whole.h5").read_bytes())
+        self.assertEqual(list((cluster / "attempts").iterdir()), [])
+
+    def test_a_damaged_shard_is_made_again(self):
+        cluster = self.cluster("cluster", 2)
+        self.script(cluster / "shard.sh", 1, "first")
+        shard = cluster / "shards/1/shard.h5"
+        whole = shard.read_bytes()
+        shard.write_bytes(whole[:-100])
+        self.assertIn("shard 1/2 is finished", self.script(cluster / "shard.sh", 1, "second").stdout)
+        self.assertEqual(shard.read_bytes(), whole)
+
+    def test_an_attempt_that_still_runs_is_left_alone(self):
+        cluster = self.cluster("cluster", 2)
+        own = cluster / "attempts/1.same"
+        own.mkdir(parents=True)
+        with subprocess.Popen(["flock", own, "sleep", "60"]) as earlier:
+            while subprocess.run(["flock", "--nonblock", own, "true"], check=False).returncode == 0:
+                pass
+            self.script(cluster / "shard.sh", 1, "same")
+            earlier.terminate()
+        self.assertTrue((cluster / "shards/1/shard.h5").exists())
+        self.assertEqual(list(own.iterdir()), [])
+
+    def test_a_bad_scene_ends_the_shard_and_publishes_nothing(self):
+        cluster = self.cluster("cluster", 2)
+        (self.folder / "a scene.yaml").write_text("slipbench: 1\nduratoin: 1 s\n", encoding="ascii")
+        self.assertIn("unknown key 'duratoin'", self.script(cluster / "shard.sh", 1, "first", status=2).stderr)
+        self.assertFalse((cluster / "shards/1").exists())
+        self.assertNotEqual(subprocess.run(["bash", cluster / "merge.sh"], capture_output=True, check=False).returncode, 0)
+
+    def test_another_way_to_start_the_program(self):
+        cluster = self.cluster("cluster", 2)
+        self.script(cluster / "shard.sh", 1, "first", environment={"SLIPBENCH": f"env NO_COLOR=1 {PROGRAM}"})
+        self.assertTrue((cluster / "shards/1/shard.h5").exists())
+        self.script(cluster / "shard.sh", 2, "first", status=1, environment={"SLIPBENCH": "false"})
+
+    def test_the_array(self):
+        def array(cluster):
+            return (cluster / "array.sbatch").read_text(encoding="utf-8")
+
+        self.assertIn("#SBATCH --array=1-6%6\n", array(self.cluster("six", 6)))
+        text = array(self.cluster("throttled", 6, "--throttle", 2, "--jobs", 4))
+        self.assertIn("#SBATCH --array=1-6%2\n", text)
+        self.assertIn("#SBATCH --cpus-per-task=4\n", text)
+        self.assertIn("#SBATCH --requeue\n", text)
+        # Slurm's MaxArraySize is 1001 where nobody sets it, and an index must be less: 1,000 tasks run 2,500 shards, three or two each.
+        text = array(self.cluster("many", 2500, trials=2500))
+        self.assertIn("#SBATCH --array=1-1000%1000\n", text)
+        loop = re.search(r"for \(\(.*?\)\); do", text)[0]
+        ran = []
+        for task in (1, 500, 501, 1000):
+            ran.append(self.script("-c", f"SLURM_ARRAY_TASK_ID={task}; {loop} echo $k; done").stdout.split())
+        self.assertEqual(ran, [["1", "1001", "2001"], ["500", "1500", "2500"], ["501", "1501"], ["1000", "2000"]])
+
+    def test_what_is_refused(self):
+        def refuse(message, *words):
+            self.assertIn(message, self.run_program("cluster", *words, status=2).stderr)
+
+        out = ("-o", "cluster", "--shards")
+        refuse("--shard is 1/7 and the sweep has 6 trials; allowed: no more shards than trials", "a scene.yaml", *SWEEP, *out, 7)
+        refuse("--shards is '0'", "a scene.yaml", *out, 0)
+        refuse("allowed: a new or an empty folder", "a scene.yaml", *SWEEP, "-o", ".", "--shards", 2)
+        refuse("allowed: a new or an empty folder", "a scene.yaml", *SWEEP, "-o", "a scene.yaml", "--shards", 2)
+        refuse("cannot be read", "nothing.yaml", *out, 2)
+        refuse("motion.start: 10 ms is too early", "a scene.yaml", *SWEEP, "--set", "motion.start=10 ms", *out, 2)
+        self.assertFalse((self.folder / "cluster").exists())
+
+    def test_scripts_pass_shellcheck(self):
+        if not shutil.which("shellcheck"):
+            self.skipTest("shellcheck is missing")
+        cluster = self.cluster("cluster", 2)
+        for name in ("shard.sh", "merge.sh", "array.sbatch"):
+            subprocess.run(["shellcheck", "--shell=bash", cluster / name], check=True)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,79 @@
+"""A sweep that takes some seconds, its undivided dataset, and what the tests of real schedulers do to its processes."""
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+SHARDS = 8
+SCENE = """slipbench: 1
+description: short sweep
+duration: 1 s
+time_step: 1 ms
+seed: 7
+surface: {material: acrylic}
+motion: {kind: stage, gap: 0 mm, compression: 0.1 mm, approach_speed: 10 mm/s, start: 0.1 s, speed: 4 mm/s, acceleration: 1 m/s2}
+sensors:
+  pad: {type: papillarray, rate: 1 kHz, electronics: typical, bristles: 6}
+sweep:
+  motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]
+  motion.direction: {draw: uniform, min: 0 deg, max: 360 deg}
+  trials: 240
+"""
+OUTCOMES = ("--record", "outcome")  # arrays would take longer to verify than to simulate
+PATIENCE = 300  # s, after which a scheduler is taken to hang
+
+
+def wait_for(what, condition):
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        found = condition()
+        if found:
+            return found
+        time.sleep(0.02)
+    raise AssertionError(f"{what}: not within {PATIENCE} s")
+
+
+class SweepFolder:
+    """The scene and its whole sweep in `folder`, which the rounds share."""
+
+    def __init__(self, program, folder):
+        self.program, self.folder = program, Path(folder)
+        self.scene = self.folder / "scene.yaml"
+        self.scene.write_text(SCENE, encoding="ascii")
+        self.whole = self.folder / "whole.h5"
+        self.run("sweep", "scene.yaml", *OUTCOMES, "-o", self.whole, "--quiet")
+
+    def run(self, *words):
+        subprocess.run([self.program, *map(str, words)], check=True, cwd=self.folder, stdout=subprocess.DEVNULL, timeout=PATIENCE)
+
+    def cluster(self, name):
+        """The folder that `slipbench cluster` writes."""
+        self.run("cluster", "scene.yaml", "-o", name, "--shards", SHARDS, *OUTCOMES)
+        return self.folder / name
+
+    def sweep_process(self, cluster, k):
+        """The process that simulates shard k below the folder `cluster`; none: it is not there."""
+        for entry in os.listdir("/proc"):
+            try:
+                words = Path("/proc", entry, "cmdline").read_bytes().decode().split("\0") if entry.isdigit() else []
+            except OSError:
+                continue
+            if f"{k}/{SHARDS}" in words and any(word.startswith(f"{cluster}/") for word in words):
+                return int(entry)
+        return None
+
+    def kill_in_the_middle(self, cluster, k):
+        """Kills shard k once it has finished some trials."""
+
+        def holds_trials():
+            partial = list(cluster.glob(f"attempts/{k}.*/shard.h5.partial"))
+            return partial and partial[0].stat().st_size > 100_000 and self.sweep_process(cluster, k)
+
+        os.kill(wait_for(f"shard {k} simulates", holds_trials), signal.SIGKILL)
+        assert not (cluster / f"shards/{k}").exists(), f"shard {k} was finished before it could be killed"
+
+    def merged_is_whole(self, cluster):
+        subprocess.run(["bash", cluster / "merge.sh"], check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE)
+        return (cluster / "scene.h5").read_bytes() == self.whole.read_bytes()

@@ -1,0 +1,158 @@
+#include "tools/base/dataset/shard_set.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/kept_trials.h"
+#include "tools/base/dataset/stored_trials.h"
+
+namespace slipbench {
+namespace {
+
+std::string normal(const std::string& path) { return std::filesystem::path(path).lexically_normal().string(); }
+
+// "trial 3 is missing", "trials 3, 4 and 5 more are missing".
+std::string missing_text(const char* what, const std::vector<std::size_t>& numbers, const std::string& of) {
+  constexpr std::size_t most = 8;
+  std::string text = fmt::format(
+      "{}{} {}", what, numbers.size() == 1 ? "" : "s",
+      fmt::join(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(std::min(most, numbers.size())), ", "));
+  if (numbers.size() > most) text += fmt::format(" and {} more", numbers.size() - most);
+  return text + of + (numbers.size() == 1 ? " is missing" : " are missing");
+}
+
+}  // namespace
+
+ShardSet::ShardSet(const std::vector<std::string>& paths) {
+  std::set<std::string> later;
+  std::vector<std::string> first;
+  for (const std::string& path : paths) {
+    const std::optional<FileAbout> about = file_about(path);
+    if (about && about->header.part && about->shard > 0) {
+      later.insert(normal(path));
+    } else {
+      first.push_back(path);
+    }
+  }
+  for (const std::string& path : first) shards_.push_back(std::make_unique<StoredTrials>(path));
+  for (const std::string& name : files()) later.erase(normal(name));
+  if (!later.empty()) throw InputError(*later.begin() + ": is a further file of a shard; allowed: with the shard's first file");
+
+  for (const auto& shard : shards_) {
+    const DatasetHeader& one = shard->about().header;
+    const auto refuse = [&](const std::string& difference) {
+      throw InputError(
+          fmt::format("{}: is no shard of the same sweep as {}: it has {}", shard->path(), shards_.front()->path(), difference));
+    };
+    const std::string other = shards_.front()->path();
+    const std::string difference = header_difference(whole_header(one), whole_header(header()), other);
+    if (!difference.empty()) refuse(difference);
+    if (one.part->count != header().part->count)
+      refuse(fmt::format("shard {}, {} has {}", shard_text(*one.part), other, shard_text(*header().part)));
+    if (one.part->trials != header().part->trials)
+      refuse(fmt::format("{} trials in all, {} has {}", one.part->trials, other, header().part->trials));
+    for (const FailedTrial& trial : shard->about().failed) failed_.emplace(trial.trial, trial);
+  }
+  look_for_gaps();
+}
+
+void ShardSet::look_for_gaps() {
+  const SweepShard& part = *header().part;
+  std::vector<bool> there(part.trials, false);
+  std::vector<bool> shard_there(part.count + 1, false);
+  for (const auto& shard : shards_) {
+    shard_there[shard->about().header.part->number] = true;
+    for (const auto& [trial, group] : shard->list()) {
+      if (trial >= part.trials) {
+        throw InputError(
+            fmt::format("{}: holds trial {}; allowed: 0 to {}, those of its sweep", shard->path(), trial, part.trials - 1));
+      }
+      if (failed_.contains(trial))
+        throw InputError(fmt::format("{}: holds trial {}, which has failed in a shard", shard->path(), trial));
+      if (!there[trial]) ++count_;
+      there[trial] = true;
+    }
+  }
+  for (const auto& [trial, failed] : failed_) {
+    if (trial < part.trials) there[trial] = true;
+  }
+  std::vector<std::size_t> missing;
+  for (std::size_t number = 1; number <= part.count; ++number) {
+    if (!shard_there[number]) missing.push_back(number);
+  }
+  if (!missing.empty()) {
+    gaps_.push_back(missing_text("shard", missing, fmt::format(" of {}", part.count)));
+    return;
+  }
+  for (std::size_t trial = 0; trial < part.trials; ++trial) {
+    if (!there[trial]) missing.push_back(trial);
+  }
+  if (!missing.empty()) gaps_.push_back(missing_text("trial", missing, ""));
+}
+
+ShardSet::~ShardSet() = default;
+
+const DatasetHeader& ShardSet::header() const { return shards_.front()->about().header; }
+
+std::vector<std::string> ShardSet::files() const {
+  std::vector<std::string> names;
+  for (const auto& shard : shards_) std::ranges::move(shard->files(), std::back_inserter(names));
+  return names;
+}
+
+std::vector<FailedTrial> ShardSet::failed() const {
+  std::vector<FailedTrial> failed;
+  for (const auto& [trial, one] : failed_) failed.push_back(one);
+  return failed;
+}
+
+std::vector<StoredTrials*> ShardSet::at_least() {
+  std::vector<StoredTrials*> least;
+  for (const auto& shard : shards_) {
+    if (!shard->trial()) continue;
+    if (!least.empty() && *shard->trial() < *least.front()->trial()) least.clear();
+    if (least.empty() || *shard->trial() == *least.front()->trial()) least.push_back(shard.get());
+  }
+  for (std::size_t i = 1; i < least.size(); ++i) {
+    if (least[i]->sha256() == least.front()->sha256()) continue;
+    throw InputError(fmt::format("{}: trial {} is not that of {}: their digests differ; allowed: one of the two files",
+                                 least[i]->path(), *least[i]->trial(), least.front()->path()));
+  }
+  return least;
+}
+
+std::optional<EncodedTrial> ShardSet::next(std::size_t& duplicates) {
+  const std::vector<StoredTrials*> least = at_least();
+  if (least.empty()) return std::nullopt;
+  duplicates += least.size() - 1;
+  EncodedTrial trial = least.front()->read();
+  for (StoredTrials* shard : least) shard->advance();
+  return trial;
+}
+
+std::size_t ShardSet::check_duplicates() {
+  std::size_t duplicates = 0;
+  for (std::vector<StoredTrials*> least = at_least(); !least.empty(); least = at_least()) {
+    duplicates += least.size() - 1;
+    for (StoredTrials* shard : least) shard->advance();
+  }
+  return duplicates;
+}
+
+ReadingLimits reading_limits(const std::vector<std::string>& paths) {
+  ReadingLimits limits;
+  for (const std::string& path : paths) {
+    const ReadingLimits one = reading_limits(path);
+    limits.cpu += one.cpu;
+    limits.wait += one.wait;
+    limits.memory = std::max(limits.memory, one.memory);
+  }
+  return limits;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,61 @@
+// Several shards of one sweep, as they lie in files.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/header.h"
+
+namespace slipbench {
+
+class StoredTrials;
+
+// Shards that belong together. A shard may stand there twice, and two may hold the same trial, as long as its digests are equal. Use it inside
+// guarded() (guarded.h).
+class ShardSet {
+ public:
+  // `paths`: the first files of shards; further files of them may stand among them. Throws InputError as StoredTrials does, and for a shard of
+  // another sweep than the first one's, with what differs: scene, seed, version, overrides, command, files, n.
+  explicit ShardSet(const std::vector<std::string>& paths);
+  ~ShardSet();
+  ShardSet(const ShardSet&) = delete;
+  ShardSet& operator=(const ShardSet&) = delete;
+
+  // Of the first shard.
+  [[nodiscard]] const DatasetHeader& header() const;
+  // Names of all files.
+  [[nodiscard]] std::vector<std::string> files() const;
+  // Different trials that the shards hold.
+  [[nodiscard]] std::size_t size() const { return count_; }
+  // Trials that failed, ascending.
+  [[nodiscard]] std::vector<FailedTrial> failed() const;
+  // What is missing, as clauses: "shards 3 and 7 of 8 are missing", "trial 12 is missing". Empty: the sweep is whole.
+  [[nodiscard]] const std::vector<std::string>& gaps() const { return gaps_; }
+
+  // The next trial, in ascending order over all shards; empty: there is none. Adds to `duplicates` how many further shards hold it. Throws
+  // InputError where their digests differ.
+  std::optional<EncodedTrial> next(std::size_t& duplicates);
+  // Does the same to all trials without reading them. Returns how often a further shard holds one.
+  std::size_t check_duplicates();
+
+ private:
+  // The shards that stand at the lowest trial. Throws where its digests differ.
+  std::vector<StoredTrials*> at_least();
+  void look_for_gaps();
+
+  std::vector<std::unique_ptr<StoredTrials>> shards_;
+  std::map<std::size_t, FailedTrial> failed_;
+  std::size_t count_ = 0;
+  std::vector<std::string> gaps_;
+};
+
+// What reading several datasets, one after the other, may take.
+ReadingLimits reading_limits(const std::vector<std::string>& paths);
+
+}  // namespace slipbench

@@ -1,0 +1,57 @@
+// Trials as a file stores them: compressed, ready to be stored again.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/hdf5_place.h"
+#include "tools/base/dataset/mask.h"
+#include "tools/base/dataset/reader.h"
+
+namespace slipbench {
+
+// The trials of one shard of a sweep in ascending order. One of its files is open at a time, and of that one trial in memory. All functions
+// throw InputError when a file is not what it should be. HDF5 itself may crash on damaged bytes: use it inside guarded() (guarded.h).
+class StoredTrials {
+ public:
+  // `path`: the shard's first file. Refuses what is no shard of a sweep, and one whose run did not come to its end.
+  explicit StoredTrials(std::string path);
+
+  // What the shard says of itself; `split` is set.
+  [[nodiscard]] const FileAbout& about() const { return about_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+  // Names of its files.
+  [[nodiscard]] std::vector<std::string> files() const;
+  // Numbers of all its trials, ascending, and the groups that they are split by. Opens each file once, and goes back to the first trial.
+  [[nodiscard]] std::vector<std::pair<std::size_t, std::string>> list();
+
+  // The number of the trial at which it stands; empty: after the last.
+  [[nodiscard]] std::optional<std::size_t> trial();
+  // Its attribute sha256, 64 hexadecimal digits.
+  [[nodiscard]] std::string sha256();
+  // The trial: its chunks are those of the file, and are not unfolded.
+  [[nodiscard]] EncodedTrial read();
+  // Goes to the next one. After the last of a file: throws InputError where the file's content_sha256 is not that of its trials' digests and of
+  // what it holds beside them.
+  void advance();
+
+ private:
+  void open(std::size_t file);
+  [[nodiscard]] hdf5::Place place(const std::string& object) const { return {file_.get(), name_, object}; }
+
+  std::string path_;
+  FileAbout about_;
+  std::size_t index_ = 0;  // of the open file
+  std::string name_;       // its name
+  hdf5::Handle file_;
+  std::string content_sha256_;
+  std::vector<std::pair<std::size_t, std::string>> trials_;  // of the open file
+  std::size_t next_ = 0;
+  std::vector<std::pair<std::size_t, Digest>> digests_;
+};
+
+}  // namespace slipbench

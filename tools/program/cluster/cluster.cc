@@ -1,0 +1,227 @@
+#include "tools/program/cluster/cluster.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tools/base/dataset/output_file.h"
+#include "tools/program/run/sweep_shard.h"
+
+namespace slipbench {
+namespace {
+
+// `text` with each @NAME@ replaced.
+std::string filled(std::string text, const std::vector<std::pair<std::string_view, std::string>>& values) {
+  for (const auto& [name, value] : values) {
+    const std::string mark = fmt::format("@{}@", name);
+    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + value.size()))
+      text.replace(at, mark.size(), value);
+  }
+  return text;
+}
+
+constexpr const char* shard_script = R"(#!/usr/bin/env bash
+# One shard of the sweep, whoever asks for it: shard.sh K ATTEMPT
+# Writes shards/K, a folder with shard.h5. A shard that is there and whose digests hold is left as it is. Each attempt writes into a folder of its
+# own, which becomes shards/K in one step; so it does no harm if an attempt is killed, or if two run at once. An attempt that is made again
+# under the same name goes on with what it has left.
+set -euo pipefail
+folder=@FOLDER@
+from=@FROM@   # where the sweep's paths lead from
+sweep=(@SWEEP@)
+n=@N@
+read -ra slipbench <<< "${SLIPBENCH:-@PROGRAM@}"   # SLIPBENCH="apptainer run slipbench.sif": from a container
+
+k=$1
+whole=$folder/shards/$k
+own=$folder/attempts/$k.$2
+
+holds() { [[ -f $1/shard.h5 ]] && "${slipbench[@]}" verify "$1/shard.h5" --json > /dev/null; }
+
+cd "$from"
+if holds "$whole"; then
+  echo "shard $k/$n is there, and its digests hold"
+  exit 0
+fi
+mkdir -p "$folder/shards" "$own"
+# Where a process of an earlier attempt of this name still runs, this one begins anew.
+exec {lock}< "$own"
+if ! flock --nonblock "$lock"; then
+  own=$own.$$
+  mkdir "$own"
+fi
+
+status=0
+"${slipbench[@]}" "${sweep[@]}" --shard "$k/$n" --jobs @JOBS@ --resume --quiet -o "$own/shard.h5" || status=$?
+((status <= 1)) || exit "$status"   # 1: trials have failed, and the shard says which
+holds "$own" || { echo "shard $k/$n: $own does not hold" >&2; exit 1; }
+
+if ! holds "$whole" && [[ -e $whole/shard.h5 ]]; then
+  mv -T "$whole" "$folder/attempts/$k.damaged.$$"
+fi
+# Renames in one step, and not onto a folder that holds something.
+if ! mv -T "$own" "$whole" 2> /dev/null; then
+  holds "$whole" || { echo "shard $k/$n: $whole is in the way" >&2; exit 1; }
+  rm -r "$own"
+fi
+echo "shard $k/$n is finished"
+)";
+
+constexpr const char* array_script = R"(#!/usr/bin/env bash
+# All shards as one Slurm array: sbatch array.sbatch
+# A task that is killed with its machine is queued again, and goes on with what it has left.
+#SBATCH --job-name=slipbench
+#SBATCH --array=1-@TASKS@%@THROTTLE@
+#SBATCH --ntasks=1
+#SBATCH --cpus-per-task=@JOBS@
+#SBATCH --requeue
+#SBATCH --open-mode=append
+#SBATCH --output="@RAW_FOLDER@/logs/%a.log"
+set -euo pipefail
+for ((k = SLURM_ARRAY_TASK_ID; k <= @N@; k += @TASKS@)); do
+  bash @FOLDER@/shard.sh "$k" "slurm-$SLURM_JOB_ID"
+done
+)";
+
+constexpr const char* merge_script = R"(#!/usr/bin/env bash
+# Holds the shards against themselves and each other, and puts them together
+set -euo pipefail
+folder=@FOLDER@
+read -ra slipbench <<< "${SLIPBENCH:-@PROGRAM@}"
+shards=()
+for ((k = 1; k <= @N@; ++k)); do shards+=("$folder/shards/$k/shard.h5"); done
+"${slipbench[@]}" verify "${shards[@]}"
+"${slipbench[@]}" merge "${shards[@]}" -o "$folder"/@NAME@
+)";
+
+constexpr const char* snake_file = R"(# The same for everything else that Snakemake runs jobs on: snakemake --cores 8
+# On a cluster: snakemake --jobs 100 --cluster 'bsub -n {threads}', --profile, --kubernetes, ...
+folder = @PYTHON_FOLDER@
+workdir: folder
+
+rule merge:
+    input: expand("shards/{k}", k=range(1, @N@ + 1))
+    output: @PYTHON_NAME@
+    shell: "bash merge.sh"
+
+rule shard:
+    output: directory("shards/{k}")
+    threads: @JOBS@
+    retries: 3
+    shell: "bash shard.sh {wildcards.k} snakemake"
+)";
+
+constexpr const char* readme = R"(# A sweep in @N@ shards
+@WHAT@
+
+| with | from this folder |
+|---|---|
+| Slurm | `sbatch array.sbatch`, then `sbatch --dependency=afterok:JOB merge.sh`, or `bash merge.sh` |
+| Snakemake | `snakemake --cores 8`; other executors: see its manual |
+| neither | `bash shard.sh 1 by-hand`, and so on to @N@, on any machines; then `bash merge.sh` |
+
+`@RAW_NAME@` then has the bytes of the undivided sweep.
+
+| name | what it is |
+|---|---|
+| `shard.sh` | runs one shard: skips what is there, goes on with what was killed, publishes in one step |
+| `array.sbatch` | all shards as a Slurm array: @TASKS@ tasks, at most @THROTTLE@ at a time |
+| `Snakefile` | the same for Snakemake |
+| `merge.sh` | verifies all shards and merges them |
+| `shards/` | the finished ones |
+| `attempts/` | what is being written; what is left there when all is merged can be removed |
+| `logs/` | one a Slurm task |
+
+All machines must see this folder and the scene under the paths in `shard.sh`, and the same version of the program. `SLIPBENCH` in the
+environment names another way to start it, such as a container. Where a task reaches its time limit, submit the array again: it goes on.
+)";
+
+std::string python_text(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+  return quoted + "\"";
+}
+
+void check_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  const auto refuse = [&](const char* what) {
+    throw InputError(fmt::format("cannot write {}: it {}; allowed: a new or an empty folder", folder.string(), what));
+  };
+  if (!std::filesystem::exists(folder, error)) return;
+  if (!std::filesystem::is_directory(folder, error)) refuse("is no folder");
+  if (!std::filesystem::is_empty(folder, error)) refuse("holds something");
+}
+
+}  // namespace
+
+std::size_t array_tasks(std::size_t shards) {
+  constexpr std::size_t max_array_size = 1001;
+  return std::min(shards, max_array_size - 1);
+}
+
+std::vector<std::string> write_cluster_folder(const ClusterOptions& options, const Catalogues& catalogues) {
+  SceneFile file = SceneFile::load(options.sweep.scene_path);
+  for (const Override& change : options.sweep.overrides) file.apply(change);
+  const std::uint64_t seed = options.sweep.seed ? *options.sweep.seed : parse_scene(file, catalogues).seed;
+  const PlannedTrials planned = plan_trials(file, catalogues, options.sweep, seed);
+  try {
+    static_cast<void>(check_trial(planned.plan.trial(0).scene, 0));
+  } catch (const SceneValueError& error) {
+    throw InputError(planned.plan.where(0, error.path()) + ": " + error.what());
+  }
+  static_cast<void>(trials_of_shard(planned.plan, planned.asked, seed, 1, options.shards));
+  std::filesystem::path folder = std::filesystem::absolute(options.folder).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  check_folder(folder);
+
+  const std::string command = canonical_command(options.sweep);
+  // How it was started, where that is not the program itself: from Python, from a container.
+  const char* const started = std::getenv("SLIPBENCH");
+  const std::string program = started != nullptr ? started : std::filesystem::read_symlink("/proc/self/exe").string();
+  if (started == nullptr && program.find(' ') != std::string::npos) {
+    throw InputError(
+        fmt::format("cluster: the program is {}; allowed: a path without spaces, since SLIPBENCH is split at them", program));
+  }
+  // Slurm reads the path of the logs by rules of its own, Snakemake braces.
+  const std::string name = std::filesystem::path(options.sweep.scene_path).stem().string() + ".h5";
+  if ((folder.string() + name).find_first_of("%{}\"\\\n\r\t") != std::string::npos) {
+    throw InputError(fmt::format("cannot write {} for {}: allowed: names without % {{ }} \" \\ and control characters",
+                                 printable(folder.string()), printable(name)));
+  }
+  const std::size_t tasks = array_tasks(options.shards);
+  const std::vector<std::pair<std::string_view, std::string>> values{
+      {"FOLDER", shell_word(folder.string())},
+      {"RAW_FOLDER", folder.string()},
+      {"PYTHON_FOLDER", python_text(folder.string())},
+      {"FROM", shell_word(std::filesystem::current_path().string())},
+      {"SWEEP", command.substr(std::string_view("slipbench ").size())},
+      {"N", std::to_string(options.shards)},
+      {"TASKS", std::to_string(tasks)},
+      {"THROTTLE", std::to_string(options.throttle == 0 ? tasks : std::min(options.throttle, tasks))},
+      {"JOBS", std::to_string(std::max<std::size_t>(1, options.sweep.jobs))},
+      {"NAME", shell_word(name)},
+      {"PYTHON_NAME", python_text(name)},
+      {"RAW_NAME", name},
+      {"PROGRAM", program},
+      {"WHAT", fmt::format("`{}`: {} trials. Written by `slipbench cluster`.", command, planned.asked)}};
+  std::error_code error;
+  std::filesystem::create_directories(folder / "logs", error);
+  if (error) throw InputError(fmt::format("cannot make the folder {}: {}", (folder / "logs").string(), error.message()));
+  std::vector<std::string> written;
+  for (const auto& [name, text] :
+       {std::pair{"README.md", readme}, std::pair{"shard.sh", shard_script}, std::pair{"array.sbatch", array_script},
+        std::pair{"merge.sh", merge_script}, std::pair{"Snakefile", snake_file}}) {
+    written.push_back((folder / name).string());
+    write_text_file(written.back(), filled(text, values));
+  }
+  return written;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,356 @@
+"""Pads in any MuJoCo model. Importing this loads the plugin `slipbench.field` into the package `mujoco`.
+
+`attach_pad()` puts a pad on a site of an MjSpec, `Pad.read()` reads it by name, `max_timestep()` says how long a step may be. There is a build of the
+plugin for each of several versions of MuJoCo (`builds()`); in any other the import raises `InputError`, which names both.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import itertools
+import json
+import math
+from pathlib import Path
+from typing import Any, Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from slipbench.bin._core import InputError
+
+try:
+    import mujoco as _mujoco
+except ImportError as error:
+    raise ImportError("slipbench.mujoco works in the package mujoco, which is not installed; allowed: pip install mujoco, then slipbench") from error
+
+__all__ = ["Pad", "Reading", "attach_pad", "builds", "complete", "load", "max_timestep", "pads", "plugin_path"]
+
+_PLUGIN = "slipbench.field"
+_FOLDER = Path(__file__).parent / "lib" / "slipbench"
+_library: ctypes.CDLL | None = None
+_numbers = itertools.count(1)
+
+
+def builds() -> list[str]:
+    """Versions of MuJoCo for which this slipbench has a build of the plugin."""
+    return sorted(file.name.removeprefix("libslipbench_mujoco-").removesuffix(".so") for file in _FOLDER.glob("libslipbench_mujoco-*.so"))
+
+
+def plugin_path(version: str | None = None) -> str:
+    """The library of the plugin for a version of MuJoCo; default: that of the package `mujoco`. Raises InputError where there is no build."""
+    wanted = version or _mujoco.__version__
+    path = _FOLDER / f"libslipbench_mujoco-{wanted}.so"
+    if not path.exists():
+        raise InputError(f"MuJoCo {wanted} has no build of the plugin in this slipbench, which has those for {', '.join(builds()) or 'none'}; "
+                         f"allowed: pip install one of these, or install slipbench anew beside this MuJoCo (`./slipbench plugin-path --mujoco {wanted}` "
+                         "says whether it is supported)")
+    return str(path)
+
+
+def load() -> None:
+    """Loads the plugin into the package `mujoco`, once. Importing `slipbench.mujoco` calls it."""
+    global _library
+    if _library is not None:
+        return
+    path = plugin_path()
+    _mujoco.mj_loadPluginLibrary(path)
+    _library = ctypes.CDLL(path)
+
+
+load()
+
+
+def _ask(function: str, *addresses: int) -> str:
+    text = ctypes.create_string_buffer(1 << 16)
+    assert _library is not None
+    length = getattr(_library, function)(*(ctypes.c_void_p(address) for address in addresses), text, ctypes.c_int(len(text)))
+    if length < 0:
+        raise InputError(text.value.decode())
+    if length >= len(text):
+        text = ctypes.create_string_buffer(length + 1)
+        getattr(_library, function)(*(ctypes.c_void_p(address) for address in addresses), text, ctypes.c_int(len(text)))
+    return text.value.decode()
+
+
+class Reading:
+    """The values of a pad as attributes, each a numpy view of `data.sensordata`: it changes with every step. SI units, forces in the pad's frame.
+
+    The channels of the sensor, such as `force` [N,3] N and `displacement` [N,3] m of a PapillArray, and with truth: `unit_state` [N] (0 detached,
+    1 stick, 2 slip, 3 partial), `slip_velocity` [N,2] m/s, `slip_distance` [N] m, `margin` [N], `contact_force` [N,3] N, `state` and `state_micro` []
+    (0 none, 1 non-slip, 2 incipient, 3 gross), `stuck_fraction` []. As all of MuJoCo's sensordata they are those before the last step.
+
+    Attributes:
+        units: of each value, by name: "N", "m/s", "1"
+        shapes: of each value, by name: (9, 3); () of a number alone
+    """
+
+    def __init__(self, arrays: Mapping[str, npt.NDArray[np.float64]], units: Mapping[str, str]) -> None:
+        self._arrays = dict(arrays)
+        self.units = dict(units)
+        self.shapes = {name: array.shape for name, array in arrays.items()}
+
+    def __getattr__(self, name: str) -> npt.NDArray[np.float64]:
+        arrays: dict[str, npt.NDArray[np.float64]] = self.__dict__.get("_arrays", {})
+        if name in arrays:
+            return arrays[name]
+        raise AttributeError(f"the pad has no {name!r}; allowed: {', '.join(arrays)}")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._arrays]
+
+
+class Pad:
+    """A pad of a model, by the name of its plugin instance. After `MjSpec.attach` it is found with the prefix or suffix that it was given.
+
+    Attributes:
+        name: of the instance, without such a prefix
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._model: Any = None
+        self._address = 0
+        self._parts: list[tuple[str, str, tuple[int, ...]]] = []
+
+    def read(self, data: Any) -> Reading:
+        """The pad's values in `data`, an MjData. Raises InputError where its model has no such pad, or no sensor reads it."""
+        if self._model is not data.model:
+            self._find(data.model)
+        arrays, start = {}, self._address
+        for name, _, shape in self._parts:
+            size = math.prod(shape)
+            arrays[name] = data.sensordata[start : start + size].reshape(shape)
+            start += size
+        return Reading(arrays, {name: unit for name, unit, _ in self._parts})
+
+    def _find(self, model: Any) -> None:
+        described = _described(model)
+        # MjSpec.attach puts a prefix before the name or a suffix behind it.
+        found = [self.name] if self.name in described else [name for name in described if name.endswith(self.name)]
+        found = found or [name for name in described if name.startswith(self.name)]
+        if len(found) != 1:
+            raise InputError(f"the model has {'several pads' if found else 'no pad'} {self.name!r}; allowed: {', '.join(found or described)}")
+        instance, self._parts = described[found[0]]
+        sensors = np.flatnonzero(model.sensor_plugin == instance)
+        if not len(sensors):
+            raise InputError(f"no sensor of the model reads the pad {found[0]!r}; allowed: <sensor><plugin instance={found[0]!r}/></sensor>")
+        self._address = int(model.sensor_adr[sensors[0]])
+        self._model = model
+
+    def __repr__(self) -> str:
+        return f"Pad({self.name!r})"
+
+
+def _described(model: Any) -> dict[str, tuple[int, list[tuple[str, str, tuple[int, ...]]]]]:
+    result: dict[str, tuple[int, list[tuple[str, str, tuple[int, ...]]]]] = {}
+    truths: list[tuple[list[tuple[str, str, tuple[int, ...]]], int]] = []
+    for line in _ask("slipbench_describe_pads", model._address).splitlines():
+        words = line.split("\t")
+        if words[0]:
+            parts: list[tuple[str, str, tuple[int, ...]]] = []
+            result[words[1]] = (int(words[0]), parts)
+            if words[4] == "1":
+                truths.append((parts, int(words[3])))
+        else:
+            parts.append((words[1], words[2], tuple(int(size) for size in words[3].split())))
+    for parts, n in truths:
+        parts += [("unit_state", "1", (n,)), ("slip_velocity", "m/s", (n, 2)), ("slip_distance", "m", (n,)), ("margin", "1", (n,)),
+                  ("contact_force", "N", (n, 3)), ("state", "1", ()), ("state_micro", "1", ()), ("stuck_fraction", "1", ())]
+    return result
+
+
+def pads(model: Any) -> dict[str, Pad]:
+    """All pads of `model`, an MjModel, by name."""
+    return {name: Pad(name) for name in _described(model)}
+
+
+def max_timestep(model: Any, data: Any = None) -> float:
+    """The longest `model.opt.timestep` [s] that explicit pads bear with all their elements touching at once.
+
+    That depends on where the bodies are: as in `data`, default as the model begins. Infinite where no pad is explicit.
+    """
+    scratch = _mujoco.MjData(model)
+    if data is not None:
+        scratch.qpos[:] = data.qpos
+        scratch.mocap_pos[:], scratch.mocap_quat[:] = data.mocap_pos, data.mocap_quat
+    _mujoco.mj_fwdPosition(model, scratch)
+    return float(_ask("slipbench_longest_step", model._address, scratch._address))
+
+
+def attach_pad(spec: Any, site: Any, touch: Any, *, pad: str | Mapping[str, Any] | npt.ArrayLike = "papillarray", name: str | None = None,
+               friction: float | Mapping[str, float] | None = None, material: str | None = None, effects: Sequence[Any] = (),
+               solver: str = "explicit", damping: float | None = None, truth: bool = True, seed: int = 0, trial: int = 0, check: str = "error", unloaded: str = "1") -> Pad:
+    """Puts a pad on a site of an MjSpec, with a sensor that reads it and all that the model needs for it (`complete()`).
+
+    spec: before or after it is attached to another; call `complete()` on the other one then, too.
+    site: its name, or the MjsSite. +Z points from the touched object into the pad, the origin lies at the undeformed tips.
+    touch: what is touched, one or a list: names of geoms, "body:NAME", "subtree:NAME", "group:N", MjsGeom or MjsBody objects. Of a body the geoms
+        that can collide, all where none can.
+    pad: the name of a sensor (`slipbench.list_names("sensors")`), a mapping with its parameters ({"type": "papillarray", "bristles": 6}), or elements
+        [N,5] x, y, z [m], k_n, k_t [N/m], with three more columns for axes that are not -Z.
+    name: of the pad, default that of the site.
+    friction: coefficient, or {"static": ..., "kinetic": ...}; material: a named one. Not both.
+    solver: "explicit", or "implicit", for which integrator, iterations and cone are set and tendons added.
+    effects: as a scene lists a sensor's effects.
+    damping: time of a dashpot beside each spring [s], default 1 ms.
+    truth: whether the sensor reads the truth, too. seed, trial: of what effects draw.
+    check: "error", or "warn" where mistakes are to be warnings. unloaded: "1" or "nan", margin of what does not touch.
+
+    Raises InputError for what is not in the spec or not possible in this MuJoCo; other mistakes are errors of `spec.compile()`.
+    """
+    site_name = site if isinstance(site, str) else _name(site, "site")
+    if isinstance(site, str) and spec.site(site) is None:
+        raise InputError(f"no site {site!r} in the spec; allowed: {', '.join(s.name for s in spec.sites if s.name)}")
+    if solver == "implicit":
+        _need_discrete()
+    own = name or site_name
+    if any(plugin.name == own for plugin in spec.plugins):
+        raise InputError(f"the spec has a plugin {own!r} already; allowed: another name=")
+    if any(sensor.name == own for sensor in spec.sensors):
+        raise InputError(f"the spec has a sensor {own!r} already; allowed: another name=")
+    if check not in ("error", "warn"):
+        raise InputError(f"check={check!r}; allowed: 'error', 'warn'")
+    config = {"pad": site_name, "touch": " ".join(_touch_word(item) for item in (touch if isinstance(touch, (list, tuple)) else [touch])),
+              "name": own, "solver": solver, "truth": "true" if truth else "false", "seed": str(seed), "trial": str(trial), "check": check,
+              "unloaded": unloaded}
+    if isinstance(pad, str):
+        config["sensor"] = json.dumps({"type": pad})
+    elif isinstance(pad, Mapping):
+        config["sensor"] = json.dumps(dict(pad))
+    else:
+        config["elements"] = json.dumps(np.asarray(pad, float).tolist())
+    if friction is not None:
+        config["friction"] = json.dumps(dict(friction) if isinstance(friction, Mapping) else {"static": float(friction)})
+    if material is not None:
+        config["material"] = material
+    if damping is not None:
+        config["damping"] = repr(float(damping))
+    if effects:
+        config["effects"] = json.dumps(list(effects))
+    if not any(plugin.plugin_name == _PLUGIN for plugin in spec.plugins):
+        spec.activate_plugin(_PLUGIN)
+    instance = spec.add_plugin(name=own, plugin_name=_PLUGIN, active=True)
+    instance.config = config
+    sensor = spec.add_sensor(name=own, type=_mujoco.mjtSensor.mjSENS_PLUGIN)
+    sensor.plugin.plugin_name, sensor.plugin.name, sensor.plugin.active = _PLUGIN, own, True
+    complete(spec)
+    return Pad(own)
+
+
+def complete(spec: Any) -> None:
+    """Adds to `spec`, an MjSpec, what its pads need and it lacks: excludes between what moves with a pad and what it touches, and for implicit pads options and
+    tendons. `attach_pad()` calls it; call it once more on a spec to which one with pads has been attached. What a pad names and the spec does not
+    have is left for `spec.compile()` to refuse.
+    """
+    known = {frozenset((exclude.bodyname1, exclude.bodyname2)) for exclude in spec.excludes}
+    joined = {tendon.name for tendon in spec.tendons}
+    for plugin in list(spec.plugins):
+        if plugin.plugin_name != _PLUGIN or not plugin.name:
+            continue
+        config = dict(plugin.config)
+        site = _lookup(plugin.name, config, config.get("pad", ""), spec.site)
+        if site is None:
+            continue
+        for body in _touched_bodies(spec, plugin.name, config, site):
+            for carrier in _moving_with(spec, site.parent):
+                pair = frozenset((_name(carrier, "body"), _name(body, "body")))
+                # An exclude of the world would let things fall through its other geoms, the floor. The plugin refuses contact that is possible then.
+                if len(pair) == 2 and pair not in known and "world" not in pair:
+                    spec.add_exclude(bodyname1=carrier.name, bodyname2=body.name)
+                    known.add(pair)
+            if config.get("solver") == "implicit":
+                _join(spec, plugin.name, site, body, joined)
+        if config.get("solver") == "implicit":
+            option = spec.option
+            option.integrator = _need_discrete()
+            option.noslip_iterations = 0
+            option.iterations = max(option.iterations, 20)
+            option.impratio = max(option.impratio, 1e4)
+            option.cone = _mujoco.mjtCone.mjCONE_ELLIPTIC
+            if option.solver == _mujoco.mjtSolver.mjSOL_PGS:
+                option.solver = _mujoco.mjtSolver.mjSOL_NEWTON
+
+
+def _need_discrete() -> Any:
+    if not hasattr(_mujoco.mjtIntegrator, "mjINT_DISCRETE"):
+        raise InputError(f"solver='implicit' needs the integrator discrete, which MuJoCo {_mujoco.__version__} lacks; allowed: MuJoCo 3.17.0 or newer, "
+                         "or solver='explicit'")
+    return _mujoco.mjtIntegrator.mjINT_DISCRETE
+
+
+def _name(thing: Any, noun: str) -> str:
+    """Its name; what has none is given one, since plugins, excludes and tendons know things by name."""
+    if not thing.name:
+        thing.name = f"slipbench_{noun}_{next(_numbers)}"
+    return str(thing.name)
+
+
+def _touch_word(item: Any) -> str:
+    if isinstance(item, str):
+        return item
+    if hasattr(item, "geoms"):
+        return f"body:{_name(item, 'body')}"
+    return _name(item, "geom")
+
+
+def _lookup(instance: str, config: Mapping[str, str], name: str, find: Any) -> Any:
+    """What the plugin will take the name for: with the prefix and suffix of its instance first."""
+    declared = config.get("name", "")
+    if declared:
+        for at in range(len(instance)):
+            if instance.startswith(declared, at):
+                thing = find(instance[:at] + name + instance[at + len(declared) :])
+                if thing is not None:
+                    return thing
+        return find(name)
+    things = (find(instance[:size] + name) for size in (0, *range(len(instance), 0, -1)))
+    return next((thing for thing in things if thing is not None), None)
+
+
+def _touched_bodies(spec: Any, instance: str, config: Mapping[str, str], site: Any) -> list[Any]:
+    bodies: list[Any] = []
+    for word in config.get("touch", "").split():
+        geom = _lookup(instance, config, word, spec.geom)
+        kind, _, rest = word.partition(":")
+        if geom is not None:
+            bodies.append(geom.parent)
+        elif kind in ("body", "subtree"):
+            body = _lookup(instance, config, rest, spec.body)
+            if body is not None:
+                bodies += [body] if kind == "body" else [b for b in spec.bodies if body.name in _names_above(b)]
+        elif kind == "group":
+            carriers = {_name(body, "body") for body in _moving_with(spec, site.parent)}
+            bodies += [geom.parent for geom in spec.geoms if str(geom.group) == rest and _name(geom.parent, "body") not in carriers]
+    by_name = {_name(body, "body"): body for body in bodies if len(body.geoms)}
+    return list(by_name.values())
+
+
+def _names_above(body: Any) -> list[str]:
+    names = [body.name]
+    while body.parent is not None and body.name != "world":
+        body = body.parent
+        names.append(body.name)
+    return names
+
+
+def _moving_with(spec: Any, body: Any) -> list[Any]:
+    """The bodies that move with one; of what is fixed to the world only itself."""
+    def top(b: Any) -> Any:
+        while b.name != "world" and not len(b.joints) and not b.mocap:
+            b = b.parent
+        return b
+
+    carrier = _name(top(body), "body")
+    return [body] if carrier == "world" else [b for b in spec.bodies if b.name != "world" and top(b).name == carrier]
+
+
+def _join(spec: Any, instance: str, site: Any, body: Any, joined: set[str]) -> None:
+    name = f"slipbench_{instance}_{body.name}"
+    if name in joined:
+        return
+    body.add_site(name=name, rgba=[0, 0, 0, 0])
+    tendon = spec.add_tendon(name=name, rgba=[0, 0, 0, 0])
+    tendon.damping = 1e-9 if np.ndim(tendon.damping) == 0 else [1e-9, *([0.0] * (len(tendon.damping) - 1))]
+    tendon.wrap_site(_name(site, "site"))
+    tendon.wrap_site(name)
+    joined.add(name)
