@@ -18,7 +18,6 @@
 namespace slipbench {
 namespace {
 
-constexpr int least_iterations = 20;  // of MuJoCo's solver, which has the pads' stiffness to bring in
 constexpr int max_iterations = 25;
 constexpr double tolerance = 1e-10;  // of the terms of the predicted velocity
 // Of the last step in the memory. A contact of MuJoCo answers the field within the step; taking its answer whole into the next
@@ -90,15 +89,18 @@ class MetricRows {
   std::vector<mjtNum> values_;
 };
 
-// Whether a tendon that is in the metric joins the two bodies, or bodies welded to them.
+// Whether a tendon that is in the metric joins the object, or a body welded to it, with the pad's kinematic tree.
 bool joined(const mjModel* m, int pad_body, int object_body) {
+  const auto moves_with_pad = [&](int body) {
+    return body == m->body_weldid[pad_body] || (m->body_treeid[body] >= 0 && m->body_treeid[body] == m->body_treeid[pad_body]);
+  };
   for (int t = 0; t < m->ntendon; ++t) {
     if (!(m->tendon_damping[t] > 0.0)) continue;
     bool at_pad = false, at_object = false;
     for (int w = m->tendon_adr[t]; w < m->tendon_adr[t] + m->tendon_num[t]; ++w) {
       if (m->wrap_type[w] != mjWRAP_SITE) continue;
       const int body = m->body_weldid[m->site_bodyid[m->wrap_objid[w]]];
-      at_pad |= body == m->body_weldid[pad_body];
+      at_pad |= moves_with_pad(body);
       at_object |= body == m->body_weldid[object_body];
     }
     if (at_pad && at_object) return true;
@@ -121,8 +123,8 @@ std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads
   std::vector<std::string> missing;
   if (!is_discrete(m)) missing.emplace_back("integrator=\"discrete\"");
   if (m->opt.noslip_iterations != 0) missing.emplace_back("noslip_iterations=\"0\" (the noslip solver does not see the pads)");
-  if (m->opt.iterations < least_iterations) {
-    missing.push_back("iterations=\"" + std::to_string(least_iterations) + "\" or more, found " +
+  if (m->opt.iterations < implicit_iterations) {
+    missing.push_back("iterations=\"" + std::to_string(implicit_iterations) + "\" or more, found " +
                       std::to_string(m->opt.iterations));
   }
   if (m->opt.solver == mjSOL_PGS) missing.emplace_back("solver=\"Newton\" or \"CG\" (PGS does not see the pads)");
@@ -242,6 +244,7 @@ void ImplicitFields::find_active(std::span<const ImplicitContact> contacts, std:
   active_.clear();
   free_.resize(start_.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts[i].field == nullptr) continue;
     const Vector6d w = start_.segment<6>(block(i)) + h_ * Eigen::Map<const Vector6d>(memory.data() + memory_per_contact * i);
     if (!touches(contacts[i], Vector6d::Zero()) && !touches(contacts[i], w)) continue;
     free_.segment<6>(block(active_.size())) = w;

@@ -23,8 +23,8 @@
 //
 // What the model must have (implicit_refusal() checks it, prepare_implicit() makes it so):
 //   - integrator="discrete", noslip_iterations="0", iterations="20" or more, solver Newton or CG, flag damper on, sleep off,
-//   - for every pad and every object that it touches a spatial tendon with damping > 0 from a site on the pad's body to a site on
-//     the object's, for instance <spatial damping="1e-9"><site site="pad"/><site site="box"/></spatial>. Without one in the
+//   - for every kinematic tree with pads and every object that they touch a spatial tendon with damping > 0 from a site on a body of the tree to a site
+//     on the object's, for instance <spatial damping="1e-9"><site site="pad"/><site site="box"/></spatial>. Without one in the
 //     metric MuJoCo takes short cuts that leave the rows out. What it damps is nothing: 1e-9 N s/m.
 //   - a MuJoCo whose metric is known (mujoco_differences.h), as the rows are no part of its interface. implicit_self_test() proves
 //     on the very model that they do what they should; nothing falls back in silence.
@@ -56,6 +56,9 @@ struct ImplicitPad {
   const PadLayout* layout;
 };
 
+// The least iterations of MuJoCo's solver, which has the pads' stiffness to bring in.
+inline constexpr int implicit_iterations = 20;
+
 // Gives a model that the program builds what the solver needs: options, and a tendon between two sites (by name) of every pair.
 // Throws std::invalid_argument when a site does not exist.
 struct SitePair {
@@ -73,7 +76,7 @@ void prepare_implicit(mjSpec_* spec, std::span<const SitePair> pairs);
 
 // A field between two bodies, at the beginning of a step.
 struct ImplicitContact {
-  Field* field;                   // is stepped to and fro, and left anywhere: load_state() before it is read
+  Field* field;  // is stepped to and fro, and left anywhere: load_state() before it is read; null where it will not touch
   std::span<const double> state;  // Field::save_state() after the step to the present pose
   int pad_body;
   int object_body;

@@ -130,11 +130,11 @@ void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
     throw InputError(pending_);
   }
   bool more = false;
-  std::vector<std::size_t> touching;
+  touching_now_.clear();
   for (const PadInstance* pad : explicit_) {
-    for (const Field& field : pad->fields()) {
-      more = more || field.touching() > touching_[touching.size()];
-      touching.push_back(field.touching());
+    for (std::size_t k = 0; k < pad->fields().size(); ++k) {
+      more = more || pad->touching(k) > touching_[touching_now_.size()];
+      touching_now_.push_back(pad->touching(k));
     }
   }
   if (more) {
@@ -151,7 +151,7 @@ void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
       if (placed) throw InputError(std::exchange(pending_, ""));
     }
   }
-  touching_ = std::move(touching);
+  touching_.swap(touching_now_);
 }
 
 }  // namespace slipbench

@@ -46,8 +46,9 @@ class PadGroup {
 
   std::vector<PadInstance*> explicit_, implicit_;
   bool guarded_ = true;
-  std::string pending_;                // why the next step is to be refused
-  std::vector<std::size_t> touching_;  // elements of each explicit pad and touched geom in the step before
+  std::string pending_;  // why the next step is to be refused
+  std::vector<std::size_t> touching_,
+      touching_now_;  // elements of each explicit pad and touched geom in the step before, and in this one
   std::vector<ImplicitPad> described_;
   ImplicitFields solver_;
   std::vector<double> memory_;  // of the solver, gathered from the pads' states

@@ -20,6 +20,22 @@ namespace {
 // Of the instance's share of plugin_state. All zero: never stepped.
 enum Header : std::size_t { committed_time, next_sample, slip_angle, header_size };
 
+// What an instance that touches nothing may leave out. It is known only after two steps without contact and a sample: a step that ends without may
+// have slipped, and a sensor may have read the one before.
+namespace phase {
+constexpr double awake = 0.0, apart_once = 1.0, apart = 2.0,
+                 resting = 3.0;  // resting: since then only the poses are those of the last step
+}
+
+// Kept with the fields' states: where the pad was, then where each touched geom was, position and rotation as MuJoCo has them, then the phase.
+constexpr std::size_t frame_values = 12;
+std::size_t rest_values(const PadConfig& config) { return frame_values * (1 + config.geoms.size()) + 1; }
+mjtNum* save_frame(const mjtNum* position, const mjtNum* rotation, mjtNum* to) {
+  return std::copy_n(rotation, 9, std::copy_n(position, 3, to));
+}
+
+constexpr double far_enough = 1e-5;  // m, more than positions are rounded by
+
 // A sample is due when its time is reached up to the rounding of a sum of steps.
 constexpr double rounding = 1e-6;
 
@@ -103,14 +119,21 @@ void push(const mjModel* model, mjData* data, const Eigen::Vector3d& force, cons
   }
 }
 
+// Values as a reader gets them. A zero that was turned into the pad's frame has the sign of the turn; none is read with one.
+template <class Values>
+double* write_values(const Values& values, double* out) {
+  return std::transform(std::begin(values), std::end(values), out, [](auto value) { return static_cast<double>(value) + 0.0; });
+}
+
 void write_truth(const ContactFrame& frame, double unloaded, double* out) {
   const Eigen::Index n = frame.margin.size();
+  const auto numbers = [](const auto& array) { return std::span(array.data(), static_cast<std::size_t>(array.size())); };
   const auto or_unloaded = [unloaded](double value) { return std::isnan(value) ? unloaded : value; };
   for (const UnitState state : frame.unit_state) *out++ = static_cast<double>(state);
-  out = std::copy_n(frame.slip_velocity.data(), 2 * n, out);
-  out = std::copy_n(frame.slip_distance.data(), n, out);
+  out = write_values(numbers(frame.slip_velocity), out);
+  out = write_values(numbers(frame.slip_distance), out);
   out = std::transform(frame.margin.data(), frame.margin.data() + n, out, or_unloaded);
-  out = std::copy_n(frame.contact_force.data(), 3 * n, out);
+  out = write_values(numbers(frame.contact_force), out);
   *out++ = static_cast<double>(frame.state);
   *out++ = static_cast<double>(frame.state_micro);
   *out++ = or_unloaded(frame.stuck_fraction);
@@ -130,7 +153,8 @@ std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const 
   for (const int geom : config.geoms) {
     fields += field_of(model, config, layout, geom, kind_of_surface(model->geom_type[geom])).state_size();
   }
-  return header_size + fields + implicit_values(config) + memory_values(*sensor) + pad_sensor_size(config, catalogue);
+  return header_size + fields + rest_values(config) + implicit_values(config) + memory_values(*sensor) +
+         pad_sensor_size(config, catalogue);
 }
 
 std::size_t pad_sensor_size(const PadConfig& config, const PadCatalogue& catalogue) {
@@ -150,17 +174,23 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   for (const int geom : config_.geoms) {
     const GeomSurface surface = surface_of_geom(model, geom);
     fields_.push_back(field_of(model, config_, layout, geom, surface.shape));
-    touched_.push_back({geom, model->geom_bodyid[geom], surface.in_geom, surface.shape, SiteWatch(layout)});
+    const SiteWatch watch(layout);
+    // A mesh's grid is rounded beyond the ball around its corners.
+    const bool in_ball = model->geom_rbound[geom] > 0.0 && model->geom_type[geom] != mjGEOM_MESH;
+    touched_.push_back({geom, model->geom_bodyid[geom], surface.in_geom, surface.shape, watch,
+                        in_ball ? model->geom_rbound[geom] + watch.radius() + far_enough : 0.0});
   }
   for (int id = 0; id < static_cast<int>(model->nsensor); ++id) {
     if (model->sensor_plugin[id] == instance_) outputs_.push_back(model->sensor_adr[id]);
   }
   watched_ = !outputs_.empty();
   for (const std::span<double> memory : sensor_memory_) first_memory_.insert(first_memory_.end(), memory.begin(), memory.end());
+  may_rest_ = !config_.unchecked && config_.effects.empty() && config_.sensor.electronics.empty() && first_memory_.empty();
   constexpr std::size_t seen_of_a_frame = 21;
   seen_.resize(seen_of_a_frame * (1 + config_.geoms.size()));
   sees_.resize(seen_.size());
-  readings_ = channel_values(*sensor_) + truth_values(config_, *sensor_);
+  truth_ = truth_values(config_, *sensor_);
+  readings_ = channel_values(*sensor_) + truth_;
   for (const Touched& touched : touched_) {
     if (model->body_weldid[touched.body] == model->body_weldid[model->site_bodyid[config_.site]]) {
       throw InputError(fmt::format("plugin '{}': the touched geom '{}' moves with the pad; allowed: a geom of another body",
@@ -172,6 +202,7 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   }
   std::size_t size = 0;
   for (Field& field : fields_) size += field.state_size();
+  size += rest_values(config_);
   began_with_.resize(size);
   size += header_size + implicit_values(config_) + first_memory_.size() + readings_;
   if (size != static_cast<std::size_t>(model->plugin_statenum[instance_])) {
@@ -190,11 +221,10 @@ PadInstance::Parts PadInstance::parts(const mjModel* model, mjData* data) const 
   Parts result;
   result.header = take(header_size);
   result.fields = take(began_with_.size());
-  const std::size_t truth = truth_values(config_, *sensor_);
   result.implicit = take(implicit_values(config_));
   result.memory = take(rest.size() - readings_);
-  result.held = take(readings_ - truth);
-  result.truth = take(truth);
+  result.held = take(readings_ - truth_);
+  result.truth = take(truth_);
   return result;
 }
 
@@ -213,12 +243,13 @@ bool PadInstance::sees_the_same(const mjModel* model, const mjData* data) {
   }
   if (std::memcmp(sees_.data(), seen_.data(), sees_.size() * sizeof(double)) == 0) return true;
   seen_.swap(sees_);
+  clear_.reset();
   return false;
 }
 
 // Finds the pad in the frame of every touched surface. Returns whether it is where the trial that the fields hold has it.
 bool PadInstance::locate(const mjModel* model, const mjData* data) {
-  if (sees_the_same(model, data) && evaluated_) return true;
+  if (sees_the_same(model, data)) return evaluated_;
   bool unmoved = evaluated_;
   const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
   const Twist pad_motion = velocity_of(model, data, model->site_bodyid[config_.site], data->site_xpos + 3 * config_.site);
@@ -259,12 +290,58 @@ void PadInstance::evaluate(const Parts& state, double time) {
       rest = rest.subspan(field.state_size());
     }
   }
+  if (!keeps_state_ && state.fields.back() == phase::resting) {
+    const double* frame = state.fields.last(rest_values(config_)).data();
+    const Pose pad = pose_at(frame, frame + 3);
+    for (std::size_t k = 0; k < fields_.size(); ++k) {
+      frame += frame_values;
+      fields_[k].step((pose_at(frame, frame + 3) * touched_[k].surface_in_geom).inverse() * pad, step_);
+    }
+  }
   for (std::size_t k = 0; k < fields_.size(); ++k) fields_[k].step(touched_[k].pad_in_surface, dt, &touched_[k].motion);
   fields_hold_state_ = false;
   evaluated_ = true;
   judged_ = measured_ = false;
   time_ = time;
   dt_ = dt;
+}
+
+// Whether nothing is to be worked out: the pad has touched nothing, and cannot where it is. Most pads are so far away that the balls around them and
+// around what they touch tell.
+bool PadInstance::rests(const mjModel* model, const mjData* data, const Parts& state, double time) {
+  if (!may_rest_ || keeps_state_ || state.fields.back() < phase::apart || !(time >= state.header[committed_time])) return false;
+  const MjVector pad(data->site_xpos + 3 * config_.site);
+  if (std::ranges::all_of(touched_, [&](const Touched& touched) {
+        return touched.reach > 0.0 &&
+               (pad - MjVector(data->geom_xpos + 3 * touched.geom)).squaredNorm() > touched.reach * touched.reach;
+      })) {
+    return true;
+  }
+  evaluated_ = locate(model, data);
+  if (!clear_) {
+    clear_ = std::ranges::all_of(
+        touched_, [](const Touched& touched) { return touched.watch.clearance(touched.shape, touched.pad_in_surface) > 0.0; });
+  }
+  return *clear_;
+}
+
+// A commit of a pad at rest.
+void PadInstance::rest(const mjData* data, const Parts& state, double time) {
+  state.header[committed_time] = time;
+  if (watched_ && sample_time_ > 0.0 && sample_is_due(time, state.header[next_sample])) {
+    state.header[next_sample] = std::floor(time / sample_time_ + rounding) + 1.0;
+  }
+  const std::span<double> kept = state.fields.last(rest_values(config_));
+  mjtNum* to = save_frame(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site, kept.data());
+  for (const Touched& touched : touched_)
+    to = save_frame(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom, to);
+  kept.back() = phase::resting;
+  std::ranges::copy(kept, began_with_.end() - static_cast<std::ptrdiff_t>(kept.size()));
+  evaluated_ = false;
+}
+
+bool PadInstance::sample_is_due(double time, double next) const {
+  return sample_time_ == 0.0 || time >= sample_time_ * (next - rounding);
 }
 
 void PadInstance::judge(const Parts& state) {
@@ -280,7 +357,7 @@ void PadInstance::measure(const Parts& state) {
   judge(state);
   next_sample_ = state.header[next_sample];
   // A simulation that keeps the state reads labels_ by sensors of its own.
-  sampled_ = !keeps_state_ && (sample_time_ == 0.0 || time_ >= sample_time_ * (next_sample_ - rounding));
+  sampled_ = !keeps_state_ && sample_is_due(time_, next_sample_);
   if (sampled_) {
     const double* remembered = is_placed(state.fields) ? state.memory.data() : first_memory_.data();
     for (const std::span<double> memory : sensor_memory_) {
@@ -347,6 +424,8 @@ void PadInstance::add_force(const mjModel* model, mjData* data) {
   refuse_what_cannot_work(model);
   const Parts state = parts(model, data);
   computed_at_ = data->time;
+  rested_ = rests(model, data, state, data->time);
+  if (rested_) return;
   evaluated_ = locate(model, data);
   evaluate(state, data->time);
   if (!config_.unchecked) check_site(model, is_placed(state.fields));
@@ -368,6 +447,7 @@ bool PadInstance::placed(const mjModel* model, mjData* data) const { return is_p
 void PadInstance::add_touching_tangents(const mjModel* model, const mjData* data, std::vector<PadOnBodies>& bodies,
                                         std::vector<PadTangent>& tangents) const {
   const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  if (rested_) return;
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     PadLayout touching;
     for (std::size_t i = 0; i < fields_[k].size(); ++i) {
@@ -424,6 +504,13 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
   const Parts state = parts(model, data);
   computed_at_ = data->time;
   evaluated_ = locate(model, data);
+  if (rests(model, data, state, data->time) && stays_clear(state)) {
+    for (const Touched& touched : touched_) {
+      const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+      contacts.push_back({nullptr, {}, model->site_bodyid[config_.site], touched.body, pad, Pose{}});
+    }
+    return;
+  }
   evaluate(state, data->time);
   if (!config_.unchecked) check_site(model, is_placed(state.fields));
   ended_with_.resize(began_with_.size());
@@ -439,17 +526,38 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
   }
 }
 
+// Whether the pad touches nothing at the end of the step either, as the implicit solver foresees it: with the velocity that it has, and with the
+// relative acceleration of its memory. A tip's way is no longer than its path.
+bool PadInstance::stays_clear(const Parts& state) const {
+  for (std::size_t k = 0; k < touched_.size(); ++k) {
+    const Touched& touched = touched_[k];
+    const Eigen::Map<const Vector6d> gained(state.implicit.data() + ImplicitFields::memory_per_contact * k);
+    const double radius = touched.watch.radius();
+    const double speed = touched.motion.linear.norm() + touched.motion.angular.norm() * radius +
+                         step_ * (gained.head<3>().norm() + gained.tail<3>().norm() * radius);
+    if (!(touched.watch.clearance(touched.shape, touched.pad_in_surface) > step_ * speed)) return false;
+  }
+  return true;
+}
+
 void PadInstance::write_sensors(const mjModel* model, mjData* data) {
   refuse_what_cannot_work(model);
   if (outputs_.empty()) return;  // MuJoCo asks every instance, read or not
   const Parts state = parts(model, data);
   // RK4 commits at the end of a step, so that at the beginning of the next one nothing has moved since: what was seen then still
   // holds.
-  if (is_placed(state.fields) && data->time == state.header[committed_time]) {
+  const auto show_kept = [&] {
     for (const int address : outputs_) {
       mjtNum* const out = std::copy(state.held.begin(), state.held.end(), data->sensordata + address);
       std::copy(state.truth.begin(), state.truth.end(), out);
     }
+  };
+  if (is_placed(state.fields) && data->time == state.header[committed_time]) {
+    show_kept();
+    return;
+  }
+  if (rests(model, data, state, data->time)) {
+    show_kept();
     return;
   }
   evaluated_ = locate(model, data);
@@ -458,7 +566,7 @@ void PadInstance::write_sensors(const mjModel* model, mjData* data) {
   if (keeps_state_) return;
   for (const int address : outputs_) {
     mjtNum* const out = data->sensordata + address;
-    sampled_ ? std::copy(sample_.begin(), sample_.end(), out) : std::copy(state.held.begin(), state.held.end(), out);
+    sampled_ ? write_values(sample_, out) : std::copy(state.held.begin(), state.held.end(), out);
     if (config_.truth) write_truth(labels_.frame(), config_.unloaded, out + state.held.size());
   }
 }
@@ -466,6 +574,10 @@ void PadInstance::write_sensors(const mjModel* model, mjData* data) {
 void PadInstance::commit(const mjModel* model, mjData* data) {
   refuse_what_cannot_work(model);
   const Parts state = parts(model, data);
+  if (rests(model, data, state, computed_at_)) {
+    rest(data, state, computed_at_);
+    return;
+  }
   evaluated_ = locate(model, data);
   evaluate(state, computed_at_);
   state.header[committed_time] = time_;
@@ -481,6 +593,14 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
     field.save_state(rest.first(field.state_size()));
     rest = rest.subspan(field.state_size());
   }
+  double& now = state.fields.back();
+  if (std::ranges::any_of(fields_, [](const Field& field) { return field.touching() > 0; })) {
+    now = phase::awake;
+  } else if (now == phase::awake || (now == phase::apart_once && watched_ && !sampled_)) {
+    now = phase::apart_once;
+  } else {
+    now = phase::apart;
+  }
   std::copy(state.fields.begin(), state.fields.end(), began_with_.begin());
   fields_hold_state_ = true;
 }
@@ -494,7 +614,7 @@ void PadInstance::remember_readings(const Parts& state) {
   if (sampled_) {
     double* remembered = state.memory.data();
     for (const std::span<double> memory : sensor_memory_) remembered = std::copy(memory.begin(), memory.end(), remembered);
-    std::copy(sample_.begin(), sample_.end(), state.held.begin());
+    write_values(sample_, state.held.data());
   }
   if (config_.truth) write_truth(labels_.frame(), config_.unloaded, state.truth.data());
 }

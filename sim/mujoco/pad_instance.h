@@ -8,6 +8,8 @@
 // - A force is that of a trial from the anchors committed last (compute PASSIVE). It commits nothing, so extra mj_forward calls,
 //   finite differences and the stages of RK4 leave the anchors alone.
 // - `advance` commits the trial of the kinematics that the step began with: MuJoCo has not computed newer ones by then.
+// - A pad far from all that it may touch rests: no element is looked at, and what it reads stays. It remembers where it was, so that the step
+//   in which it comes back is to the bit what it would have been.
 // - The springs obey the friction law of sim/field; the dashpots are added to their force, and the sum is held on the friction
 //   cone. Labels and sensors see the springs: what a unit's tip is deflected by.
 //
@@ -21,6 +23,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -62,6 +65,8 @@ class PadInstance {
   // For the group of all pads (pad_group.h):
   // Whether a step has been committed since the last reset.
   [[nodiscard]] bool placed(const mjModel* model, mjData* data) const;
+  // After add_force(): how many elements touch the geom of field `k`.
+  [[nodiscard]] std::size_t touching(std::size_t k) const { return rested_ ? 0 : fields_[k].touching(); }
   // The tangent of every touched geom's elements that touch in the trial, taken as stuck.
   void add_touching_tangents(const mjModel* model, const mjData* data, std::vector<PadOnBodies>& bodies,
                              std::vector<PadTangent>& tangents) const;
@@ -104,10 +109,12 @@ class PadInstance {
     Pose surface_in_geom;
     Surface shape;
     SiteWatch watch;
+    double reach;  // m, between the origins of pad and geom, beyond which nothing touches; 0: not known
     Pose pad_in_surface{};
     Twist motion{};  // of the pad in the surface's frame
   };
-  // Parts of the instance's share of plugin_state.
+  // Parts of the instance's share of plugin_state. `fields`: the fields' states, where the pad and all that it may
+  // touch were when it was last found at rest, and what it may leave out.
   struct Parts {
     std::span<double> header, fields, implicit, memory, held, truth;
   };
@@ -116,6 +123,10 @@ class PadInstance {
   bool locate(const mjModel* model, const mjData* data);
   [[nodiscard]] bool sees_the_same(const mjModel* model, const mjData* data);
   void evaluate(const Parts& state, double time);
+  [[nodiscard]] bool rests(const mjModel* model, const mjData* data, const Parts& state, double time);
+  void rest(const mjData* data, const Parts& state, double time);
+  [[nodiscard]] bool sample_is_due(double time, double next) const;
+  [[nodiscard]] bool stays_clear(const Parts& state) const;
   void check_site(const mjModel* model, bool placed);
   void judge(const Parts& state);
   void measure(const Parts& state);
@@ -131,6 +142,7 @@ class PadInstance {
   std::vector<Field> fields_;  // one a touched geom
   ContactLabels labels_;
   std::size_t readings_;      // how many numbers the sensor and the truth give
+  std::size_t truth_;         // of them the truth
   std::vector<int> outputs_;  // addresses in sensordata
   bool watched_;              // somebody reads the labels and the sensor
   double step_;               // s
@@ -147,6 +159,9 @@ class PadInstance {
   bool evaluated_ = false;
   bool judged_ = false;
   bool measured_ = false;
+  bool may_rest_ = false;                     // what is read without contact never changes, and nobody but the sensor reads it
+  bool rested_ = false;                       // in the last add_force()
+  std::optional<bool> clear_;                 // whether the pad is far from all that it may touch, where locate() has found it
   bool keeps_state_ = false, tried_ = false;  // keep_state(); the fields are beyond the state committed last
   bool fields_hold_state_ = false;            // the fields are as the state says: no load needed
   double time_ = 0.0;                         // s

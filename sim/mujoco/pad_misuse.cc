@@ -114,14 +114,22 @@ SiteWatch::SiteWatch(const PadLayout& layout) {
   deepest_start_ = std::min(layout.unit_height, radius_ > 0.0 ? radius_ : std::numeric_limits<double>::infinity());
 }
 
+// A gap is that of an element only where it looks at the surface; inside the one way or the other does. A grid's may be off by a fifth of a cell at
+// either end.
+double SiteWatch::clearance(const Surface& shape, const Pose& pad) const {
+  const auto* const grid = std::get_if<DistanceGrid>(&shape);
+  const double rounded_by = grid != nullptr ? grid->cell() : 0.0;
+  const Eigen::Vector3d ahead = -pad.rotation.col(2), back = pad.rotation.col(2);
+  return std::min(gap_of(shape, pad.position, ahead), gap_of(shape, pad.position, back)) - radius_ - inside_by - rounded_by;
+}
+
 bool SiteWatch::looks_out(const Surface& shape, const Pose& pad, std::size_t touching) {
   sure_ = sure_ || touching > 0;
   if (sure_ || (pad.position - clear_at_).norm() < clear_) return false;
-  const Eigen::Vector3d ahead = -pad.rotation.col(2), back = pad.rotation.col(2);
-  const double gap = std::min(gap_of(shape, pad.position, ahead), gap_of(shape, pad.position, back));
-  if (gap > radius_ + inside_by) {
+  const double clear = clearance(shape, pad);
+  if (clear > 0.0) {
     clear_at_ = pad.position;
-    clear_ = gap - radius_;
+    clear_ = clear;
     return false;
   }
   clear_ = -1.0;

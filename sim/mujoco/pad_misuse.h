@@ -26,6 +26,9 @@ class SiteWatch {
 
   // Whether a tip is inside the surface by more than 10 um and looks out of it. `touching`: elements of the pad that touch.
   [[nodiscard]] bool looks_out(const Surface& shape, const Pose& pad_in_surface, std::size_t touching);
+  // How far the pad is from the surface at least [m], whichever way it is turned about its origin; negative: it may touch.
+  [[nodiscard]] double clearance(const Surface& shape, const Pose& pad_in_surface) const;
+  [[nodiscard]] double radius() const { return radius_; }  // m, of the pad about its origin
   // How far a pad may be pressed in where a simulation begins [m]: a unit's height, or the pad's radius where nobody knows it; infinite for a
   // single element.
   [[nodiscard]] double deepest_start() const { return deepest_start_; }

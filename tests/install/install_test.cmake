@@ -28,6 +28,10 @@ run(IN ${WORK}/elsewhere COMMAND ${CMAKE_COMMAND} -S ${CONSUMER} -B ${WORK}/cons
   -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${WORK}/prefix)
 run(IN ${WORK}/elsewhere COMMAND ${CMAKE_COMMAND} --build ${WORK}/consumer)
 run(IN ${WORK}/elsewhere COMMAND ${WORK}/consumer/consumer)
+file(GLOB_RECURSE plugin ${WORK}/prefix/*/libslipbench_mujoco.so)
+if(plugin)
+  run(IN ${WORK}/elsewhere COMMAND ${WORK}/consumer/attach ${plugin})
+endif()
 
 set(program ${WORK}/prefix/bin/slipbench)
 run(IN ${WORK}/elsewhere COMMAND ${program} doctor)

@@ -4,7 +4,7 @@
 - sensors/X: sim/core, sensors/X, and sensors/electronics, which every sensor is composed of.
 - detectors, controllers: sim/core without the truth (contact_frame.h, and sensor.h, which is handed it), and themselves.
 - rtl: what detectors may include, and detectors, whose golden models it runs in lockstep with.
-- the rest of sim: itself and the layers below it (SIM_LAYERS). MuJoCo's headers: sim/mujoco and its tests (tests/stability too) only.
+- the rest of sim: itself and the layers below it (SIM_LAYERS). MuJoCo's headers: sim/mujoco and its tests (tests/stability and tests/install/consumer too) only.
 - tools/base: the bench, sim/core aside nothing but base itself. tools/program: all of the bench, base and program.
 - tools/studies: the same and studies. tools/python: what tools/program may, and python.
 - tests: everything.
@@ -84,7 +84,7 @@ def fault_of(path, quoted, header):
         return None
     if header.split("/")[0] in TOP_FOLDERS:
         return f"<{header}> is of the project; allowed: in quotes"
-    if header.startswith("mujoco/") and folder not in ("sim/mujoco", "tests/sim/mujoco", "tests/stability"):
+    if header.startswith("mujoco/") and folder not in ("sim/mujoco", "tests/sim/mujoco", "tests/stability", "tests/install/consumer"):
         return f"only sim/mujoco may include <{header}>"
     if folder == "sim/core":
         hidden = path.suffix == ".cc" and (header.startswith("Random123/") or header in ("dlfcn.h", "link.h"))

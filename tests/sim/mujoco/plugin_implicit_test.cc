@@ -211,5 +211,42 @@ TEST(ImplicitPluginRefusal, OptionsThatChangeLaterAreSeen) {
   }
 }
 
+TEST(PluginImplicit, OneTendonIsEnoughForATree) {
+  // A finger of two links, each with a pad on the box, against a fixed pad. What the tendons damp is nothing: 1e-9 N s/m.
+  const auto model_with = [](const std::string& tendons) {
+    const auto instance = [](const std::string& name) {
+      return "<instance name='" + name + "'>" + config("pad", name) + config("touch", "box") +
+             config("elements", square(3, 0.004, 3e5, 5e4)) + config("friction", "{static: 0.5}") + config("solver", "implicit") +
+             config("damping", "1e-5") + "</instance>";
+    };
+    return load(
+        "<mujoco><option timestep='0.001' integrator='discrete' iterations='20'/><extension><plugin plugin='slipbench.field'>" +
+        instance("wall") + instance("near") + instance("far") +
+        "</plugin></extension><default><geom contype='0' conaffinity='0'/></default><worldbody>"
+        "<body name='box'><freejoint/><geom name='box' type='box' size='0.02 0.02 0.02' mass='0.005'/><site name='box'/></body>"
+        "<body pos='-0.02 0 0.0001'><site name='wall' zaxis='-1 0 0'/></body>"
+        "<body pos='0.02 0 0.01'><joint type='slide' name='slide' axis='-1 0 0'/><geom size='0.001' mass='0.05'/><site name='near' zaxis='1 0 0'/>"
+        "<body pos='0 0 -0.02'><joint type='slide' name='link' axis='-1 0 0' stiffness='100'/><geom size='0.001' mass='0.02'/>"
+        "<site name='far' zaxis='1 0 0'/></body></body></worldbody><actuator><motor joint='slide'/><motor joint='link'/></actuator><tendon>" +
+        tendons +
+        "</tendon><sensor><plugin instance='wall'/><plugin instance='near'/><plugin instance='far'/></sensor></mujoco>");
+  };
+  const std::string wall = "<spatial damping='1e-9'><site site='wall'/><site site='box'/></spatial>",
+                    near = "<spatial damping='1e-9'><site site='near'/><site site='box'/></spatial>",
+                    far = "<spatial damping='1e-9'><site site='far'/><site site='box'/></spatial>";
+  const Model each = model_with(wall + near + far), one = model_with(wall + near);
+  const Data expected = data_of(each), found = data_of(one);
+  for (int tick = 0; tick < 1000; ++tick) {
+    for (const Data* data : {&expected, &found}) {
+      (*data)->ctrl[0] = 0.6;  // N, and with the far link's it is over the 0.05 N of weight/(2 mu)
+      (*data)->ctrl[1] = 0.3;
+    }
+    mj_step(each.get(), expected.get());
+    mj_step(one.get(), found.get());
+    for (int k = 0; k < static_cast<int>(each->nq); ++k) ASSERT_NEAR(found->qpos[k], expected->qpos[k], 1e-9) << tick;
+  }
+  EXPECT_NEAR(found->qpos[2], 0.0, 1e-4);  // the box is held
+}
+
 }  // namespace
 }  // namespace slipbench::testing_plugin

@@ -1,9 +1,11 @@
-"""slipbench.mujoco, in the package `mujoco` that is imported: attach_pad, named readings, the longest step. Argument: the project's root."""
+"""slipbench.mujoco, in the package `mujoco` that is imported: attach_pad, named readings, the longest step. Arguments: the project's root, and the
+program attached_trace where it is of this MuJoCo."""
 
 import math
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -14,6 +16,7 @@ import slipbench.mujoco
 from slipbench import InputError
 
 ROOT = Path(sys.argv.pop(1))
+TRACE = sys.argv.pop(1) if len(sys.argv) > 1 and not sys.argv[1].startswith("-") else None
 HOLD = ROOT / "scenes/mujoco/hold.xml"
 HAS_IMPLICIT = hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
 
@@ -190,6 +193,22 @@ class Attach(unittest.TestCase):
         slipbench.mujoco.attach_pad(spec, "left_pad", "box", material="acrylic", friction=0.3)
         with self.assertRaisesRegex(ValueError, "material and friction are both given"):
             spec.compile()
+
+
+class Cpp(unittest.TestCase):
+    @unittest.skipUnless(TRACE, "attached_trace is built for the bench's own MuJoCo")
+    def test_the_same_pads_attached_in_cpp_and_in_python(self):
+        for solver in ("explicit", "implicit"):
+            spec = stock()
+            with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
+                file.write(spec.to_xml())
+                file.flush()
+                said = subprocess.run([TRACE, slipbench.mujoco.plugin_path(), file.name, solver], capture_output=True, check=True).stdout
+            held(spec, solver=solver, damping=0.5e-3)
+            model = spec.compile()
+            sizes = np.frombuffer(said, np.int32, 6)
+            self.assertEqual(list(sizes), [model.nexclude, model.ntendon, model.nsite, model.nplugin, model.npluginstate, model.nsensordata])
+            np.testing.assert_allclose(np.frombuffer(said, np.float64, offset=sizes.nbytes), grasp(model).sensordata, rtol=0, atol=1e-12)
 
 
 class Read(unittest.TestCase):

@@ -259,7 +259,7 @@ def complete(spec: Any) -> None:
                     spec.add_exclude(bodyname1=carrier.name, bodyname2=body.name)
                     known.add(pair)
             if config.get("solver") == "implicit":
-                _join(spec, plugin.name, site, body, joined)
+                _join(spec, site, body, joined)
         if config.get("solver") == "implicit":
             option = spec.option
             option.integrator = _need_discrete()
@@ -344,8 +344,13 @@ def _moving_with(spec: Any, body: Any) -> list[Any]:
     return [body] if carrier == "world" else [b for b in spec.bodies if b.name != "world" and top(b).name == carrier]
 
 
-def _join(spec: Any, instance: str, site: Any, body: Any, joined: set[str]) -> None:
-    name = f"slipbench_{instance}_{body.name}"
+def _join(spec: Any, site: Any, body: Any, joined: set[str]) -> None:
+    """One tendon for each object and kinematic tree with pads: each costs MuJoCo more than a pad does."""
+    first, above = site.parent, site.parent
+    while above.name != "world":
+        first = above if len(above.joints) else first
+        above = above.parent
+    name = f"slipbench_{_name(first, 'body')}_{body.name}"
     if name in joined:
         return
     body.add_site(name=name, rgba=[0, 0, 0, 0])
