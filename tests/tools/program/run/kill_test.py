@@ -16,20 +16,8 @@ import sys
 import tempfile
 import time
 
-SCENE = """slipbench: 1
-description: short sweep
-duration: 0.3 s
-time_step: 1 ms
-seed: 7
-surface: {material: acrylic}
-motion: {kind: stage, gap: 0 mm, compression: 0.1 mm, approach_speed: 10 mm/s, start: 0.1 s, speed: 4 mm/s, acceleration: 1 m/s2}
-sensors:
-  pad: {type: papillarray, rate: 1 kHz, electronics: typical, bristles: 3}
-sweep:
-  motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]
-  motion.direction: {draw: uniform, min: 0 deg, max: 360 deg}
-  trials: 30
-"""
+from short_sweep import scene_text
+
 
 # Reads every array and attribute of every trial, and prints how many trials there are.
 READ_ALL = """
@@ -77,7 +65,7 @@ def main(program, kills):
     with tempfile.TemporaryDirectory() as folder:
         scene, whole, out = (os.path.join(folder, name) for name in ("scene.yaml", "whole.h5", "out.h5"))
         with open(scene, "w", encoding="ascii") as file:
-            file.write(SCENE)
+            file.write(scene_text(trials=30))
         begin = time.monotonic()
         subprocess.run([program, "sweep", scene, "-o", whole, "--quiet"], check=True, timeout=SECONDS)
         duration = time.monotonic() - begin
