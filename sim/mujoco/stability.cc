@@ -48,7 +48,7 @@ Eigen::MatrixXd delassus_of(const mjModel* m, mjData* d, std::span<const PadOnBo
 }
 
 // Largest eigenvalue of R A R' with R = diag(roots).
-double largest_eigenvalue(const Eigen::MatrixXd& a, std::span<const Matrix6d> roots) {
+double rooted_eigenvalue(const Eigen::MatrixXd& a, std::span<const Matrix6d> roots) {
   Eigen::MatrixXd product(a.rows(), a.cols());
   for (std::size_t i = 0; i < roots.size(); ++i) {
     for (std::size_t j = 0; j < roots.size(); ++j) {
@@ -124,7 +124,7 @@ Vibration fastest_vibration(const mjModel* m, mjData* d, std::span<const PadOnBo
     damping.push_back(root(tangent.damping));
   }
   const Eigen::MatrixXd a = delassus_of(m, d, pads);
-  return {std::sqrt(largest_eigenvalue(a, stiffness)), largest_eigenvalue(a, damping)};
+  return {std::sqrt(rooted_eigenvalue(a, stiffness)), rooted_eigenvalue(a, damping)};
 }
 
 Vibration vibration_bound(const mjModel* m, mjData* d, std::span<const PadOnBodies> pads, std::span<const PadTangent> tangents) {

@@ -1,6 +1,6 @@
 """Kills sweeps at random instants: what was counted as finished is readable, and --resume gives the bytes of an undisturbed run.
 
-usage: kill_test.py SLIPBENCH KILLS
+usage: kill_test.py SLIPBENCH KILLS SEED
 
 Half of the kills are SIGKILL; of the others a part is a disk that is full (a limit on the file's size), a part SIGTERM.
 """
@@ -60,8 +60,8 @@ def readable_trials(path):
     return int(result.stdout)
 
 
-def main(program, kills):
-    draw = random.Random(18)
+def main(program, kills, seed):
+    draw = random.Random(seed)
     with tempfile.TemporaryDirectory() as folder:
         scene, whole, out = (os.path.join(folder, name) for name in ("scene.yaml", "whole.h5", "out.h5"))
         with open(scene, "w", encoding="ascii") as file:
@@ -110,4 +110,4 @@ def main(program, kills):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], int(sys.argv[2])))
+    sys.exit(main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3])))
