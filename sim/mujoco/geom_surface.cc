@@ -26,7 +26,10 @@ std::string type_name(int type) {
 
 std::string name_of(const mjModel* model, int geom) {
   const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
-  return name != nullptr ? "geom " + quote(name) : "geom " + std::to_string(geom) + " (without a name)";
+  std::string text = name != nullptr ? "geom " + quote(name) : "geom " + std::to_string(geom) + " (without a name)";
+  if (model->geom_type[geom] != mjGEOM_MESH) return text;
+  const char* mesh = mj_id2name(model, mjOBJ_MESH, model->geom_dataid[geom]);
+  return mesh != nullptr ? text + " of the mesh " + quote(mesh) : text;
 }
 
 // A compiled mesh: what it is made of, byte by byte.

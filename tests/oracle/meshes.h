@@ -28,6 +28,30 @@ inline Mesh box_mesh(const Eigen::Vector3d& half) {
   return mesh;
 }
 
+// The mesh with corners of its own for each face, each moved by up to `rounding` [m] along each axis, another way every time.
+inline Mesh unwelded(const Mesh& mesh, double rounding) {
+  Mesh loose;
+  unsigned turn = 0;
+  for (const auto& face : mesh.faces) {
+    const auto first = static_cast<std::uint32_t>(loose.vertices.size());
+    for (const std::uint32_t corner : face) {
+      ++turn;
+      loose.vertices.push_back(mesh.vertices[corner] +
+                               rounding * Eigen::Vector3d(turn % 3 - 1.0, turn % 5 / 2.0 - 1.0, turn % 7 / 3.0 - 1.0));
+    }
+    loose.faces.push_back({first, first + 1, first + 2});
+  }
+  return loose;
+}
+
+// Two meshes as one, the second moved by `shift` [m].
+inline Mesh both(Mesh a, const Mesh& b, const Eigen::Vector3d& shift) {
+  const auto first = static_cast<std::uint32_t>(a.vertices.size());
+  for (const Eigen::Vector3d& vertex : b.vertices) a.vertices.push_back(vertex + shift);
+  for (const auto& [i, j, k] : b.faces) a.faces.push_back({first + i, first + j, first + k});
+  return a;
+}
+
 // An L, extruded from y = -unit to y = unit: in x and z the square from -2 to 2 units without the quarter x > 0, z > 0.
 inline Mesh l_mesh(double unit) {
   Mesh mesh;

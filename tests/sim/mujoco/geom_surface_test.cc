@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -107,7 +108,7 @@ TEST(GeomSurface, APlaneHasNoEnd) {
 std::string asset(const oracle::Mesh& mesh, const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) {
   std::string vertices, faces;
   for (const Eigen::Vector3d& vertex : mesh.vertices) {
-    for (int k = 0; k < 3; ++k) vertices += std::to_string(vertex[k] + shift[k]) + " ";
+    for (int k = 0; k < 3; ++k) vertices += fmt::format("{} ", vertex[k] + shift[k]);
   }
   for (const auto& face : mesh.faces) {
     for (const std::uint32_t corner : face) faces += std::to_string(corner) + " ";
@@ -142,6 +143,26 @@ TEST(GeomSurface, MeshStandsWhereItsVerticesWereWritten) {
   }
 }
 
+TEST(GeomSurface, UnweldedMeshIsWeldedByTheSizeOfItsRounding) {
+  // A box of 60 x 40 x 100 mm whose faces have corners of their own, some nanometres apart: as files of triangles have them that were written
+  // with few digits. Over the middle of the face x = 30 mm the gap is that of the box.
+  const Box box{{0.03, 0.02, 0.05}};
+  const oracle::Mesh mesh = oracle::unwelded(oracle::box_mesh(box.half), 30e-9);
+  World world("type='mesh' mesh='shape'" + turned, asset(mesh));
+  const GeomSurface surface = surface_of_geom(world.model(), 0);
+  Pose written;
+  written.position = {0.1, -0.2, 0.3};
+  const auto angle = [](double degrees, const Eigen::Vector3d& axis) { return Eigen::AngleAxisd(degrees * M_PI / 180.0, axis); };
+  written.rotation =
+      (angle(20, Eigen::Vector3d::UnitX()) * angle(-40, Eigen::Vector3d::UnitY()) * angle(70, Eigen::Vector3d::UnitZ()))
+          .toRotationMatrix();
+  for (const double gap : {-1e-3, 0.0, 1e-3}) {
+    const SurfacePoint point = met(surface.shape, world.pose(surface), written * Eigen::Vector3d(0.03 + gap, 1e-3, 2e-3),
+                                   written.rotation * Eigen::Vector3d(-1.0, 0.0, 0.0));
+    EXPECT_NEAR(point.gap, gap, 30e-9 + 10e-9);  // and floats
+  }
+}
+
 TEST(GeomSurface, MeshIsNotItsConvexHull) {
   // In the notch of an L of units of 10 mm, at (2, 0, 2) mm from its inner edge: 2 mm from both its faces. MuJoCo fills the notch
   // up to the line from (20, 0) to (0, 20) mm, 16/sqrt(2) mm above the point.
@@ -166,12 +187,12 @@ TEST(GeomSurface, MeshesOfTheSameTrianglesShareAGrid) {
   EXPECT_NE(samples(other), kept);
 }
 
-void expect_refused(const World& world, const std::string& what) {
+void expect_refused(const World& world, const std::string& what, const std::string& of = "") {
   try {
     surface_of_geom(world.model(), 0);
     FAIL() << "not refused: " << what;
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::StartsWith("geom 'touched' cannot be touched by a pad: "));
+    EXPECT_THAT(error.what(), testing::StartsWith("geom 'touched'" + of + " cannot be touched by a pad: "));
     EXPECT_THAT(error.what(), testing::HasSubstr(what));
   }
 }
@@ -181,8 +202,9 @@ TEST(GeomSurface, OtherGeomsAreRefusedByName) {
                  "height field; allowed: plane, box, sphere, cylinder, capsule, ellipsoid, mesh");
   oracle::Mesh open = oracle::box_mesh({0.03, 0.02, 0.05});
   open.faces.pop_back();
-  expect_refused(World("type='mesh' mesh='shape'", asset(open)), "not closed");
-  expect_refused(World("type='mesh' mesh='shape'", asset(oracle::box_mesh({0.05, 0.05, 0.0001}))), "too thin");
+  expect_refused(World("type='mesh' mesh='shape'", asset(open)), "fill its holes", " of the mesh 'shape'");
+  expect_refused(World("type='mesh' mesh='shape'", asset(oracle::box_mesh({0.05, 0.05, 0.0001}))),
+                 "divide it into compact meshes", " of the mesh 'shape'");
   World world("type='sphere' size='0.03'");
   EXPECT_THROW(surface_of_geom(world.model(), 2), std::invalid_argument);
   EXPECT_THROW(surface_of_geom(world.model(), -1), std::invalid_argument);
