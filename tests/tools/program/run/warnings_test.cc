@@ -45,7 +45,6 @@ class Warnings : public FolderTest {
     return lines;
   }
 
- private:
   Catalogues catalogues_ = program_catalogues();
 };
 
