@@ -20,7 +20,8 @@ endfunction()
 
 # slipbench_library(NAME core SOURCES a.cc b.cc DEPENDS Eigen3::Eigen PRIVATE fmt::fmt)
 # One target a folder: slipbench_<NAME>, alias slipbench::<NAME>, installed and exported with its headers.
-# COLD: runs once a command and not once a step, so that the time to compile it counts and its own speed does not (-O1, stack protector).
+# COLD: runs once a command and not once a step, so that the time to compile it counts and its own speed does not (-O1, stack
+# protector, containers that check their indices).
 function(slipbench_library)
   cmake_parse_arguments(ARG "COLD" "NAME" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
   set(target slipbench_${ARG_NAME})
@@ -31,7 +32,7 @@ function(slipbench_library)
   target_compile_features(${target} PUBLIC cxx_std_20)  # for those who use an installed copy
   target_link_libraries(${target} PUBLIC ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:slipbench_flags>)
   if(ARG_COLD)
-    target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1;-fstack-protector-strong>")
+    target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1;-fstack-protector-strong;-D_GLIBCXX_ASSERTIONS>" $<$<CONFIG:Debug>:-O0>)
     slipbench_precompile(KIND cold TARGET ${target})
   else()
     slipbench_precompile(KIND hot TARGET ${target})
@@ -63,8 +64,9 @@ function(slipbench_test)
   set(target ${ARG_NAME}_test)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} GTest::gmock GTest::gtest_main slipbench_flags)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1> $<$<CONFIG:Debug>:-O0>)
   target_compile_definitions(${target} PRIVATE SLIPBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   slipbench_precompile(KIND test TARGET ${target} HEADERS <gmock/gmock.h> <gtest/gtest.h>)
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60)
+  set_property(GLOBAL APPEND PROPERTY SLIPBENCH_TEST_PROGRAMS ${target})
 endfunction()

@@ -34,7 +34,7 @@ struct DynamicSimulationOptions {
 // Truth at tick k is that of the state at k * time_step: with MuJoCo's one-stage integrators the state that the step k -> k + 1
 // begins with, with RK4 that of the last stage of the step k - 1 -> k, which is of the third order in the step.
 //
-// The step: an explicit field bears no longer one than longest_explicit_step() (stability.h), taken at the start with every element
+// The step: an explicit field bears no longer one than longest_explicit_step() (linear_model.h), taken at the start with every element
 // of every pad stuck. Where an element touches it is worked out again, for the elements that touch, and a step a third beyond it (h
 // omega = 1: there a slide begins to come out wrong) ends the run. `time_step: auto` takes
 // the longest that fits, at most the fastest sensor's sampling time. Implicit fields have no such limit.

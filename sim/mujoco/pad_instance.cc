@@ -276,7 +276,7 @@ void PadInstance::evaluate(const Parts& state, double time) {
   const double dt = is_placed(state.fields) ? time - state.header[committed_time] : 0.0;
   if (dt < 0.0) {
     throw InputError(fmt::format(
-        "plugin '{}': the time went back from {:.3g} s to {:.3g} s without a reset; allowed: mj_resetData, or a whole state by mj_setState",
+        "plugin '{}': the time went back from {:.9g} s to {:.9g} s without a reset; allowed: mj_resetData, or a whole state by mj_setState",
         config_.name, state.header[committed_time], time));
   }
   if (keeps_state_) {
@@ -391,7 +391,7 @@ void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
   }
   if (model->opt.timestep != step_) {
     throw InputError(
-        fmt::format("plugin '{}': the time step has changed from {:.3g} s to {:.3g} s; allowed: mj_makeData after the change",
+        fmt::format("plugin '{}': the time step has changed from {:.9g} s to {:.9g} s; allowed: mj_makeData after the change",
                     config_.name, step_, model->opt.timestep));
   }
 }

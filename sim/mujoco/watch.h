@@ -17,7 +17,7 @@
 //   gain = sum h q . (v_k + v_k+1)/2 + U_n - U_0 + L <= 0        (less by what the dashpots take)
 // since h F . (v_k + v_k+1)/2 is the kinetic energy that F gives, exactly. An explicit spring of phase z = h omega stepped by
 // MuJoCo (velocity first) keeps v^2 + x^2 - z v x (in units of omega), so its energy swings by a factor of (1 + z/2)/(1 - z/2)
-// between the extremes and by 1/(1 - z/2) from any mean: 1.6 at the longest step that is allowed, z = 0.75 (stability.h). So within
+// between the extremes and by 1/(1 - z/2) from any mean: 1.6 at the longest step that is allowed, z = 0.75 (linear_model.h). So within
 // a window a right run gains at most 0.6 of the energy that is there: kinetic and elastic at its start, and what others have put in
 // since. The rule:
 //   gain <= energy_share (T_0 + U_0 + sum of the positive works by weight, motors, springs and contacts of the model, and by the

@@ -76,18 +76,23 @@ void add(ContentDigest& digest, const std::string& key, const Values& values) {
   }
 }
 
-// Calls visit(place, object, path) for a group or array and all below it; `path` is that inside the first.
+// Calls visit(place, object, path) for `object`, a group or array that is open at `place`, and all below it; `path` is that inside the first.
 template <class Visit>
-void visit_all(const Place& place, const std::string& path, const Visit& visit) {
-  const Handle object = hdf5::open_object(place);
+void visit_from(const Place& place, const Handle& object, const std::string& path, const Visit& visit) {
   H5O_info_t info{};  // goes through its lists of chunks and members as others do who ask for all that there is to know
   if (H5Oget_info2(object.get(), &info, H5O_INFO_ALL) < 0) place.fail("is damaged: " + hdf5::last_error());
   visit(place, object, path);
   if (H5Iget_type(object.get()) != H5I_GROUP) return;
   if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= deepest) place.fail("lies too deep in the file");
-  for (const std::string& name : hdf5::members_of(place)) {
-    visit_all(place.below(name), path.empty() ? name : path + "/" + name, visit);
+  for (const std::string& name : hdf5::members_of(place, object)) {
+    const Place member = place.below(name);
+    visit_from(member, hdf5::open_member(member, object, name), path.empty() ? name : path + "/" + name, visit);
   }
+}
+
+template <class Visit>
+void visit_all(const Place& place, const std::string& path, const Visit& visit) {
+  visit_from(place, hdf5::open_object(place), path, visit);
 }
 
 // Adds the entries of an object: an array's values, and all attributes but `except`, which only the first object has.

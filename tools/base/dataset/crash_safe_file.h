@@ -72,6 +72,7 @@ class CrashSafeFile {
 
   void show(const std::array<std::uint8_t, 48>& superblock);
   void lengthen();
+  void write_back();
 
   std::unique_ptr<Disk> disk_;
   Handle file_;
@@ -82,6 +83,7 @@ class CrashSafeFile {
   std::uint64_t reserve_bytes_ = 0;
   std::array<View, 2> views_{};
   std::size_t shown_ = 0;
+  std::uint64_t written_back_ = 0;  // from here on the disk has not been asked to write
 };
 
 }  // namespace slipbench::hdf5

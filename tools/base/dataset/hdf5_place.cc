@@ -76,8 +76,15 @@ Handle open_object(const Place& place) {
   return {id, &H5Oclose};
 }
 
-std::vector<std::string> members_of(const Place& place) {
-  const Handle group = open_object(place);
+Handle open_member(const Place& place, const Handle& group, const std::string& name) {
+  const hid_t id = H5Oopen(group.get(), name.c_str(), H5P_DEFAULT);
+  if (id < 0) place.fail("missing or damaged");
+  return {id, &H5Oclose};
+}
+
+std::vector<std::string> members_of(const Place& place) { return members_of(place, open_object(place)); }
+
+std::vector<std::string> members_of(const Place& place, const Handle& group) {
   Members members;
   hsize_t position = 0;
   if (H5Literate(group.get(), H5_INDEX_NAME, H5_ITER_INC, &position, &add_member, &members) < 0) {
@@ -119,9 +126,16 @@ std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents
   return count;
 }
 
-std::vector<std::size_t> array_extents(const Place& place, const Handle& array) {
+Handle array_properties(const Place& place, const Handle& array) {
   if (H5Iget_type(array.get()) != H5I_DATASET) place.fail("is no array");
-  const Handle properties(H5Dget_create_plist(array.get()), &H5Pclose);
+  return {H5Dget_create_plist(array.get()), &H5Pclose};
+}
+
+std::vector<std::size_t> array_extents(const Place& place, const Handle& array) {
+  return array_extents(place, array, array_properties(place, array));
+}
+
+std::vector<std::size_t> array_extents(const Place& place, const Handle& array, const Handle& properties) {
   const H5D_layout_t layout = H5Pget_layout(properties.get());
   constexpr const char* allowed = "; allowed: a dataset as the program writes it, which holds all of its data";
   if (layout == H5D_VIRTUAL) place.fail(std::string("is a virtual dataset, whose values lie in other files") + allowed);
@@ -144,9 +158,14 @@ std::vector<std::size_t> array_extents(const Place& place, const Handle& array) 
 }
 
 Attribute open_attribute(const Place& place, const Handle& object, const std::string& name) {
-  if (H5Aexists(object.get(), name.c_str()) <= 0) place.fail("has no attribute '" + name + "'");
+  const hid_t opened = H5Aopen(object.get(), name.c_str(), H5P_DEFAULT);
+  if (opened < 0) {
+    const std::string why = last_error();
+    if (H5Aexists(object.get(), name.c_str()) == 0) place.fail("has no attribute '" + name + "'");
+    place.fail("attribute '" + name + "' cannot be read: " + why);
+  }
   Attribute attribute;
-  attribute.handle = Handle(H5Aopen(object.get(), name.c_str(), H5P_DEFAULT), &H5Aclose);
+  attribute.handle = Handle(opened, &H5Aclose);
   attribute.type = Handle(H5Aget_type(attribute.handle.get()), &H5Tclose);
   attribute.shape = extents_of(place, Handle(H5Aget_space(attribute.handle.get()), &H5Sclose));
   count_of(place, attribute.shape, H5Tget_size(attribute.type.get()), 1);

@@ -31,8 +31,13 @@ Handle open_file(const std::string& path);
 // Opens a group or array by the links of the file itself: a soft or external link on the way is refused.
 Handle open_object(const Place& place);
 
-// Names of a group's members in ascending order. Names with control characters and links that lead elsewhere are refused.
+// Names of the members of `group`, which is open at `place`, in ascending order. Names with control characters and links that lead elsewhere are
+// refused.
+std::vector<std::string> members_of(const Place& place, const Handle& group);
+// The same of a group that is not open.
 std::vector<std::string> members_of(const Place& place);
+// Opens a member of `group` that members_of() has named, which lies at `place`: without the way there from the root, which costs ten times as much.
+Handle open_member(const Place& place, const Handle& group, const std::string& name);
 // Names of an object's attributes in ascending order.
 std::vector<std::string> attributes_of(const Place& place, const Handle& object);
 
@@ -44,6 +49,10 @@ std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents
 // Extents of an array, once it is known that all of its values lie in the file: no external storage, no virtual dataset, no more
 // bytes than what is stored can unfold to.
 std::vector<std::size_t> array_extents(const Place& place, const Handle& array);
+// The same where the array's creation properties are at hand.
+std::vector<std::size_t> array_extents(const Place& place, const Handle& array, const Handle& properties);
+// Creation properties of what is open at `place`. Throws InputError where it is no array.
+Handle array_properties(const Place& place, const Handle& array);
 
 // An attribute that is there; its extents are checked likewise.
 struct Attribute {

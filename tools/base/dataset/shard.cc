@@ -36,11 +36,15 @@ hid_t file_type(ElementType type) {
 
 Handle property_list(hid_t kind) { return {H5Pcreate(kind), &H5Pclose}; }
 
-Handle text_type() {
-  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
-  check(H5Tset_size(type.get(), H5T_VARIABLE));
-  check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
-  return type;
+// Each of these lists and types serves all that a file gets: to make one takes HDF5 as long as to write an attribute.
+const Handle& text_type() {
+  static const Handle made = [] {
+    Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+    check(H5Tset_size(type.get(), H5T_VARIABLE));
+    check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
+    return type;
+  }();
+  return made;
 }
 
 Handle space_of(const std::vector<std::size_t>& shape) {
@@ -89,7 +93,7 @@ Handle group_properties(hid_t kind) {
 }
 
 Handle create_group(hid_t parent, const std::string& path) {
-  const Handle properties = group_properties(H5P_GROUP_CREATE);
+  static const Handle properties = group_properties(H5P_GROUP_CREATE);
   return {H5Gcreate2(parent, path.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
 }
 
@@ -117,17 +121,28 @@ std::set<std::string> groups_of(const EncodedTrial& trial) {
   return groups;
 }
 
-void write_array(hid_t demo, const EncodedArray& array) {
-  const Handle space = space_of(array.shape);
+enum class Storage : std::uint8_t { whole, deflated, shuffled };
+
+// Of an array, but for the extents of its chunks.
+Handle array_properties(Storage storage) {
   Handle properties = property_list(H5P_DATASET_CREATE);
   check(H5Pset_obj_track_times(properties.get(), 0));
   check(H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER));
+  if (storage == Storage::shuffled) check(H5Pset_shuffle(properties.get()));
+  if (storage != Storage::whole) check(H5Pset_deflate(properties.get(), TrialEncoder::deflate_level));
+  return properties;
+}
+
+void write_array(hid_t demo, const EncodedArray& array) {
+  static const Handle whole = array_properties(Storage::whole);
+  static const Handle deflated = array_properties(Storage::deflated);
+  static const Handle shuffled = array_properties(Storage::shuffled);
+  const Handle space = space_of(array.shape);
+  const Handle& properties = array.chunk_rows == 0 ? whole : size_of(array.type) > 1 ? shuffled : deflated;
   if (array.chunk_rows > 0) {
     std::vector<hsize_t> chunk(array.shape.begin(), array.shape.end());
     chunk[0] = array.chunk_rows;
     check(H5Pset_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()));
-    if (size_of(array.type) > 1) check(H5Pset_shuffle(properties.get()));
-    check(H5Pset_deflate(properties.get(), TrialEncoder::deflate_level));
   }
   Handle dataset(
       H5Dcreate2(demo, array.path.c_str(), file_type(array.type), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
@@ -174,7 +189,10 @@ void write_texts(hid_t group, const char* name, const std::string& padded, std::
 // Names of the trials that are both in `part` and in `held`, as robomimic writes them: fixed-length strings.
 void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& part, const std::vector<std::size_t>& held) {
   std::vector<std::size_t> members;
-  std::set_intersection(part.begin(), part.end(), held.begin(), held.end(), std::back_inserter(members));
+  if (!held.empty()) {  // `part` is that of the whole dataset, which may be hundreds of files
+    std::set_intersection(std::ranges::lower_bound(part, held.front()), std::ranges::upper_bound(part, held.back()), held.begin(),
+                          held.end(), std::back_inserter(members));
+  }
   std::size_t width = 1;
   for (const std::size_t trial : members) width = std::max(width, demo_name(trial).size());
   std::string names;
@@ -221,19 +239,21 @@ Handle file_properties(bool of_shard) {
 }
 
 void write_demo(hid_t file, hid_t list, const EncodedTrial& trial) {
-  const Handle properties = group_properties(H5P_GROUP_CREATE);
   Handle demo;
-  forget_heaps(file, [&] {
-    demo = Handle(H5Gcreate2(list, demo_name(trial.trial).c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose);
-  });
+  forget_heaps(file, [&] { demo = create_group(list, demo_name(trial.trial)); });
   for (const std::string& group : groups_of(trial)) create_group(demo.get(), group).close();
   for (const EncodedArray& array : trial.arrays) write_array(demo.get(), array);
+  // Attributes of one group stand together.
+  Handle group;
+  const std::string* of = nullptr;
   for (const EncodedAttribute& attribute : trial.attributes) {
-    const std::string path = attribute.path.empty() ? "." : attribute.path;
-    Handle group(H5Gopen2(demo.get(), path.c_str(), H5P_DEFAULT), &H5Gclose);
+    if (of == nullptr || *of != attribute.path) {
+      of = &attribute.path;
+      group = Handle(H5Gopen2(demo.get(), of->empty() ? "." : of->c_str(), H5P_DEFAULT), &H5Gclose);
+    }
     std::visit([&](const auto& value) { write_attribute(group.get(), attribute.name, value); }, attribute.value);
-    group.close();
   }
+  group.close();
   demo.close();
 }
 

@@ -30,16 +30,14 @@ std::string missing_text(const char* what, const std::vector<std::size_t>& numbe
 
 ShardSet::ShardSet(const std::vector<std::string>& paths) {
   std::set<std::string> later;
-  std::vector<std::string> first;
   for (const std::string& path : paths) {
-    const std::optional<FileAbout> about = file_about(path);
+    std::optional<FileAbout> about = file_about(path);
     if (about && about->header.part && about->shard > 0) {
       later.insert(normal(path));
     } else {
-      first.push_back(path);
+      shards_.push_back(std::make_unique<StoredTrials>(path, std::move(about)));
     }
   }
-  for (const std::string& path : first) shards_.push_back(std::make_unique<StoredTrials>(path));
   for (const std::string& name : files()) later.erase(normal(name));
   if (!later.empty()) throw InputError(*later.begin() + ": is a further file of a shard; allowed: with the shard's first file");
 

@@ -156,10 +156,11 @@ void read_chunks(const Place& place, const Handle& dataset, const Handle& proper
 }
 
 EncodedArray read_array(const Place& place, const Handle& dataset, const std::string& path) {
+  const Handle properties = hdf5::array_properties(place, dataset);
   EncodedArray array{
-      path, text_of(place, dataset, "unit"), {}, element_type(place, dataset), hdf5::array_extents(place, dataset), 0, {}};
+      path, text_of(place, dataset, "unit"), {}, element_type(place, dataset), hdf5::array_extents(place, dataset, properties), 0,
+      {}};
   if (H5Aexists(dataset.get(), "codes") > 0) array.codes = text_of(place, dataset, "codes");
-  const Handle properties(H5Dget_create_plist(dataset.get()), &H5Pclose);
   if (H5Pget_layout(properties.get()) == H5D_CHUNKED) {
     read_chunks(place, dataset, properties, array);
   } else if (hdf5::count_of(place, array.shape, size_of(array.type), 1) > 0) {
@@ -168,9 +169,8 @@ EncodedArray read_array(const Place& place, const Handle& dataset, const std::st
   return array;
 }
 
-// All of a demo below `place`, whose path inside the demo is `path`.
-void read_group(const Place& place, const std::string& path, EncodedTrial& trial) {
-  const Handle object = hdf5::open_object(place);
+// All of a demo from `object` on, which is open at `place`; its path inside the demo is `path`.
+void read_from(const Place& place, const Handle& object, const std::string& path, EncodedTrial& trial) {
   if (H5Iget_type(object.get()) == H5I_DATASET) {
     trial.arrays.push_back(read_array(place, object, path));
     return;
@@ -179,8 +179,10 @@ void read_group(const Place& place, const std::string& path, EncodedTrial& trial
   for (const std::string& name : attributes_as_encoded(place, object)) {
     trial.attributes.push_back(read_attribute(place, object, path, name));
   }
-  for (const std::string& name : hdf5::members_of(place))
-    read_group(place.below(name), path.empty() ? name : path + "/" + name, trial);
+  for (const std::string& name : hdf5::members_of(place, object)) {
+    const Place member = place.below(name);
+    read_from(member, hdf5::open_member(member, object, name), path.empty() ? name : path + "/" + name, trial);
+  }
 }
 
 Digest digest_of(const Place& place, const std::string& hexadecimal_digits) {
@@ -207,8 +209,7 @@ std::optional<SplitRule> split_of(const Place& mask) {
 
 }  // namespace
 
-StoredTrials::StoredTrials(std::string path) : path_(std::move(path)) {
-  const std::optional<FileAbout> about = file_about(path_);
+StoredTrials::StoredTrials(std::string path, std::optional<FileAbout> about) : path_(std::move(path)) {
   if (!about) throw InputError(path_ + ": is no dataset");
   if (!about->header.part) {
     throw InputError(path_ + ": is no shard of a sweep; allowed: files of sweep --shard k/n");
@@ -219,7 +220,7 @@ StoredTrials::StoredTrials(std::string path) : path_(std::move(path)) {
     throw InputError(path_ +
                      ": its run did not come to its end; allowed: the whole shard, which its command with --resume gives");
   }
-  about_ = *about;
+  about_ = std::move(*about);
   open(0);
   about_.header.split = split_of(place("/mask"));
 }
@@ -284,7 +285,7 @@ EncodedTrial StoredTrials::read() {
   EncodedTrial trial;
   std::tie(trial.trial, trial.material) = trials_[next_];
   const Place demo = place(fmt::format("/data/demo_{}", trial.trial));
-  read_group(demo, "", trial);
+  read_from(demo, hdf5::open_object(demo), "", trial);
   std::ranges::sort(trial.arrays, {}, &EncodedArray::path);
   std::ranges::stable_sort(trial.attributes, {}, &EncodedAttribute::path);
   // The digest stands last.

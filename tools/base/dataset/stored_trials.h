@@ -18,8 +18,8 @@ namespace slipbench {
 // throw InputError when a file is not what it should be. HDF5 itself may crash on damaged bytes: use it inside guarded() (guarded.h).
 class StoredTrials {
  public:
-  // `path`: the shard's first file. Refuses what is no shard of a sweep, and one whose run did not come to its end.
-  explicit StoredTrials(std::string path);
+  // `path`: the shard's first file; `about`: its file_about(). Refuses what is no shard of a sweep, and one whose run did not come to its end.
+  StoredTrials(std::string path, std::optional<FileAbout> about);
 
   // What the shard says of itself; `split` is set.
   [[nodiscard]] const FileAbout& about() const { return about_; }

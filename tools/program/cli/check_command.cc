@@ -140,7 +140,7 @@ SceneCheck check_settled(CheckOptions& check, const Catalogues& catalogues, cons
   if (expects_anything(check, catalogues)) {
     SweepOptions sweep = sweep_of(check);
     settle_accuracy(sweep, catalogues, command);
-    warnings = scene_warnings(sweep, catalogues);
+    warnings = scene_warnings(read_sweep(sweep, catalogues), sweep);
     print_warnings(warnings);
     check.overrides = std::move(sweep.overrides);
   }

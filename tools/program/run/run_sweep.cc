@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "sim/scene/scene_reader.h"
 #include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/kept_trials.h"
 #include "tools/base/statistics/confusion.h"
@@ -322,14 +323,24 @@ std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const Sweep
 
 }  // namespace
 
-SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
+ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues) {
   SceneFile file = SceneFile::load(options.scene_path);
   for (const Override& change : options.overrides) file.apply(change);
+  const std::uint64_t seed = options.seed ? *options.seed : read_seed(file.root());
+  PlannedTrials planned = plan_trials(file, catalogues, options, seed);
+  return {std::move(file), seed, std::move(planned)};
+}
 
+SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
+  return run_sweep(read_sweep(options, catalogues), options, catalogues, progress);
+}
+
+SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const Catalogues& catalogues,
+                       const ProgressCallback& progress) {
   SweepSummary summary;
-  summary.seed = options.seed ? *options.seed : parse_scene(file, catalogues).seed;
+  summary.seed = read.seed;
   summary.command = canonical_command(options);
-  const PlannedTrials chosen = plan_trials(file, catalogues, options, summary.seed);
+  const PlannedTrials& chosen = read.planned;
   const TrialPlan& plan = chosen.plan;
   std::vector<std::size_t> trials = chosen_trials(chosen, options, summary.seed);
   summary.planned = trials.size();
@@ -342,7 +353,7 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   if (options.on_start) options.on_start();
 
   const DatasetHeader header{SLIPBENCH_VERSION,
-                             file.text(),
+                             read.file.text(),
                              overrides_json(options.overrides),
                              summary.seed,
                              summary.command,

@@ -100,6 +100,16 @@ struct PlannedTrials {
 // TrialPlan does, and when options.only is none of the trials asked for.
 PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed);
 
+// A sweep whose scene has been read and checked, once for all who look at it before and while it runs.
+struct ReadSweep {
+  SceneFile file;  // with the overrides
+  std::uint64_t seed = 0;
+  PlannedTrials planned;
+};
+
+// `catalogues` must outlive what comes back. Throws InputError as plan_trials() does, and where the scene cannot be read.
+ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues);
+
 // Takes away what a record does not hold where the outcome alone is kept: its empty columns.
 void keep_outcome(TrialRecord& record);
 
@@ -117,6 +127,9 @@ std::string shell_word(const std::string& word);
 // kept under OUT.partial.h5, which the message names. A scene that wishes for accuracy is a std::logic_error: its setting is
 // found before (tools/program/cost). What is written does not depend on `jobs`.
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
+// The same; `read`: read_sweep(options, catalogues).
+SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const Catalogues& catalogues,
+                       const ProgressCallback& progress = {});
 
 // A trial as an element of `trials` in the one JSON object of `--json`, and the rest of that object.
 std::string trial_json(const TrialSummary& trial);

@@ -223,11 +223,8 @@ std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::
            empty.size() == 2 ? "valid and test are" : empty.front() + " is", masks.split_by)}};
 }
 
-std::vector<Warning> scene_warnings(const SweepOptions& sweep, const Catalogues& catalogues) {
-  SceneFile file = SceneFile::load(sweep.scene_path);
-  for (const Override& change : sweep.overrides) file.apply(change);
-  const std::uint64_t seed = sweep.seed ? *sweep.seed : read_seed(file.root());
-  const PlannedTrials planned = plan_trials(file, catalogues, sweep, seed);
+std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& sweep) {
+  const PlannedTrials& planned = read.planned;
   std::vector<std::size_t> numbers{sweep.only.value_or(0)};
   if (!sweep.only) {
     numbers.resize(planned.asked);

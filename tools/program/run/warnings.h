@@ -37,9 +37,8 @@ std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::
 // names. Of many trials some are looked at, spread evenly.
 std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers);
 
-// All of these of the trials that `sweep` would run, built; those of the split where it writes a dataset. Throws InputError as
-// run_sweep does for a scene that cannot be read.
-std::vector<Warning> scene_warnings(const SweepOptions& sweep, const Catalogues& catalogues);
+// All of these of the trials that `sweep` would run, built; those of the split where it writes a dataset. `read`: its read_sweep().
+std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& sweep);
 
 // How often a sensor's converter was at an end of its range.
 struct ConverterUse {

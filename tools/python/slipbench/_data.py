@@ -174,8 +174,8 @@ class Dataset(Mapping[int, StoredTrial]):
         """Windows of a sensor's samples with a label each, for a trainer.
 
         `length` and `stride` count samples. `sensor`: which; empty: the only one. `channels`: their columns side by side; empty: all. `labels`: when a
-        sample is slip, "strict" (all of a unit slips), "micro" (a part of it does) or "paper" (the rule of the sensor's paper). `part`: of the masks;
-        empty: every trial.
+        sample is slip, "strict" (all of a unit slips), "micro" (a part of it does) or "paper" (the rule of the sensor's paper). Labels are taken sample by
+        sample: the channels must be sampled at the labels' rate. `part`: of the masks; empty: every trial.
         """
         return Windows(self, length, stride, sensor, channels, labels, self.mask(part) if part else self.trials)
 

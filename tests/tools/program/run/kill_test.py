@@ -1,6 +1,6 @@
 """Kills sweeps at random instants: what was counted as finished is readable, and --resume gives the bytes of an undisturbed run.
 
-usage: kill_test.py SLIPBENCH KILLS
+usage: kill_test.py SLIPBENCH KILLS SEED
 
 Half of the kills are SIGKILL; of the others a part is a disk that is full (a limit on the file's size), a part SIGTERM.
 """
@@ -16,20 +16,8 @@ import sys
 import tempfile
 import time
 
-SCENE = """slipbench: 1
-description: short sweep
-duration: 0.3 s
-time_step: 1 ms
-seed: 7
-surface: {material: acrylic}
-motion: {kind: stage, gap: 0 mm, compression: 0.1 mm, approach_speed: 10 mm/s, start: 0.1 s, speed: 4 mm/s, acceleration: 1 m/s2}
-sensors:
-  pad: {type: papillarray, rate: 1 kHz, electronics: typical, bristles: 3}
-sweep:
-  motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]
-  motion.direction: {draw: uniform, min: 0 deg, max: 360 deg}
-  trials: 30
-"""
+from short_sweep import scene_text
+
 
 # Reads every array and attribute of every trial, and prints how many trials there are.
 READ_ALL = """
@@ -72,12 +60,12 @@ def readable_trials(path):
     return int(result.stdout)
 
 
-def main(program, kills):
-    draw = random.Random(18)
+def main(program, kills, seed):
+    draw = random.Random(seed)
     with tempfile.TemporaryDirectory() as folder:
         scene, whole, out = (os.path.join(folder, name) for name in ("scene.yaml", "whole.h5", "out.h5"))
         with open(scene, "w", encoding="ascii") as file:
-            file.write(SCENE)
+            file.write(scene_text(trials=30))
         begin = time.monotonic()
         subprocess.run([program, "sweep", scene, "-o", whole, "--quiet"], check=True, timeout=SECONDS)
         duration = time.monotonic() - begin
@@ -122,4 +110,4 @@ def main(program, kills):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], int(sys.argv[2])))
+    sys.exit(main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3])))

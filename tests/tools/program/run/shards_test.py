@@ -13,23 +13,11 @@ from pathlib import Path
 
 import h5py
 
+from short_sweep import scene_text
+
 PROGRAM = Path(sys.argv.pop(2)).resolve()
 ROOT = Path(sys.argv.pop(1)).resolve()
 
-SCENE = """slipbench: 1
-description: short sweep
-duration: 0.3 s
-time_step: 1 ms
-seed: 7
-surface: {material: acrylic}
-motion: {kind: stage, gap: 0 mm, compression: 0.1 mm, approach_speed: 10 mm/s, start: 0.1 s, speed: 4 mm/s, acceleration: 1 m/s2}
-sensors:
-  pad: {type: papillarray, rate: 1 kHz, electronics: typical, bristles: 3}
-sweep:
-  motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]
-  motion.direction: {draw: uniform, min: 0 deg, max: 360 deg}
-  trials: 7
-"""
 TRIALS = 21
 
 # What each of these adds to the file: outcomes alone, a control loop, a split of the scene's own, materials, trials of several costs, failures.
@@ -57,7 +45,7 @@ class ShardsTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
         self.scene = self.folder / "scene.yaml"
-        self.scene.write_text(SCENE, encoding="ascii")
+        self.scene.write_text(scene_text(trials=7), encoding="ascii")
 
     def run_program(self, *words, status=0, **options):
         result = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, timeout=300, **options)

@@ -32,7 +32,7 @@ class Warnings : public FolderTest {
     sweep.overrides = overrides;
     sweep.output = path("out.h5");
     sweep.limit = sweep.overrides.empty() ? 0 : 1;
-    return scene_warnings(sweep, catalogues_);
+    return scene_warnings(read_sweep(sweep, catalogues_), sweep);
   }
   // What it is about, and then what it says without the folder.
   std::vector<std::string> told(const std::string& text, const std::vector<Override>& overrides = {}) {
@@ -45,7 +45,6 @@ class Warnings : public FolderTest {
     return lines;
   }
 
- private:
   Catalogues catalogues_ = program_catalogues();
 };
 
@@ -132,7 +131,7 @@ TEST_F(Warnings, ShippedScenesHaveNone) {
     SweepOptions sweep;
     sweep.scene_path = entry.path().string();
     sweep.output = path("out.h5");
-    EXPECT_THAT(warnings_json(scene_warnings(sweep, program_catalogues())).dump(), "[]") << entry.path();
+    EXPECT_THAT(warnings_json(scene_warnings(read_sweep(sweep, catalogues_), sweep)).dump(), "[]") << entry.path();
     ++scenes;
   }
   EXPECT_GE(scenes, 20U);
