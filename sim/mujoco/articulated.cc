@@ -25,7 +25,10 @@ std::string part(const std::string& prefix, const char* name, std::size_t elemen
 
 // The body frame of an element's tip in P: Z points into the pad, against the element's axis, so that compression is positive.
 Eigen::Matrix3d tip_rotation(const Element& element) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -element.axis).toRotationMatrix();
+  const Eigen::Vector3d z = -element.axis;
+  // Of the shortest turn; half a turn has no shortest one. Eigen's own FromTwoVectors decomposes a matrix then, and takes 10 s to compile.
+  if (z.z() <= -1.0) return Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
+  return Eigen::Quaterniond(1.0 + z.z(), -z.y(), z.x(), 0.0).normalized().toRotationMatrix();
 }
 
 bool is_positive(double x) { return std::isfinite(x) && x > 0.0; }

@@ -9,10 +9,9 @@
 #include <stdexcept>
 
 #include <mujoco/mujoco.h>
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
+#include "sim/mujoco/dense.h"
 #include "sim/mujoco/mujoco_differences.h"
 
 namespace slipbench {
@@ -42,19 +41,6 @@ Matrix3d rotation_by(const Vector3d& angle) {
   const double size = angle.norm();
   if (size == 0.0) return Matrix3d::Identity();
   return Eigen::AngleAxisd(size, angle / size).toRotationMatrix();
-}
-
-// A symmetric matrix as a sum of squares: K = sum_k scale_k values_k values_k'. Terms of nothing but rounding are left out.
-struct Squares {
-  std::array<double, 6> scale;
-  Matrix6d values;  // columns
-};
-Squares squares(const Matrix6d& k) {
-  const Eigen::LDLT<Matrix6d> factor(k);
-  Squares out;
-  out.values = factor.transpositionsP().transpose() * Matrix6d(factor.matrixL());
-  for (int i = 0; i < 6; ++i) out.scale[static_cast<std::size_t>(i)] = std::max(0.0, factor.vectorD()[i]);
-  return out;
 }
 
 // Rows of the metric: scale_k (values_k' J)'(values_k' J).
@@ -295,7 +281,7 @@ void ImplicitFields::predict(std::span<const ImplicitContact> contacts) {
           delassus_.middleCols<6>(block(a)) * (h_ * h_ * (linear_[a].stiffness + linear_[a].coupling));
     }
     slope.diagonal().array() += 1.0;
-    const VectorXd full = slope.partialPivLu().solve(r);
+    const VectorXd full = solution(slope, r);
     converged_ = h_ * size(full) <= kernel::shortest_slip;  // the field itself does not tell poses apart that are closer
     if (converged_) {
       w_ = w;

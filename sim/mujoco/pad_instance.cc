@@ -505,8 +505,8 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
   computed_at_ = data->time;
   evaluated_ = locate(model, data);
   if (rests(model, data, state, data->time) && stays_clear(state)) {
+    const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
     for (const Touched& touched : touched_) {
-      const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
       contacts.push_back({nullptr, {}, model->site_bodyid[config_.site], touched.body, pad, Pose{}});
     }
     return;

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <mujoco/mujoco.h>
-#include <Eigen/Cholesky>
 
 #include "sim/mujoco/mujoco_differences.h"
 
@@ -27,15 +26,6 @@ void add_spring(Matrix6d& total, const Eigen::Matrix3d& spring, const Eigen::Vec
 // k_n n n' + k_t across.
 Eigen::Matrix3d spring(double k_n, const Eigen::Vector3d& n, double k_t, const Eigen::Matrix3d& across) {
   return k_n * n * n.transpose() + k_t * across;
-}
-
-// R of K = R'R, for K positive semi-definite up to rounding.
-Matrix6d root(const Matrix6d& k) {
-  const Eigen::LDLT<Matrix6d> factor(k);
-  const Vector6d pivots = factor.vectorD().cwiseMax(0.0).cwiseSqrt();
-  Matrix6d permuted = factor.transpositionsP() * Matrix6d::Identity();
-  permuted = factor.matrixU() * permuted;
-  return pivots.asDiagonal() * permuted;
 }
 
 // J M^-1 J' of all pads.

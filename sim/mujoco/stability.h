@@ -22,15 +22,13 @@
 #include "sim/core/pad_layout.h"
 #include "sim/core/pose.h"
 #include "sim/field/field.h"
+#include "sim/mujoco/dense.h"
 #include "sim/mujoco/linear_model.h"
 
 struct mjModel_;
 struct mjData_;
 
 namespace slipbench {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 // A pad's field linearised about a point, in world axes, translation before rotation.
 struct PadTangent {
