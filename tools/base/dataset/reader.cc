@@ -232,7 +232,9 @@ struct DatasetReader::State {
         place.fail(fmt::format("holds trial {}, as does another file of the dataset", trial));
     }
     digests.push_back(about.shards ? read_text(place, open_object(place), file_sha256_name) : "");
-    if (!about.shards) return index + (std::filesystem::exists(sibling_path(files.front().name, index + 1)) ? 2 : 1);
+    // What a killed run has left has no more files than are there, whatever those say that it had finished.
+    const bool killed = digests.front().empty();
+    if (killed) return index + (std::filesystem::exists(sibling_path(files.front().name, index + 1)) ? 2 : 1);
     complete = about.complete && (index == 0 || complete);
     return *about.shards;
   }
