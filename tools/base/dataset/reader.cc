@@ -214,6 +214,7 @@ struct DatasetReader::State {
   std::size_t add_file(const std::string& path) {
     const std::size_t index = files.size();
     files.push_back({path, open_file(path)});
+    if (index > 0) hdf5::keep_little(files.back().handle);
     const Place place = root(index);
     FileAbout about = read_about(place);
     if (about.shard != index) {
