@@ -63,6 +63,19 @@ Handle open_file(const std::string& path) {
   return {file, &H5Fclose};
 }
 
+void keep_little(const Handle& file) {
+  constexpr std::size_t bytes = 96 << 10;  // as they lie on the disk; decoded they take some ten times as much
+  H5AC_cache_config_t config{};
+  config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  check(H5Fget_mdc_config(file.get(), &config));
+  config.set_initial_size = true;
+  config.initial_size = config.min_size = config.max_size = bytes;
+  config.incr_mode = H5C_incr__off;
+  config.flash_incr_mode = H5C_flash_incr__off;
+  config.decr_mode = H5C_decr__off;
+  check(H5Fset_mdc_config(file.get(), &config));
+}
+
 Handle open_object(const Place& place) {
   for (std::size_t end = place.object.find('/', 1); place.object != "/"; end = place.object.find('/', end + 1)) {
     const std::string path = place.object.substr(0, end);

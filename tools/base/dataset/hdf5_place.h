@@ -28,6 +28,9 @@ struct Place {
 // Opens a file to read. Throws InputError where it is no regular file (which might block) or no HDF5.
 Handle open_file(const std::string& path);
 
+// Bounds what HDF5 keeps of a file's metadata in memory to what the list of its trials and one of these need: for files of which many are open.
+void keep_little(const Handle& file);
+
 // Opens a group or array by the links of the file itself: a soft or external link on the way is refused.
 Handle open_object(const Place& place);
 

@@ -214,6 +214,7 @@ struct DatasetReader::State {
   std::size_t add_file(const std::string& path) {
     const std::size_t index = files.size();
     files.push_back({path, open_file(path)});
+    if (index > 0) hdf5::keep_little(files.back().handle);
     const Place place = root(index);
     FileAbout about = read_about(place);
     if (about.shard != index) {
@@ -232,7 +233,9 @@ struct DatasetReader::State {
         place.fail(fmt::format("holds trial {}, as does another file of the dataset", trial));
     }
     digests.push_back(about.shards ? read_text(place, open_object(place), file_sha256_name) : "");
-    if (!about.shards) return index + (std::filesystem::exists(sibling_path(files.front().name, index + 1)) ? 2 : 1);
+    // What a killed run has left has no more files than are there, whatever those say that it had finished.
+    const bool killed = digests.front().empty();
+    if (killed) return index + (std::filesystem::exists(sibling_path(files.front().name, index + 1)) ? 2 : 1);
     complete = about.complete && (index == 0 || complete);
     return *about.shards;
   }

@@ -160,13 +160,15 @@ void write_array(hid_t demo, const EncodedArray& array) {
 // HDF5 puts texts into heaps, and goes on with one that has room left for as long as it holds it in memory. While `insert` makes
 // an object it has no room in memory and must let go of all that is there, so that what follows does not rewrite the heap of a
 // demo.
-void forget_heaps(hid_t file, const std::function<void()>& insert) {
+// `kept`: bytes of what `insert` looks at first of all and that is to stay; with 2,000 names the demos' list takes longer to be read again than a
+// demo to be written. A heap has 4096 bytes or more.
+void forget_heaps(hid_t file, std::size_t kept, const std::function<void()>& insert) {
   H5AC_cache_config_t usual{};
   usual.version = H5AC__CURR_CACHE_CONFIG_VERSION;
   check(H5Fget_mdc_config(file, &usual));
   H5AC_cache_config_t least = usual;
   least.set_initial_size = true;
-  least.initial_size = least.min_size = least.max_size = 1024;
+  least.initial_size = least.min_size = least.max_size = 1024 + kept;
   check(H5Fset_mdc_config(file, &least));
   insert();
   usual.set_initial_size = true;
@@ -219,7 +221,7 @@ void write_groups(hid_t mask, const std::vector<std::string>& groups, const std:
 
 Handle write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>& held) {
   Handle group;
-  forget_heaps(file, [&] { group = create_group(file, "mask"); });
+  forget_heaps(file, 0, [&] { group = create_group(file, "mask"); });
   write_attribute(group.get(), "split_by", masks.split_by);
   write_attribute(group.get(), "rule", masks.rule);
   write_mask(group.get(), "train", masks.train, held);
@@ -238,9 +240,9 @@ Handle file_properties(bool of_shard) {
   return properties;
 }
 
-void write_demo(hid_t file, hid_t list, const EncodedTrial& trial) {
+void write_demo(hid_t file, hid_t list, std::size_t list_bytes, const EncodedTrial& trial) {
   Handle demo;
-  forget_heaps(file, [&] { demo = create_group(list, demo_name(trial.trial)); });
+  forget_heaps(file, list_bytes, [&] { demo = create_group(list, demo_name(trial.trial)); });
   for (const std::string& group : groups_of(trial)) create_group(demo.get(), group).close();
   for (const EncodedArray& array : trial.arrays) write_array(demo.get(), array);
   // Attributes of one group stand together.
@@ -280,6 +282,9 @@ Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t ind
       }
       write_attribute(root, "shard", static_cast<std::uint64_t>(index));
       list_ = create_demo_list(root, planned, last);
+      H5O_info_t info;
+      check(H5Oget_info2(list_.get(), &info, H5O_INFO_HDR));
+      list_bytes_ = info.hdr.space.total;
       file_.begin("data");
     });
   } catch (const InputError&) {
@@ -308,7 +313,7 @@ void Shard::write(const Action& action) {
 
 void Shard::append(const EncodedTrial& trial) {
   write([&] {
-    write_demo(file_.get(), list_.get(), trial);
+    write_demo(file_.get(), list_.get(), list_bytes_, trial);
     file_.flush();
   });
   trials_.push_back(trial.trial);

@@ -55,8 +55,9 @@ class Shard {
   std::string path_;
   Descriptor descriptor_;  // holds the lock, and is what is written through
   hdf5::CrashSafeFile file_;
-  hdf5::Handle list_;  // the group of the demos
-  bool of_shard_;      // of a sweep: masks are then no last word, and what they are made from is kept
+  hdf5::Handle list_;           // the group of the demos
+  std::size_t list_bytes_ = 0;  // of its header
+  bool of_shard_;               // of a sweep: masks are then no last word, and what they are made from is kept
   std::optional<SplitRule> split_;
   std::vector<std::string> groups_;  // of the trials; only of a sweep's shard
   std::vector<std::size_t> trials_;

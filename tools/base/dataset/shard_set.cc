@@ -95,6 +95,13 @@ void ShardSet::look_for_gaps() {
 
 ShardSet::~ShardSet() = default;
 
+std::vector<std::pair<std::size_t, std::string>> ShardSet::list() {
+  std::vector<std::pair<std::size_t, std::string>> all;
+  for (const auto& shard : shards_) std::ranges::move(shard->list(), std::back_inserter(all));
+  std::ranges::sort(all);
+  return all;
+}
+
 const DatasetHeader& ShardSet::header() const { return shards_.front()->about().header; }
 
 std::vector<std::string> ShardSet::files() const {

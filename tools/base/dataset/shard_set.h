@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/base/dataset/encoder.h"
@@ -31,6 +32,8 @@ class ShardSet {
   [[nodiscard]] const DatasetHeader& header() const;
   // Names of all files.
   [[nodiscard]] std::vector<std::string> files() const;
+  // The trials of all shards (number, group), ascending; those that several hold stand there several times.
+  [[nodiscard]] std::vector<std::pair<std::size_t, std::string>> list();
   // Different trials that the shards hold.
   [[nodiscard]] std::size_t size() const { return count_; }
   // Trials that failed, ascending.

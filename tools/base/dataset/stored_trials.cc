@@ -23,20 +23,6 @@ using hdf5::Place;
 
 constexpr std::size_t deepest = 8;  // groups below each other
 
-// What a file keeps of its metadata in memory: enough for the list of its trials, and little where many files are open.
-void keep_little(const Handle& file) {
-  constexpr std::size_t bytes = 96 << 10;  // as they lie on the disk; decoded they take some ten times as much
-  H5AC_cache_config_t config{};
-  config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
-  check(H5Fget_mdc_config(file.get(), &config));
-  config.set_initial_size = true;
-  config.initial_size = config.min_size = config.max_size = bytes;
-  config.incr_mode = H5C_incr__off;
-  config.flash_incr_mode = H5C_flash_incr__off;
-  config.decr_mode = H5C_decr__off;
-  check(H5Fset_mdc_config(file.get(), &config));
-}
-
 std::string text_of(const Place& place, const Handle& object, const std::string& name) {
   std::vector<std::string> texts = hdf5::texts_of(place, hdf5::open_attribute(place, object, name), name);
   if (texts.size() != 1) place.fail("attribute '" + name + "' is no single text");
@@ -241,7 +227,7 @@ void StoredTrials::open(std::size_t file) {
     }
   }
   file_ = hdf5::open_file(name_);
-  keep_little(file_);
+  hdf5::keep_little(file_);
   const Place root = place("/");
   content_sha256_ = text_of(root, hdf5::open_object(root), file_sha256_name);
   const Place list = place("/data");

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -13,7 +14,6 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/dataset_target.h"
-#include "tools/base/dataset/mask.h"
 #include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/shard.h"
 
@@ -43,6 +43,8 @@ struct DatasetWriter::State {
   std::vector<Shard> shards;
   std::vector<std::pair<std::size_t, std::string>> trials;  // number, material
   std::vector<FailedTrial> failed;
+  std::optional<Masks> foreseen;
+  std::size_t foreseen_files = 0;
   std::vector<std::string> kept_files;  // of the run that this one goes on with
   std::size_t kept = 0;                 // trials in them
   std::size_t kept_instead = 0;         // of these, those that keep_partial() has left in place of fewer of this run
@@ -52,6 +54,10 @@ struct DatasetWriter::State {
 
   void add_shard() {
     if (!shards.empty()) shards.back().publish();
+    if (foreseen && shards.size() > 1) {
+      shards.back().prepare(*foreseen, failed, foreseen_files, true);
+      shards.back().close();
+    }
     if (shards.size() >= checked) check_names_are_free(path, shards.size());
     const std::size_t left = planned > trials.size() ? planned - trials.size() : 0;
     const std::size_t numbers = header.part ? header.part->trials : planned;
@@ -81,7 +87,8 @@ struct DatasetWriter::State {
 
   // Finishes every file and gives it its name under `target`, the first file last: once it is there, all are.
   std::vector<std::string> finish_as(const std::string& target, bool complete) {
-    const Masks masks = split_trials(trials, header.seed, header.split);
+    if (foreseen && complete && shards.size() != foreseen_files) throw std::logic_error("not as many files as were foreseen");
+    const Masks masks = foreseen ? *std::move(foreseen) : split_trials(trials, header.seed, header.split);
     std::vector<Shard*> whole;
     for (Shard& shard : shards) {
       if (shard.failed() || shard.prepared()) continue;  // its trials stay as they are, without a mask
@@ -150,6 +157,14 @@ void DatasetWriter::append(const EncodedTrial& trial) {
   state_->shards.back().append(trial);
   state_->trials.emplace_back(trial.trial, trial.material);
 }
+
+void DatasetWriter::foresee(Masks masks, const std::vector<FailedTrial>& failed, std::size_t files) {
+  state_->foreseen = std::move(masks);
+  state_->failed = failed;
+  state_->foreseen_files = files;
+}
+
+std::size_t DatasetWriter::files() const { return state_->shards.size(); }
 
 void DatasetWriter::add_failed(FailedTrial failed) { state_->failed.push_back(std::move(failed)); }
 

@@ -6,9 +6,11 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
+#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include "sim/core/detector.h"
@@ -148,6 +150,15 @@ std::vector<Warning> warnings_of(const DatasetHeader& header, const Json& overri
   }
 }
 
+// The trials in the overview, ascending: `embedded`, and others at equal distances.
+std::vector<std::size_t> rows_of(const std::vector<std::size_t>& trials, const std::vector<std::size_t>& embedded,
+                                 std::size_t most) {
+  std::set<std::size_t> chosen(embedded.begin(), embedded.end());
+  const std::size_t count = std::min(most, trials.size());
+  for (std::size_t i = 0; i < count; ++i) chosen.insert(trials[i * trials.size() / count]);
+  return {chosen.begin(), chosen.end()};
+}
+
 // The page of a dataset.
 std::string page_of(const std::string& dataset_path, const ReportOptions& options) {
   const DatasetReader dataset(dataset_path);
@@ -162,6 +173,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   if (options.trial) dataset.check_recorded(*options.trial);
   const bool of_grasps = parse_outcome(dataset.info(trials.front()).outcome).grasp.has_value();
   const std::vector<std::size_t> embedded = embedded_trials(trials, options, of_grasps);
+  const std::vector<std::size_t> shown = rows_of(trials, embedded, options.max_rows);
   const std::size_t curve_values =
       std::max(curve_values_in_page / embedded.size(), of_grasps ? curve_values_of_grasp : std::size_t{0});
 
@@ -186,9 +198,10 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   std::map<std::string, ConverterUse> converters;
   ContentCheck check(dataset);
   for (const std::size_t trial : trials) {
+    check.add(trial);
+    if (!std::ranges::binary_search(shown, trial)) continue;
     const bool embed = std::find(embedded.begin(), embedded.end(), trial) != embedded.end();
     const TrialRecord record = dataset.read_trial(trial);
-    check.add(trial);
     rows.push_back(trial_row(record, dataset_path, embed ? curve_values : 0, curves, grasps));
     drawn.push_back(rows.back()["params"]);
     count_converters(record, converters);
@@ -196,6 +209,12 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   }
   check.finish();
   std::vector<Warning> warnings = warnings_of(header, page["overrides"], trials);
+  if (shown.size() < trials.size()) {
+    warnings.push_back(
+        {"trials",
+         fmt::format("this page is made of {} of the dataset's {} trials, spread evenly: all that it counts is of these",
+                     shown.size(), trials.size())});
+  }
   std::ranges::move(converter_warnings(converters), std::back_inserter(warnings));
   page["warnings"] = warnings_json(warnings);
   page["trials"] = std::move(rows);

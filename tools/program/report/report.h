@@ -11,6 +11,8 @@ struct ReportOptions {
   std::optional<std::size_t> trial;  // trial (k of demo_<k>) to open the page on; empty: the overview, or the only trial
   // Trials whose curves are embedded, spread over the file; at least 1. Empty: 6, of a grasp 300.
   std::optional<std::size_t> max_trials = {};
+  // Trials in the overview, at most, spread likewise; the page says how many there are. Those with curves come on top. A trial takes 400 bytes or more.
+  std::size_t max_rows = 20'000;
 };
 
 // Reads the dataset at `dataset_path` (HDF5, tools/base/dataset) in a child process (tools/base/dataset/guarded.h) and writes the page to

@@ -19,6 +19,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const char* const scene = "slipbench: 1\ndescription: 'A <press> and \"slide\"'\n";
 
@@ -293,6 +294,19 @@ TEST(Report, EmbedsTheTrialAskedFor) {
   const Json data = data_of(page_path("report_ask.html"));
   EXPECT_EQ(data.at("open"), 7);
   EXPECT_THAT(embedded(data), ElementsAre("0", "7", "10"));  // 7 in place of 5, the nearest of 0, 5 and 10
+}
+
+TEST(Report, OfManyTrialsShowsSomeAndSaysSo) {
+  const std::string dataset = write_dataset("report_many.h5", scene, trials(11));
+  write_report(dataset, page_path("report_many.html"), {.trial = {}, .max_trials = 2, .max_rows = 4});
+  const Json data = data_of(page_path("report_many.html"));
+  std::vector<int> shown;
+  for (const Json& row : data.at("trials")) shown.push_back(row.at("index"));
+  EXPECT_THAT(shown, ElementsAre(0, 2, 5, 8, 10));  // every 11/4th, and 0 and 10, which have curves
+  EXPECT_THAT(data.at("warnings").dump(), HasSubstr("this page is made of 5 of the dataset's 11 trials"));
+  write_report(dataset, page_path("report_many.html"), {.trial = {}, .max_trials = 2, .max_rows = 11});
+  EXPECT_EQ(data_of(page_path("report_many.html")).at("trials").size(), 11U);
+  EXPECT_THAT(data_of(page_path("report_many.html")).at("warnings").dump(), Not(HasSubstr("this page")));
 }
 
 TEST(Report, SameDatasetGivesSameBytes) {

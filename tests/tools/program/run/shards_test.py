@@ -109,15 +109,28 @@ class ShardsTest(unittest.TestCase):
         self.check_same_bytes(1, "--record", "outcome")
 
     def test_several_files(self):
-        # A file ends after 2,000 trials: 2,100 make two files, and so does shard 1 of 1.
-        words = ("--trials", "700", "--record", "outcome", "--set", "duration=20 ms", "motion.start=15 ms", "motion.compression=0.01 mm")
+        # A file ends after 2,000 trials: 4,200 make three files, and so does shard 1 of 1. Merging finishes the second as soon as it is full.
+        words = ("--trials", "1400", "--record", "outcome", "--set", "duration=20 ms", "motion.start=15 ms", "motion.compression=0.01 mm")
         whole = self.sweep("whole.h5", *words)
         for count in (1, 2):
             shards = self.shards(count, *words)
             merged = self.folder / "merged.h5"
             self.run_program("merge", *shards, "-o", merged)
             self.assertEqual(bytes_of(whole), bytes_of(merged))
-            self.assertEqual(bytes_of(self.folder / "whole-0001.h5"), bytes_of(self.folder / "merged-0001.h5"))
+            for k in (1, 2):
+                self.assertEqual(bytes_of(self.folder / f"whole-000{k}.h5"), bytes_of(self.folder / f"merged-000{k}.h5"))
+        # Killed when it has finished one file and has begun the next, merging can be begun again.
+        for path in self.folder.glob("merged*"):
+            path.unlink()
+        killed = subprocess.Popen([PROGRAM, "merge", *shards, "-o", merged])
+        while not (self.folder / "merged-0002.h5.partial").exists():
+            self.assertIsNone(killed.poll(), "it ended before it could be killed")
+        killed.kill()
+        killed.wait()
+        self.run_program("merge", *shards, "-o", merged)
+        for k in ("", "-0001", "-0002"):
+            self.assertEqual(bytes_of(self.folder / f"whole{k}.h5"), bytes_of(self.folder / f"merged{k}.h5"))
+        self.assertEqual(list(self.folder.glob("*partial*")), [])
 
     def test_every_trial_is_in_one_shard_and_costs_are_shared_out(self):
         words = SWEEPS["costs"]
