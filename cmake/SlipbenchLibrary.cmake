@@ -37,7 +37,7 @@ function(slipbench_library)
   else()
     slipbench_precompile(KIND hot TARGET ${target})
   endif()
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${ARG_NAME})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${ARG_NAME} UNITY_BUILD_BATCH_SIZE 24)  # by 8 the whole takes a tenth longer
   set_property(GLOBAL APPEND PROPERTY SLIPBENCH_TARGETS ${target})
 endfunction()
 

@@ -12,6 +12,7 @@
 
 #include "sim/core/error.h"
 #include "sim/mujoco/implicit.h"
+#include "sim/mujoco/mjcf_text.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/register_plugin.h"
 
@@ -128,22 +129,8 @@ void set_options_of_implicit(mjSpec* spec, const std::vector<SitePair>& pairs) {
   prepare_implicit(spec, pairs);
   mjOption& option = spec->option;
   option.iterations = std::max(option.iterations, implicit_iterations);
-  option.impratio = std::max(option.impratio, 1e4);  // MuJoCo's own contacts beside the pads creep otherwise
+  option.impratio = std::max(option.impratio, implicit_impratio);
   option.cone = mjCONE_ELLIPTIC;
-}
-
-// As text between quotes of XML.
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '"': result += "&quot;"; break;
-      default: result += c;
-    }
-  }
-  return result;
 }
 
 // Adds a plugin instance and the sensor that reads it. By XML, since MuJoCo's setter of attributes takes a map of the C++ library that MuJoCo itself
@@ -151,7 +138,7 @@ std::string escaped(const std::string& text) {
 void add_instance(mjSpec* spec, const std::string& own, const std::vector<std::pair<std::string, std::string>>& attributes) {
   const std::string prefix = own.substr(0, own.size() - 1), rest = escaped(own.substr(own.size() - 1));
   std::string configs;
-  for (const auto& [key, value] : attributes) configs += fmt::format("<config key=\"{}\" value=\"{}\"/>", key, escaped(value));
+  for (const auto& [key, value] : attributes) configs += config_element(key, value);
   const std::string xml = fmt::format(
       "<mujoco><extension><plugin plugin=\"{0}\"><instance name=\"{1}\">{2}</instance></plugin></extension><sensor><plugin name=\"{1}\" instance=\"{1}\"/></sensor></mujoco>",
       field_plugin_name, rest, configs);

@@ -20,6 +20,7 @@
 #include "sim/mujoco/geom_surface.h"
 #include "sim/mujoco/implicit.h"
 #include "sim/mujoco/mjcf_check.h"
+#include "sim/mujoco/mjcf_text.h"
 #include "sim/mujoco/register_plugin.h"
 #include "sim/mujoco/stability.h"
 
@@ -33,24 +34,6 @@ constexpr double earth_gravity = 9.81;  // m/s2
 // Time constant of the contacts of the scene's own bodies [s]: 100 times as stiff as MuJoCo's default, in which 100 g sinks in by
 // 0.1 mm.
 constexpr double contact_time = 2e-3;
-
-// Implicit fields bear no noslip (implicit.h), so friction itself must be stiff: with MuJoCo's 1 a box of 5 g that is dragged
-// over a table meets 0.44 of mu f_n, and one of 100 g gives way at half of it. With 1e2, 1e3, 1e4 mu f_n is met, and the creep at
-// half of it is 9, 0.8, 0.1 um/s.
-constexpr double implicit_impratio = 1e4;
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '"': result += "&quot;"; break;
-      default: result += c;
-    }
-  }
-  return result;
-}
 
 struct ToYaml {
   std::string operator()(double value) const { return format_number(value); }
@@ -91,10 +74,6 @@ std::string unit_counts(const PadLayout& layout) {
   std::string text = "[";
   for (const UnitRange& unit : layout.units) text += (text.size() > 1 ? ", " : "") + std::to_string(unit.count);
   return text + "]";
-}
-
-std::string config(const char* key, const std::string& value) {
-  return fmt::format("<config key=\"{}\" value=\"{}\"/>", key, escaped(value));
 }
 
 std::vector<std::string> names_in(const mjSpec* spec, mjtObj type) {
@@ -556,13 +535,15 @@ class Builder {
       std::string geoms;
       for (const std::string& geom : touched_[i]) geoms += (geoms.empty() ? "" : " ") + geom;
       text += fmt::format("<instance name=\"{}\">", sensor.name);
-      text += config("pad", site_of(sensor)) + config("touch", geoms) + config("elements", element_rows(*pads_[i])) +
-              config("units", unit_counts(*pads_[i])) + (pads_[i]->element_truth ? config("element_truth", "true") : "") +
-              config("friction", fmt::format("{{static: {}, kinetic: {}}}", format_number(friction.static_coefficient),
-                                             format_number(friction.kinetic_coefficient))) +
-              config("effects", sensor.friction ? "[]" : yaml_of(scene_.effects)) + config("seed", std::to_string(scene_.seed)) +
-              config("trial", std::to_string(trial_)) + config("damping", format_number(sensor.damping)) +
-              config("solver", scene_.implicit_fields ? "implicit" : "explicit") + config("check", "off");
+      text += config_element("pad", site_of(sensor)) + config_element("touch", geoms) +
+              config_element("elements", element_rows(*pads_[i])) + config_element("units", unit_counts(*pads_[i])) +
+              (pads_[i]->element_truth ? config_element("element_truth", "true") : "") +
+              config_element("friction", fmt::format("{{static: {}, kinetic: {}}}", format_number(friction.static_coefficient),
+                                                     format_number(friction.kinetic_coefficient))) +
+              config_element("effects", sensor.friction ? "[]" : yaml_of(scene_.effects)) +
+              config_element("seed", std::to_string(scene_.seed)) + config_element("trial", std::to_string(trial_)) +
+              config_element("damping", format_number(sensor.damping)) +
+              config_element("solver", scene_.implicit_fields ? "implicit" : "explicit") + config_element("check", "off");
       text += "</instance>";
     }
     return text + "</plugin></extension>";

@@ -15,8 +15,6 @@ using hdf5::check;
 using hdf5::Handle;
 using hdf5::Place;
 
-constexpr std::size_t deepest = 8;  // groups below each other: a group that holds itself has no end
-
 // The kinds of numbers that a dataset has, as numpy writes them; empty: none of them.
 std::string_view kind_of(const Handle& type) {
   struct Kind {
@@ -83,7 +81,7 @@ void visit_from(const Place& place, const Handle& object, const std::string& pat
   if (H5Oget_info2(object.get(), &info, H5O_INFO_ALL) < 0) place.fail("is damaged: " + hdf5::last_error());
   visit(place, object, path);
   if (H5Iget_type(object.get()) != H5I_GROUP) return;
-  if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= deepest) place.fail("lies too deep in the file");
+  if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= hdf5::deepest) place.fail("lies too deep in the file");
   for (const std::string& name : hdf5::members_of(place, object)) {
     const Place member = place.below(name);
     visit_from(member, hdf5::open_member(member, object, name), path.empty() ? name : path + "/" + name, visit);

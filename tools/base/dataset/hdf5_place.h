@@ -25,6 +25,8 @@ struct Place {
   [[nodiscard]] Place below(const std::string& name) const;
 };
 
+inline constexpr std::size_t deepest = 8;  // groups below each other: a group that holds itself has no end
+
 // Opens a file to read. Throws InputError where it is no regular file (which might block) or no HDF5.
 Handle open_file(const std::string& path);
 

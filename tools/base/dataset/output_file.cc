@@ -24,7 +24,7 @@ namespace {
 }
 
 // The first bytes of a file; empty where there is none.
-std::string beginning_of(const std::string& path) {
+std::string first_bytes(const std::string& path) {
   std::string bytes(4096, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -71,7 +71,7 @@ void check_text_target(const std::string& path, const std::vector<std::string>& 
       std::error_code error;
       if (std::filesystem::equivalent(name, input, error)) refuse(path, fmt::format("{} is the input", name));
     }
-    const std::string found = beginning_of(name);
+    const std::string found = first_bytes(name);
     if (!found.empty() && !kind.begins(found)) {
       refuse(path, fmt::format("{} exists and is no {}; allowed: a new name, or a {} to replace", name, kind.name, kind.name));
     }

@@ -21,8 +21,6 @@ using hdf5::check;
 using hdf5::Handle;
 using hdf5::Place;
 
-constexpr std::size_t deepest = 8;  // groups below each other
-
 std::string text_of(const Place& place, const Handle& object, const std::string& name) {
   std::vector<std::string> texts = hdf5::texts_of(place, hdf5::open_attribute(place, object, name), name);
   if (texts.size() != 1) place.fail("attribute '" + name + "' is no single text");
@@ -161,7 +159,7 @@ void read_from(const Place& place, const Handle& object, const std::string& path
     trial.arrays.push_back(read_array(place, object, path));
     return;
   }
-  if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= deepest) place.fail("lies too deep in the file");
+  if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= hdf5::deepest) place.fail("lies too deep in the file");
   for (const std::string& name : attributes_as_encoded(place, object)) {
     trial.attributes.push_back(read_attribute(place, object, path, name));
   }

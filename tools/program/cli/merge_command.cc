@@ -1,11 +1,11 @@
 #include "tools/program/cli/merge_command.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "tools/base/dataset/merge.h"
 #include "tools/program/cli/arguments.h"
+#include "tools/program/cli/sweep_text.h"
 #include "tools/program/cli/terminal.h"
 
 namespace slipbench {
@@ -35,7 +35,7 @@ int MergeCommand::run() {
   std::string about = fmt::format("{} trials", merged.trials);
   if (merged.failed > 0) about += fmt::format(", {} have failed", merged.failed);
   if (merged.duplicates > 0) about += fmt::format(", {} stood in several files", merged.duplicates);
-  fmt::print("{} {}: {}\n{} slipbench report {}\n", style_for(stdout).good("written:"), fmt::join(merged.files, ", "), about,
+  fmt::print("{} {}: {}\n{} slipbench report {}\n", style_for(stdout).good("written:"), files_text(merged.files), about,
              style_for(stdout).dim("next:"), merged.files.front());
   return exit_good;
 }

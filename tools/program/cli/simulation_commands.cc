@@ -78,8 +78,6 @@ Finished simulate(const ReadSweep& read, SweepOptions sweep, const Catalogues& c
   return {std::move(summary), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
 }
 
-std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
-
 void print_json(const Finished& finished, const std::vector<Warning>& warnings, TrialsJson& trials) {
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(summary_json(finished.summary));
   json["elapsed_s"] = finished.elapsed;
@@ -109,7 +107,7 @@ void print_next(const SweepOptions& options, const SweepSummary& summary, const 
     fmt::print("{} slipbench {} {} -o FILE.h5 keeps the recordings\n", style.dim("next:"), options.verb, options.scene_path);
   } else {
     const char* next = summary.shard ? "slipbench merge SHARD.h5 ... -o FILE.h5, once all shards are there" : "slipbench report ";
-    fmt::print("{} {}\n{} {}{}\n", style.good("written:"), joined(summary.files), style.dim("next:"), next,
+    fmt::print("{} {}\n{} {}{}\n", style.good("written:"), files_text(summary.files), style.dim("next:"), next,
                summary.shard ? "" : summary.files.front());
   }
 }
@@ -151,7 +149,7 @@ SweepShard parse_shard_option(const std::string& text) {
 int report_interrupted(const SweepSummary& summary) {
   const std::string kept = summary.files.empty()
                                ? "nothing is kept"
-                               : fmt::format("kept in {}; the same command with --resume goes on", joined(summary.files));
+                               : fmt::format("kept in {}; the same command with --resume goes on", files_text(summary.files));
   say(stderr, fmt::format("slipbench: interrupted: {} of {} trials finished; {}\n", std::max(summary.trials.size(), summary.kept),
                           summary.planned, kept));
   return exit_interrupted;

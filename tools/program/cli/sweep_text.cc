@@ -12,6 +12,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/core/detector.h"
 #include "sim/core/sensor.h"
@@ -284,6 +285,12 @@ std::string shares_text(const StateCounts& counts) {
 }
 
 std::string onset_text(double time) { return std::isnan(time) ? "-" : fmt::format("{:.4f} s", time); }
+
+std::string files_text(const std::vector<std::string>& files) {
+  constexpr std::size_t most = 3;
+  if (files.size() <= most) return fmt::format("{}", fmt::join(files, ", "));
+  return fmt::format("{} and {} further files up to {}", files.front(), files.size() - 1, files.back());
+}
 
 std::string scene_text(const Scene& scene, const Catalogues& catalogues, const Style& style, std::size_t width) {
   std::string effects;

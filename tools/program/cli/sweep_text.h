@@ -21,6 +21,9 @@ std::string shares_text(const StateCounts& counts);
 // "2.0312 s" to 0.1 ms, or "-" where it never happened.
 std::string onset_text(double time);
 
+// The files of a dataset, as many as fit a line: "a.h5, a-0001.h5", or of more than three "a.h5 and 499 further files up to a-0499.h5".
+std::string files_text(const std::vector<std::string>& files);
+
 // What the scene is: description, surface, friction, motion, effects.
 std::string scene_text(const Scene& scene, const Catalogues& catalogues, const Style& style, std::size_t width);
 

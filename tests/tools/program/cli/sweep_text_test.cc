@@ -50,6 +50,12 @@ TEST(Summary, OnsetsAreShownToATenthOfAMillisecond) {
   EXPECT_EQ(onset_text(never), "-");
 }
 
+TEST(Summary, FilesFitALine) {
+  EXPECT_EQ(files_text({"a.h5"}), "a.h5");
+  EXPECT_EQ(files_text({"a.h5", "a-0001.h5", "a-0002.h5"}), "a.h5, a-0001.h5, a-0002.h5");
+  EXPECT_EQ(files_text({"a.h5", "a-0001.h5", "a-0002.h5", "a-0003.h5"}), "a.h5 and 3 further files up to a-0003.h5");
+}
+
 TEST(Summary, TrialShowsEveryUnit) {
   EXPECT_EQ(trial_text(small_trial(), sensors, Style(false)),
             "pad  twopad, 2 units at 2 Hz\n"
