@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -33,6 +34,11 @@ std::string time_text(const ProgressState& state) {
   return state.done == state.total ? clock_text(state.elapsed) : "ETA " + remaining_text(state);
 }
 
+// "3.1k x real time" and what stands after it.
+std::string speed_text(const ProgressState& state, std::string_view after) {
+  return state.sim_seconds ? fmt::format("{} x real time{}", short_count(per_second(*state.sim_seconds, state)), after) : "";
+}
+
 }  // namespace
 
 std::string short_count(double value) {
@@ -55,9 +61,9 @@ std::string clock_text(double seconds) {
 std::string progress_bar_text(const ProgressState& state, std::size_t width) {
   constexpr std::size_t longest_bar = 30;
   constexpr std::size_t shortest_bar = 5;
-  const std::string text = fmt::format("{:3.0f} % {}/{}  {} x real time  {} trials/s  {}", 100.0 * share(state), state.done,
-                                       state.total, short_count(per_second(state.sim_seconds, state)),
-                                       short_count(per_second(static_cast<double>(state.done), state)), time_text(state));
+  const std::string text =
+      fmt::format("{:3.0f} % {}/{}  {}{} trials/s  {}", 100.0 * share(state), state.done, state.total, speed_text(state, "  "),
+                  short_count(per_second(static_cast<double>(state.done), state)), time_text(state));
   constexpr std::size_t frame = 3;  // brackets and the space after them
   if (width < text.size() + frame + shortest_bar) return text.substr(0, width);
   const std::size_t length = std::min(longest_bar, width - text.size() - frame);
@@ -66,9 +72,8 @@ std::string progress_bar_text(const ProgressState& state, std::size_t width) {
 }
 
 std::string progress_line_text(const ProgressState& state) {
-  return fmt::format("{}/{} trials ({:.0f} %), {} x real time, {} trials/s, {}", state.done, state.total, 100.0 * share(state),
-                     short_count(per_second(state.sim_seconds, state)),
-                     short_count(per_second(static_cast<double>(state.done), state)), time_text(state));
+  return fmt::format("{}/{} trials ({:.0f} %), {}{} trials/s, {}", state.done, state.total, 100.0 * share(state),
+                     speed_text(state, ", "), short_count(per_second(static_cast<double>(state.done), state)), time_text(state));
 }
 
 Progress::Progress(Mode mode, std::FILE* stream, std::function<double()> clock)
@@ -79,7 +84,7 @@ Progress Progress::for_stream(std::FILE* stream, bool quiet) {
   return {mode, stream, monotonic_seconds};
 }
 
-void Progress::update(std::size_t done, std::size_t total, double sim_seconds) {
+void Progress::update(std::size_t done, std::size_t total, std::optional<double> sim_seconds) {
   if (mode_ == Mode::off || total < 2) return;  // one trial has no progress to show
   const double now = clock_();
   const bool finished = done == total;

@@ -4,16 +4,17 @@
 #include <cstddef>
 #include <cstdio>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace slipbench {
 
 // What a progress line is made of.
 struct ProgressState {
-  std::size_t done = 0;      // trials finished
-  std::size_t total = 0;     // trials asked for
-  double sim_seconds = 0.0;  // s, simulated so far
-  double elapsed = 0.0;      // s, passed on the clock
+  std::size_t done = 0;               // trials finished
+  std::size_t total = 0;              // trials asked for
+  std::optional<double> sim_seconds;  // s, simulated so far; empty where nothing is simulated
+  double elapsed = 0.0;               // s, passed on the clock
 };
 
 // "1.2k", "31k", "4.0M": at most four characters for numbers below 1e9.
@@ -50,7 +51,7 @@ class Progress {
 
   // Reports `done` of `total` trials and what has been simulated so far. Draws when the time has come, and always at the end.
   // A sweep of one trial has no progress to show: nothing is drawn.
-  void update(std::size_t done, std::size_t total, double sim_seconds);
+  void update(std::size_t done, std::size_t total, std::optional<double> sim_seconds);
   // Removes an unfinished bar, so that the text which follows starts on an empty line.
   void clear();
 

@@ -169,16 +169,16 @@ ActionSpace action_space(const DatasetReader& reader, const std::vector<std::siz
   return space;
 }
 
-double slowest_rate(const DatasetReader& reader, std::size_t trial, const std::string& sensor) {
+double slowest_rate(const DatasetReader& reader, std::size_t trial, const std::vector<std::string>& asked) {
   double rate = std::numeric_limits<double>::infinity();
-  for (const std::string& name : chosen_sensors(reader, trial, sensor))
+  for (const std::string& name : chosen_sensors(reader, trial, asked))
     rate = std::min(rate, reader.read_sensor(trial, name).rate);
   return rate;
 }
 
-Episode make_episode(const DatasetReader& reader, std::size_t trial, const std::string& sensor, double rate,
+Episode make_episode(const DatasetReader& reader, std::size_t trial, const std::vector<std::string>& asked, double rate,
                      const ActionSpace& space) {
-  const std::vector<std::string> sensors = chosen_sensors(reader, trial, sensor);
+  const std::vector<std::string> sensors = chosen_sensors(reader, trial, asked);
   const TrialRecord record = reader.read_trial(trial);
   const Grid grid = grid_of(record, sensors, rate);
   Episode episode;
@@ -191,10 +191,11 @@ Episode make_episode(const DatasetReader& reader, std::size_t trial, const std::
                                       resampled({time_of(one, channel), channel.values, width}, grid, grid.points)});
     }
     const LabelRecord& labels = one.labels;
-    for (const auto& [name, states] : {std::pair{"state", &labels.state}, std::pair{"state_micro", &labels.state_micro},
-                                       std::pair{"state_paper", &labels.state_paper}}) {
+    for (const auto& [name, states, rule] :
+         {std::tuple{"state", &labels.state, SlipRule::strict}, std::tuple{"state_micro", &labels.state_micro, SlipRule::micro},
+          std::tuple{"state_paper", &labels.state_paper, SlipRule::paper}}) {
       episode.states.push_back(
-          {fmt::format("{}_{}", one.name, name), 1, resampled({one.time, floats(*states), 1}, grid, episode.steps)});
+          {fmt::format("{}_{}", one.name, name), 1, resampled({one.time, floats(*states), 1}, grid, episode.steps), rule});
     }
   }
   if (record.control && !record.control->grip.measured_position.empty()) {

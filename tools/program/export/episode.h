@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/base/dataset/reader.h"
+#include "tools/program/export/export.h"
 
 namespace slipbench {
 
@@ -22,9 +23,10 @@ struct ActionSpace {
 // its instant, without a filter.
 struct Episode {
   struct Column {
-    std::string name;           // "pad_force"
-    std::size_t width = 1;      // values a row
-    std::vector<float> values;  // [T+1, width] of an observation, [T, width] of all else
+    std::string name;                  // "pad_force"
+    std::size_t width = 1;             // values a row
+    std::vector<float> values;         // [T+1, width] of an observation, [T, width] of all else
+    SlipRule rule = SlipRule::strict;  // of a state
   };
   std::size_t steps = 0;             // T
   std::vector<Column> observations;  // with the one after the last step
@@ -38,10 +40,10 @@ struct Episode {
 ActionSpace action_space(const DatasetReader& reader, const std::vector<std::size_t>& trials);
 
 // Rate of the slowest sensor [Hz] of those asked for (chosen_sensors).
-double slowest_rate(const DatasetReader& reader, std::size_t trial, const std::string& sensor);
+double slowest_rate(const DatasetReader& reader, std::size_t trial, const std::vector<std::string>& asked);
 
 // Throws InputError as write_robomimic does.
-Episode make_episode(const DatasetReader& reader, std::size_t trial, const std::string& sensor, double rate,
+Episode make_episode(const DatasetReader& reader, std::size_t trial, const std::vector<std::string>& asked, double rate,
                      const ActionSpace& space);
 
 }  // namespace slipbench

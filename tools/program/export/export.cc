@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <iterator>
 #include <set>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/program/export/commanded_motion.h"
+#include "tools/program/export/export_plan.h"
 #include "tools/program/export/grasp_csv.h"
 #include "tools/program/export/myrmex_images.h"
 #include "tools/program/export/npz.h"
@@ -31,17 +33,24 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<const char*, ExportFormat>, 9> formats{{{"csv", ExportFormat::csv},
-                                                                       {"npz", ExportFormat::npz},
-                                                                       {"robomimic", ExportFormat::robomimic},
-                                                                       {"vendor-csv", ExportFormat::vendor_csv},
-                                                                       {"training-csv", ExportFormat::training_csv},
-                                                                       {"grasp-csv", ExportFormat::grasp_csv},
-                                                                       {"myrmex-csv", ExportFormat::myrmex_csv},
-                                                                       {"myrmex-rotated", ExportFormat::myrmex_rotated},
-                                                                       {"slip-csv", ExportFormat::slip_csv}}};
+constexpr std::array<std::pair<const char*, ExportFormat>, 10> formats{{{"csv", ExportFormat::csv},
+                                                                        {"npz", ExportFormat::npz},
+                                                                        {"robomimic", ExportFormat::robomimic},
+                                                                        {"parquet", ExportFormat::parquet},
+                                                                        {"vendor-csv", ExportFormat::vendor_csv},
+                                                                        {"training-csv", ExportFormat::training_csv},
+                                                                        {"grasp-csv", ExportFormat::grasp_csv},
+                                                                        {"myrmex-csv", ExportFormat::myrmex_csv},
+                                                                        {"myrmex-rotated", ExportFormat::myrmex_rotated},
+                                                                        {"slip-csv", ExportFormat::slip_csv}}};
 // Those that need no truth.
-constexpr std::array of_readings{ExportFormat::csv, ExportFormat::npz, ExportFormat::myrmex_csv, ExportFormat::myrmex_rotated};
+constexpr std::array of_readings{ExportFormat::csv, ExportFormat::npz, ExportFormat::myrmex_csv, ExportFormat::myrmex_rotated,
+                                 ExportFormat::parquet};
+// Those that are sampled at a rate that is asked for.
+constexpr std::array of_any_rate{ExportFormat::robomimic, ExportFormat::parquet};
+// Those that hold the state by every rule.
+constexpr std::array of_every_rule{ExportFormat::csv, ExportFormat::npz, ExportFormat::robomimic, ExportFormat::myrmex_rotated,
+                                   ExportFormat::parquet};
 constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
                                                                  {"micro", SlipRule::micro},
                                                                  {"paper", SlipRule::paper},
@@ -70,36 +79,46 @@ void check_files_of(const DatasetReader& reader, const std::vector<std::size_t>&
 }
 
 double label_speed(const ExportOptions& options) { return options.label_speed.value_or(default_label_speed); }
+SlipRule slip_rule(const ExportOptions& options) { return options.slip_rule.value_or(SlipRule::strict); }
+
+bool is_one_of(const auto& some, ExportFormat format) { return std::ranges::find(some, format) != some.end(); }
+
+std::string format_names(const auto& some) {
+  std::vector<std::string> names;
+  for (const ExportFormat format : some) names.push_back(export_format_name(format));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
 
 std::string export_vendor(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   std::vector<SensorRecord> records;
   for (const std::string& name : papillarrays_of(reader, trial)) {
-    if (options.sensor.empty() || options.sensor == name) records.push_back(reader.read_sensor(trial, name));
+    if (options.sensors.empty() || std::ranges::find(options.sensors, name) != options.sensors.end())
+      records.push_back(reader.read_sensor(trial, name));
   }
   if (records.empty()) {
-    throw InputError(fmt::format("trial {}: no papillarray '{}'; allowed: {}", trial, options.sensor,
+    throw InputError(fmt::format("trial {}: no papillarray '{}'; allowed: {}", trial, fmt::join(options.sensors, ","),
                                  fmt::join(papillarrays_of(reader, trial), ", ")));
   }
   std::vector<PapillarraySamples> sensors;
-  for (const SensorRecord& record : records) sensors.emplace_back(record, options.slip_rule, label_speed(options));
+  for (const SensorRecord& record : records) sensors.emplace_back(record, slip_rule(options), label_speed(options));
   return out.write(fmt::format("LOG_demo_{}.csv", trial), {"log of the vendor's software", &begins_as_vendor_csv},
                    vendor_csv(sensors));
 }
 
 std::string export_training(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   const std::vector<std::string> names = papillarrays_of(reader, trial);
-  const std::string wanted = options.sensor.empty() && names.size() == 1 ? names.front() : options.sensor;
-  if (std::find(names.begin(), names.end(), wanted) == names.end()) {
+  const std::vector<std::string>& asked = options.sensors.empty() ? names : options.sensors;
+  if (asked.size() != 1 || std::ranges::find(names, asked.front()) == names.end()) {
     throw InputError(
         fmt::format("trial {}: training-csv holds one papillarray; which? allowed: {}", trial, fmt::join(names, ", ")));
   }
   const TrialRecord record = reader.read_trial(trial);
   const auto sensor = std::find_if(record.sensors.begin(), record.sensors.end(),
-                                   [&](const SensorRecord& candidate) { return candidate.name == wanted; });
+                                   [&](const SensorRecord& candidate) { return candidate.name == asked.front(); });
   const auto pad = std::find_if(record.bodies.begin(), record.bodies.end(),
                                 [](const BodyRecord& candidate) { return candidate.name == "pad"; });
   if (pad == record.bodies.end()) throw InputError(fmt::format("trial {}: has no truth/pad, which tells the move", trial));
-  const PapillarraySamples samples(*sensor, options.slip_rule, label_speed(options));
+  const PapillarraySamples samples(*sensor, slip_rule(options), label_speed(options));
   const std::string name = training_file_name(trial, commanded_motion(reader, trial), *pad, record.body_time);
   return out.write(name, {"file of 73 columns", &begins_as_training_csv}, training_csv(samples, sensor->rate));
 }
@@ -107,8 +126,8 @@ std::string export_training(const DatasetReader& reader, std::size_t trial, Outp
 std::vector<std::string> export_tables(const DatasetReader& reader, std::size_t trial, OutputFolder& out,
                                        const ExportOptions& options) {
   std::vector<std::string> files;
-  for (const std::string& sensor : chosen_sensors(reader, trial, options.sensor)) {
-    for (const CsvTable& table : table_csv(reader.read_sensor(trial, sensor))) {
+  for (const std::string& sensor : chosen_sensors(reader, trial, options.sensors)) {
+    for (const CsvTable& table : table_csv(reader.read_sensor(trial, sensor), options.slip_rule)) {
       const std::string channel = table.channel.empty() ? "" : "-" + table.channel;
       files.push_back(out.write(fmt::format("demo_{}-{}{}.csv", trial, sensor, channel),
                                 {"table of a sensor", &begins_as_table_csv}, table.text));
@@ -118,7 +137,7 @@ std::vector<std::string> export_tables(const DatasetReader& reader, std::size_t 
 }
 
 std::string export_slip(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
-  const std::vector<std::string> names = chosen_sensors(reader, trial, options.sensor);
+  const std::vector<std::string> names = chosen_sensors(reader, trial, options.sensors);
   if (names.size() != 1) {
     throw InputError(fmt::format("trial {}: slip-csv holds one biotac_sp; which? allowed: {}", trial, fmt::join(names, ", ")));
   }
@@ -148,8 +167,8 @@ std::string about_trial(const DatasetReader& reader, const TrialRecord& record) 
 std::vector<std::string> export_images(const DatasetReader& reader, std::size_t trial, OutputFolder& out,
                                        const ExportOptions& options) {
   std::vector<std::string> files;
-  for (const std::string& sensor : chosen_sensors(reader, trial, options.sensor)) {
-    if (options.sensor.empty() && reader.sensor_type(trial, sensor) != "myrmex") continue;
+  for (const std::string& sensor : chosen_sensors(reader, trial, options.sensors)) {
+    if (options.sensors.empty() && reader.sensor_type(trial, sensor) != "myrmex") continue;
     files.push_back(out.write(fmt::format("demo_{}-{}.csv", trial, sensor), {"file of images", &begins_as_myrmex_csv},
                               myrmex_csv(reader.read_sensor(trial, sensor))));
   }
@@ -157,60 +176,72 @@ std::vector<std::string> export_images(const DatasetReader& reader, std::size_t 
   return files;
 }
 
-std::string export_archive(const DatasetReader& reader, std::size_t trial, OutputFolder& out, bool rotated) {
-  const TrialRecord record = rotated ? turned_images(reader.read_trial(trial)) : reader.read_trial(trial);
+std::string export_archive(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
+  TrialRecord record = reader.read_trial(trial);
+  if (options.format == ExportFormat::myrmex_rotated) record = turned_images(std::move(record));
+  for (SensorRecord& sensor : record.sensors) {
+    const auto leave_out = [&](std::vector<std::uint8_t>& states, SlipRule rule) {
+      if (options.slip_rule && *options.slip_rule != rule) states.clear();
+    };
+    leave_out(sensor.labels.state, SlipRule::strict);
+    leave_out(sensor.labels.state_micro, SlipRule::micro);
+    leave_out(sensor.labels.state_paper, SlipRule::paper);
+  }
   return out.write(fmt::format("demo_{}.npz", trial), {"numpy archive of a trial", &begins_as_npz},
                    npz(record, about_trial(reader, record)));
 }
 
 std::string export_robomimic(const DatasetReader& reader, const std::vector<std::size_t>& trials, OutputFolder& out,
-                             const ExportOptions& options) {
-  static_cast<void>(chosen_sensors(reader, trials.front(), options.sensor));
+                             const ExportOptions& options, const ExportProgress& progress) {
+  static_cast<void>(chosen_sensors(reader, trials.front(), options.sensors));
   const std::string path = out.prepare("robomimic.hdf5");
   check_robomimic_target(path, reader.files());
-  write_robomimic(reader, trials, path, {options.sensor, options.rate});
+  const auto told = [&](std::size_t done) {
+    if (progress) progress(done, trials.size(), 0);
+  };
+  write_robomimic(reader, trials, path, {options.sensors, options.rate, options.slip_rule, told});
   return path;
 }
 
-std::vector<std::string> export_trials(const std::string& dataset_path, const std::string& out_dir,
-                                       const ExportOptions& options) {
+std::vector<std::string> export_trials(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
+                                       const ExportProgress& progress) {
   const DatasetReader reader(dataset_path);
-  if (reader.trials().empty()) throw InputError(fmt::format("{}: holds no trial", dataset_path));
-  const auto is_of_readings = [&](ExportFormat format) { return format == options.format; };
-  if (std::ranges::none_of(of_readings, is_of_readings)) {
-    const auto format = std::ranges::find(formats, options.format, [](const auto& known) { return known.second; });
-    reader.check_truth(fmt::format("--format {}", format->first),
-                       "a dataset that slipbench has simulated, or --format csv, npz, myrmex-csv or myrmex-rotated");
-  }
-  const std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
-  check_files_of(reader, trials);
-  for (const std::size_t trial : trials) reader.check_recorded(trial);
+  const std::vector<std::size_t> trials = trials_to_export(reader, options);
   OutputFolder out(out_dir, reader.files());
-  if (options.format == ExportFormat::robomimic) return {export_robomimic(reader, trials, out, options)};
+  if (options.format == ExportFormat::robomimic) return {export_robomimic(reader, trials, out, options, progress)};
   if (options.format == ExportFormat::grasp_csv) {
     return {out.write("grasps.csv", {"table of grasps", &begins_as_grasp_csv}, grasp_csv(reader, trials))};
   }
   std::vector<std::string> files;
-  for (const std::size_t trial : trials) {
+  std::uintmax_t bytes = 0;
+  for (std::size_t k = 0; k < trials.size(); ++k) {
+    const std::size_t trial = trials[k];
+    const std::size_t before = files.size();
     switch (options.format) {
       case ExportFormat::csv: std::ranges::move(export_tables(reader, trial, out, options), std::back_inserter(files)); break;
-      case ExportFormat::npz: files.push_back(export_archive(reader, trial, out, false)); break;
+      case ExportFormat::npz: files.push_back(export_archive(reader, trial, out, options)); break;
       case ExportFormat::vendor_csv: files.push_back(export_vendor(reader, trial, out, options)); break;
       case ExportFormat::training_csv: files.push_back(export_training(reader, trial, out, options)); break;
       case ExportFormat::slip_csv: files.push_back(export_slip(reader, trial, out, options)); break;
       case ExportFormat::myrmex_csv:
         std::ranges::move(export_images(reader, trial, out, options), std::back_inserter(files));
         break;
-      case ExportFormat::myrmex_rotated: files.push_back(export_archive(reader, trial, out, true)); break;
+      case ExportFormat::myrmex_rotated: files.push_back(export_archive(reader, trial, out, options)); break;
       case ExportFormat::robomimic:
-      case ExportFormat::grasp_csv: break;  // are one file
+      case ExportFormat::grasp_csv:
+      case ExportFormat::parquet: break;  // are not written trial by trial, or not here
     }
+    for (std::size_t i = before; i < files.size(); ++i) bytes += std::filesystem::file_size(files[i]);
+    if (progress) progress(k + 1, trials.size(), bytes);
   }
   return files;
 }
 
 }  // namespace
 
+std::string export_format_name(ExportFormat format) {
+  return std::ranges::find(formats, format, [](const auto& known) { return known.second; })->first;
+}
 ExportFormat parse_export_format(const std::string& name) { return parse_name(formats, name, "format"); }
 SlipRule parse_slip_rule(const std::string& name) { return parse_name(rules, name, "slip rule"); }
 std::vector<std::string> export_format_names() { return words_of(formats); }
@@ -219,31 +250,70 @@ std::string slip_rule_name(SlipRule rule) {
   return std::find_if(rules.begin(), rules.end(), [&](const auto& known) { return known.second == rule; })->first;
 }
 
-std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
-                                        const ExportOptions& options) {
-  if (options.label_speed && options.slip_rule != SlipRule::paper && options.slip_rule != SlipRule::has_slipped) {
-    throw InputError(fmt::format(
-        "a label speed was given, which the slip rule '{}' does not have; allowed: --label-speed with --slip paper or --slip has_slipped",
-        slip_rule_name(options.slip_rule)));
-  }
+void check_export_options(const ExportOptions& options) {
+  const bool of_the_tip = options.slip_rule == SlipRule::paper || options.slip_rule == SlipRule::has_slipped;
   const bool pillars_only = options.format == ExportFormat::vendor_csv || options.format == ExportFormat::training_csv;
-  if (!pillars_only && options.slip_rule != SlipRule::strict) {
-    throw InputError("this format holds the state by every rule; allowed: --slip with vendor-csv and training-csv");
+  if (options.label_speed && !(pillars_only && of_the_tip)) {
+    throw InputError(fmt::format(
+        "a label speed was given, which the slip rule '{}' of {} does not have; allowed: --label-speed with --slip paper or --slip has_slipped "
+        "of vendor-csv and training-csv",
+        slip_rule_name(slip_rule(options)), export_format_name(options.format)));
   }
-  if (options.rate && options.format != ExportFormat::robomimic) {
-    throw InputError("a rate was given, at which only robomimic is sampled; allowed: --rate with --format robomimic");
+  if (options.slip_rule && !pillars_only) {
+    if (!is_one_of(of_every_rule, options.format)) {
+      throw InputError(fmt::format("{} holds no state by a rule; allowed: --labels with vendor-csv, training-csv, {}",
+                                   export_format_name(options.format), format_names(of_every_rule)));
+    }
+    if (*options.slip_rule == SlipRule::has_slipped) {
+      throw InputError(fmt::format("{} holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper",
+                                   export_format_name(options.format)));
+    }
+  }
+  if (options.rate && !is_one_of(of_any_rate, options.format)) {
+    throw InputError(fmt::format("a rate was given, at which {} is not sampled; allowed: --rate with --format {}",
+                                 export_format_name(options.format), format_names(of_any_rate)));
   }
   const bool all_sensors = options.format == ExportFormat::npz || options.format == ExportFormat::myrmex_rotated ||
                            options.format == ExportFormat::grasp_csv;
-  if (!options.sensor.empty() && all_sensors) {
-    throw InputError(
-        fmt::format("{} holds all sensors of a trial; allowed: --sensor with the other formats",
-                    std::ranges::find(formats, options.format, [](const auto& known) { return known.second; })->first));
+  if (!options.sensors.empty() && all_sensors) {
+    throw InputError(fmt::format("{} holds all sensors of a trial; allowed: --sensors with the other formats",
+                                 export_format_name(options.format)));
   }
+  const std::vector<std::string> splits{"train", "valid", "test"};
+  if (!options.split.empty() && std::ranges::find(splits, options.split) == splits.end()) {
+    throw InputError(fmt::format("unknown split '{}'{}", options.split, allowed_names(options.split, splits)));
+  }
+}
+
+std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const ExportOptions& options) {
+  const std::string path = reader.files().front();
+  if (reader.trials().empty()) throw InputError(fmt::format("{}: holds no trial", path));
+  if (!is_one_of(of_readings, options.format)) {
+    reader.check_truth(fmt::format("--format {}", export_format_name(options.format)),
+                       fmt::format("a dataset that slipbench has simulated, or --format {}", format_names(of_readings)));
+  }
+  std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
+  if (!options.split.empty()) {
+    const std::vector<std::size_t> members = reader.mask(options.split);
+    std::erase_if(trials, [&](std::size_t trial) { return std::ranges::find(members, trial) == members.end(); });
+    if (trials.empty()) {
+      throw InputError(fmt::format("{}: the split '{}' holds {}; allowed: another --split, or none", path, options.split,
+                                   options.trial ? fmt::format("no trial {}", *options.trial) : "no trial"));
+    }
+  }
+  check_files_of(reader, trials);
+  for (const std::size_t trial : trials) reader.check_recorded(trial);
+  return trials;
+}
+
+std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
+                                        ExportProgress progress) {
+  check_export_options(options);
   // A path holds no zero byte, which therefore ends each in what the child process hands back.
   const std::string names = guarded(dataset_path, [&] {
+    const ExportProgress told = std::move(progress);  // so that it ends before an error is told
     std::string text;
-    for (const std::string& file : export_trials(dataset_path, out_dir, options)) text += file + '\0';
+    for (const std::string& file : export_trials(dataset_path, out_dir, options, told)) text += file + '\0';
     return text;
   });
   std::vector<std::string> files;

@@ -1,6 +1,8 @@
 // Datasets in the file formats that others read.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +13,7 @@ enum class ExportFormat {
   csv,             // a table a trial and sensor, with a header
   npz,             // a numpy archive a trial
   robomimic,       // one HDF5 file of demonstrations
+  parquet,         // a table of columns a sensor; Python writes it (python_formats.h)
   vendor_csv,      // PapillArray: the log of the vendor's visualisation software
   slip_csv,        // BioTac SP: the public slip recordings, one file a trial
   grasp_csv,       // BioTac SP: the public grasps with three fingers, one file
@@ -31,11 +34,15 @@ inline constexpr double default_label_speed = 1e-4;  // m/s
 
 struct ExportOptions {
   ExportFormat format = ExportFormat::vendor_csv;
-  SlipRule slip_rule = SlipRule::strict;
-  std::optional<double> label_speed;  // m/s, only with paper and has_slipped; empty: default_label_speed
-  std::string sensor;                 // empty: all; of training_csv the only PapillArray. npz has all
-  std::optional<std::size_t> trial;   // empty: all
-  std::optional<double> rate = {};    // Hz, robomimic: of the demonstrations; empty: that of the slowest sensor
+  std::optional<SlipRule>
+      slip_rule;  // empty: strict in the PapillArray's formats, the state by every rule in those of any sensor
+  std::optional<double>
+      label_speed;  // m/s, only with paper and has_slipped of the PapillArray's formats; empty: default_label_speed
+  std::vector<std::string> sensors;  // empty: all; of training_csv the only PapillArray. npz has all
+  std::optional<std::size_t> trial;  // empty: all
+  std::optional<double> rate =
+      {};  // Hz, of the rows of robomimic and parquet; empty: the slowest sensor's in robomimic, each one's own in parquet
+  std::string split = {};  // "train", "valid" or "test": its trials alone; empty: all
 };
 
 // The formats' and rules' names on the command line: "vendor-csv", "strict". The parsers throw InputError with the nearest name.
@@ -45,11 +52,15 @@ std::vector<std::string> export_format_names();
 std::vector<std::string> slip_rule_names();
 std::string slip_rule_name(SlipRule rule);
 
+// Told of how many trials of all are written, and of their bytes so far; 0 where nobody knows.
+using ExportProgress = std::function<void(std::size_t done, std::size_t total, std::uintmax_t bytes)>;
+
 // Writes the trials of a dataset to `out_dir`, which is made if it is missing (its parent is not), and returns the files written.
 // Each file appears under its name only when it is whole. Throws InputError when the options contradict each other, the dataset
 // is damaged or does not fit the format, a trial has no recording, or a file cannot be written; files that were finished before stay, and
-// a folder in which none was is not left behind. Reads in a child process (tools/base/dataset/guarded.h).
-std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir,
-                                        const ExportOptions& options);
+// a folder in which none was is not left behind. Reads in a child process (tools/base/dataset/guarded.h), where `progress` is called and destroyed.
+// parquet is not written here, but by start_python_export().
+std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
+                                        ExportProgress progress = {});
 
 }  // namespace slipbench

@@ -152,14 +152,17 @@ std::string environment_of(const DatasetHeader& header) {
 void put_all(hid_t file, const DatasetReader& reader, const std::vector<std::size_t>& trials, const RobomimicOptions& options) {
   note(file, mark, std::string(mark_text));
   check(H5Fflush(file, H5F_SCOPE_LOCAL));  // so that what is left of a killed run is known by its beginning
-  const double rate = options.rate ? *options.rate : slowest_rate(reader, trials.front(), options.sensor);
+  const double rate = options.rate ? *options.rate : slowest_rate(reader, trials.front(), options.sensors);
   const ActionSpace space = action_space(reader, trials);
   Handle data = make_group(file, "data");
   std::uint64_t total = 0;
+  std::size_t done = 0;
   for (const std::size_t trial : trials) {
-    const Episode episode = make_episode(reader, trial, options.sensor, rate, space);
+    Episode episode = make_episode(reader, trial, options.sensors, rate, space);
+    if (options.rule) std::erase_if(episode.states, [&](const Episode::Column& column) { return column.rule != *options.rule; });
     put_demo(data.get(), reader, trial, episode);
     total += episode.steps;
+    if (options.progress) options.progress(++done);
   }
   note(data.get(), "total", total);
   note(data.get(), "env_args", environment_of(reader.header()));

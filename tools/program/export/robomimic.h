@@ -2,17 +2,21 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "tools/base/dataset/reader.h"
+#include "tools/program/export/export.h"
 
 namespace slipbench {
 
 struct RobomimicOptions {
-  std::string sensor;          // the only one to observe; empty: all
-  std::optional<double> rate;  // Hz, of the demos; empty: that of the slowest sensor
+  std::vector<std::string> sensors;                     // to observe; empty: all
+  std::optional<double> rate;                           // Hz, of the demos; empty: that of the slowest sensor
+  std::optional<SlipRule> rule;                         // of the states beside the observations; empty: all three
+  std::function<void(std::size_t done)> progress = {};  // told of the demos written
 };
 
 // Writes the trials as one HDF5 file in robomimic's layout (README.md) under a temporary name, syncs and renames it. The same dataset gives

@@ -9,14 +9,17 @@
 
 namespace slipbench {
 
-std::vector<std::string> chosen_sensors(const DatasetReader& reader, std::size_t trial, const std::string& asked) {
+std::vector<std::string> chosen_sensors(const DatasetReader& reader, std::size_t trial, const std::vector<std::string>& asked) {
   reader.check_recorded(trial);
   std::vector<std::string> names = reader.sensors(trial);
   if (asked.empty()) return names;
-  if (std::find(names.begin(), names.end(), asked) == names.end()) {
-    throw InputError(fmt::format("trial {}: unknown sensor '{}'{}", trial, asked, allowed_names(asked, names)));
+  for (const std::string& name : asked) {
+    if (std::ranges::find(names, name) == names.end()) {
+      throw InputError(fmt::format("trial {}: unknown sensor '{}'{}", trial, name, allowed_names(name, names)));
+    }
   }
-  return {asked};
+  std::erase_if(names, [&](const std::string& name) { return std::ranges::find(asked, name) == asked.end(); });
+  return names;
 }
 
 std::optional<std::size_t> latest_row(std::span<const double> times, double time) {

@@ -11,8 +11,9 @@
 
 namespace slipbench {
 
-// Names of a trial's sensors, or only the one asked for. Throws InputError when the trial has no recording or no sensor of that name.
-std::vector<std::string> chosen_sensors(const DatasetReader& reader, std::size_t trial, const std::string& asked);
+// Names of a trial's sensors, or only those asked for, in the trial's order. Throws InputError when the trial has no recording or no sensor of such a
+// name.
+std::vector<std::string> chosen_sensors(const DatasetReader& reader, std::size_t trial, const std::vector<std::string>& asked);
 
 // Times closer than this are the same [s]: k/rate and its like are rounded.
 inline constexpr double time_rounding = 1e-9;

@@ -1,6 +1,7 @@
 #include "tools/program/export/table_csv.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <numeric>
 #include <optional>
@@ -16,7 +17,21 @@ namespace slipbench {
 namespace {
 
 constexpr std::string_view first_column = "t [s]";
-constexpr std::string_view label_columns = ",state,state_micro,state_paper";
+
+struct StateColumn {
+  std::string_view name;
+  SlipRule rule;
+  std::vector<std::uint8_t> LabelRecord::*values;
+};
+constexpr std::array<StateColumn, 3> state_columns{{{",state", SlipRule::strict, &LabelRecord::state},
+                                                    {",state_micro", SlipRule::micro, &LabelRecord::state_micro},
+                                                    {",state_paper", SlipRule::paper, &LabelRecord::state_paper}}};
+
+std::vector<StateColumn> states_by(std::optional<SlipRule> rule) {
+  std::vector<StateColumn> columns(state_columns.begin(), state_columns.end());
+  std::erase_if(columns, [&](const StateColumn& column) { return rule && column.rule != *rule; });
+  return columns;
+}
 
 // A channel, the names of its values and the column formed of them.
 struct NamedColumn {
@@ -56,7 +71,8 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
 }
 
 // A table of the columns that share `time`. The truth is that of the sensor's latest sample.
-std::string table_of(const SensorRecord& sensor, const std::vector<double>& time, std::span<const NamedColumn> columns) {
+std::string table_of(const SensorRecord& sensor, const std::vector<double>& time, std::span<const NamedColumn> columns,
+                     const std::vector<StateColumn>& states) {
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "{}", first_column);
@@ -64,7 +80,8 @@ std::string table_of(const SensorRecord& sensor, const std::vector<double>& time
     if (!column.difference.empty()) fmt::format_to(out, ",{} [{}]", column.difference, column.column->unit);
     for (const std::string& name : column.names) fmt::format_to(out, ",{} [{}]", name, column.column->unit);
   }
-  fmt::format_to(out, "{}\n", label_columns);
+  for (const StateColumn& state : states) fmt::format_to(out, "{}", state.name);
+  text.push_back('\n');
   for (std::size_t row = 0; row < time.size(); ++row) {
     fmt::format_to(out, "{}", time[row]);
     for (const NamedColumn& column : columns) {
@@ -73,9 +90,10 @@ std::string table_of(const SensorRecord& sensor, const std::vector<double>& time
       for (const float value : values) fmt::format_to(out, ",{}", value);
     }
     const std::optional<std::size_t> truth = latest_row(sensor.time, time[row]);
-    for (const auto* states : {&sensor.labels.state, &sensor.labels.state_micro, &sensor.labels.state_paper}) {
+    for (const StateColumn& state : states) {
+      const std::vector<std::uint8_t>& values = sensor.labels.*state.values;
       text.push_back(',');
-      if (truth && !states->empty()) fmt::format_to(out, "{}", (*states)[*truth]);  // an imported recording has not all
+      if (truth && !values.empty()) fmt::format_to(out, "{}", values[*truth]);  // an imported recording has not all
     }
     text.push_back('\n');
   }
@@ -84,22 +102,24 @@ std::string table_of(const SensorRecord& sensor, const std::vector<double>& time
 
 }  // namespace
 
-std::vector<CsvTable> table_csv(const SensorRecord& sensor) {
+std::vector<CsvTable> table_csv(const SensorRecord& sensor, std::optional<SlipRule> rule) {
   const std::vector<NamedColumn> columns = named_columns(sensor);
   std::vector<NamedColumn> common;
   std::copy_if(columns.begin(), columns.end(), std::back_inserter(common),
                [](const NamedColumn& column) { return !column.column->time; });
-  std::vector<CsvTable> tables{{"", table_of(sensor, sensor.time, common)}};
+  const std::vector<StateColumn> states = states_by(rule);
+  std::vector<CsvTable> tables{{"", table_of(sensor, sensor.time, common, states)}};
   for (const NamedColumn& column : columns) {
     if (column.column->time)
-      tables.push_back({column.column->name, table_of(sensor, *column.column->time, std::span(&column, 1))});
+      tables.push_back({column.column->name, table_of(sensor, *column.column->time, std::span(&column, 1), states)});
   }
   return tables;
 }
 
 bool begins_as_table_csv(std::string_view text) {
   const std::string_view line = text.substr(0, text.find('\n'));
-  return line.starts_with(first_column) && (line.ends_with(label_columns) || line.size() == text.size());
+  const bool ends = std::ranges::any_of(state_columns, [&](const StateColumn& state) { return line.ends_with(state.name); });
+  return line.starts_with(first_column) && (ends || line.size() == text.size());
 }
 
 }  // namespace slipbench

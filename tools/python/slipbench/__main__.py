@@ -9,6 +9,7 @@ from slipbench.bin import _core
 def main() -> int:
     """Runs the command line with this process's arguments; returns its exit status."""
     os.environ.setdefault("SLIPBENCH", f"{sys.executable} -m slipbench")  # how scripts that `cluster` writes start it again
+    os.environ.setdefault("SLIPBENCH_PYTHON", sys.executable)  # what writes the formats that need Arrow
     return _core.main(sys.argv[1:])
 
 

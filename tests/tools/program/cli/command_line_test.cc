@@ -165,7 +165,7 @@ TEST(CommandLine, ReportAndExport) {
   EXPECT_EQ(report.output, "a.html");
   const auto exported = parsed<ExportCommand>({"export", "a.h5", "--format", "training-csv", "-o", "dir"});
   EXPECT_EQ(exported.options.format, ExportFormat::training_csv);
-  EXPECT_EQ(exported.options.slip_rule, SlipRule::strict);
+  EXPECT_FALSE(exported.options.slip_rule);  // each format has its own default
   EXPECT_EQ(exported.output, "dir");
   EXPECT_FALSE(exported.options.rate);
   const auto slow = parsed<ExportCommand>({"export", "a.h5", "--format", "robomimic", "-o", "dir", "--rate", "0.1 kHz"});
@@ -173,12 +173,21 @@ TEST(CommandLine, ReportAndExport) {
   EXPECT_THAT(refusal({"export", "a.h5", "--format", "robomimic", "-o", "dir", "--rate", "5 N"}), HasSubstr("export: --rate"));
 }
 
+TEST(CommandLine, ExportReadsWhatIsLeft) {
+  const auto command = parsed<ExportCommand>(
+      {"export", "a.h5", "--format", "parquet", "-o", "dir", "--labels", "micro", "--sensors", "pad,left", "--split", "valid"});
+  EXPECT_EQ(command.options.format, ExportFormat::parquet);
+  EXPECT_EQ(command.options.slip_rule, SlipRule::micro);
+  EXPECT_EQ(command.options.sensors, (std::vector<std::string>{"pad", "left"}));
+  EXPECT_EQ(command.options.split, "valid");
+}
+
 TEST(CommandLine, ExportReadsTheRuleAndItsSpeed) {
   const auto command = parsed<ExportCommand>({"export", "a.h5", "--format", "vendor-csv", "-o", "dir", "--slip", "paper",
                                               "--label-speed", "0.2 mm/s", "--sensor", "pad"});
   EXPECT_EQ(command.options.slip_rule, SlipRule::paper);
   EXPECT_DOUBLE_EQ(command.options.label_speed.value(), 2e-4);
-  EXPECT_EQ(command.options.sensor, "pad");
+  EXPECT_EQ(command.options.sensors, std::vector<std::string>{"pad"});
   EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor-csv", "-o", "dir", "--label-speed", "0 mm/s"}),
               HasSubstr("export: --label-speed"));
 }

@@ -79,6 +79,7 @@ TEST(ProgressBarText, FullBarShowsTimeTaken) {
 
 TEST(ProgressLineText, IsOneSentence) {
   EXPECT_EQ(progress_line_text(half), "100/200 trials (50 %), 80 x real time, 20 trials/s, ETA 5 s");
+  EXPECT_EQ(progress_line_text({100, 200, {}, 5.0}), "100/200 trials (50 %), 20 trials/s, ETA 5 s");  // nothing is simulated
 }
 
 TEST(ProgressLineText, NothingDoneYetHasNoEta) {

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
@@ -12,6 +13,7 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/export/episode.h"
 #include "tools/program/export/export.h"
@@ -26,8 +28,13 @@ using slipbench::testing::bytes_of;
 using slipbench::testing::make_grasp_record;
 using slipbench::testing::make_record;
 using slipbench::testing::message_of;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::Ge;
 using ::testing::HasSubstr;
+using ::testing::Le;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 // A multiplexed pad at 300 Hz: FL and FR every sample, one value of SI every third, read 2/300 s before.
@@ -61,7 +68,11 @@ class AnySensor : public slipbench::testing::FolderTest {
   }
   std::vector<std::string> run(ExportFormat format, const std::string& sensor = "", std::optional<double> rate = {},
                                const std::string& out = "out") {
-    return export_dataset(path("a.h5"), path(out), {format, SlipRule::strict, {}, sensor, {}, rate});
+    ExportOptions options;
+    options.format = format;
+    options.rate = rate;
+    if (!sensor.empty()) options.sensors = {sensor};
+    return export_dataset(path("a.h5"), path(out), options);
   }
 };
 
@@ -101,6 +112,34 @@ TEST(TableCsv, NamesMustFitTheValues) {
   sensor.channel_names = {"SI_0", "FL", "FR_plus", "FR_minus"};
   sensor.channels[1].shape = {1};
   EXPECT_EQ(message_of<InputError>([&] { table_csv(sensor); }), "sensor nib: channel 'fl' has 1 values, expected 2");
+}
+
+TEST_F(AnySensor, LabelsAndSplitsLeaveTheirPart) {
+  const auto [from, reader] = [&] {
+    const std::string file = dataset({make_record(0, 4), make_record(1, 4), make_record(2, 4), make_record(3, 4)});
+    return std::pair{file, DatasetReader(file)};
+  }();
+  ExportOptions options;
+  options.format = ExportFormat::csv;
+  options.slip_rule = SlipRule::micro;
+  options.split = "test";
+  std::vector<std::string> expected;
+  for (const std::size_t trial : reader.mask("test")) expected.push_back(path(fmt::format("out/demo_{}-pad.csv", trial)));
+  ASSERT_THAT(expected, SizeIs(AllOf(Ge(1U), Le(3U))));
+  EXPECT_EQ(export_dataset(from, path("out"), options), expected);
+  const std::string header = lines_of(bytes_of(expected.front())).front();
+  EXPECT_THAT(header, EndsWith(",state_micro"));
+  EXPECT_THAT(header, Not(HasSubstr(",state,")));
+  options.slip_rule = SlipRule::has_slipped;
+  EXPECT_THAT(message_of<InputError>([&] { export_dataset(from, path("no"), options); }),
+              HasSubstr("csv holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper"));
+  options.slip_rule = {};
+  options.split = "tests";
+  EXPECT_THAT(message_of<InputError>([&] { export_dataset(from, path("no"), options); }), HasSubstr("did you mean 'test'?"));
+  options.split = "test";
+  options.trial = reader.mask("train").front();
+  EXPECT_THAT(message_of<InputError>([&] { export_dataset(from, path("no"), options); }),
+              HasSubstr("the split 'test' holds no trial"));
 }
 
 TEST_F(AnySensor, TablesAreNamedByTrialAndSensor) {
@@ -172,7 +211,7 @@ TEST_F(AnySensor, EpisodesTakeTheLatestSample) {
   EXPECT_THAT(space.names, ElementsAre("pad_vx", "pad_vy", "pad_vz", "pad_wx", "pad_wy", "pad_wz"));
   EXPECT_FLOAT_EQ(static_cast<float>(space.scale[0]), 0.02F);
   EXPECT_FLOAT_EQ(static_cast<float>(space.scale[5]), 10.0F);
-  const Episode episode = make_episode(reader, 0, "", 250.0, space);
+  const Episode episode = make_episode(reader, 0, {}, 250.0, space);
   EXPECT_EQ(episode.steps, 2U);
   ASSERT_THAT(episode.observations, SizeIs(2));
   EXPECT_EQ(episode.observations[0].name, "pad_force");
@@ -185,7 +224,7 @@ TEST_F(AnySensor, EpisodesTakeTheLatestSample) {
   EXPECT_EQ(episode.bodies.width, 13U);
   EXPECT_FLOAT_EQ(episode.bodies.values[13 + 7], 4e-3F);  // after the pose of row 4
   EXPECT_THAT(episode.rewards, ElementsAre(0.0F, 0.0F));
-  EXPECT_EQ(slowest_rate(reader, 0, ""), 1000.0);
+  EXPECT_EQ(slowest_rate(reader, 0, {}), 1000.0);
 }
 
 // The registers 0 to 255 become -1 to 1, and a box that is held to the end is worth 1.
@@ -195,13 +234,13 @@ TEST_F(AnySensor, GraspsActByTheirCommands) {
   dataset({held, make_grasp_record(1, 5)});
   const DatasetReader reader(path("a.h5"));
   const ActionSpace space = action_space(reader, {0, 1});
-  const Episode episode = make_episode(reader, 0, "", 1000.0, space);
+  const Episode episode = make_episode(reader, 0, {}, 1000.0, space);
   EXPECT_EQ(episode.actions.width, 3U);
   EXPECT_FLOAT_EQ(episode.actions.values[3 * 2 + 1], static_cast<float>((3.0 - 127.5) / 127.5));  // row 2: registers 2, 3, 4
   EXPECT_EQ(episode.observations.back().name, "gripper_position");
   EXPECT_THAT(episode.observations.back().values, ElementsAre(3.0F, 4.0F, 5.0F, 6.0F, 7.0F));
   EXPECT_THAT(episode.rewards, ElementsAre(0.0F, 0.0F, 0.0F, 1.0F));
-  EXPECT_EQ(make_episode(reader, 1, "", 1000.0, space).rewards.back(), 0.0F);  // dropped
+  EXPECT_EQ(make_episode(reader, 1, {}, 1000.0, space).rewards.back(), 0.0F);  // dropped
 }
 
 // A slow channel stands still, and the demonstration begins when everything has been read once: SI at 1/300 s, the body at 0.
@@ -210,7 +249,7 @@ TEST_F(AnySensor, EpisodesHoldSlowChannels) {
   record.sensors = {nib_pad(9)};
   dataset({record});
   const DatasetReader reader(path("a.h5"));
-  const Episode episode = make_episode(reader, 0, "nib", 300.0, action_space(reader, {0}));
+  const Episode episode = make_episode(reader, 0, {"nib"}, 300.0, action_space(reader, {0}));
   EXPECT_THAT(episode.observations[0].values, ElementsAre(2.0F, 2.0F, 2.0F, 5.0F, 5.0F, 5.0F, 8.0F, 8.0F, 8.0F));
   EXPECT_EQ(episode.steps, 8U);
 }
@@ -224,8 +263,8 @@ TEST_F(AnySensor, SensorsOfDifferentRatesShareADemonstration) {
   record.sensors.push_back(nib_pad(4));
   dataset({record});
   const DatasetReader reader(path("a.h5"));
-  EXPECT_EQ(slowest_rate(reader, 0, ""), 300.0);
-  const Episode episode = make_episode(reader, 0, "", 300.0, action_space(reader, {0}));
+  EXPECT_EQ(slowest_rate(reader, 0, {}), 300.0);
+  const Episode episode = make_episode(reader, 0, {}, 300.0, action_space(reader, {0}));
   EXPECT_EQ(episode.steps, 3U);
   ASSERT_THAT(episode.observations, SizeIs(5));
   EXPECT_EQ(episode.observations[4].name, "pad_displacement");  // sensors in the order of their names

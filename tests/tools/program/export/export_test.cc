@@ -456,7 +456,7 @@ TEST_F(ExportTest, WhatDoesNotFitIsRefused) {
   two.sensors.push_back(make_sensor("second", 1000.0));
   EXPECT_THAT(message_of<InputError>([&] { run(dataset({two}), training); }), HasSubstr("which? allowed: pad, second"));
   ExportOptions second = training;
-  second.sensor = "second";
+  second.sensors = {"second"};
   EXPECT_THAT(run(dataset({two}), second), SizeIs(1));
   TrialRecord other = make_trial_record(0);
   other.sensors[0].type = "nose";
@@ -499,7 +499,7 @@ TEST(ExportNames, AreParsedWithTheNearestName) {
   EXPECT_EQ(parse_slip_rule("paper"), SlipRule::paper);
   EXPECT_EQ(
       message_of<InputError>([] { parse_export_format("vendor_csv"); }),
-      "unknown format 'vendor_csv'; did you mean 'vendor-csv'? allowed: csv, npz, robomimic, vendor-csv, training-csv, grasp-csv, myrmex-csv, myrmex-rotated, slip-csv");
+      "unknown format 'vendor_csv'; did you mean 'vendor-csv'? allowed: csv, npz, robomimic, parquet, vendor-csv, training-csv, grasp-csv, myrmex-csv, myrmex-rotated, slip-csv");
   EXPECT_THAT(message_of<InputError>([] { parse_slip_rule("x"); }), HasSubstr("allowed: strict, micro, paper, has_slipped"));
 }
 

@@ -55,7 +55,7 @@ class GraspCsv : public slipbench::testing::FolderTest {
     DatasetWriter writer(path("a.h5"), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, records.size());
     for (const TrialRecord& record : records) writer.append(TrialEncoder().encode(record));
     writer.commit();
-    const auto files = export_dataset(path("a.h5"), path("out"), {ExportFormat::grasp_csv, SlipRule::strict, {}, "", {}, {}});
+    const auto files = export_dataset(path("a.h5"), path("out"), {ExportFormat::grasp_csv, {}, {}, {}, {}, {}});
     EXPECT_THAT(files, ::testing::ElementsAre(path("out/grasps.csv")));
     return bytes_of(files.front());
   }

@@ -1,0 +1,38 @@
+"""Datasets of every sensor and of a grasp, and how the program exports them. For the tests of formats that Python writes."""
+
+import json
+import os
+import subprocess
+
+# Scene, and what shortens it. The first has three trials, each other two.
+SCENES = {
+    "papillarray/stage.yaml": {"duration": "1.5 s", "motion.start": "1 s", "sweep": {"motion.speed": ["8 mm/s", "4 mm/s", "2 mm/s"]}},
+    "nib_pad/linear.yaml": {"duration": "300 ms"},
+    "piezo_skin/slide.yaml": {"duration": "1.6 s"},
+    "myrmex/slip.yaml": {"duration": "100 ms"},
+    "biotac_sp/slip.yaml": {"duration": "300 ms"},
+    "grasp/two_skins.yaml": {"duration": "1.6 s"},
+}
+
+
+def make(program, root, scene, folder):
+    """Runs two or three trials of a scene, where `folder` has not got them, and returns the dataset's path."""
+    path = str(folder / (scene.replace("/", "_").removesuffix(".yaml") + ".h5"))
+    if os.path.exists(path):
+        return path
+    sets = [word for key, value in SCENES[scene].items() for word in ("--set", f"{key}={json.dumps(value)}")]
+    verb = ["sweep", "--trials", "1"] if "sweep" in SCENES[scene] else ["run", "--trials", "2"]
+    subprocess.run([program, *verb, str(root / "scenes" / scene), *sets, "-o", path, "--quiet"], check=True)
+    return path
+
+
+def export(program, dataset, out, *words, status=0):
+    """Exports a dataset; returns what stdout and stderr had."""
+    done = subprocess.run([program, "export", dataset, "-o", str(out), *words], capture_output=True, text=True, check=False)
+    assert done.returncode == status, f"{words}: ended with {done.returncode}, expected {status}: {done.stderr}"
+    return done.stdout, done.stderr
+
+
+def contents(folder):
+    """{name: bytes} of all files below a folder."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}

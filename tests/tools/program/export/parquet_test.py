@@ -1,0 +1,180 @@
+"""`export --format parquet`: pandas and pyarrow read the dataset's values back, bit for bit. Arguments: the project's root, the program."""
+
+import json
+import os
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas
+import pyarrow.parquet
+
+from datasets import SCENES, contents, export, make
+
+ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
+del sys.argv[1:]
+KEPT = tempfile.TemporaryDirectory()
+unittest.addModuleCleanup(KEPT.cleanup)
+DATASETS = Path(KEPT.name)
+
+
+def same(found, expected, what):
+    found = np.ascontiguousarray(found)
+    assert found.dtype == expected.dtype, f"{what}: {found.dtype}, expected {expected.dtype}"
+    assert found.tobytes() == np.ascontiguousarray(expected).tobytes(), what
+
+
+def check_sensor(out, name, number, demo):
+    """Compares all that the files say of a trial and sensor with the dataset, and returns the names of the columns and files that say it."""
+    table = pandas.read_parquet(out / f"{name}.parquet").query("trial == @number")
+    sensor, seen, files = demo["sensors"][name], {"trial", "t"}, {f"{name}.parquet", f"{name}-events.parquet"}
+    same(table["t"], sensor["t"][:], name)
+    names = list(sensor.attrs["channel_names"])
+    for channel in sensor.attrs["channels"]:
+        values = sensor[channel][:].reshape(len(sensor[channel]), -1)
+        own, part, names = names[: values.shape[1]], table, names[values.shape[1]:]
+        if len(values) != len(table):
+            files.add(f"{name}-{channel}.parquet")
+            part = pandas.read_parquet(out / f"{name}-{channel}.parquet").query("trial == @number")
+            same(part["t"], sensor[f"{channel}_t"][:], channel)
+        else:
+            seen.update(own)
+            if f"{channel}_t" in table:
+                seen.add(f"{channel}_t")
+                same(table[f"{channel}_t"], sensor[f"{channel}_t"][:], channel)
+        same(part[own].to_numpy(), values, f"{name}/{channel}")
+    labels = demo["labels"][name]
+    for label in set(labels) - {"t", "events"}:
+        values = labels[label][:].reshape(len(labels[label]), -1)
+        name_of = f"label_{label}"
+        columns = [name_of] if name_of in table else [column for column in table if column.startswith(f"{name_of}_")]
+        seen.update(columns)
+        same(table[columns].to_numpy(), values, f"{name}/{label}")
+    assert seen == set(table), seen ^ set(table)
+    events = pandas.read_parquet(out / f"{name}-events.parquet").query("trial == @number")
+    for column in ("t", "unit", "kind"):
+        same(events[column], labels[f"events/{column}"][:], f"{name}/events/{column}")
+    return files
+
+
+class Parquet(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def test_every_value_comes_back(self):
+        for scene in SCENES:
+            with self.subTest(scene=scene):
+                dataset = make(PROGRAM, ROOT, scene, DATASETS)
+                out = self.folder / "out" / scene.replace("/", "_")
+                out.parent.mkdir(exist_ok=True)
+                export(PROGRAM, dataset, out, "--format", "parquet")
+                files = {"trials.parquet"}
+                with h5py.File(dataset) as file:
+                    for name, demo in file["data"].items():
+                        number = int(name.removeprefix("demo_"))
+                        for sensor in demo["sensors"]:
+                            files |= check_sensor(out, sensor, number, demo)
+                        for body, group in demo["truth"].items():
+                            files.add(f"body-{body}.parquet")
+                            table = pandas.read_parquet(out / f"body-{body}.parquet").query("trial == @number")
+                            same(table["t"], group["t"][:], body)
+                            same(table[[column for column in table if column.startswith("pose_")]].to_numpy(), group["pose"][:], body)
+                            same(table[[column for column in table if column.startswith("velocity_")]].to_numpy(), group["velocity"][:], body)
+                        if "control" in demo:
+                            files.add("control.parquet")
+                            table = pandas.read_parquet(out / "control.parquet").query("trial == @number")
+                            for array in demo["control"]:
+                                columns = [column for column in table if column == array or column.startswith(f"{array}_")]
+                                same(table[columns].to_numpy().reshape(demo["control"][array].shape), demo["control"][array][:], array)
+                    self.assertEqual(set(contents(out)), files)
+                    trials = pandas.read_parquet(out / "trials.parquet")
+                    self.assertEqual([f"demo_{number}" for number in trials["trial"]], sorted(file["data"], key=lambda demo: int(demo[5:])))
+                    for part in ("train", "valid", "test"):
+                        self.assertEqual([f"demo_{number}" for number in trials.query("split == @part")["trial"]], list(file[f"mask/{part}"].asstr()))
+                    outcome = [json.loads(demo.attrs["outcome"])["first_slip_time_s"] for demo in file["data"].values()]
+                    if None not in outcome:
+                        self.assertEqual(list(trials["first_slip_time_s"]), outcome)
+
+    def test_two_runs_write_the_same_bytes_and_tell_how_much(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        told, progress = export(PROGRAM, dataset, self.folder / "a", "--format", "parquet")
+        # Sensor, events, pad, surface, trials.
+        self.assertRegex(told, r"^written: 5 files, [\d.]+ [kM]B, in .*/a\n$")
+        self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
+        before = contents(self.folder / "a")
+        told, progress = export(PROGRAM, dataset, self.folder / "a", "--format", "parquet", "--json")  # replaces what is its own
+        self.assertEqual(sorted(json.loads(told)["files"]), sorted(str(self.folder / "a" / name) for name in before))
+        self.assertEqual(progress, "")
+        self.assertEqual(contents(self.folder / "a"), before)
+
+    def test_rows_at_a_rate_are_the_latest_and_the_options_choose(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        export(PROGRAM, dataset, self.folder / "a", "--format", "parquet", "--rate", "300 Hz", "--labels", "micro", "--trial", "1")
+        table = pandas.read_parquet(self.folder / "a/pad.parquet")
+        self.assertEqual(set(table["trial"]), {1})
+        self.assertEqual([name for name in table if name.startswith("label_state")], ["label_state_micro"])
+        with h5py.File(dataset) as file:
+            sensor, labels = file["data/demo_1/sensors/pad"], file["data/demo_1/labels/pad"]
+            # The sensor reads at 0, 1, 2, ... ms; row k is at k/300 s, whose latest sample is the floor of 1000 k/300.
+            rows = 10 * np.arange(len(table)) // 3
+            self.assertEqual(len(table), (len(sensor["t"]) - 1) * 3 // 10 + 1)
+            same(table[[f"P{k}_F{axis}" for k in range(9) for axis in "XYZ"]].to_numpy(), sensor["force"][:][rows].reshape(-1, 27), "force")
+            same(table["label_state_micro"], labels["state_micro"][:][rows], "state_micro")
+            members = [int(name.removeprefix("demo_")) for name in file["mask/train"].asstr()]
+        export(PROGRAM, dataset, self.folder / "b", "--format", "parquet", "--split", "train")
+        self.assertEqual(list(pandas.read_parquet(self.folder / "b/trials.parquet")["trial"]), members)
+        self.assertLess(len(members), 3)
+        both = make(PROGRAM, ROOT, "grasp/two_skins.yaml", DATASETS)
+        with h5py.File(both) as file:
+            first, *others = sorted(file["data/demo_0/sensors"])
+        export(PROGRAM, both, self.folder / "c", "--format", "parquet", "--sensors", first)
+        self.assertTrue((self.folder / f"c/{first}.parquet").exists())
+        for other in others:
+            self.assertFalse((self.folder / f"c/{other}.parquet").exists())
+
+    def test_columns_have_units_and_floats_lie_byte_by_byte(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        export(PROGRAM, dataset, self.folder / "a", "--format", "parquet")
+        file = pyarrow.parquet.ParquetFile(self.folder / "a/pad.parquet")
+        self.assertEqual(file.schema_arrow.field("P0_FX").metadata[b"unit"], b"N")
+        self.assertEqual(file.num_row_groups, 3)  # one a trial
+        column = file.metadata.row_group(0).column(file.schema_arrow.get_field_index("P0_FX"))
+        self.assertEqual((column.compression, set(column.encodings)), ("ZSTD", {"BYTE_STREAM_SPLIT", "RLE"}))
+
+    def test_what_cannot_be_is_refused_and_nothing_is_left(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        out = self.folder / "out"
+        for words, message in (
+            (["--rate", "0.1 Hz"], "trial 0: has fewer than two rows at 0.1 Hz; allowed: --rate with a higher rate"),
+            (["--rate", "2 kHz"], "a rate of 2000 Hz repeats samples; allowed: up to 1000 Hz"),
+            (["--sensors", "padd"], "unknown sensor 'padd'; did you mean 'pad'?"),
+            (["--split", "tests"], "unknown split 'tests'; did you mean 'test'?"),
+            (["--labels", "has_slipped"], "holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper"),
+        ):
+            with self.subTest(words=words):
+                _, told = export(PROGRAM, dataset, out, "--format", "parquet", *words, status=2)
+                self.assertIn(message, told)
+                self.assertEqual(told.count("\n"), 1)
+                self.assertFalse(out.exists())
+        out.mkdir()
+        (out / "pad.parquet").write_text("my notes")
+        _, told = export(PROGRAM, dataset, out, "--format", "parquet", status=2)
+        self.assertIn("pad.parquet: would be replaced and is not a Parquet file; allowed: another folder", told)
+        self.assertEqual(contents(out), {"pad.parquet": b"my notes"})
+
+    def test_a_python_without_arrow_says_how_to_install_it(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        (self.folder / "pyarrow.py").write_text("raise ModuleNotFoundError('No module named pyarrow', name='pyarrow')\n")
+        os.environ["PYTHONPATH"] = str(self.folder)
+        self.addCleanup(os.environ.pop, "PYTHONPATH")
+        _, told = export(PROGRAM, dataset, self.folder / "out", "--format", "parquet", status=2)
+        self.assertIn("needs the Python package pyarrow", told)
+        self.assertIn("install it: tools/setup/setup.sh build python test-python", told)
+        self.assertFalse((self.folder / "out").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

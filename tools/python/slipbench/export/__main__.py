@@ -1,0 +1,43 @@
+"""`python -m slipbench.export REQUEST`: started by the program. Exit status 2 for bad input, with its message."""
+
+import importlib
+import json
+import signal
+import sys
+
+from slipbench import InputError, open as open_dataset
+from slipbench.export.request import Progress, Request, tell
+
+
+def _end(*_: object) -> None:
+    raise KeyboardInterrupt  # so that nothing half-written is left
+
+
+def main(text: str) -> int:
+    """Writes what the request asks for; returns the exit status."""
+    request = Request(**json.loads(text))
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, _end)
+    progress = Progress(request)
+    try:
+        writer = importlib.import_module(f"slipbench.export.{request.format}")
+        with open_dataset(request.dataset) as data:
+            files = writer.write(data, request, progress)
+        tell(request, files)
+        return 0
+    except ModuleNotFoundError as error:
+        message = f"export: --format {request.format} needs the Python package {error.name}, which {sys.executable} does not have; install it: {request.install}"
+    except InputError as error:
+        message = str(error)
+    except OSError as error:
+        message = f"{error.filename or request.out}: cannot be written: {error.strerror or error}"
+    except KeyboardInterrupt:
+        progress.clear()
+        return 130
+    progress.clear()
+    print(f"slipbench: {message}", file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

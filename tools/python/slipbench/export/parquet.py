@@ -1,0 +1,141 @@
+"""Parquet: a file a sensor, with a column a value, for pandas, polars and DuckDB."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from slipbench import Dataset, InputError, StoredTrial
+from slipbench.export.request import Output, Progress, Request, split_of
+from slipbench.export.series import Series, body_series, control_series, grid, label_series, sensor_series
+
+Columns = dict[str, NDArray[Any]]
+
+
+def encodings(schema: pa.Schema) -> dict[str, Any]:
+    """What the writer is told: the bytes of numbers with a fraction side by side, which zstd then halves; the others by dictionary."""
+    fractions = [path for field in schema for path in _leaves(field) if _holds_fractions(field.type)]
+    others = [path for field in schema for path in _leaves(field) if not _holds_fractions(field.type)]
+    return {"compression": "zstd", "column_encoding": dict.fromkeys(fractions, "BYTE_STREAM_SPLIT"), "use_dictionary": others}
+
+
+def _holds_fractions(kind: pa.DataType) -> bool:
+    return bool(pa.types.is_floating(kind.value_type if pa.types.is_fixed_size_list(kind) else kind))
+
+
+def _leaves(field: pa.Field) -> list[str]:
+    return [f"{field.name}.list.element" if pa.types.is_list(field.type) or pa.types.is_fixed_size_list(field.type) else field.name]
+
+
+class _Files:
+    """The files that grow trial by trial, a row group each."""
+
+    def __init__(self, output: Output) -> None:
+        self._output = output
+        self._writers: dict[str, pq.ParquetWriter] = {}
+        self._paths: dict[str, str] = {}
+
+    def append(self, name: str, trial: int, columns: Columns, about: dict[str, str]) -> None:
+        rows = len(next(iter(columns.values())))
+        arrays = {"trial": np.full(rows, trial, np.int32), **columns}
+        schema = pa.schema([pa.field(key, pa.from_numpy_dtype(values.dtype), metadata={"unit": about[key]} if about.get(key) else None)
+                            for key, values in arrays.items()])
+        if name not in self._writers:
+            self._paths[name] = self._output.path(f"{name}.parquet")
+            self._writers[name] = pq.ParquetWriter(self._paths[name], schema, write_statistics=["trial", "t"], **encodings(schema))
+        elif not self._writers[name].schema.equals(schema):
+            raise InputError(f"trial {trial}: {name} has other columns than in the trials before; allowed: --trial, one at a time")
+        self._writers[name].write_table(pa.Table.from_arrays([pa.array(values) for values in arrays.values()], schema=schema))
+
+    def close(self) -> None:
+        for writer in self._writers.values():
+            writer.close()
+
+    def size(self) -> int:
+        return sum(os.path.getsize(path) for path in self._paths.values())
+
+
+def _columns(series: list[Series], t: NDArray[np.float64]) -> tuple[Columns, dict[str, str]]:
+    columns: Columns = {"t": t}
+    units = {"t": "s"}
+    for one in series:
+        prefix = "label_" if one.kind == "labels" else ""
+        if not one.is_sampled_at(t):
+            columns[f"{one.name}_t"] = one.t
+            units[f"{one.name}_t"] = "s"
+        for i, name in enumerate(one.columns):
+            columns[prefix + name] = one.values[:, i]
+            units[prefix + name] = one.unit
+    return columns, units
+
+
+def _sensor_tables(number: int, trial: StoredTrial, sensor: str, request: Request) -> Iterator[tuple[str, Columns, dict[str, str]]]:
+    """A sensor's own table, with its labels, then one for each channel that is read at a rate of its own."""
+    t = trial.sensors[sensor]["t"][:]
+    series = [*sensor_series(trial, sensor), *label_series(trial, sensor, request.labels)]
+    if request.rate is not None:
+        t = grid(number, series, request.rate)
+        series = [one.at(t) for one in series]
+    yield sensor, *_columns([one for one in series if len(one.t) == len(t)], t)
+    for one in series:
+        if len(one.t) != len(t):
+            yield f"{sensor}-{one.name}", *_columns([one], one.t)
+
+
+def _tables(number: int, trial: StoredTrial, request: Request) -> Iterator[tuple[str, Columns, dict[str, str]]]:
+    for sensor in request.sensors:
+        yield from _sensor_tables(number, trial, sensor, request)
+        if sensor in trial.labels and "events" in trial.labels[sensor]:
+            events = trial.labels[sensor]
+            yield f"{sensor}-events", {name: events[f"events/{name}"][:] for name in ("t", "unit", "kind")}, {"t": "s"}
+    for body in trial.bodies:
+        series = [one for one in body_series(trial) if one.owner == body]
+        yield f"body-{body}", *_columns(series, series[0].t)
+    loop = list(control_series(trial))
+    if loop:
+        yield "control", *_columns(loop, loop[0].t)
+
+
+def _flat(value: Any) -> Any:
+    return json.dumps(value) if isinstance(value, (dict, list)) else value
+
+
+def _trials_table(data: Dataset, request: Request) -> pa.Table:
+    """A row a trial: part, what was swept, how it ended."""
+    parts = split_of(data)
+    rows: list[dict[str, Any]] = []
+    for number in request.trials:
+        trial = data[number]
+        rows.append({"trial": number, "split": parts.get(number), "seed": trial.seed, "sha256": trial.sha256,
+                     **{key: _flat(value) for key, value in trial.params.items()}, **{key: _flat(value) for key, value in trial.outcome.items()}})
+    names = dict.fromkeys(key for row in rows for key in row)
+    arrays = []
+    for name in names:
+        values = [row.get(name) for row in rows]
+        if len({type(value) for value in values if value is not None} - {int, float}) > 0 and len({type(value) for value in values if value is not None}) > 1:
+            values = [None if value is None else str(value) for value in values]  # a number in one trial, a word in another
+        arrays.append(pa.array(values, pa.int64() if name in ("trial", "seed") else None))
+    return pa.Table.from_arrays(arrays, names=list(names))
+
+
+def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
+    """Writes trials.parquet and a file for each sensor, its events, each body and the loop; returns their names."""
+    with Output(request.out, "a Parquet file", lambda beginning: beginning.startswith(b"PAR1")) as output:
+        files = _Files(output)
+        try:
+            for done, number in enumerate(request.trials, 1):
+                for name, columns, units in _tables(number, data[number], request):
+                    files.append(name, number, columns, units)
+                progress.update(done, files.size())
+        finally:
+            files.close()
+        table = _trials_table(data, request)
+        pq.write_table(table, output.path("trials.parquet"), compression="zstd")
+        return output.publish()

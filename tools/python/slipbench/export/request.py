@@ -1,0 +1,180 @@
+"""What the program asks for, and what a user is told meanwhile."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import shutil
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from slipbench import Dataset, InputError
+
+LINE_PERIOD = 5.0  # s, between lines where nobody watches
+BAR_PERIOD = 0.1  # s, between redraws
+
+
+@dataclass(frozen=True)
+class Request:
+    """As the program hands it over, in JSON; it has checked each of these.
+
+    Attributes:
+        format: "parquet", ...
+        dataset: path of the dataset's first file
+        out: folder to write into
+        trials: numbers of the trials
+        sensors: names; every trial has them
+        rate: Hz, of the rows; None: each sensor's own
+        labels: rule of the pad's state, "strict", "micro" or "paper"; None: by all three
+        json: whether stdout is to have one JSON object and stderr nothing
+        install: the command that installs what the formats need
+    """
+
+    format: str
+    dataset: str
+    out: str
+    trials: list[int]
+    sensors: list[str]
+    rate: float | None
+    labels: str | None
+    json: bool
+    install: str
+
+
+def split_of(data: Dataset) -> dict[int, str]:
+    """The part that each trial is in; a killed run has no parts."""
+    return {trial: part for part in ("train", "valid", "test") for trial in data.mask(part)}
+
+
+def size_text(count: float) -> str:
+    """"318 MB"."""
+    for unit in ("B", "kB", "MB"):
+        if count < 999.5:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:.3g} GB"
+
+
+class Progress:
+    """A bar on a terminal, plain lines elsewhere; on stderr. After the first trial it tells how much there will be, or that there is no room."""
+
+    def __init__(self, request: Request) -> None:
+        self._total, self._out, self._quiet = len(request.trials), request.out, request.json
+        self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+        self._start = self._drawn = time.monotonic()
+
+    def update(self, done: int, written: int) -> None:
+        """`done` trials are `written` bytes."""
+        if done == 1:
+            expected, free = written * self._total, shutil.disk_usage(self._out).free
+            if expected - written > free:
+                raise InputError(f"{self._out}: {self._total} trials take about {size_text(expected)}, found: {size_text(free)} free; "
+                                 "allowed: fewer trials (--split, --trial), fewer --sensors, a lower --rate")
+            if self._total > 1:
+                self._say(f"{self._total} trials, about {size_text(expected)}\n")
+        now = time.monotonic()
+        if self._total < 2 or (done < self._total and now - self._drawn < (BAR_PERIOD if self._bar else LINE_PERIOD)):
+            return
+        self._drawn, elapsed = now, now - self._start
+        left = f"{elapsed:.0f} s" if done == self._total else f"ETA {elapsed * (self._total - done) / done:.0f} s"
+        text = f"{done}/{self._total}  {done / max(elapsed, 1e-9):.0f} trials/s  {left}"
+        if self._bar:
+            filled = 30 * done // self._total
+            self._say(f"\r\033[K[{'#' * filled}{'-' * (30 - filled)}] {100 * done / self._total:3.0f} % {text}" + ("\n" if done == self._total else ""))
+        elif done < self._total:
+            self._say(text + "\n")
+
+    def clear(self) -> None:
+        """Removes an unfinished bar, so that a message starts on an empty line."""
+        if self._bar:
+            self._say("\r\033[K")
+
+    def _say(self, text: str) -> None:
+        if not self._quiet:
+            sys.stderr.write(text)
+            sys.stderr.flush()
+
+
+class Output:
+    """The files of an export. They get their names together, when all of them are whole; on an error nothing is left of them.
+
+    `begins` tells by a file's first bytes whether it is one of the format's, which alone is replaced.
+    """
+
+    def __init__(self, folder: str, allowed: str, begins: Callable[[bytes], bool]) -> None:
+        self._folder, self._allowed, self._begins = Path(folder), allowed, begins
+        self._made: list[Path] = []
+        self._files: list[Path] = []
+
+    def __enter__(self) -> Output:
+        self._make(self._folder)
+        return self
+
+    def path(self, name: str) -> str:
+        """Where to write what will be FOLDER/`name`."""
+        if not name.isprintable() or ".." in Path(name).parts or Path(name).is_absolute():
+            raise InputError(f"cannot write a file called {name!r}; allowed: names of the dataset without control characters, that stay in {self._folder}")
+        path = self._folder / name
+        for folder in reversed(path.relative_to(self._folder).parents[:-1]):
+            self._make(self._folder / folder)
+        for found in (path, self._partial(path)):
+            self._check(found)
+        self._files.append(path)
+        return str(self._partial(path))
+
+    def publish(self) -> list[str]:
+        """Gives the files their names and returns them."""
+        for path in self._files:
+            with open(self._partial(path), "rb") as file:
+                os.fsync(file.fileno())
+        for path in self._files:
+            os.replace(self._partial(path), path)
+        names, self._files, self._made = [str(path) for path in self._files], [], []
+        return names
+
+    def __exit__(self, *_: object) -> None:
+        for path in self._files:
+            self._partial(path).unlink(missing_ok=True)
+        for folder in reversed(self._made):
+            try:
+                folder.rmdir()
+            except OSError as error:
+                if error.errno != errno.ENOTEMPTY:
+                    raise
+
+    @staticmethod
+    def _partial(path: Path) -> Path:
+        return path.with_name(path.name + ".partial")
+
+    def _make(self, folder: Path) -> None:
+        try:
+            folder.mkdir()
+            self._made.append(folder)
+        except FileExistsError:
+            if not folder.is_dir():
+                raise InputError(f"cannot make folder {folder}: File exists") from None
+        except OSError as error:
+            raise InputError(f"cannot make folder {folder}: {error.strerror}") from error
+
+    def _check(self, path: Path) -> None:
+        if not path.is_symlink() and not path.exists():
+            return
+        if path.is_symlink() or not path.is_file():
+            raise InputError(f"{path}: is no plain file; allowed: a new name, or {self._allowed}")
+        with path.open("rb") as file:
+            beginning = file.read(4096)
+        if beginning and not self._begins(beginning):
+            raise InputError(f"{path}: would be replaced and is not {self._allowed}; allowed: another folder")
+
+
+def tell(request: Request, files: list[str]) -> None:
+    """The closing line, or with --json the names of the files."""
+    if request.json:
+        print(json.dumps({"files": files}, separators=(",", ":")))
+        return
+    size = size_text(sum(os.path.getsize(file) for file in files))
+    print(f"written: {files[0]}, {size}" if len(files) == 1 else f"written: {len(files)} files, {size}, in {request.out}")

@@ -1,0 +1,122 @@
+"""A trial as series: what one sensor, body, label or loop gave, a row an instant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipbench import Arrays, InputError, StoredTrial
+from slipbench._data import RULES
+
+TIME_ROUNDING = 1e-9  # s: times closer than this are the same, k/rate and its like are rounded
+AXES = {"pose": ("x", "y", "z", "qw", "qx", "qy", "qz"), "velocity": ("vx", "vy", "vz", "wx", "wy", "wz"), "command": ("position", "speed", "force"),
+        "arm_speed": ("sideways", "up")}
+LAST_AXES = {"force": "xyz", "slip_velocity": "xy", "slip_centre": "xy"}  # of labels: names along the last axis
+
+
+@dataclass(frozen=True)
+class Series:
+    """An array of the dataset that has a row an instant.
+
+    Attributes:
+        kind: "sensors", "labels", "truth" or "control", as its group
+        owner: name of the sensor or body; empty: the loop's
+        name: of the array
+        unit: as the dataset says
+        codes: JSON object from word to number, of an array of codes; else empty
+        columns: a name for each value of a row
+        shape: of a row
+        t: [T] s
+        values: [T, values of a row], of the dataset's own type
+    """
+
+    kind: str
+    owner: str
+    name: str
+    unit: str
+    codes: str
+    columns: tuple[str, ...]
+    shape: tuple[int, ...]
+    t: NDArray[np.float64]
+    values: NDArray[np.float32] | NDArray[np.uint8]
+
+    def at(self, instants: NDArray[np.float64]) -> Series:
+        """The latest row at or before each of the `instants` [s], held, not filtered. Each must have one."""
+        rows = np.searchsorted(self.t, instants + TIME_ROUNDING, side="right") - 1
+        return replace(self, t=instants, values=self.values[rows])
+
+    def is_sampled_at(self, instants: NDArray[np.float64]) -> bool:
+        """Whether these are its own instants."""
+        return len(self.t) == len(instants) and bool(np.array_equal(self.t, instants))
+
+
+def _label_columns(name: str, shape: tuple[int, ...]) -> tuple[str, ...]:
+    """"unit_state_0", "force_8_z", "state"."""
+    if not shape:
+        return (name,)
+    last = LAST_AXES.get(name, "")
+    return tuple("_".join([name, *(last[i] if last and axis == len(shape) - 1 else str(i) for axis, i in enumerate(index))]) for index in np.ndindex(*shape))
+
+
+def _series(kind: str, owner: str, group: Arrays, name: str, t: NDArray[np.float64], columns: tuple[str, ...] = ()) -> Series:
+    array = group[name]
+    shape = tuple(int(extent) for extent in array.shape[1:])
+    if not columns:
+        columns = tuple(f"{name}_{axis}" for axis in AXES[name]) if name in AXES else _label_columns(name, shape)
+    values = array[:].reshape(len(array), -1)
+    if len(t) != len(values) or len(columns) != values.shape[1]:
+        raise InputError(f"{kind}/{owner or 'loop'}/{name}: {values.shape[0]} rows of {values.shape[1]} values; expected {len(t)} of {len(columns)}")
+    return Series(kind, owner, name, str(array.attrs["unit"]), str(array.attrs.get("codes", "")), columns, shape, t, values)
+
+
+def sensor_series(trial: StoredTrial, sensor: str) -> Iterator[Series]:
+    """The channels of a sensor, in its own order."""
+    group = trial.sensors[sensor]
+    names = [str(name) for name in group.attrs["channel_names"]]
+    for channel in map(str, group.attrs["channels"]):
+        count = int(np.prod(group[channel].shape[1:], dtype=int))
+        own = f"{channel}_t"
+        yield _series("sensors", sensor, group, channel, group[own if own in group else "t"][:], tuple(names[:count]))
+        names = names[count:]
+
+
+def label_series(trial: StoredTrial, sensor: str, rule: str | None) -> Iterator[Series]:
+    """The truth about a sensor's pad; with a `rule` the pad's state by this one only. An imported recording may have none."""
+    if sensor not in trial.labels:
+        return
+    group = trial.labels[sensor]
+    left_out = {array for name, array in RULES.items() if rule not in (None, name)}
+    for name in group:
+        if name not in ("t", "events") and name not in left_out:
+            yield _series("labels", sensor, group, name, group["t"][:])
+
+
+def body_series(trial: StoredTrial) -> Iterator[Series]:
+    """Pose and velocity of every body."""
+    for body, group in trial.bodies.items():
+        for name in ("pose", "velocity"):
+            yield _series("truth", body, group, name, group["t"][:])
+
+
+def control_series(trial: StoredTrial) -> Iterator[Series]:
+    """What the loop saw and did."""
+    group = trial.control
+    if group is not None:
+        for name in group:
+            if name != "t":
+                yield _series("control", "", group, name, group["t"][:])
+
+
+def grid(trial: int, series: list[Series], rate: float) -> NDArray[np.float64]:
+    """Instants 1/`rate` apart [s], from the first at which everything has been read once until the first series ends."""
+    fastest = max((len(one.t) - 1) / float(one.t[-1] - one.t[0]) for one in series if len(one.t) > 1)
+    if rate > fastest * (1 + TIME_ROUNDING):
+        raise InputError(f"trial {trial}: a rate of {rate:g} Hz repeats samples; allowed: up to {fastest:g} Hz, that of the fastest sensor")
+    start, end = max(float(one.t[0]) for one in series), min(float(one.t[-1]) for one in series)
+    count = int(np.floor((end - start + TIME_ROUNDING) * rate)) + 1
+    if count < 2:
+        raise InputError(f"trial {trial}: has fewer than two rows at {rate:g} Hz; allowed: --rate with a higher rate")
+    return start + np.arange(count) / rate
