@@ -83,6 +83,7 @@ Formats of any sensor:
   csv           one table a trial and sensor, with a header: time, every channel, the true state by each rule
   npz           one numpy archive a trial, with every array of the dataset under its path there
   robomimic     one HDF5 file of demonstrations at one rate: observations, actions, rewards, masks
+  lerobot       a LeRobotDataset v3.0 a sensor rate: observations, actions, labels as features beside them
   parquet       a table of columns a sensor, with all trials, for pandas, polars and DuckDB
 Formats of the PapillArray:
   vendor-csv    the log layout of the sensor vendor's own software, one file a trial
@@ -112,7 +113,7 @@ Examples:
   arguments.texts("--sensors,--sensor NAME,...", options.sensors, "The scene's names of sensors (default: all, or the only one)");
   arguments.quantity(
       "--rate RATE", options.rate,
-      "Rate of the rows of robomimic and parquet, e.g. '100 Hz' (default: the slowest sensor's; in parquet each one's)",
+      "Rate of the rows of robomimic, lerobot, parquet, e.g. '100 Hz' (default: the slowest sensor's; in the last two each one's)",
       Quantity::frequency);
   arguments.text("--split PART", options.split, "Only the trials of train, valid or test (default: all)");
   arguments.number("--trial K", options.trial, "Trial to export (default: all)", 0);

@@ -33,9 +33,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<const char*, ExportFormat>, 10> formats{{{"csv", ExportFormat::csv},
+constexpr std::array<std::pair<const char*, ExportFormat>, 11> formats{{{"csv", ExportFormat::csv},
                                                                         {"npz", ExportFormat::npz},
                                                                         {"robomimic", ExportFormat::robomimic},
+                                                                        {"lerobot", ExportFormat::lerobot},
                                                                         {"parquet", ExportFormat::parquet},
                                                                         {"vendor-csv", ExportFormat::vendor_csv},
                                                                         {"training-csv", ExportFormat::training_csv},
@@ -44,13 +45,15 @@ constexpr std::array<std::pair<const char*, ExportFormat>, 10> formats{{{"csv", 
                                                                         {"myrmex-rotated", ExportFormat::myrmex_rotated},
                                                                         {"slip-csv", ExportFormat::slip_csv}}};
 // Those that need no truth.
-constexpr std::array of_readings{ExportFormat::csv, ExportFormat::npz, ExportFormat::myrmex_csv, ExportFormat::myrmex_rotated,
-                                 ExportFormat::parquet};
+constexpr std::array of_readings{ExportFormat::csv,        ExportFormat::npz,
+                                 ExportFormat::myrmex_csv, ExportFormat::myrmex_rotated,
+                                 ExportFormat::lerobot,    ExportFormat::parquet};
 // Those that are sampled at a rate that is asked for.
-constexpr std::array of_any_rate{ExportFormat::robomimic, ExportFormat::parquet};
+constexpr std::array of_any_rate{ExportFormat::robomimic, ExportFormat::lerobot, ExportFormat::parquet};
 // Those that hold the state by every rule.
-constexpr std::array of_every_rule{ExportFormat::csv, ExportFormat::npz, ExportFormat::robomimic, ExportFormat::myrmex_rotated,
-                                   ExportFormat::parquet};
+constexpr std::array of_every_rule{ExportFormat::csv,       ExportFormat::npz,
+                                   ExportFormat::robomimic, ExportFormat::myrmex_rotated,
+                                   ExportFormat::lerobot,   ExportFormat::parquet};
 constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
                                                                  {"micro", SlipRule::micro},
                                                                  {"paper", SlipRule::paper},
@@ -229,6 +232,7 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
       case ExportFormat::myrmex_rotated: files.push_back(export_archive(reader, trial, out, options)); break;
       case ExportFormat::robomimic:
       case ExportFormat::grasp_csv:
+      case ExportFormat::lerobot:
       case ExportFormat::parquet: break;  // are not written trial by trial, or not here
     }
     for (std::size_t i = before; i < files.size(); ++i) bytes += std::filesystem::file_size(files[i]);

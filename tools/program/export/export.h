@@ -13,6 +13,7 @@ enum class ExportFormat {
   csv,             // a table a trial and sensor, with a header
   npz,             // a numpy archive a trial
   robomimic,       // one HDF5 file of demonstrations
+  lerobot,         // a LeRobotDataset a rate; Python writes it (python_formats.h)
   parquet,         // a table of columns a sensor; Python writes it (python_formats.h)
   vendor_csv,      // PapillArray: the log of the vendor's visualisation software
   slip_csv,        // BioTac SP: the public slip recordings, one file a trial
@@ -41,7 +42,7 @@ struct ExportOptions {
   std::vector<std::string> sensors;  // empty: all; of training_csv the only PapillArray. npz has all
   std::optional<std::size_t> trial;  // empty: all
   std::optional<double> rate =
-      {};  // Hz, of the rows of robomimic and parquet; empty: the slowest sensor's in robomimic, each one's own in parquet
+      {};  // Hz, of the rows of robomimic, lerobot and parquet; empty: the slowest sensor's in robomimic, else each one's own
   std::string split = {};  // "train", "valid" or "test": its trials alone; empty: all
 };
 
@@ -59,7 +60,7 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 // Each file appears under its name only when it is whole. Throws InputError when the options contradict each other, the dataset
 // is damaged or does not fit the format, a trial has no recording, or a file cannot be written; files that were finished before stay, and
 // a folder in which none was is not left behind. Reads in a child process (tools/base/dataset/guarded.h), where `progress` is called and destroyed.
-// parquet is not written here, but by start_python_export().
+// lerobot and parquet are not written here, but by start_python_export().
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
 

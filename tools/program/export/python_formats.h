@@ -10,7 +10,7 @@ namespace slipbench {
 // Whether tools/python/slipbench/export writes this format.
 bool is_python_format(ExportFormat format);
 
-// Becomes the Python that writes the trials of a dataset to `out_dir`: parquet, lerobot or mcap. `json`: one JSON object on stdout. The dataset and
+// Becomes the Python that writes the trials of a dataset to `out_dir`. `json`: one JSON object on stdout. The dataset and
 // the options are checked before, in a child process. Throws InputError as export_dataset does, and where there is no such Python: build/venv's
 // of a build, or the one whose package `slipbench` runs the program, which names itself in SLIPBENCH_PYTHON.
 [[noreturn]] void start_python_export(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,

@@ -499,7 +499,7 @@ TEST(ExportNames, AreParsedWithTheNearestName) {
   EXPECT_EQ(parse_slip_rule("paper"), SlipRule::paper);
   EXPECT_EQ(
       message_of<InputError>([] { parse_export_format("vendor_csv"); }),
-      "unknown format 'vendor_csv'; did you mean 'vendor-csv'? allowed: csv, npz, robomimic, parquet, vendor-csv, training-csv, grasp-csv, myrmex-csv, myrmex-rotated, slip-csv");
+      "unknown format 'vendor_csv'; did you mean 'vendor-csv'? allowed: csv, npz, robomimic, lerobot, parquet, vendor-csv, training-csv, grasp-csv, myrmex-csv, myrmex-rotated, slip-csv");
   EXPECT_THAT(message_of<InputError>([] { parse_slip_rule("x"); }), HasSubstr("allowed: strict, micro, paper, has_slipped"));
 }
 

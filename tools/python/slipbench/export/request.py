@@ -23,7 +23,7 @@ class Request:
     """As the program hands it over, in JSON; it has checked each of these.
 
     Attributes:
-        format: "parquet", ...
+        format: "lerobot" or "parquet"
         dataset: path of the dataset's first file
         out: folder to write into
         trials: numbers of the trials
@@ -57,6 +57,19 @@ def size_text(count: float) -> str:
             return f"{count:.3g} {unit}"
         count /= 1000
     return f"{count:.3g} GB"
+
+
+def make_folder(folder: Path) -> bool:
+    """Whether it was not there. Its parent is not made."""
+    try:
+        folder.mkdir()
+        return True
+    except FileExistsError:
+        if not folder.is_dir():
+            raise InputError(f"cannot make folder {folder}: File exists") from None
+        return False
+    except OSError as error:
+        raise InputError(f"cannot make folder {folder}: {error.strerror}") from error
 
 
 class Progress:
@@ -151,14 +164,8 @@ class Output:
         return path.with_name(path.name + ".partial")
 
     def _make(self, folder: Path) -> None:
-        try:
-            folder.mkdir()
+        if make_folder(folder):
             self._made.append(folder)
-        except FileExistsError:
-            if not folder.is_dir():
-                raise InputError(f"cannot make folder {folder}: File exists") from None
-        except OSError as error:
-            raise InputError(f"cannot make folder {folder}: {error.strerror}") from error
 
     def _check(self, path: Path) -> None:
         if not path.is_symlink() and not path.exists():

@@ -1,0 +1,222 @@
+"""`export --format lerobot`: the layout of LeRobotDataset v3.0, read by pandas and pyarrow; values bit for bit. Arguments: the project's root, the program.
+
+lerobot itself is not asked: it wants torch, whose wheel for Linux is larger than all that the suite installs.
+"""
+
+import json
+import sys
+import tempfile
+import unittest
+from bisect import bisect_right
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas
+import pyarrow.parquet
+
+from datasets import SCENES, contents, export, make
+
+ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
+del sys.argv[1:]
+KEPT = tempfile.TemporaryDirectory()
+unittest.addModuleCleanup(KEPT.cleanup)
+DATASETS = Path(KEPT.name)
+
+COUNTS = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64", "task_index": "int64"}
+STATS = ["min", "max", "mean", "std", "count", "q01", "q10", "q50", "q90", "q99"]
+QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
+
+
+def read(folder):
+    """What a reader finds by meta/info.json alone: it, the table of frames, the table of episodes."""
+    info = json.loads((folder / "meta/info.json").read_text())
+    episodes = pandas.read_parquet(folder / "meta/episodes/chunk-000/file-000.parquet")
+    places = dict.fromkeys(zip(episodes["data/chunk_index"], episodes["data/file_index"]))
+    paths = [folder / info["data_path"].format(chunk_index=chunk, file_index=file) for chunk, file in places]
+    assert sorted(paths) == sorted(folder.glob("data/*/*.parquet"))
+    return info, pyarrow.concat_tables([pyarrow.parquet.read_table(path) for path in paths]), episodes
+
+
+def values_of(table, info, feature):
+    """[frames, values of a frame]"""
+    column = table[feature].combine_chunks()
+    width = info["features"][feature]["shape"][0]
+    assert (column.type.list_size if width > 1 else 1) == width, feature
+    return (column.flatten() if width > 1 else column).to_numpy(zero_copy_only=False).reshape(-1, width)
+
+
+def held(times, values, instants):
+    """The latest at or before each instant. Times closer than 1 ns are the same."""
+    times = list(times)
+    return np.stack([values[bisect_right(times, instant + 1e-9) - 1].reshape(-1) for instant in instants])
+
+
+def arrays(demo, sensors):
+    """(feature, times, values) of what the dataset holds: every channel, label, body and array of the loop."""
+    for sensor in sensors:
+        group = demo["sensors"][sensor]
+        for channel in group.attrs["channels"]:
+            yield f"observation.{sensor}.{channel}", group[f"{channel}_t" if f"{channel}_t" in group else "t"][:], group[channel][:]
+        labels = demo["labels"][sensor]
+        for name in set(labels) - {"t", "events"}:
+            yield f"labels.{sensor}.{name}", labels["t"][:], labels[name][:]
+    for body, group in demo["truth"].items():
+        for name in ("pose", "velocity"):
+            yield f"truth.{body}.{name}", group["t"][:], group[name][:]
+    for name in set(demo.get("control", {})) - {"t"}:
+        yield f"control.{name}", demo["control/t"][:], demo["control"][name][:]
+
+
+class LeRobot(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def check_layout(self, info, table, episodes, rate):
+        """What ties the three together, whatever the sensors."""
+        self.assertEqual((info["codebase_version"], info["fps"], info["video_path"], info["chunks_size"]), ("v3.0", rate, None, 1000))
+        self.assertEqual((info["total_episodes"], info["total_frames"], info["total_tasks"]), (len(episodes), len(table), 1))
+        self.assertEqual(set(table.column_names), set(info["features"]))
+        for name, kind in COUNTS.items():
+            self.assertEqual(info["features"][name], {"dtype": kind, "shape": [1], "names": None})
+        for name, feature in info["features"].items():
+            self.assertNotIn("/", name)
+            self.assertEqual(values_of(table, info, name).dtype.name, feature["dtype"], name)
+            self.assertIn(len(feature["names"] or [0]), feature["shape"], name)
+        ends = np.cumsum(episodes["length"])
+        self.assertEqual(list(episodes["dataset_from_index"]), [0, *ends[:-1]])
+        self.assertEqual(list(episodes["dataset_to_index"]), list(ends))
+        self.assertEqual(list(episodes["episode_index"]), list(range(len(episodes))))
+        frames = np.concatenate([np.arange(length) for length in episodes["length"]])
+        np.testing.assert_array_equal(table["index"], np.arange(len(table)))
+        np.testing.assert_array_equal(table["frame_index"], frames)
+        np.testing.assert_array_equal(table["episode_index"], np.repeat(np.arange(len(episodes)), episodes["length"]))
+        np.testing.assert_array_equal(table["timestamp"], (frames / rate).astype(np.float32))
+
+    def test_every_value_comes_back(self):
+        for scene in SCENES:
+            with self.subTest(scene=scene):
+                dataset = make(PROGRAM, ROOT, scene, DATASETS)
+                out = self.folder / scene.replace("/", "_")
+                export(PROGRAM, dataset, out, "--format", "lerobot")
+                with h5py.File(dataset) as file:
+                    rates = {}
+                    for sensor, group in file["data/demo_0/sensors"].items():
+                        rates.setdefault(group.attrs["rate_hz"], []).append(sensor)
+                    self.assertEqual({path.name for path in out.iterdir()}, {f"{rate:.0f}hz" for rate in rates})
+                    for rate, sensors in rates.items():
+                        self.check_values(file, out / f"{rate:.0f}hz", rate, sensors)
+
+    def check_values(self, file, folder, rate, sensors):
+        info, table, episodes = read(folder)
+        self.check_layout(info, table, episodes, rate)
+        # Episodes follow the masks: those of train, then of valid, then of test.
+        order, splits = [], {}
+        for part in ("train", "valid", "test"):
+            members = list(file[f"mask/{part}"].asstr())
+            if members:
+                splits[part] = f"{len(order)}:{len(order) + len(members)}"
+            order += members
+        self.assertEqual(info["splits"], splits)
+        for episode, name in enumerate(order):
+            demo, part = file["data"][name], table.slice(episodes["dataset_from_index"][episode], episodes["length"][episode])
+            expected = {feature: (times, values) for feature, times, values in arrays(demo, sensors)}
+            begin = max(times[0] for times, _ in expected.values())
+            instants = [t for t in demo["sensors"][sensors[0]]["t"][:] if t >= begin - 1e-9]
+            np.testing.assert_array_equal(values_of(part, info, "time")[:, 0], instants)
+            for feature, (times, values) in expected.items():
+                found = values_of(part, info, feature)
+                self.assertEqual(found.dtype, values.dtype, feature)
+                self.assertEqual(found.tobytes(), held(times, values, instants).tobytes(), feature)
+            grasp = "control" in demo and "command" in demo["control"]
+            further = {"time", *COUNTS, "action", *(["observation.state"] if grasp else [])}
+            self.assertEqual(set(info["features"]), set(expected) | further)
+            if grasp:
+                np.testing.assert_array_equal(values_of(part, info, "action"), values_of(part, info, "control.command"))
+                np.testing.assert_array_equal(values_of(part, info, "observation.state"), values_of(part, info, "control.measured_position"))
+            else:
+                moving = [body for body in demo["truth"] if body in {"pad", *demo["sensors"]}]
+                np.testing.assert_array_equal(values_of(part, info, "action"),
+                                              np.concatenate([values_of(part, info, f"truth.{body}.velocity") for body in moving], axis=1))
+
+    def test_statistics_are_those_of_numpy(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        export(PROGRAM, dataset, self.folder / "out", "--format", "lerobot")
+        info, table, episodes = read(self.folder / "out/1000hz")
+        told = json.loads((self.folder / "out/1000hz/meta/stats.json").read_text())
+        self.assertEqual(set(told), set(info["features"]))
+        for feature in info["features"]:
+            values = values_of(table, info, feature).astype(np.float64)
+            of_episodes = []
+            for episode, row in episodes.iterrows():
+                part = values[row["dataset_from_index"] : row["dataset_to_index"]]
+                numbers = np.sum(~np.isnan(part), axis=0)
+                part = np.where(numbers > 0, part, 0)  # a value that is never a number has zeros
+                expected = {"min": np.nanmin(part, axis=0), "max": np.nanmax(part, axis=0), "mean": np.nanmean(part, axis=0), "std": np.nanstd(part, axis=0),
+                            **{name: np.nanquantile(part, share, axis=0) for name, share in QUANTILES.items()}}
+                of_episodes.append((numbers, expected))
+                for name, value in expected.items():
+                    np.testing.assert_allclose(row[f"stats/{feature}/{name}"], value, rtol=1e-6, atol=1e-9, err_msg=f"{feature} {name}")
+                self.assertEqual(list(row[f"stats/{feature}/count"]), [row["length"]])
+            self.assertEqual(list(told[feature]), STATS)
+            whole = np.where(np.sum(~np.isnan(values), axis=0) > 0, values, 0)
+            for name, function in (("min", np.nanmin), ("max", np.nanmax), ("mean", np.nanmean), ("std", np.nanstd)):
+                np.testing.assert_allclose(told[feature][name], function(whole, axis=0), rtol=1e-5, atol=1e-9, err_msg=f"{feature} {name}")
+            # Of all episodes: the means of theirs, as lerobot has it.
+            weights = np.stack([numbers for numbers, _ in of_episodes])
+            for name in QUANTILES:
+                mean = np.sum([numbers * expected[name] for numbers, expected in of_episodes], axis=0) / np.maximum(weights.sum(axis=0), 1)
+                np.testing.assert_allclose(told[feature][name], mean, rtol=1e-6, atol=1e-9, err_msg=f"{feature} {name}")
+            self.assertEqual(told[feature]["count"], [len(table)])
+
+    def test_tasks_have_the_index_of_pandas(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        export(PROGRAM, dataset, self.folder / "out", "--format", "lerobot")
+        tasks = pandas.read_parquet(self.folder / "out/1000hz/meta/tasks.parquet")
+        _, _, episodes = read(self.folder / "out/1000hz")
+        self.assertEqual((tasks.index.name, list(tasks.columns), list(tasks["task_index"])), ("task", ["task_index"], [0]))
+        description = next(line for line in (ROOT / "scenes/papillarray/stage.yaml").read_text().splitlines() if line.startswith("description: "))
+        self.assertEqual(f"description: {tasks.index[0]}", description)
+        self.assertEqual([list(names) for names in episodes["tasks"]], [list(tasks.index)] * 3)
+
+    def test_two_runs_write_the_same_bytes_and_an_episode_is_a_row_group(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        out = self.folder / "out"
+        export(PROGRAM, dataset, out, "--format", "lerobot")
+        before = contents(out)
+        self.assertEqual(pyarrow.parquet.ParquetFile(out / "1000hz/data/chunk-000/file-000.parquet").num_row_groups, 3)
+        (out / "1000hz.partial/data").mkdir(parents=True)  # as a killed run leaves it
+        told, _ = export(PROGRAM, dataset, out, "--format", "lerobot", "--json")
+        self.assertEqual(contents(out), before)
+        self.assertEqual([path.name for path in out.iterdir()], ["1000hz"])
+        self.assertEqual(json.loads(told)["files"], [str(out / name) for name in before])
+
+    def test_a_rate_makes_one_dataset_and_labels_choose(self):
+        both = make(PROGRAM, ROOT, "grasp/two_skins.yaml", DATASETS)
+        export(PROGRAM, both, self.folder / "out", "--format", "lerobot", "--rate", "100 Hz", "--labels", "strict")
+        info, table, episodes = read(self.folder / "out/100hz")
+        self.check_layout(info, table, episodes, 100)
+        with h5py.File(both) as file:
+            for sensor, group in file["data/demo_0/sensors"].items():
+                for channel in group.attrs["channels"]:
+                    self.assertIn(f"observation.{sensor}.{channel}", info["features"])
+                self.assertEqual([name for name in info["features"] if name.startswith(f"labels.{sensor}.state")], [f"labels.{sensor}.state"])
+
+    def test_what_cannot_be_is_refused_and_nothing_is_left(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        out = self.folder / "out"
+        _, told = export(PROGRAM, dataset, out, "--format", "lerobot", "--rate", "62.5 Hz", status=2)
+        self.assertIn("lerobot: pad at 62.5 Hz; allowed: a whole number, by --rate", told)
+        self.assertFalse(out.exists())
+        for name, message in (("1000hz", "is no LeRobot dataset of slipbench"), ("1000hz.partial", "is not what a killed export has left")):
+            with self.subTest(name=name):
+                notes = self.folder / name[6:] / "out" / name / "notes.txt"
+                notes.parent.mkdir(parents=True)
+                notes.write_text("mine")
+                _, told = export(PROGRAM, dataset, notes.parent.parent, "--format", "lerobot", status=2)
+                self.assertIn(message, told)
+                self.assertEqual(contents(notes.parent.parent), {f"{name}/notes.txt": b"mine"})
+
+
+if __name__ == "__main__":
+    unittest.main()

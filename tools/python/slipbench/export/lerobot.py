@@ -1,0 +1,304 @@
+"""LeRobotDataset v3.0: a dataset a rate, an episode a trial."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from slipbench import Dataset, InputError, StoredTrial
+from slipbench.export.parquet import encodings
+from slipbench.export.request import Progress, Request, make_folder, split_of
+from slipbench.export.series import TIME_ROUNDING, Series, body_series, control_series, grid, label_series, sensor_series
+
+VERSION = "v3.0"
+ROBOT = "slipbench"  # by which a dataset is known as one of this program's
+FILES_A_CHUNK = 1000
+FILE_BYTES = 100_000_000
+QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
+DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+EPISODES = "meta/episodes/chunk-000/file-000.parquet"
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A column of the dataset: `values` [frames, values of a frame]."""
+
+    name: str
+    columns: list[str] | None
+    values: NDArray[Any]
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """As meta/info.json has it."""
+        return {"dtype": self.values.dtype.name, "shape": [self.values.shape[1]], "names": self.columns}
+
+    @property
+    def field(self) -> pa.Field:
+        """As the data files have it."""
+        kind, width = pa.from_numpy_dtype(self.values.dtype), self.values.shape[1]
+        return pa.field(self.name, kind if width == 1 else pa.list_(kind, width))
+
+    @property
+    def array(self) -> pa.Array:
+        """The values as the data files have them."""
+        flat = pa.array(self.values.reshape(-1))
+        return flat if self.values.shape[1] == 1 else pa.FixedSizeListArray.from_arrays(flat, self.values.shape[1])
+
+
+@dataclass(frozen=True)
+class Stats:
+    """Of a feature in one episode or in all, each [values of a frame]; NaN is left out, and a value that is never a number has zeros.
+
+    Attributes:
+        frames: of the episode
+        numbers: of these that are numbers, by which episodes weigh
+    """
+
+    frames: int
+    numbers: NDArray[np.float64]
+    of: dict[str, NDArray[np.float64]]
+
+    @staticmethod
+    def measured(values: NDArray[Any]) -> Stats:
+        """Of one episode. Quantiles lie linearly between the two nearest values."""
+        ordered = np.sort(values, axis=0)  # NaN comes last
+        numbers = np.sum(~np.isnan(ordered), axis=0)
+        last, columns = np.maximum(numbers - 1, 0), np.arange(values.shape[1])
+        of = {"min": ordered[0], "max": ordered[last, columns]}
+        wide = np.nan_to_num(values.astype(np.float64), nan=0.0)
+        of["mean"] = wide.sum(axis=0) / np.maximum(numbers, 1)
+        of["std"] = np.sqrt((np.square(wide - of["mean"]) * ~np.isnan(values)).sum(axis=0) / np.maximum(numbers, 1))
+        for name, share in QUANTILES.items():
+            place = share * last
+            low = np.floor(place).astype(int)
+            below, above = ordered[low, columns].astype(np.float64), ordered[np.minimum(low + 1, last), columns].astype(np.float64)
+            of[name] = below + (place - low) * (above - below)
+        return Stats(len(values), numbers.astype(np.float64), {name: np.where(numbers > 0, one, 0).astype(np.float64) for name, one in of.items()})
+
+    @staticmethod
+    def together(some: list[Stats]) -> Stats:
+        """Of all episodes, as lerobot itself does it: quantiles are means of the episodes' quantiles."""
+        weights = np.stack([one.numbers for one in some])
+        total = weights.sum(axis=0)
+        shares = weights / np.maximum(total, 1)
+        of = {name: np.stack([one.of[name] for one in some]) for name in some[0].of}
+        mean = (shares * of["mean"]).sum(axis=0)
+        joined = {"min": np.where(weights > 0, of["min"], np.inf).min(axis=0), "max": np.where(weights > 0, of["max"], -np.inf).max(axis=0), "mean": mean,
+                  "std": np.sqrt((shares * (np.square(of["std"]) + np.square(of["mean"] - mean))).sum(axis=0))}
+        joined |= {name: (shares * of[name]).sum(axis=0) for name in QUANTILES}
+        return Stats(sum(one.frames for one in some), total, {name: np.where(total > 0, one, 0) for name, one in joined.items()})
+
+    def lists(self) -> dict[str, list[float] | list[int]]:
+        """By lerobot's names."""
+        return {**{name: one.tolist() for name, one in self.of.items() if name in ("min", "max", "mean", "std")}, "count": [self.frames],
+                **{name: self.of[name].tolist() for name in QUANTILES}}
+
+
+def _task(scene: str) -> str:
+    """What the scene says of itself."""
+    found = re.search(r"^description:\s*(.+?)\s*$", scene, re.MULTILINE)
+    return found[1].strip("'\"") if found else "touch and slip"
+
+
+def _joined(name: str, some: list[Series], prefix: bool) -> Feature:
+    columns = [f"{one.owner}_{column}" if prefix else column for one in some for column in one.columns]
+    return Feature(name, columns, np.concatenate([one.values for one in some], axis=1).astype(np.float32))
+
+
+def _features(trial: StoredTrial, series: list[Series]) -> Iterator[Feature]:
+    """What an episode holds besides its counts. The truth stands beside the observations."""
+    carriers = {"pad", *trial.sensors}
+    loop = {one.name: one for one in series if one.kind == "control"}
+    if "measured_position" in loop:
+        yield _joined("observation.state", [loop["measured_position"]], False)
+    moving = [one for one in series if one.kind == "truth" and one.name == "velocity" and one.owner in carriers]
+    if "command" in loop:
+        yield _joined("action", [loop["command"]], False)
+    elif moving:
+        yield _joined("action", moving, True)
+    for one in series:
+        group = {"sensors": "observation", "labels": "labels", "truth": "truth", "control": "control"}[one.kind]
+        yield Feature(".".join(filter(None, (group, one.owner, one.name))), list(one.columns), one.values)
+
+
+class _Writer:
+    """One dataset, in a folder that gets its name at the end."""
+
+    def __init__(self, folder: Path, fps: int, task: str) -> None:
+        self.folder, self._fps, self._task = folder, fps, task
+        self._features: list[dict[str, Any]] = []
+        self._names: list[str] = []
+        self._episodes: list[dict[str, Any]] = []
+        self._stats: list[list[Stats]] = []
+        self._frames = self._file = 0
+        self._data: pq.ParquetWriter | None = None
+        self.bytes = 0
+
+    def _path(self, name: str) -> Path:
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
+
+    def append(self, number: int, t: NDArray[np.float64], features: list[Feature]) -> None:
+        frames, episode = np.arange(len(t), dtype=np.int64), len(self._episodes)
+        counts: dict[str, NDArray[Any]] = {
+            "timestamp": (frames / self._fps).astype(np.float32), "frame_index": frames, "episode_index": np.full_like(frames, episode),
+            "index": frames + self._frames, "task_index": np.zeros_like(frames)}
+        features = [*features, Feature("time", ["s"], t.reshape(-1, 1)), *(Feature(name, None, values.reshape(-1, 1)) for name, values in counts.items())]
+        described = [one.described for one in features]
+        names = [one.name for one in features]
+        schema = pa.schema([one.field for one in features])
+        if self._names and (names, described) != (self._names, self._features):
+            raise InputError(f"trial {number}: has other features than the trials before; allowed: --sensors with those that are alike, or --trial")
+        self._names, self._features = names, described
+        if self._data is not None and self.bytes_of_file() >= FILE_BYTES:
+            self.close()
+            self._file += 1
+        if self._data is None:
+            self._data = pq.ParquetWriter(self._path(self._data_name()), schema, write_statistics=False, **encodings(schema))
+        self._data.write_table(pa.Table.from_arrays([one.array for one in features], schema=schema))
+        stats = [Stats.measured(one.values) for one in features]
+        self._stats.append(stats)
+        self._episodes.append({
+            "episode_index": episode, "tasks": [self._task], "length": len(t), "data/chunk_index": self._file // FILES_A_CHUNK,
+            "data/file_index": self._file % FILES_A_CHUNK, "dataset_from_index": self._frames, "dataset_to_index": self._frames + len(t),
+            **{f"stats/{name}/{key}": values for name, one in zip(names, stats, strict=True) for key, values in one.lists().items()},
+            "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0})
+        self._frames += len(t)
+
+    def _data_name(self) -> str:
+        return DATA.format(chunk_index=self._file // FILES_A_CHUNK, file_index=self._file % FILES_A_CHUNK)
+
+    def bytes_of_file(self) -> int:
+        return os.path.getsize(self.folder / self._data_name())
+
+    def close(self) -> None:
+        """Ends the data file."""
+        if self._data is not None:
+            self._data.close()
+            self._data = None
+            self.bytes += self.bytes_of_file()
+
+    def finish(self, splits: dict[str, str]) -> None:
+        """Writes what describes the data."""
+        self.close()
+        pq.write_table(pa.Table.from_pylist(self._episodes), self._path(EPISODES), compression="zstd")
+        columns = [{"name": name, "field_name": name, "pandas_type": kind, "numpy_type": numpy, "metadata": None}
+                   for name, kind, numpy in (("task_index", "int64", "int64"), ("task", "unicode", "object"))]
+        index = json.dumps({"index_columns": ["task"], "column_indexes": [], "columns": columns, "pandas_version": "2.0.0"})
+        tasks = pa.table({"task_index": pa.array([0], pa.int64()), "task": [self._task]}).replace_schema_metadata({"pandas": index})
+        pq.write_table(tasks, self._path("meta/tasks.parquet"))
+        stats = {name: Stats.together([episode[i] for episode in self._stats]).lists() for i, name in enumerate(self._names)}
+        info = {
+            "codebase_version": VERSION, "robot_type": ROBOT, "total_episodes": len(self._episodes), "total_frames": self._frames, "total_tasks": 1,
+            "chunks_size": FILES_A_CHUNK, "data_files_size_in_mb": FILE_BYTES // 1_000_000, "video_files_size_in_mb": 200, "fps": self._fps, "splits": splits,
+            "data_path": DATA, "video_path": None, "features": dict(zip(self._names, self._features, strict=True))}
+        for name, content in (("stats", stats), ("info", info)):
+            self._path(f"meta/{name}.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _is_own(folder: Path) -> bool:
+    try:
+        about = json.loads((folder / "meta/info.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return not any(folder.iterdir())
+    return isinstance(about, dict) and about.get("robot_type") == ROBOT and about.get("codebase_version") == VERSION
+
+
+def _beside(folder: Path) -> tuple[Path, Path]:
+    """Where the dataset grows, and where the one before goes."""
+    return folder.with_name(folder.name + ".partial"), folder.with_name(folder.name + ".old")
+
+
+def _check_target(folder: Path) -> None:
+    if folder.is_symlink() or (folder.exists() and not (folder.is_dir() and _is_own(folder))):
+        raise InputError(f"{folder}: would be replaced and is no LeRobot dataset of slipbench; allowed: another --output")
+    for other in _beside(folder):
+        if other.is_symlink() or (other.exists() and not (other.is_dir() and {one.name for one in other.iterdir()} <= {"data", "meta"})):
+            raise InputError(f"{other}: would be removed and is not what a killed export has left; allowed: another --output")
+
+
+def _publish(partial: Path, folder: Path) -> None:
+    """Gives a whole dataset its name; the one that has it goes."""
+    for path in partial.rglob("*"):
+        if path.is_file():
+            with path.open("rb") as file:
+                os.fsync(file.fileno())
+    old = _beside(folder)[1]
+    if folder.exists():
+        shutil.rmtree(old, ignore_errors=True)
+        folder.rename(old)
+    partial.rename(folder)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def _rates(trial: StoredTrial, request: Request) -> dict[float, list[str]]:
+    """The sensors of each dataset, by its rate."""
+    if request.rate is not None:
+        rates = {request.rate: request.sensors}
+    else:
+        rates = {}
+        for sensor in request.sensors:
+            rates.setdefault(float(trial.sensors[sensor].attrs["rate_hz"]), []).append(sensor)
+    for rate, sensors in rates.items():
+        if abs(rate - round(rate)) > TIME_ROUNDING * rate:
+            raise InputError(f"lerobot: {', '.join(sensors)} at {rate:g} Hz; allowed: a whole number, by --rate")
+    return rates
+
+
+def _instants(number: int, series: list[Series], own: NDArray[np.float64], request: Request) -> NDArray[np.float64]:
+    """From the first at which everything has been read once: at the rate that is asked for, or the sensor's own."""
+    if request.rate is not None:
+        return grid(number, series, request.rate)
+    return own[own >= max(float(one.t[0]) for one in series) - TIME_ROUNDING]
+
+
+def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
+    """Writes a dataset for each rate, OUT/<rate>hz; returns the names of their files."""
+    parts = split_of(data)
+    order = [number for part in ("train", "valid", "test", None) for number in request.trials if parts.get(number) == part]
+    counts = {part: sum(parts.get(number) == part for number in order) for part in ("train", "valid", "test")}
+    ends = np.cumsum([0, *counts.values()]).tolist()
+    splits = {part: f"{ends[i]}:{ends[i + 1]}" for i, (part, count) in enumerate(counts.items()) if count} or {"train": f"0:{len(order)}"}
+    out = Path(request.out)
+    rates = _rates(data[order[0]], request)
+    targets = {rate: out / f"{round(rate)}hz" for rate in rates}
+    partials = {rate: _beside(target)[0] for rate, target in targets.items()}
+    for target in targets.values():
+        _check_target(target)
+    made = make_folder(out)
+    try:
+        writers = {}
+        for rate, partial in partials.items():
+            shutil.rmtree(partial, ignore_errors=True)  # what a killed run has left
+            writers[rate] = _Writer(partial, round(rate), _task(data.scene))
+        for done, number in enumerate(order, 1):
+            trial = data[number]
+            shared = [*body_series(trial), *control_series(trial)]
+            for rate, sensors in rates.items():
+                series = [one for sensor in sensors for one in (*sensor_series(trial, sensor), *label_series(trial, sensor, request.labels))] + shared
+                t = _instants(number, series, trial.sensors[sensors[0]]["t"][:], request)
+                writers[rate].append(number, t, list(_features(trial, [one.at(t) for one in series])))
+            progress.update(done, sum(writer.bytes + writer.bytes_of_file() for writer in writers.values()))
+        for rate, writer in writers.items():
+            writer.finish(splits)
+        for rate, partial in partials.items():
+            _publish(partial, targets[rate])
+        made = False
+    finally:
+        for partial in partials.values():
+            shutil.rmtree(partial, ignore_errors=True)
+        if made and out.is_dir() and not any(out.iterdir()):
+            out.rmdir()
+    return [str(path) for target in targets.values() for path in sorted(target.rglob("*")) if path.is_file()]
