@@ -115,7 +115,7 @@ std::vector<mjsBody*> touched_bodies(const mjSpec* spec, const std::string& inst
 
 using Pair = std::pair<std::string, std::string>;
 
-Pair pair_of(std::string a, std::string b) { return std::minmax(std::move(a), std::move(b)); }
+Pair pair_of(const std::string& a, const std::string& b) { return std::minmax(a, b); }
 
 void exclude(mjSpec* spec, const std::string& pad_body, const std::string& body, std::set<Pair>& known) {
   // An exclude of the world would let things fall through its other geoms, the floor. The plugin refuses contact that is possible then.

@@ -40,8 +40,7 @@ std::optional<Masks> foreseen_masks(ShardSet& set, const DatasetHeader& whole) {
   const bool small = bytes / set.size() * most_trials_per_file < DatasetWriter::default_shard_limit / 2;
   if (!small || set.size() <= few * most_trials_per_file) return std::nullopt;
   std::vector<std::pair<std::size_t, std::string>> trials = set.list();
-  const auto [first, last] = std::ranges::unique(trials);
-  trials.erase(first, last);
+  trials.erase(std::unique(trials.begin(), trials.end()), trials.end());
   return split_trials(trials, whole.seed, whole.split);
 }
 

@@ -26,7 +26,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array python_formats{ExportFormat::lerobot, ExportFormat::parquet};
-constexpr const char* module_file = "slipbench/export/__main__.py";
+constexpr const char* module_file = "slipbench/_export/__main__.py";
 
 // Who runs the package, and how more is installed there.
 struct Python {
@@ -50,7 +50,7 @@ bool has_package(const std::string& folder) {
   });
 }
 
-// What Python is told (tools/python/slipbench/export/request.py).
+// What Python is told (tools/python/slipbench/_export/request.py).
 Json request_of(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options) {
   const DatasetReader reader(dataset_path);
   const std::vector<std::size_t> trials = trials_to_export(reader, options);
@@ -93,7 +93,7 @@ void start_python_export(const std::string& dataset_path, const std::string& out
   ::setenv("PYTHONPATH", others == nullptr ? python.folder.c_str() : (python.folder + ":" + others).c_str(), 1);
   std::fflush(nullptr);
   // -P: no package of the folder where the user stands. -B: nothing is written beside the package.
-  std::array<std::string, 6> words{python.program, "-P", "-B", "-m", "slipbench.export", request.dump()};
+  std::array<std::string, 6> words{python.program, "-P", "-B", "-m", "slipbench._export", request.dump()};
   std::array<char*, 7> pointers{};
   std::ranges::transform(words, pointers.begin(), [](std::string& word) { return word.data(); });
   ::execv(python.program.c_str(), pointers.data());

@@ -7,7 +7,7 @@
 
 namespace slipbench {
 
-// Whether tools/python/slipbench/export writes this format.
+// Whether tools/python/slipbench/_export writes this format.
 bool is_python_format(ExportFormat format);
 
 // Becomes the Python that writes the trials of a dataset to `out_dir`. `json`: one JSON object on stdout. The dataset and

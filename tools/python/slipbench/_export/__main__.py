@@ -1,4 +1,4 @@
-"""`python -m slipbench.export REQUEST`: started by the program. Exit status 2 for bad input, with its message."""
+"""`python -m slipbench._export REQUEST`: started by the program. Exit status 2 for bad input, with its message."""
 
 import importlib
 import json
@@ -6,7 +6,7 @@ import signal
 import sys
 
 from slipbench import InputError, open as open_dataset
-from slipbench.export.request import Progress, Request, tell
+from slipbench._export.request import Progress, Request, tell
 
 
 def _end(*_: object) -> None:
@@ -20,7 +20,7 @@ def main(text: str) -> int:
         signal.signal(number, _end)
     progress = Progress(request)
     try:
-        writer = importlib.import_module(f"slipbench.export.{request.format}")
+        writer = importlib.import_module(f"slipbench._export.{request.format}")
         with open_dataset(request.dataset) as data:
             files = writer.write(data, request, progress)
         tell(request, files)

@@ -17,9 +17,9 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from slipbench import Dataset, InputError, StoredTrial
-from slipbench.export.parquet import encodings
-from slipbench.export.request import Progress, Request, make_folder, split_of
-from slipbench.export.series import TIME_ROUNDING, Series, body_series, control_series, grid, label_series, sensor_series
+from slipbench._export.parquet import encodings
+from slipbench._export.request import Progress, Request, make_folder, split_of
+from slipbench._export.series import TIME_ROUNDING, Series, body_series, control_series, grid, label_series, sensor_series
 
 VERSION = "v3.0"
 ROBOT = "slipbench"  # by which a dataset is known as one of this program's

@@ -13,8 +13,8 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from slipbench import Dataset, InputError, StoredTrial
-from slipbench.export.request import Output, Progress, Request, split_of
-from slipbench.export.series import Series, body_series, control_series, grid, label_series, sensor_series
+from slipbench._export.request import Output, Progress, Request, split_of
+from slipbench._export.series import Series, body_series, control_series, grid, label_series, sensor_series
 
 Columns = dict[str, NDArray[Any]]
 

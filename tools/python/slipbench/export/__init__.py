@@ -1,1 +1,0 @@
-"""What `slipbench export` writes through Arrow: `python -m slipbench.export REQUEST` (see `Request`). The program starts it once it has checked the dataset."""
