@@ -59,9 +59,9 @@ struct ImplicitPad {
 // The least iterations of MuJoCo's solver, which has the pads' stiffness to bring in.
 inline constexpr int implicit_iterations = 20;
 
-// The ratio for MuJoCo's own contacts beside the pads. Noslip is not for them, so friction itself must be stiff: with MuJoCo's 1 a box of 5 g that is dragged
-// over a table meets 0.44 of mu f_n, and one of 100 g gives way at half of it. With 1e2, 1e3, 1e4 mu f_n is met, and the creep at
-// half of it is 9, 0.8, 0.1 um/s.
+// MuJoCo's impratio, for its own contacts beside implicit pads. Those bear no noslip, so friction itself must be stiff: with
+// MuJoCo's 1 a box of 5 g that is dragged over a table meets 0.44 of mu f_n, and one of 100 g gives way at half of it. With 1e2,
+// 1e3, 1e4 mu f_n is met, and the creep at half of it is 9, 0.8, 0.1 um/s.
 inline constexpr double implicit_impratio = 1e4;
 
 // Gives a model that the program builds what the solver needs: options, and a tendon between two sites (by name) of every pair.

@@ -31,9 +31,10 @@ void refuse_input_as_output(const std::vector<std::string>& inputs, const std::s
   }
 }
 
-// Masks of the trials of `set`, where its files are hundreds and small, so that those of the whole are ended by their number of trials. Else empty.
+// The masks of the whole, where its files will end by their number of trials and not by their size, and there are more than `few`. Else empty:
+// nothing can be foreseen, or nothing is gained.
 std::optional<Masks> foreseen_masks(ShardSet& set, const DatasetHeader& whole) {
-  constexpr std::size_t few = 2;  // files, of which the first and the last stay open in any case
+  constexpr std::size_t few = 2;  // files: the first and the last stay open in any case
   std::uint64_t bytes = 0;
   std::error_code error;
   for (const std::string& file : set.files()) bytes += std::filesystem::file_size(file, error);
