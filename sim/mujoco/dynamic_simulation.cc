@@ -1,6 +1,7 @@
 #include "sim/mujoco/dynamic_simulation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -49,6 +50,13 @@ std::vector<std::string> recorded_by_wish(const mjModel* m) {
   return {std::istream_iterator<std::string>(words), {}};
 }
 
+// Whether the springs that act are others than a step ago, or turn with a slip.
+bool springs_changed(const Field& field) {
+  if (field.slipping() > 0) return true;
+  const std::span now(field.column(kernel::mode), field.size()), before(field.column(kernel::mode_before), field.size());
+  return !std::ranges::equal(now, before);
+}
+
 }  // namespace
 
 double DynamicSimulation::State::rounded_down(double value) {
@@ -73,6 +81,10 @@ void DynamicSimulation::State::find_pads(const Scene& scene) {
 }
 
 void DynamicSimulation::State::find_fields(const Scene& scene) {
+  fingers.clear();
+  if (spring) {
+    for (const FingerNames& finger : finger_names) fingers.push_back(mj_name2id(m(), mjOBJ_BODY, finger.body));
+  }
   pad_group_of(m(), d())->allow_long_steps();  // the simulation sees to the step itself, before the first one
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     const int instance = mj_name2id(m(), mjOBJ_PLUGIN, scene.sensors[i].name.c_str());
@@ -190,8 +202,7 @@ DynamicSimulation::State::StuckPads DynamicSimulation::State::stuck_pads(bool to
     stuck.tangents.push_back(stuck_tangent(layout, pose, pose.position, pad.instance->config().damping));
   }
   if (spring) {
-    for (const FingerNames& finger : finger_names) {
-      const int body = mj_name2id(m(), mjOBJ_BODY, finger.body);
+    for (const int body : fingers) {
       stuck.bodies.push_back({body, 0, MjVector(d()->xpos + 3 * body)});
       stuck.tangents.push_back(spring->tangent(MjMatrix(d()->xmat + 9 * body)));
     }
@@ -209,12 +220,12 @@ void DynamicSimulation::State::check_limit(double time) {
   touching_before = touching;
   if (!more) return;
   const StuckPads stuck = stuck_pads(true);
-  if (dt <= limit_slack * longest_explicit_step(vibration_bound(m(), d(), stuck.bodies, stuck.tangents))) return;
-  const double longest = limit_slack * longest_explicit_step(fastest_vibration(m(), d(), stuck.bodies, stuck.tangents));
+  if (dt <= limit_slack * longest_right_step(vibration_bound(m(), d(), stuck.bodies, stuck.tangents))) return;
+  const double longest = limit_slack * longest_right_step(fastest_vibration(m(), d(), stuck.bodies, stuck.tangents));
   if (dt > longest) {
     throw SceneValueError(
         "time_step",
-        fmt::format("{} has become too long for the pads' explicit springs at {:.6g} s; allowed are up to {}",
+        fmt::format("{} has become too long for the pads' springs at {:.6g} s; allowed are up to {}",
                     format_quantity(dt, Quantity::time), time, format_quantity(rounded_down(longest), Quantity::time)));
   }
 }
@@ -246,6 +257,47 @@ void DynamicSimulation::State::prescribe(double time) {
   mju_copy3(d()->qvel + stage_dof + 3, spin.data());
 }
 
+// mj_step, without contacts and constraints, by average_acceleration.h.
+void DynamicSimulation::State::step_averaged() {
+  call_mujoco([this] {
+    mj_checkPos(m(), d());
+    mj_checkVel(m(), d());
+    mj_fwdPosition(m(), d());
+    mj_fwdVelocity(m(), d());
+    mj_fwdActuation(m(), d());
+  });
+  const auto force = [this](mjtNum* values) { return Eigen::Map<Eigen::VectorXd>(values, m()->nv); };
+  force(d()->qfrc_smooth) =
+      force(d()->qfrc_passive) - force(d()->qfrc_bias) + force(d()->qfrc_applied) + force(d()->qfrc_actuator);
+  std::array<Matrix6d, 2> between{Matrix6d::Zero(), Matrix6d::Zero()};
+  Matrix6d ground = Matrix6d::Zero();
+  const int held = held_bodies->held();
+  const auto in_held = [&](const Pad& pad, const Field& field, const Matrix6d& inertia) {
+    const Pose surface = pad_pose(pad) * field.pad_in_surface().inverse();
+    return seen_from(pose_at(d()->xpos + 3 * held, d()->xmat + 9 * held).inverse() * surface, inertia);
+  };
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Pad& pad = pads[contacts[i].pad];
+    const Field& field = pad.instance->fields()[contacts[i].field];
+    const bool stands = pad.body == held;  // on a surface that does not move with what is held
+    if (springs_changed(field)) {
+      added[i] = added_inertia(field, pad.instance->config().damping, dt);
+      if (!stands) added[i] = in_held(pad, field, added[i]);
+    }
+    if (field.touching() == 0) continue;
+    if (stands) {
+      ground += in_held(pad, field, added[i]);
+    } else {
+      between[pad.body == fingers[0] ? 0 : 1] += added[i];
+    }
+  }
+  held_bodies->solve(m(), d(), between, ground, carriages);
+  call_mujoco([this] {
+    mj_checkAcc(m(), d());
+    mj_Euler(m(), d());
+  });
+}
+
 // One step of MuJoCo, from a tick to the next.
 void DynamicSimulation::State::advance(std::size_t from) {
   const double time = time_of(from);
@@ -257,7 +309,7 @@ void DynamicSimulation::State::advance(std::size_t from) {
     drive_free_joint(m(), d(), stage_joint, motion->pad_at(time).pose, motion->pad_at(time_of(from + 1)).pose, dt);
   }
   before = Eigen::Map<Eigen::VectorXd>(d()->qvel, m()->nv);
-  call_mujoco([this] { mj_step(m(), d()); });
+  averages ? step_averaged() : call_mujoco([this] { mj_step(m(), d()); });
   refuse_warnings(m(), d(), time);
   after = Eigen::Map<Eigen::VectorXd>(d()->qvel, m()->nv);
   if (implicit && d()->nefmcon == 0 && touching()) {
@@ -297,29 +349,45 @@ void DynamicSimulation::State::begin(const Scene& scene) {
   if (motion) leave_out_of_scale(model.get(), d(), stage_dof);
 }
 
+void DynamicSimulation::State::choose_solver(const Scene& scene, FieldSolver wished, bool springs_known) {
+  if (wished == FieldSolver::explicit_springs) return;
+  averages = springs_known && scene.integrator.empty();
+  if (!averages && wished == FieldSolver::implicit_springs) {
+    throw SceneValueError(
+        "field_solver",
+        "implicit springs of a grasp go without effects that change their stiffness, as viscoelastic and lean do; allowed: auto, explicit");
+  }
+}
+
 // The model with fields, and the longest step that they bear.
 StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<const double> rates, std::uint64_t trial,
                                                const DynamicSimulationOptions& options) {
   model = build_model(scene, layouts, trial, options.hand);
   begin(scene);
   double longest = std::numeric_limits<double>::infinity();
+  bool springs_known = true;
   for (std::size_t i = 0; i < layouts.size(); ++i) {
     if (scene.sensors[i].friction) continue;  // without effects
     const PadLayout* pad = layouts[i];
     const FieldEffects effects = install_effects(scene.effects, *pad, Plane{}, scene.seed, trial);
     longest = std::min(longest, longest_step(effects, motion ? motion->top_speed(reach_of(*pad)) : 0.0));
     judge_fields = judge_fields && effects.surface.empty() && effects.rheology.empty() && !effects.lean;
+    springs_known = springs_known && effects.rheology.empty() && !effects.lean;
   }
+  choose_solver(scene, options.hand_solver, springs_known);
   std::string limited_by = "the scene's effects";
   limited = options.refuse_long_steps && !implicit;
   if (limited) {
     const StuckPads stuck = stuck_pads(false);
     const Vibration fastest = fastest_vibration(m(), d(), stuck.bodies, stuck.tangents);
-    if (const double limit = longest_explicit_step(fastest); limit < longest) {
+    if (const double limit = longest_right_step(fastest); limit < longest) {
       longest = rounded_down(limit);
-      limited_by = fmt::format(
-          "explicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies and are damped at {:.4g} /s (`field_solver: implicit` has no such limit)",
-          fastest.omega, fastest.damping_rate);
+      limited_by =
+          averages
+              ? fmt::format("implicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies", fastest.omega)
+              : fmt::format(
+                    "explicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies and are damped at {:.4g} /s (`field_solver: implicit` has {} limit)",
+                    fastest.omega, fastest.damping_rate, options.hand != nullptr ? "a longer" : "no such");
     }
   }
   if (implicit) refuse_implicit();
@@ -366,7 +434,7 @@ DynamicSimulation::DynamicSimulation(const Scene& scene, std::span<const PadLayo
   if (options.hand != nullptr) s.spring = finger_spring(options.hand->grip);
   s.articulated = scene.fidelity != "field";
   s.own_contact = scene.contact.has_value();
-  s.implicit = scene.implicit_fields;
+  s.implicit = scene.implicit_fields();
   const bool staged = std::ranges::any_of(carrying.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); });
   if (staged) {
     s.motion = make_motion(scene, trial);
@@ -379,6 +447,11 @@ DynamicSimulation::DynamicSimulation(const Scene& scene, std::span<const PadLayo
 
   // The pads take the step when the data is made.
   s.model->opt.timestep = s.dt;
+  if (s.averages) {
+    s.held_bodies.emplace(s.m(), std::array{s.fingers[0], s.fingers[1]}, mj_name2id(s.m(), mjOBJ_BODY, options.hand->box),
+                          s.spring->tangent(Eigen::Matrix3d::Identity()), s.dt);
+    s.added.assign(s.contacts.size(), Matrix6d::Zero());
+  }
   s.make_data();
   s.find_pads(carrying);
   s.start(carrying);
@@ -394,7 +467,7 @@ DynamicSimulation::DynamicSimulation(const Scene& scene, std::span<const PadLayo
   if (s.leads && !s.articulated) {
     for (const State::Pad& pad : s.pads) pad.instance->commit(s.m(), s.d());
   }
-  s.find_watched(options.limits);
+  s.find_watched(s.averages ? averaged(options.limits) : options.limits);
 }
 
 DynamicSimulation::~DynamicSimulation() = default;
@@ -446,6 +519,10 @@ const std::vector<NamedBody>& DynamicSimulation::bodies() const { return state_-
 bool DynamicSimulation::rotating() const { return state_->motion && state_->motion->turns(); }
 const mjModel* DynamicSimulation::model() const { return state_->m(); }
 mjData* DynamicSimulation::data() const { return state_->d(); }
+
+void DynamicSimulation::tell_carriage(std::size_t finger, const Vector6d& acceleration) {
+  state_->carriages[finger] = acceleration;
+}
 
 // From one tick of the simulation to the next.
 void DynamicSimulation::State::take_tick() {

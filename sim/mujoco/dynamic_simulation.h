@@ -24,6 +24,7 @@ struct Hand;  // gripper_model.h
 struct DynamicSimulationOptions {
   bool refuse_long_steps = true;  // false: for tests of the watch, which must see what a step that is too long does
   WatchLimits limits{};
+  FieldSolver hand_solver = FieldSolver::explicit_springs;  // of a grasp (average_acceleration.h)
   const Hand* hand =
       nullptr;  // the fingers of a grasp, whose springs whoever steps the simulation applies; needed in the constructor only
 };
@@ -79,6 +80,9 @@ class DynamicSimulation final : public Simulation {
   [[nodiscard]] double normal_force(std::size_t carrying) const;
   // The same of MuJoCo's own contacts between two bodies of the model; 0 where they do not touch.
   [[nodiscard]] double contact_normal_force(const std::string& body, const std::string& other) const;
+
+  // The acceleration of what the spring of finger 0 or 1 hangs on [m/s2, rad/s2], in the world, for the steps from now on. Implicit springs need it.
+  void tell_carriage(std::size_t finger, const Eigen::Matrix<double, 6, 1>& acceleration);
 
   // What MuJoCo has.
   [[nodiscard]] const mjModel_* model() const;

@@ -14,6 +14,7 @@
 
 #include "sim/motion/motion.h"
 #include "sim/mujoco/articulated.h"
+#include "sim/mujoco/average_acceleration.h"
 #include "sim/mujoco/dynamic_simulation.h"
 #include "sim/mujoco/gripper_model.h"
 #include "sim/mujoco/mujoco_call.h"
@@ -98,7 +99,12 @@ struct DynamicSimulation::State {
   bool articulated = false;
   bool own_contact = false;  // articulated, with the contact of the scene's own settings
   bool implicit = false;
-  bool limited = false;             // explicit fields, and the limit is obeyed
+  bool averages = false;                                                  // implicit springs of a grasp
+  std::vector<int> fingers;                                               // bodies
+  std::optional<HeldBodies> held_bodies;                                  // with implicit springs
+  std::array<Vector6d, 2> carriages{Vector6d::Zero(), Vector6d::Zero()};  // accelerations of what the fingers' springs hang on
+  std::vector<Matrix6d> added{};    // by contact: by its springs, as what is held sees it, or what that stands on
+  bool limited = false;             // the fields' springs limit the step, and the limit is obeyed
   std::size_t touching_before = 0;  // elements, at the tick before
 
   std::vector<WeighedBody> weighed;
@@ -151,6 +157,11 @@ struct DynamicSimulation::State {
   void prescribe(double time);
   [[nodiscard]] double time_of(std::size_t at) const { return TickTimes(dt).at(at); }
   void advance(std::size_t from);
+  void step_averaged();
+  void choose_solver(const Scene& scene, FieldSolver wished, bool springs_known);
+  [[nodiscard]] double longest_right_step(const Vibration& vibration) const {
+    return averages ? longest_averaged_step(vibration) : longest_explicit_step(vibration);
+  }
   struct StuckPads {
     std::vector<PadOnBodies> bodies;
     std::vector<PadTangent> tangents;

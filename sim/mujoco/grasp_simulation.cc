@@ -68,6 +68,7 @@ Scene laid_out(const Scene& scene, const Grasp& grasp) {
   const Parameters &grip = scene.grasp->grip, &box = scene.grasp->box;
   Scene result = scene;
   result.grasp.reset();
+  result.field_solver = FieldSolver::explicit_springs;  // of MuJoCo's own solver
   result.friction.static_coefficient *= grasp.friction_scale;
   result.friction.kinetic_coefficient *= grasp.friction_scale;
 
@@ -111,6 +112,7 @@ struct GraspSimulation::State {
     double most = 0.0;   // N, that its spring has reached
     Pose at_rest;        // of the carriage in the arm, fully closed
     BodyState carriage;  // now
+    Vector6d speed = Vector6d::Constant(std::numeric_limits<double>::quiet_NaN());  // of the carriage, at the tick before
   };
 
   State(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> rates, std::uint64_t trial,
@@ -127,6 +129,7 @@ struct GraspSimulation::State {
     const Hand hand{grip, grasp.yaw, grasp.pitch, gripper.opening(0.0), box_name};
     DynamicSimulationOptions with_hand = options;
     with_hand.hand = &hand;
+    with_hand.hand_solver = own_contact ? FieldSolver::explicit_springs : scene.field_solver;
     std::vector<const PadLayout*> all(pads.begin(), pads.end());
     all.push_back(&layouts[1]);
     if (!scene.contact) all.push_back(&layouts[2]);
@@ -232,6 +235,10 @@ void GraspSimulation::State::drive(double time) {
     Finger& finger = fingers[k];
     finger.most = std::max(finger.most, spring.closing_force(finger.carriage.pose, now[k].pose));
     Vector6d wrench = spring.wrench(finger.carriage, now[k]);
+    Vector6d speed;
+    speed << finger.carriage.velocity, finger.carriage.angular_velocity;
+    const Vector6d gained = speed - std::exchange(finger.speed, speed);
+    if (time > 0.0) simulation->tell_carriage(k, gained / simulation->time_step(0));
     wrench.head<3>() -= finger_weight;
     const Eigen::Vector3d torque = now[k].pose.rotation.transpose() * wrench.tail<3>();  // a free joint's is in its own frame
     mjtNum* applied = simulation->data()->qfrc_applied + finger.dof;

@@ -31,12 +31,6 @@ using Eigen::VectorXd;
 
 Index block(std::size_t i) { return static_cast<Index>(6 * i); }
 
-Matrix3d cross_matrix(const Vector3d& r) {
-  Matrix3d cross;
-  cross << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
-  return cross;
-}
-
 Matrix3d rotation_by(const Vector3d& angle) {
   const double size = angle.norm();
   if (size == 0.0) return Matrix3d::Identity();

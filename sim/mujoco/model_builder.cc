@@ -320,7 +320,7 @@ class Builder {
       spec->option.integrator = mjINT_IMPLICITFAST;
       spec->option.cone = mjCONE_ELLIPTIC;
       spec->option.noslip_iterations = 10;
-      if (scene_.implicit_fields) spec->option.impratio = implicit_impratio;
+      if (scene_.implicit_fields()) spec->option.impratio = implicit_impratio;
     }
     // Where there are none MuJoCo would prepare for them at every step.
     if (mjs_firstElement(spec, mjOBJ_SENSOR) == nullptr) spec->option.disableflags |= mjDSBL_SENSOR;
@@ -340,7 +340,7 @@ class Builder {
     excluded_ = exclusions(spec);
     std::vector<SitePair> pairs;
     for (std::size_t i = 0; i < scene_.sensors.size(); ++i) mount(spec, i, pairs);
-    if (scene_.implicit_fields) prepare_implicit(spec, pairs);
+    if (scene_.implicit_fields()) prepare_implicit(spec, pairs);
   }
 
   void add_body(mjSpec* spec, const BodyScene& scene) const {
@@ -465,7 +465,7 @@ class Builder {
     for (mjsBody* object : in_order(spec, objects)) {
       const std::string object_name = name_of(object->element, fmt::format("slipbench/touched {}", ++unnamed_));
       exclude(spec, pad_name, object_name);
-      if (!scene_.implicit_fields) continue;
+      if (!scene_.implicit_fields()) continue;
       const std::string object_site = "slipbench/" + object_name;
       if (mjs_findElement(spec, mjOBJ_SITE, object_site.c_str()) == nullptr) {
         mjs_setName(mjs_addSite(object, nullptr)->element, object_site.c_str());
@@ -543,7 +543,7 @@ class Builder {
               config_element("effects", sensor.friction ? "[]" : yaml_of(scene_.effects)) +
               config_element("seed", std::to_string(scene_.seed)) + config_element("trial", std::to_string(trial_)) +
               config_element("damping", format_number(sensor.damping)) +
-              config_element("solver", scene_.implicit_fields ? "implicit" : "explicit") + config_element("check", "off");
+              config_element("solver", scene_.implicit_fields() ? "implicit" : "explicit") + config_element("check", "off");
       text += "</instance>";
     }
     return text + "</plugin></extension>";

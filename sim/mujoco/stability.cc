@@ -14,8 +14,7 @@ namespace {
 
 // G' B G of a 3x3 spring B at the lever r.
 void add_spring(Matrix6d& total, const Eigen::Matrix3d& spring, const Eigen::Vector3d& r) {
-  Eigen::Matrix3d cross;
-  cross << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
+  const Eigen::Matrix3d cross = cross_matrix(r);
   const Eigen::Matrix3d turned = spring * cross;
   total.topLeftCorner<3, 3>() += spring;
   total.topRightCorner<3, 3>() -= turned;

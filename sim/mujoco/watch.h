@@ -25,6 +25,9 @@
 // An unstable pad multiplies its energy in every step or two, and one that is kept in bounds by friction turns over many times its
 // energy in a window. Fields with a rheology, a surface effect or leaning columns are left out: their stored energy is not
 // f^2/(2k).
+// A mode that average_acceleration.h steps, x_n = A cos(theta), turns by 2 phi in a step, tan phi = z/2. At the longest step, z = 2, and in units of
+// k A^2/2, it has U = cos^2 theta and T = sin^2(theta - phi)/2 at a tick, together 0.191 = (3 - sqrt 5)/4 at least, of which T is at most 0.5, 2.6
+// times as much. Its gain between two ticks telescopes to a difference of x_n (x_n - x_n+1) k/2, which is sqrt 2 at most, 7.4 times as much.
 //
 // Ejection. No body may have more kinetic energy than everything together had and got from weight, motors, springs and the stage
 // since the start, times 1.6 as above:
@@ -76,6 +79,13 @@ struct WatchedEnergy {
   double supply = 0.0;          // J, positive work by weight, motors, springs and the stage
   double contact_supply = 0.0;  // J, positive work by the model's contacts and other constraints
 };
+
+// The limits of a run by average_acceleration.h, see above.
+[[nodiscard]] inline WatchLimits averaged(WatchLimits limits) {
+  limits.energy_share = 7.5;
+  limits.ejection_factor = 2.7;
+  return limits;
+}
 
 // One rule each. check() returns what is wrong as the end of a sentence, or nothing; it is to be called at every tick.
 class WeightRule {

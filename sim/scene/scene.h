@@ -93,6 +93,10 @@ struct AccuracyScene {
   std::vector<Wish> wishes;  // at least one
 };
 
+// How the pads' springs enter a step of bodies that move by forces. Automatic: implicit in a grasp where all that acts has a known stiffness, else
+// explicit.
+enum class FieldSolver : std::uint8_t { automatic, explicit_springs, implicit_springs };
+
 struct Scene {
   std::string description;
   double duration = 0.0;                       // s
@@ -116,8 +120,8 @@ struct Scene {
   std::vector<BodyScene> bodies = {};  // beside those of the model
   std::optional<double> gravity = {};  // m/s2, downwards; empty: the model's own, or the Earth's without a model
   std::vector<ControlScene> controls = {};
-  std::optional<HoldScene> hold = {};    // empty: the outcome does not say whether anything is held
-  bool implicit_fields = false;          // field_solver: implicit
+  std::optional<HoldScene> hold = {};  // empty: the outcome does not say whether anything is held
+  FieldSolver field_solver = FieldSolver::automatic;
   std::string integrator = {};           // of fields, as MuJoCo calls it; empty: the model's own, or the simulation's
   std::optional<Named> controller = {};  // of a grasp; empty: none, the fingers stay where they begin
   std::optional<GraspScene> grasp = {};  // without a model and bodies: it brings its own
@@ -125,6 +129,8 @@ struct Scene {
   // Whether the controller commands the arm.
   [[nodiscard]] bool guided() const { return motion.name == guided_motion_name; }
   // Whether anything moves by forces.
+  // Whether pads are solved for within MuJoCo's own solver (sim/mujoco/implicit.h).
+  [[nodiscard]] bool implicit_fields() const { return field_solver == FieldSolver::implicit_springs && !grasp; }
   [[nodiscard]] bool dynamic() const { return !model.empty() || !bodies.empty() || grasp.has_value(); }
 };
 

@@ -34,7 +34,7 @@ struct Withdrawal {
   std::string_view key;
   std::string_view word;
 };
-constexpr std::array<Withdrawal, 3> withdrawals{{{"contact", "none"}, {"field_solver", "explicit"}, {"integrator", "auto"}}};
+constexpr std::array<Withdrawal, 3> withdrawals{{{"contact", "none"}, {"field_solver", "auto"}, {"integrator", "auto"}}};
 
 // The value of `key` in the scene, null where it has none or takes it back.
 const YamlNode* find_kept(const YamlNode& root, std::string_view key) {
@@ -298,7 +298,7 @@ class SceneReader : EntryReader {
       if (scatter != nullptr) fail(scatter->key_origin, "'scatter' is of the trials of a grasp: a scene with 'grip' or 'box'");
       return std::nullopt;
     }
-    for (const std::string_view key : {"bodies", "controls", "field_solver", "model"}) {
+    for (const std::string_view key : {"bodies", "controls", "model"}) {
       if (const YamlNode* node = find_kept(root, key)) {
         fail(node->key_origin, quote(key) + " has no place in a grasp, a scene with 'grip' or 'box': it brings its own bodies");
       }
@@ -345,9 +345,11 @@ class SceneReader : EntryReader {
     }
     if (const YamlNode* node = root.find("surface")) check_keys(*node, "surface of a scene with bodies", {"material"});
     if (const YamlNode* node = root.find("gravity")) scene.gravity = number(node, "gravity", gravity_spec);
-    scene.implicit_fields =
-        std::get<std::string>(value(find_kept(root, "field_solver"), "field_solver", field_solver_spec)) == "implicit";
-    if (scene.implicit_fields && scene.fidelity != "field") {
+    const std::string solver = std::get<std::string>(value(find_kept(root, "field_solver"), "field_solver", field_solver_spec));
+    scene.field_solver = solver == "implicit"   ? FieldSolver::implicit_springs
+                         : solver == "explicit" ? FieldSolver::explicit_springs
+                                                : FieldSolver::automatic;
+    if (solver == "implicit" && scene.fidelity != "field") {
       fail(root.find("field_solver")->origin,
            "field_solver: 'implicit' is for pads as fields; with 'fidelity: " + scene.fidelity + "' leave it out");
     }
@@ -407,7 +409,11 @@ class SceneReader : EntryReader {
       refuse(
           "takes four stages a step, and the springs of a grasp's fingers pull the same through all of them; a grasp allows: Euler, implicit, implicitfast, discrete");
     }
-    if (scene.implicit_fields && name != "discrete") refuse("does not solve implicit fields; allowed with them: discrete");
+    if (scene.grasp && scene.field_solver == FieldSolver::implicit_springs) {
+      refuse(
+          "takes no implicit springs of a grasp, which step by themselves; allowed: one of 'integrator' and 'field_solver: implicit'");
+    }
+    if (scene.implicit_fields() && name != "discrete") refuse("does not solve implicit fields; allowed with them: discrete");
     return name;
   }
 

@@ -151,7 +151,10 @@ TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
       {"scatter: {}\n", "scene.yaml:3: 'scatter' is of the trials of a grasp"},
       {"grip: {}\nbodies: {b: {shape: box}}\n", "scene.yaml:4: 'bodies' has no place in a grasp"},
       {"grip: {}\nmodel: a.xml\n", "scene.yaml:4: 'model' has no place in a grasp"},
-      {"grip: {}\nfield_solver: implicit\n", "scene.yaml:4: 'field_solver' has no place in a grasp"},
+      {"grip: {}\nfield_solver: implicit\nfidelity: mujoco_contact\n",
+       "scene.yaml:4: field_solver: 'implicit' is for pads as fields"},
+      {"grip: {}\nfield_solver: implicit\nintegrator: discrete\n",
+       "scene.yaml:5: integrator: 'discrete' takes no implicit springs of a grasp"},
       {"grip: {}\nmotion: {kind: stage}\n", "scene.yaml:4: motion 'stage' moves no arm"},
       {"motion: {kind: lift}\n", "scene.yaml:3: motion 'lift' moves the arm of a grasp"},
       {"grip: {protocol: as_prnted}\n", "scene.yaml:3: unknown protocol 'as_prnted'; did you mean 'as_printed'?"},
@@ -171,6 +174,7 @@ TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
   for (const std::string fidelity : {"field", "mujoco_contact"}) {
     EXPECT_EQ(refusal("grip: {}\nfidelity: " + fidelity + "\ncontact: none\nintegrator: auto\nfield_solver: explicit\n"), "");
   }
+  EXPECT_EQ(refusal("grip: {}\nfield_solver: implicit\n"), "");
 }
 
 TEST(GraspScene, EverySensorButTheFirstFollows) {

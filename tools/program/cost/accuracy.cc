@@ -113,7 +113,7 @@ class Search {
     Scene scene = wished_.trial(trial).scene;
     scene.accuracy.reset();
     scene.time_step = step_of(cut);
-    scene.implicit_fields = cut.implicit;
+    if (has_choice_) scene.field_solver = cut.implicit ? FieldSolver::implicit_springs : FieldSolver::explicit_springs;
     return scene;
   }
 

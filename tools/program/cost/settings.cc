@@ -115,13 +115,13 @@ std::vector<Override> plain(const Scene& scene, const char* name) {
   std::vector<Override> changes;
   if (scene.fidelity == "mujoco_contact") changes.push_back({"contact", "none"});
   if (!scene.integrator.empty()) changes.push_back({"integrator", "auto"});
-  if (scene.implicit_fields) changes.push_back({"field_solver", "explicit"});
+  if (scene.field_solver != FieldSolver::automatic) changes.push_back({"field_solver", "auto"});
   changes.push_back({"fidelity", name});
   return changes;
 }
 
 void add_steps(const Scene& scene, const OwnRun& own, std::vector<Setting>& settings) {
-  const bool own_is_plain = scene.fidelity == "field" && !scene.implicit_fields && scene.integrator.empty();
+  const bool own_is_plain = scene.fidelity == "field" && scene.field_solver == FieldSolver::automatic && scene.integrator.empty();
   const std::vector<double> steps = ladder(scene, own.time_step);
   for (const double h : steps) {
     if (own_is_plain && std::abs(h / own.time_step - 1.0) < 1e-9) continue;
