@@ -172,7 +172,7 @@ TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
   }
   EXPECT_EQ(refusal("grip: {}\nbox: {}\nscatter: {}\ngravity: 1.6 m/s2\n"), "");
   for (const std::string fidelity : {"field", "mujoco_contact"}) {
-    EXPECT_EQ(refusal("grip: {}\nfidelity: " + fidelity + "\ncontact: none\nintegrator: auto\nfield_solver: explicit\n"), "");
+    EXPECT_EQ(refusal("grip: {}\nfidelity: " + fidelity + "\ncontact: none\nintegrator: auto\nfield_solver: auto\n"), "");
   }
   EXPECT_EQ(refusal("grip: {}\nfield_solver: implicit\n"), "");
 }

@@ -62,7 +62,7 @@ TEST(Override, TakesKeysBackInEveryScene) {
   const std::string head = "slipbench: 1\n", bodies = head + "bodies: {box: {shape: box}}\n";
   const std::string prescribed = head + "sensors: {pad: {type: papillarray}}\n";
   const std::string pad = bodies + "sensors: {pad: {type: papillarray, touches: [box]}}\n";
-  const std::vector<Override> back{{"contact", "none"}, {"integrator", "auto"}, {"field_solver", "explicit"}};
+  const std::vector<Override> back{{"contact", "none"}, {"integrator", "auto"}, {"field_solver", "auto"}};
   for (const std::string& scene : {prescribed, pad}) {
     for (const std::string fidelity : {"field", "articulated", "mujoco_contact"}) {
       const std::string plain = scene + "fidelity: " + fidelity + "\n";

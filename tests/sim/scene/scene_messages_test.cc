@@ -261,7 +261,7 @@ INSTANTIATE_TEST_SUITE_P(
              "s.yaml:5: hold.against: 'box' is the body itself; allowed: what holds it, a sensor or another body"},
         Case{"IntegratorWithoutBodies", head + "integrator: RK4\n",
              "s.yaml:3: 'integrator' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
-        Case{"SolverAutoWithoutBodies", head + "field_solver: auto\n",
+        Case{"SolverExplicitWithoutBodies", head + "field_solver: explicit\n",
              "s.yaml:3: 'field_solver' needs bodies that move by forces: a scene with 'model' or 'bodies'"},
         Case{"SiteWithoutBodies", "slipbench: 1\nsensors: {pad: {type: papillarray, site: tip}}\n",
              "s.yaml:2: 'site' in sensors.pad needs bodies that move by forces: a scene with 'model' or 'bodies'"},
@@ -275,7 +275,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"NegativeGravity", bodies_head + "gravity: -1\n",
              "s.yaml:5: gravity: '-1' is out of range; allowed: >= 0 m/s2 and <= 1000 m/s2"},
         Case{"Solver", bodies_head + "field_solver: implicite\n",
-             "s.yaml:5: field_solver: unknown value 'implicite'; did you mean 'implicit'? allowed: explicit, implicit"},
+             "s.yaml:5: field_solver: unknown value 'implicite'; did you mean 'implicit'? allowed: auto, explicit, implicit"},
         Case{"ImplicitArticulated", bodies_head + "fidelity: articulated\nfield_solver: implicit\n",
              "s.yaml:6: field_solver: 'implicit' is for pads as fields; with 'fidelity: articulated' leave it out"},
         Case{
