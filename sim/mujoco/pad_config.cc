@@ -140,10 +140,38 @@ YamlNode scene_tree(const Attributes& attributes) {
   return root;
 }
 
-Scene read_contact(const Attributes& attributes, const Catalogues& known) {
-  Catalogues catalogues = known;
-  if (!attributes.has("sensor")) catalogues.sensors = {{table_type, "", "", "", {}}};
-  return read_scene(scene_tree(attributes), catalogues, nullptr);
+// MuJoCo asks for the same attributes three times a pad and model, and the trials of a sweep have the same few: those that a thread read last serve
+// as long as their texts do.
+template <class Value>
+class LastRead {
+ public:
+  template <class Read>
+  const Value& find(std::vector<std::string> texts, Read&& read) {
+    constexpr std::size_t most = 8;
+    const auto found = std::ranges::find(known_, texts, &std::pair<std::vector<std::string>, Value>::first);
+    if (found != known_.end()) {
+      std::rotate(known_.begin(), found, found + 1);
+    } else {
+      known_.emplace_front(std::move(texts), read());
+      if (known_.size() > most) known_.pop_back();
+    }
+    return known_.front().second;
+  }
+
+ private:
+  std::deque<std::pair<std::vector<std::string>, Value>> known_;  // the one asked for last in front
+};
+
+// What the attributes say that a scene would say. `known`: the same at every call.
+const Scene& read_contact(const Attributes& attributes, const Catalogues& known) {
+  thread_local LastRead<Scene> scenes;
+  std::vector<std::string> texts{attributes.name()};
+  for (const char* attribute : {"seed", "material", "friction", "effects", "sensor"}) texts.push_back(attributes.text(attribute));
+  return scenes.find(std::move(texts), [&] {
+    Catalogues catalogues = known;
+    if (!attributes.has("sensor")) catalogues.sensors = {{table_type, "", "", "", {}}};
+    return read_scene(scene_tree(attributes), catalogues, nullptr);
+  });
 }
 
 bool below(const mjModel* model, int body, int root) {
@@ -208,31 +236,15 @@ std::vector<int> touched_geoms(const Attributes& attributes, int site) {
   return geoms;
 }
 
-struct Table {
-  std::string rows, units;
-  PadLayout layout;
-};
-
-// The pad of the attributes elements and units. MuJoCo asks for it three times a pad and model, and the trials of a sweep have the same few: those
-// that this thread read last serve as long as their text does.
+// The pad of the attributes elements and units.
 const PadLayout& table_of(const Attributes& attributes) {
-  constexpr std::size_t most = 8;
-  thread_local std::deque<Table> known;  // the one asked for last in front
-  std::string rows = attributes.text("elements"), units = attributes.text("units");
-  const auto found = std::ranges::find_if(known, [&](const Table& table) { return table.rows == rows && table.units == units; });
-  if (found != known.end()) {
-    std::rotate(known.begin(), found, found + 1);
-    return known.front().layout;
-  }
-  const YamlNode table = attributes.yaml("elements");
-  if (attributes.has("units")) {
+  thread_local LastRead<PadLayout> tables;
+  return tables.find({attributes.text("elements"), attributes.text("units")}, [&] {
+    const YamlNode table = attributes.yaml("elements");
+    if (!attributes.has("units")) return read_element_table(table, nullptr);
     const YamlNode counts = attributes.yaml("units");
-    known.push_front({std::move(rows), std::move(units), read_element_table(table, &counts)});
-  } else {
-    known.push_front({std::move(rows), std::move(units), read_element_table(table, nullptr)});
-  }
-  if (known.size() > most) known.pop_back();
-  return known.front().layout;
+    return read_element_table(table, &counts);
+  });
 }
 
 }  // namespace
@@ -269,7 +281,7 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
     config.table = {table_of(attributes)};
     config.table.front().element_truth = std::get<bool>(attributes.value(element_truth_spec));
   }
-  const Scene scene = read_contact(attributes, catalogue.catalogues);
+  const Scene& scene = read_contact(attributes, catalogue.catalogues);
   config.sensor = scene.sensors.front();
   config.friction = {scene.friction.static_coefficient, scene.friction.kinetic_coefficient};
   config.effects = scene.effects;

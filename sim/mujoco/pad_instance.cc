@@ -249,7 +249,7 @@ bool PadInstance::sees_the_same(const mjModel* model, const mjData* data) {
 
 // Finds the pad in the frame of every touched surface. Returns whether it is where the trial that the fields hold has it.
 bool PadInstance::locate(const mjModel* model, const mjData* data) {
-  if (sees_the_same(model, data)) return evaluated_;
+  if (!keeps_state_ && sees_the_same(model, data)) return evaluated_;
   bool unmoved = evaluated_;
   const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
   const Twist pad_motion = velocity_of(model, data, model->site_bodyid[config_.site], data->site_xpos + 3 * config_.site);
@@ -578,8 +578,11 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
     rest(data, state, computed_at_);
     return;
   }
-  evaluated_ = locate(model, data);
-  evaluate(state, computed_at_);
+  // Whose state is kept has been moved by nobody since its force was worked out.
+  if (!(keeps_state_ && tried_)) {
+    evaluated_ = locate(model, data);
+    evaluate(state, computed_at_);
+  }
   state.header[committed_time] = time_;
   if (watched_) remember_readings(state);
   evaluated_ = false;
