@@ -349,14 +349,19 @@ void DynamicSimulation::State::begin(const Scene& scene) {
   if (motion) leave_out_of_scale(model.get(), d(), stage_dof);
 }
 
-void DynamicSimulation::State::choose_solver(const Scene& scene, FieldSolver wished, bool springs_known) {
-  if (wished == FieldSolver::explicit_springs) return;
-  averages = springs_known && scene.integrator.empty();
-  if (!averages && wished == FieldSolver::implicit_springs) {
-    throw SceneValueError(
-        "field_solver",
-        "implicit springs of a grasp go without effects that change their stiffness, as viscoelastic and lean do; allowed: auto, explicit");
-  }
+// Whether the springs of a grasp are implicit. Left to us, they are so where that is cheaper: a step costs up to half as much again, so where a sensor,
+// an effect or the scene asks for steps nearly as short as explicit ones, they are explicit. `longest`: the step that effects bear.
+bool DynamicSimulation::State::choose_implicit(const Scene& scene, FieldSolver wished, std::span<const double> rates,
+                                               double longest, const Vibration& fastest) const {
+  const auto steps = [&](double bearable) {
+    const double sampling_time = 1.0 / *std::ranges::max_element(rates);
+    return std::ceil(sampling_time / std::min({sampling_time, longest, bearable}));
+  };
+  if (wished != FieldSolver::automatic) return wished == FieldSolver::implicit_springs;
+  const double explicit_step = rounded_down(longest_explicit_step(fastest));
+  if (!scene.integrator.empty()) return false;
+  if (scene.time_step) return *scene.time_step > std::min(longest, explicit_step);
+  return !rates.empty() && steps(explicit_step) >= 1.5 * steps(rounded_down(longest_averaged_step(fastest)));
 }
 
 // The model with fields, and the longest step that they bear.
@@ -374,12 +379,17 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
     judge_fields = judge_fields && effects.surface.empty() && effects.rheology.empty() && !effects.lean;
     springs_known = springs_known && effects.rheology.empty() && !effects.lean;
   }
-  choose_solver(scene, options.hand_solver, springs_known);
+  if (!springs_known && options.hand_solver == FieldSolver::implicit_springs) {
+    throw SceneValueError(
+        "field_solver",
+        "implicit springs of a grasp go without effects that change their stiffness, as viscoelastic and lean do; allowed: auto, explicit");
+  }
   std::string limited_by = "the scene's effects";
   limited = options.refuse_long_steps && !implicit;
   if (limited) {
     const StuckPads stuck = stuck_pads(false);
     const Vibration fastest = fastest_vibration(m(), d(), stuck.bodies, stuck.tangents);
+    averages = springs_known && choose_implicit(scene, options.hand_solver, rates, longest, fastest);
     if (const double limit = longest_right_step(fastest); limit < longest) {
       longest = rounded_down(limit);
       limited_by =

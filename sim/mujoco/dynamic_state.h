@@ -158,7 +158,8 @@ struct DynamicSimulation::State {
   [[nodiscard]] double time_of(std::size_t at) const { return TickTimes(dt).at(at); }
   void advance(std::size_t from);
   void step_averaged();
-  void choose_solver(const Scene& scene, FieldSolver wished, bool springs_known);
+  [[nodiscard]] bool choose_implicit(const Scene& scene, FieldSolver wished, std::span<const double> rates, double longest,
+                                     const Vibration& fastest) const;
   [[nodiscard]] double longest_right_step(const Vibration& vibration) const {
     return averages ? longest_averaged_step(vibration) : longest_explicit_step(vibration);
   }

@@ -93,8 +93,7 @@ struct AccuracyScene {
   std::vector<Wish> wishes;  // at least one
 };
 
-// How the pads' springs enter a step of bodies that move by forces. Automatic: implicit in a grasp where all that acts has a known stiffness, else
-// explicit.
+// How the pads' springs enter a step of bodies that move by forces. Automatic: explicit, or in a grasp what is cheaper.
 enum class FieldSolver : std::uint8_t { automatic, explicit_springs, implicit_springs };
 
 struct Scene {

@@ -21,10 +21,9 @@ inline const ParameterSpec scale_spec =
 
 inline const ParameterSpec gravity_spec = number_spec("gravity", Quantity::acceleration, "9.81 m/s2", {0.0, 1000.0},
                                                       "Acceleration of gravity, downwards.", "the Earth's");
-inline const ParameterSpec field_solver_spec = choice_spec(
-    "field_solver", "auto", {"auto", "explicit", "implicit"},
-    "How the pads' springs enter a step; auto: explicit, in a grasp implicit where the stiffness of all that acts is known.",
-    "free");
+inline const ParameterSpec field_solver_spec =
+    choice_spec("field_solver", "auto", {"auto", "explicit", "implicit"},
+                "How the pads' springs enter a step; auto: explicit, or in a grasp what is cheaper.", "free");
 inline const ParameterSpec integrator_spec =
     choice_spec("integrator", "auto", {"auto", "Euler", "implicit", "implicitfast", "discrete", "RK4"},
                 "How MuJoCo steps the bodies; auto: as the model or the simulation says.", "free");

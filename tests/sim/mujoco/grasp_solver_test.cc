@@ -212,10 +212,32 @@ TEST(GraspSolver, TouchMakesNoSlipThatIsNone) {
   EXPECT_EQ(slips(""), 0U);
 }
 
+// Left to itself the solver is the cheaper one. At 100 Hz 44 explicit steps to a sample stand against 17, at 1 kHz 5 against 2. A step that the scene
+// gives is explicit where it may be. (A sensor whose sampling time is as short has the nib pad: scenes/nib_pad/reorient.yaml.)
+TEST(GraspSolver, AutomaticTakesTheCheaperOne) {
+  const std::string scene = "grip: {}\nmotion: {kind: lift, settle: 1 s}\nduration: 1.5 s\n";
+  const auto slip = [&](const std::string& rate, const std::string& how) {
+    GraspRig rig(scene + how, 0, {}, ", rate: " + rate);
+    rig.run();
+    return rig->truth().slip;
+  };
+  const auto is = [&](const std::string& rate, const std::string& how, const std::string& solver) {
+    return slip(rate, how) == slip(rate, how + "field_solver: " + solver + "\n");
+  };
+  EXPECT_TRUE(is("100 Hz", "", "implicit"));
+  EXPECT_TRUE(is("1 kHz", "", "implicit"));
+  EXPECT_FALSE(is("1 kHz", "", "explicit"));
+  EXPECT_TRUE(is("100 Hz", "time_step: 0.2 ms\n", "explicit"));
+  EXPECT_TRUE(is("100 Hz", "time_step: 0.5 ms\n", "implicit"));
+  EXPECT_FALSE(is("100 Hz", "time_step: 0.2 ms\n", "implicit"));
+}
+
 // A step takes the explicit path where the springs' stiffness is not known, and says so where it is asked not to.
 TEST(GraspSolver, EffectsWithoutAKnownStiffnessGoExplicitly) {
   const std::string scene = "effects: [viscoelastic]\ngrip: {}\nmotion: {kind: lift, settle: 1 s}\n";
-  const auto step_of = [](const std::string& text) { return GraspRig(text)->time_step(0); };
+  const auto step_of = [](const std::string& text, const std::string& sensor = "") {
+    return GraspRig(text, 0, {}, sensor)->time_step(0);
+  };
   const double chosen = step_of(scene);
   EXPECT_EQ(chosen, step_of(scene + "field_solver: explicit\n"));
   EXPECT_GT(step_of("grip: {}\nmotion: {kind: lift, settle: 1 s}\n"), 2.0 * chosen);
