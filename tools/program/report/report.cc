@@ -186,6 +186,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
                {"scene", header.scene},
                {"overrides", parse_json(header.overrides, dataset_path + ": attribute overrides")},
                {"content_sha256", dataset.content_sha256()},
+               {"trials_in_file", trials.size()},
                {"complete", dataset.complete()},
                {"failed", Json::parse(failures_json(dataset.failed()))},
                {"open", options.trial ? Json(*options.trial) : Json(nullptr)}};
@@ -233,9 +234,13 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
 
 }  // namespace
 
+void check_report_target(const std::string& html_path, const std::string& dataset_path) {
+  check_text_target(html_path, {dataset_path}, {"report", &report::begins_as_report});
+}
+
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options) {
   if (options.max_trials == std::size_t{0}) throw std::logic_error("a report embeds at least one trial");
-  check_text_target(html_path, {dataset_path}, {"report", &report::begins_as_report});
+  check_report_target(html_path, dataset_path);
   write_text_file(html_path, guarded(dataset_path, [&] { return page_of(dataset_path, options); }));
 }
 

@@ -15,6 +15,9 @@ struct ReportOptions {
   std::size_t max_rows = 20'000;
 };
 
+// Throws InputError when `html_path` cannot be written or holds anything but a report.
+void check_report_target(const std::string& html_path, const std::string& dataset_path);
+
 // Reads the dataset at `dataset_path` (HDF5, tools/base/dataset) in a child process (tools/base/dataset/guarded.h) and writes the page to
 // `html_path`, under a temporary name first. Trials of any length are shown.
 // Throws InputError when the dataset cannot be read, is damaged (its content_sha256 is checked), misses something, has no trial
