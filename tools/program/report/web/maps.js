@@ -2,7 +2,7 @@
 (function(sb) {
 'use strict';
 const el = sb.element;
-const {quantities, medians, held, valueIn, rangeIn, withUnit, heldText, balancedOf, recallOf, earlyText} = sb.grasps;
+const {quantities, medians, held, countOf, valueIn, rangeIn, withUnit, heldText, balancedOf, recallOf, earlyText} = sb.grasps;
 
 const hues = ['#2f78b7', '#d99500', '#0a7d66', '#a5559b', '#cc4b1c', '#5b6570', '#59b3d8', '#8a7a00'];
 const shapes = ['circle', 'square', 'triangle-up', 'diamond', 'cross', 'triangle-down'];
@@ -108,6 +108,16 @@ class Maps {
     }
   }
 
+  // What stands in a cell: k/n of a share, else the value.
+  cellText(trials) {
+    if (this.quantity.good) {
+      const [good, all] = countOf(this.quantity, trials);
+      return all ? good + '/' + all : '–';
+    }
+    const value = valueIn(this.quantity, trials);
+    return value === null ? '–' : sb.significant(value, value >= 100 ? 3 : 2);
+  }
+
   // A cell's paint: how far from half of the trials held, or how much of another quantity.
   paint(value, range) {
     if (value === null) return ['none', 0];
@@ -146,7 +156,7 @@ class Maps {
       return item;
     };
     this.legend.replaceChildren(
-        el('span', {}, this.quantity.name + ':'), ...(range[0] === undefined ? [] : samples.map(swatch)),
+        el('span', {}, this.quantity.name + (this.quantity.good ? ', k/n: k of n trials' : '') + ':'), ...(range[0] === undefined ? [] : samples.map(swatch)),
         line('frontier, 50 % held', false), hasControl ? line('frontier of the negative control', true) : '');
   }
 
@@ -192,7 +202,11 @@ class Maps {
   drawMap(map, control, columns, rows, range) {
     const {svg, box, x, y} = this.mapFrame(map.series.name, map.series.control ? 'negative control' : '', columns, rows);
     const width = x(1) - x(0), height = y(0) - y(1);
-    const numbers = width >= 26 && height >= 15;
+    const texts = map.cells.map(row => row.map(trials => this.cellText(trials)));
+    const widest = d3.max(texts.flat(), text => text.length);
+    // At 11 px a figure takes 6.2 px; in a narrow cell it is smaller, and below 8 px it is left to the tip.
+    const size = Math.min(11, 11 * (width - 4) / (6.2 * widest), 0.75 * height);
+    const numbers = size >= 8;
     map.cells.forEach((row, r) => row.forEach((trials, c) => {
       const value = valueIn(this.quantity, trials);
       const [fill, opacity] = this.paint(value, range);
@@ -222,13 +236,13 @@ class Maps {
     if (numbers) {
       // Over the frontiers, which may go through the middle of a cell.
       map.cells.forEach((row, r) => row.forEach((trials, c) => {
-        const value = valueIn(this.quantity, trials);
         svg.append('text')
             .attr('class', 'map-number')
             .attr('x', x(c))
-            .attr('y', y(r) + 4)
+            .attr('y', y(r) + 0.36 * size)
             .attr('text-anchor', 'middle')
-            .text(value === null ? '–' : sb.significant(value, value >= 100 ? 3 : 2));
+            .style('font-size', size + 'px')
+            .text(texts[r][c]);
       }));
     }
     this.drawEdge(svg, box);
