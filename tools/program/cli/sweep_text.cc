@@ -25,7 +25,7 @@
 namespace slipbench {
 namespace {
 
-constexpr std::size_t units_in_full = 40;  // of a sensor with more, those that touch alone have a row
+constexpr std::size_t units_in_full = 40;             // of a sensor with more, those that touch alone have a row
 constexpr double degrees = 180.0 / std::numbers::pi;  // of one radian
 constexpr std::array<const char*, 4> state_names{"none", "non-slip", "incipient", "gross"};
 

@@ -350,8 +350,9 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
 }
 
 TEST(CommandLine, EveryCommandExplainsItself) {
-  for (const std::string name : {"run", "sweep", "check", "report", "view", "export", "import", "verify", "merge", "cluster", "hd",
-                                 "train", "eval", "reproduce", "cost", "bench", "list", "describe", "doctor", "plugin-path"}) {
+  for (const std::string name :
+       {"run", "sweep", "check", "report",    "view", "export", "import", "verify",   "merge",  "cluster",
+        "hd",  "train", "eval",  "reproduce", "cost", "bench",  "list",   "describe", "doctor", "plugin-path"}) {
     const std::string text = parse({name, "--help"}).help;
     EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
     EXPECT_THAT(text, HasSubstr("--json")) << name;
@@ -401,7 +402,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},
         Refusal{{"cost", "s.yaml", "--budget", "3 N"},
                 "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
-        Refusal{{"view", "a.h5", "--seed", "3"}, "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
+        Refusal{{"view", "a.h5", "--seed", "3"},
+                "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
         Refusal{{"view", "a.h5", "--set", "seed=3"},
                 "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
         Refusal{{"view"}, "view: FILE is required"},

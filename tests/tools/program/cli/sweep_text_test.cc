@@ -81,7 +81,8 @@ TEST(Summary, OfManyUnitsThoseThatTouchAreShown) {
     if (units == 40U) continue;
     // Without a touch there is no table at all.
     trial.sensors[0].units[0] = trial.sensors[0].units[1];
-    EXPECT_THAT(trial_text(trial, {about}, Style(false)), HasSubstr("at 2 Hz\n  41 of the 41 units never touch and are not shown\n"));
+    EXPECT_THAT(trial_text(trial, {about}, Style(false)),
+                HasSubstr("at 2 Hz\n  41 of the 41 units never touch and are not shown\n"));
   }
 }
 

@@ -88,7 +88,8 @@ TEST_F(View, SaysWhereThePageLiesWithoutAScreenOrAnOpener) {
 TEST_F(View, RunsASceneFirst) {
   const ChildResult seen = view("stage.yaml --set duration=2.1 --json");
   ASSERT_EQ(seen.status, 0) << seen.err;
-  EXPECT_EQ(nlohmann::json::parse(seen.out), nlohmann::json::parse(R"({"dataset": "stage.h5", "report": "stage.html", "opened_by": null})"));
+  EXPECT_EQ(nlohmann::json::parse(seen.out),
+            nlohmann::json::parse(R"({"dataset": "stage.h5", "report": "stage.html", "opened_by": null})"));
   // The recording is that of `run` with the same words.
   ASSERT_EQ(record("-o b.h5").status, 0);
   EXPECT_EQ(bytes_at(folder_ / "stage.h5"), bytes_at(folder_ / "b.h5"));
