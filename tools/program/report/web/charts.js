@@ -314,7 +314,7 @@ class LineChart {
     });
     for (const {time, text, colour} of marks) {
       drawing.line(x(time), 16, x(time), foot, sb.colour(colour || 'soft'), '2 3');
-      drawing.text(x(time) + 4, 27, text, 'start', sb.colour(colour || 'soft'));
+      drawing.text(x(time) + 4, foot - 5, text, 'start', sb.colour(colour || 'soft'));  // away from the points' texts
     }
     for (const {value, text, colour} of lines) {
       drawing.line(axisWidth, y(value * factor), axisWidth + plot, y(value * factor), sb.colour(colour), '7 4');

@@ -397,7 +397,8 @@ function scatter(sensor, open) {
       if (beyond) name(box.width - box.right - 22, sb.endless(axis.unit));
       const shown = happened.filter(trial => endless(axis, trial) || valueOf(trial, axis.path) !== null);
       sb.saveCorner(panel, svg.node(), state.outcome.name + ' against ' + sb.pathWord(axis.path), () => [
-        ['trial', label(axis), state.outcome.name + ' [ms]'], ...shown.map(trial => [trial.index, said(axis, trial), timeOf(trial)])
+        ['trial', label(axis), state.outcome.name + ' [ms]'], ...shown.map(
+            trial => [trial.index, endless(axis, trial) ? sb.endless(axis.unit) : valueOf(trial, axis.path) * sb.factor(axis.unit), timeOf(trial)])
       ]);
       // Thousands of points: each picture in a frame of its own, the axes at once.
       const draw = () => svg.selectAll('path.point')

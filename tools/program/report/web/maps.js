@@ -255,10 +255,11 @@ class Maps {
     }
     this.drawEdge(svg, box);
     const {quantity} = this;
+    const figure = (axis, level) => level.low === level.high && isFinite(level.at) ? level.at * sb.factor(axis.unit) : level.text;
     sb.saveCorner(panel, svg.node(), map.series.name + ' ' + quantity.name, () => [
       [sb.sweptValues.label(this.x), sb.sweptValues.label(this.y), ...(quantity.good ? ['k', 'n'] : []), quantity.name + (quantity.unit ? ' [' + quantity.unit + ']' : '')],
       ...map.cells.flatMap((row, r) => row.map((trials, c) => [
-        columns[c].text, rows[r].text, ...(quantity.good ? countOf(quantity, trials) : []), valueIn(quantity, trials)
+        figure(this.x, columns[c]), figure(this.y, rows[r]), ...(quantity.good ? countOf(quantity, trials) : []), valueIn(quantity, trials)
       ]))
     ]);
   }
