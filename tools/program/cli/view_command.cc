@@ -95,7 +95,6 @@ int ViewCommand::simulate(const std::string& dataset) const {
 }
 
 int ViewCommand::show(const std::string& dataset) const {
-  if (!output.empty()) check_text_target(output, {dataset}, {"recording of Rerun", &begins_as_rrd});
   const RerunResult result = show_in_rerun(dataset, {.trial = trial, .save = output});
   if (result.status != 0) return result.status;
   if (json) {
@@ -112,6 +111,7 @@ int ViewCommand::run() {
                            : scene         ? with_ending(std::filesystem::path(subject).filename().string(), ".html")
                                            : with_ending(subject, ".html");
   const std::string dataset = scene ? with_ending(page, ".h5") : subject;
+  if (rerun && !output.empty()) check_text_target(output, {dataset}, {"recording of Rerun", &begins_as_rrd});
   if (scene) {
     // Trials that failed are no part of the page, and the others are worth a look.
     if (const int status = simulate(dataset); status != exit_good && status != exit_check_failed) return status;
