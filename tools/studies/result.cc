@@ -52,7 +52,7 @@ std::string chart_html(const ResultChart& chart) {
     name(series, chart.curves[k].name);
   }
   name("limit", chart.bar_name);
-  return svg.element();
+  return svg.element(chart.title);
 }
 
 std::string section(std::string_view title, const std::string& content, const std::string& note = "") {

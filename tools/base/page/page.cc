@@ -119,12 +119,17 @@ std::string escape_html(std::string_view text) {
 
 std::string compose_page(const Page& page, std::string_view body) { return skeleton(page, "", std::string(body), "", ""); }
 
-std::string compose_drawn_page(const Page& page, const std::vector<Asset>& files, const Json& data) {
+std::string compose_drawn_page(const Page& page, const std::vector<Asset>& files, const Json& data,
+                               const std::vector<std::pair<std::string, Json>>& later) {
   const auto both = [&](std::string_view extension) { return joined(assets(), extension) + joined(files, extension); };
   const std::string scripts = both(".js");
-  return skeleton(page, joined(files, ".css"), R"(<p class="wait">Unpacking …</p>)", scripts,
-                  filled(embedded(assets(), "scripts.html"),
-                         {{"data", script_json(data)}, {"licences", both(".txt")}, {"scripts", scripts}}));
+  std::string elements =
+      filled(embedded(assets(), "scripts.html"), {{"data", script_json(data)}, {"licences", both(".txt")}, {"scripts", scripts}});
+  for (const auto& [name, value] : later) {
+    elements.append(R"(<script type="application/json" id=")").append(name).append("\">") += script_json(value);
+    elements += "</script>\n";
+  }
+  return skeleton(page, joined(files, ".css"), R"(<p class="wait">Unpacking …</p>)", scripts, std::move(elements));
 }
 
 bool begins_as_page(std::string_view text, std::string_view generator) {

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tools/base/page/asset.h"
@@ -25,7 +26,10 @@ std::string compose_page(const Page& page, std::string_view body);
 // A page that scripts draw into its element "page". `files`: its styles (.css), scripts (.js) and licences (.txt) in the order in which they are
 // loaded; they follow the kit's, d3 and common.js among them. Scripts find `data` as JSON in the element "slipbench-data" and the
 // licences in "licences". Nothing in `data` is read as HTML, and bytes that are no UTF-8 become the replacement character.
-std::string compose_drawn_page(const Page& page, const std::vector<Asset>& files, const Json& data);
+// `later`: further data by names of letters, digits and "-", each an element of that id, after the scripts: these run and draw what they can before it has
+// been read.
+std::string compose_drawn_page(const Page& page, const std::vector<Asset>& files, const Json& data,
+                               const std::vector<std::pair<std::string, Json>>& later = {});
 
 // Whether a file that begins so is a page of that generator.
 bool begins_as_page(std::string_view text, std::string_view generator);

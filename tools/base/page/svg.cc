@@ -70,9 +70,9 @@ void Svg::text_upwards(std::string_view kind, double x, double y, std::string_vi
   marks_ += text_at(kind, fmt::format("transform=\"translate({},{}) rotate(-90)\"", px(x), px(y)), text);
 }
 
-std::string Svg::element() const {
-  return fmt::format("<svg class=\"drawing\" width=\"{}\" height=\"{}\" role=\"img\">\n{}</svg>\n", px(width_), px(height_),
-                     marks_);
+std::string Svg::element(std::string_view title) const {
+  return fmt::format("<svg class=\"drawing\" width=\"{}\" height=\"{}\" role=\"img\" aria-label=\"{}\">\n{}</svg>\n", px(width_),
+                     px(height_), escape_html(title), marks_);
 }
 
 std::string Svg::file(std::string_view title) const {

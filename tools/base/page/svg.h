@@ -42,8 +42,8 @@ class Svg {
   void text(std::string_view kind, double x, double y, std::string_view text);
   void text_upwards(std::string_view kind, double x, double y, std::string_view text);
 
-  // As a part of a page by compose_page().
-  [[nodiscard]] std::string element() const;
+  // As a part of a page by compose_page(). `title`: what it shows, for those who do not see it.
+  [[nodiscard]] std::string element(std::string_view title) const;
   // As a file of its own, with its colours in it, for light and dark pages.
   [[nodiscard]] std::string file(std::string_view title) const;
 

@@ -1,7 +1,6 @@
 #include "tools/program/cli/arguments.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdio>
 #include <stdexcept>
@@ -22,9 +21,6 @@ namespace {
 constexpr std::string_view program_footer = R"(
 Exit status: 0 good, 1 a check failed, 2 bad input, 130 interrupted. Errors go to stderr.
 `slipbench COMMAND --help` explains a command. Start with: slipbench run scenes/papillarray/stage.yaml)";
-
-// Of the command line's fixed part: later versions have them.
-constexpr std::array<std::string_view, 1> later_commands{"view"};
 
 // What a footer begins with is there for the source only.
 std::string without_first_line_end(std::string_view footer) { return std::string(footer.substr(1)); }
@@ -76,9 +72,6 @@ std::vector<std::string> repeat_set(const std::vector<std::string>& words) {
 void refuse_unknown_command(const std::vector<std::string>& words, const std::vector<std::string>& names) {
   const auto word = std::ranges::find_if(words, [](const std::string& a) { return !a.starts_with('-'); });
   if (word == words.end() || std::ranges::find(names, *word) != names.end()) return;
-  if (std::ranges::find(later_commands, *word) != later_commands.end()) {
-    throw InputError(fmt::format("command '{}' is not available in this version; available: {}", *word, fmt::join(names, ", ")));
-  }
   throw InputError(fmt::format("unknown command '{}'{} commands: {}", *word, suggestion(*word, names), fmt::join(names, ", ")));
 }
 

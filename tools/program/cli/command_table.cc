@@ -16,6 +16,7 @@
 #include "tools/program/cli/simulation_commands.h"
 #include "tools/program/cli/train_command.h"
 #include "tools/program/cli/verify_command.h"
+#include "tools/program/cli/view_command.h"
 
 namespace slipbench {
 
@@ -23,8 +24,9 @@ Commands command_table() {
   const auto study = [](const char* name, const char* summary) {
     return std::make_unique<CommandElsewhere>(name, summary, "slipbench-studies");
   };
-  Commands commands = make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ExportCommand, ImportCommand,
-                                    VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand>();
+  Commands commands =
+      make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand, ImportCommand,
+                    VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand>();
   commands.push_back(study("reproduce", "Reproduce a table of a paper"));
   commands.push_back(std::make_unique<CostCommand>());
   commands.push_back(study("bench", "Count the instructions of the reference scenes"));

@@ -192,11 +192,12 @@ int SimulationCommand::run() {
   const std::vector<Warning> shown = converter_warnings(summary.trials);
   print_warnings(shown);
   warnings.insert(warnings.end(), shown.begin(), shown.end());
+  const bool sums_up = !quiet && !brief;
   if (json) {
     print_json(finished, warnings, trials);
-  } else if (summary.was_complete && !quiet) {
+  } else if (summary.was_complete && sums_up) {
     fmt::print("{} is complete, with {} trials: there is nothing to resume\n", sweep.output, summary.resumed);
-  } else if (!quiet && !summary.interrupted && !summary.trials.empty()) {
+  } else if (sums_up && !summary.interrupted && !summary.trials.empty()) {
     print_summary(sweep, finished, catalogues);
   }
   if (!summary.damaged.empty()) {

@@ -15,6 +15,7 @@ class SimulationCommand : public Command {
   int run() override;
 
   SweepOptions sweep;
+  bool brief = false;  // progress and errors, no summary: for a command that says itself what came of it
 
  protected:
   // The options of both; --trials, which they read differently, goes to `trials`.

@@ -25,6 +25,7 @@
 namespace slipbench {
 namespace {
 
+constexpr std::size_t units_in_full = 40;             // of a sensor with more, those that touch alone have a row
 constexpr double degrees = 180.0 / std::numbers::pi;  // of one radian
 constexpr std::array<const char*, 4> state_names{"none", "non-slip", "incipient", "gross"};
 
@@ -61,15 +62,22 @@ std::string class_text(const StateCounts& strict, const StateCounts& micro) {
 std::string sensor_text(const SensorSummary& sensor, const SensorAbout& about, const Style& style) {
   const std::size_t units = sensor.units.size();
   Table table({"unit", "touch", "first micro-slip", "full slip", "order", "slipped", "load at end", "margin at end"});
+  std::size_t left_out = 0;
   for (std::size_t u = 0; u < units; ++u) {
     const UnitOutcome& unit = sensor.units[u];
+    if (units > units_in_full && std::isnan(unit.touch_time)) {
+      ++left_out;
+      continue;
+    }
     table.add({about.unit_names[u], onset_text(unit.touch_time), onset_text(unit.micro_onset_time), onset_text(unit.onset_time),
                rank_text(sensor.units, unit.onset_time), fmt::format("{:.2f} mm", 1e3 * unit.slip_distance),
                fmt::format("{:.2f} N", unit.load), margin_text(unit.margin)});
   }
   const std::string title =
       fmt::format("{}  {}, {} units at {:g} Hz\n", style.heading(sensor.name), about.type, units, about.rate);
-  return title + table.text(style) + class_text(sensor.state_count, sensor.state_micro_count);
+  const std::string others =
+      left_out == 0 ? "" : fmt::format("  {} of the {} units never touch and are not shown\n", left_out, units);
+  return title + (left_out == units ? "" : table.text(style)) + others + class_text(sensor.state_count, sensor.state_micro_count);
 }
 
 // A value as a person reads it: four digits in the most readable unit.

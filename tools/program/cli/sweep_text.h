@@ -37,7 +37,7 @@ struct SensorAbout {
 // Of each sensor of a scene. A unit is named where its sensor names it ("P0_FX"), else it has its number.
 std::vector<SensorAbout> sensors_of(const Scene& scene);
 
-// One trial in full: a table of the units of each sensor (touch, first micro-slip, full slip and its rank, slipped distance, load
+// One trial in full: a table of the units of each sensor, of one with more than 40 of those that touch (touch, first micro-slip, full slip and its rank, slipped distance, load
 // and margin at the end), the pad's gross slip, the shares of the classes, and a line each on the detector and the grasp where
 // there are such. `sensors` in the order of the trial's.
 std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>& sensors, const Style& style);

@@ -94,7 +94,7 @@ std::string roc_drawing(const Json& result) {
   std::vector<std::array<double, 2>> way;
   for (const Json& point : result.at("roc")) way.push_back({across.at(point[1].get<double>()), up.at(point[2].get<double>())});
   svg.polyline("s0", way);
-  return svg.element();
+  return svg.element("ROC, area " + area);
 }
 
 std::string calibration_drawing(const Json& result) {
@@ -107,7 +107,7 @@ std::string calibration_drawing(const Json& result) {
     svg.dot("s0", way.back()[0], way.back()[1], 3.5);
   }
   svg.polyline("s0", way);
-  return svg.element();
+  return svg.element("Calibration: share that slips against the probability said");
 }
 
 std::string histogram(const std::vector<double>& delays) {
@@ -127,7 +127,7 @@ std::string histogram(const std::vector<double>& delays) {
     const double high = up.at(counts[k]);
     if (counts[k] > 0.0) svg.bar("s0", left + bar * static_cast<double>(k) + 0.5, high, bar - 1.0, foot - high);
   }
-  return svg.element();
+  return svg.element(fmt::format("Histogram of the delays of the {} trials seen", delays.size()));
 }
 
 // A dot a trial that was seen, and at the upper edge one for each that was missed.
@@ -150,11 +150,11 @@ std::string scatter(const Json& result, const char* key, double scale, const std
   if (places.empty() || delays.empty() || std::ranges::min(places) == std::ranges::max(places)) return {};
   const Axis across = decades ? page::decade_axis(places, left, right) : axis_for(places, left, right);
   const Axis up = axis_for(delays, foot, top + 12.0);
-  Svg svg = chart("Delay", across, name, up, "delay [ms]");
+  Svg svg = chart("Delay against " + name.substr(0, name.find(" [")), across, name, up, "delay [ms]");
   for (const Dot& dot : dots) svg.dot(dot.delay ? "s0" : "s1", across.at(dot.x), dot.delay ? up.at(*dot.delay) : top + 3.0, 2.5);
   if (dots.size() > delays.size())
     svg.text("small end", right, top - 4.0, fmt::format("{} missed: at the upper edge", dots.size() - delays.size()));
-  return svg.element();
+  return svg.element("Delay [ms] against the " + name);
 }
 
 std::string section(const std::string& title, const std::string& content, const std::string& note = "") {

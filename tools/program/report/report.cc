@@ -34,30 +34,92 @@ namespace slipbench {
 
 namespace {
 
-// Curve values embedded in all, so that the page stays below some 6 MB: six 4 s trials of nine pillars at 1 kHz fit in full.
-constexpr std::size_t curve_values_in_page = 4'000'000;
+// A page in all [bytes]: it can be sent by mail, and a browser opens it at once. Its rows and curves share what its scripts leave.
+constexpr std::size_t page_bytes = 19'000'000;
+constexpr std::size_t script_bytes = 700'000;
+constexpr std::size_t least_curve_bytes = 2'000'000;  // where the rows of very many trials leave less
 
-constexpr std::size_t trials_in_page = 6;
+// Values of one trial's curves at most, which take some 3 MB where there is noise on them; and the rows below which curves say little.
+constexpr std::size_t most_curve_values = 4'000'000;
+constexpr std::size_t least_curve_rows = 24;
 
-// A trial of a grasp is small, 18 kB where 9 pillars are sampled at 100 Hz for 5 s, and every one of a set of trials is worth a
-// look.
-constexpr std::size_t grasps_in_page = 300;
-constexpr std::size_t curve_values_of_grasp = 100'000;
+// The curves of one trial, as the page holds them.
+struct TrialCurves {
+  Json sensors = Json::array();
+  Json grasp = nullptr;
+
+  [[nodiscard]] std::size_t bytes() const { return sensors.dump().size() + (grasp.is_null() ? 0 : grasp.dump().size()); }
+  // Values of the sensor that has most, a row of its curves.
+  [[nodiscard]] std::size_t columns() const {
+    std::size_t most = 0;
+    for (const Json& sensor : sensors) {
+      std::size_t sum = 0;
+      for (const Json& curve : sensor.at("curves")) sum += curve.at("data").at("columns").get<std::size_t>();
+      most = std::max(most, sum);
+    }
+    return most;
+  }
+};
+
+TrialCurves curves_of(const TrialRecord& record, std::size_t values, const std::string& subject) {
+  TrialCurves curves;
+  for (const SensorRecord& sensor : record.sensors) {
+    curves.sensors.push_back(
+        report::trial_payload(sensor, record.control ? &*record.control : nullptr, values / record.sensors.size()));
+  }
+  if (record.outcome.grasp && !record.sensors.empty()) curves.grasp = report::grasp_payload(record, values, subject);
+  return curves;
+}
+
+// Shares out among trials what the page has for curves. Every trial opens as long as its share holds rows enough to see something.
+class CurveShares {
+ public:
+  // `first`: a trial like the others; `row_bytes`: what `rows` rows of the overview take.
+  CurveShares(const TrialRecord& first, const std::string& subject, std::size_t trials, std::size_t row_bytes) {
+    if (first.sensors.empty()) return;
+    const TrialCurves whole = curves_of(first, most_curve_values, subject);
+    const std::size_t samples = std::max<std::size_t>(1, first.num_samples());
+    values_ = std::min(most_curve_values, whole.columns() * samples * first.sensors.size());
+    least_values_ = std::min(values_, whole.columns() * least_curve_rows * first.sensors.size());
+    const std::size_t taken = script_bytes + row_bytes;
+    const std::size_t room = taken + least_curve_bytes < page_bytes ? page_bytes - taken : least_curve_bytes;
+    const std::size_t least = curves_of(first, least_values_, subject).bytes() * 11 / 10;  // others may take more
+    count_ = std::clamp<std::size_t>(room / least, 1, trials);
+    each_ = room / count_;
+  }
+
+  // Of how many trials the page has the curves.
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+  // As fine as the share allows. What one trial takes less is not given to others, so that all are alike.
+  TrialCurves take(const TrialRecord& record, const std::string& subject) {
+    while (true) {
+      TrialCurves curves = curves_of(record, values_, subject);
+      const std::size_t bytes = curves.bytes();
+      if (bytes <= each_ || values_ <= least_values_) return curves;
+      const double share = 0.9 * static_cast<double>(each_) / static_cast<double>(bytes);
+      values_ = std::max(least_values_, static_cast<std::size_t>(share * static_cast<double>(values_)));
+    }
+  }
+
+ private:
+  std::size_t values_ = 0, least_values_ = 0;
+  std::size_t count_ = 1;
+  std::size_t each_ = 0;  // bytes
+};
 
 // The trials whose curves go into the page: the one asked for and others at equal distances over the file.
-std::vector<std::size_t> embedded_trials(const std::vector<std::size_t>& trials, const ReportOptions& options, bool grasps) {
-  const std::size_t count = std::min(options.max_trials.value_or(grasps ? grasps_in_page : trials_in_page), trials.size());
+std::vector<std::size_t> embedded_trials(const std::vector<std::size_t>& trials, std::size_t count,
+                                         const std::optional<std::size_t>& asked) {
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < count; ++i) {
     chosen.push_back(trials[count == 1 ? 0 : i * (trials.size() - 1) / (count - 1)]);
   }
-  if (options.trial && std::find(chosen.begin(), chosen.end(), *options.trial) == chosen.end()) {
+  if (asked && std::find(chosen.begin(), chosen.end(), *asked) == chosen.end()) {
     // It takes the place of the nearest one.
-    const auto distance = [&](std::size_t trial) {
-      return trial > *options.trial ? trial - *options.trial : *options.trial - trial;
-    };
+    const auto distance = [&](std::size_t trial) { return trial > *asked ? trial - *asked : *asked - trial; };
     *std::min_element(chosen.begin(), chosen.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); }) =
-        *options.trial;
+        *asked;
   }
   return chosen;
 }
@@ -88,10 +150,10 @@ Json drawn_parameters(const std::string& params, const std::string& subject) {
   return result;
 }
 
-// One row of the overview; with `curve_values` above 0 the trial's curves are added to `curves`, and those of a grasp to
-// `grasps`.
-Json trial_row(const TrialRecord& record, const std::string& file, std::size_t curve_values, Json& curves, Json& grasps) {
-  const std::string subject = file + ": /data/demo_" + std::to_string(record.trial);
+std::string subject_of(const std::string& file, std::size_t trial) { return file + ": /data/demo_" + std::to_string(trial); }
+
+// One row of the overview.
+Json trial_row(const TrialRecord& record, const std::string& subject) {
   Json row = {{"index", record.trial},
               {"seed", std::to_string(record.seed)},
               {"samples", record.num_samples()},
@@ -102,10 +164,6 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
     report::check_labels(sensor, subject);
     for (const double time : report::touch_times(sensor.labels)) first_touch = std::fmin(first_touch, time);
     row["sensors"][sensor.name] = report::summarise(sensor);
-    if (curve_values > 0) {
-      curves[std::to_string(record.trial)].push_back(
-          report::trial_payload(sensor, record.control ? &*record.control : nullptr, curve_values / record.sensors.size()));
-    }
   }
   if (record.control && !record.control->controller.empty()) row["controller"] = record.control->controller;
   if (record.control && !record.control->detector.empty()) {
@@ -119,11 +177,7 @@ Json trial_row(const TrialRecord& record, const std::string& file, std::size_t c
                        {"false_alarm_s", report::number_or_null(record.outcome.false_alarm_time)}};
   }
   if (!record.outcome.saturated.empty()) row["saturated"] = record.outcome.saturated;
-  if (record.outcome.grasp) {
-    row["grasp"] = report::grasp_summary(*record.outcome.grasp);
-    if (curve_values > 0 && !record.sensors.empty())
-      grasps[std::to_string(record.trial)] = report::grasp_payload(record, curve_values, subject);
-  }
+  if (record.outcome.grasp) row["grasp"] = report::grasp_summary(*record.outcome.grasp);
   row["motion_start_s"] =
       report::number_or_null(record.outcome.grasp ? report::lift_time(record) : report::motion_start(record, first_touch));
   return row;
@@ -172,10 +226,12 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   }
   if (options.trial) dataset.check_recorded(*options.trial);
   const bool of_grasps = parse_outcome(dataset.info(trials.front()).outcome).grasp.has_value();
-  const std::vector<std::size_t> embedded = embedded_trials(trials, options, of_grasps);
+  const TrialRecord first = dataset.read_trial(trials.front());
+  const std::string first_subject = subject_of(dataset_path, trials.front());
+  CurveShares shares(first, first_subject, std::min(trials.size(), options.max_trials.value_or(trials.size())),
+                     trial_row(first, first_subject).dump().size() * std::min(trials.size(), options.max_rows));
+  const std::vector<std::size_t> embedded = embedded_trials(trials, shares.count(), options.trial);
   const std::vector<std::size_t> shown = rows_of(trials, embedded, options.max_rows);
-  const std::size_t curve_values =
-      std::max(curve_values_in_page / embedded.size(), of_grasps ? curve_values_of_grasp : std::size_t{0});
 
   const DatasetHeader& header = dataset.header();
   Json page = {{"file", std::filesystem::path(dataset_path).filename().string()},
@@ -186,13 +242,14 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
                {"scene", header.scene},
                {"overrides", parse_json(header.overrides, dataset_path + ": attribute overrides")},
                {"content_sha256", dataset.content_sha256()},
+               {"trials_in_file", trials.size()},
+               {"recorded", Json::array()},
                {"complete", dataset.complete()},
                {"failed", Json::parse(failures_json(dataset.failed()))},
                {"open", options.trial ? Json(*options.trial) : Json(nullptr)}};
 
   Json rows = Json::array();
-  Json curves = Json::object();
-  Json grasps = Json::object();
+  std::vector<std::pair<std::string, Json>> recordings;
   Json types = Json::object();
   std::vector<Json> drawn;
   std::map<std::string, ConverterUse> converters;
@@ -200,9 +257,16 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   for (const std::size_t trial : trials) {
     check.add(trial);
     if (!std::ranges::binary_search(shown, trial)) continue;
-    const bool embed = std::find(embedded.begin(), embedded.end(), trial) != embedded.end();
     const TrialRecord record = dataset.read_trial(trial);
-    rows.push_back(trial_row(record, dataset_path, embed ? curve_values : 0, curves, grasps));
+    const std::string subject = subject_of(dataset_path, trial);
+    rows.push_back(trial_row(record, subject));
+    if (!record.sensors.empty() && std::ranges::find(embedded, trial) != embedded.end()) {
+      TrialCurves own = trial == options.trial ? curves_of(record, most_curve_values, subject) : shares.take(record, subject);
+      page["recorded"].push_back(trial);
+      if (!own.grasp.is_null()) page["grasps"] = true;
+      recordings.emplace_back("recording-" + std::to_string(trial),
+                              Json{{"sensors", std::move(own.sensors)}, {"grasp", std::move(own.grasp)}});
+    }
     drawn.push_back(rows.back()["params"]);
     count_converters(record, converters);
     for (const SensorRecord& sensor : record.sensors) types[sensor.type] = report::view_payload(sensor.type);
@@ -218,24 +282,26 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   std::ranges::move(converter_warnings(converters), std::back_inserter(warnings));
   page["warnings"] = warnings_json(warnings);
   page["trials"] = std::move(rows);
-  page["curves"] = std::move(curves);
   page["sensor_types"] = std::move(types);
   page["axes"] = report::axes(drawn);
-  if (!grasps.empty()) page["grasps"] = std::move(grasps);
   if (of_grasps) {
     page["grasp_parameters"] =
         report::grasp_parameters(header.scene, page["overrides"], drawn.front(), dataset_path + ": attribute scene");
   }
 
   const auto description = page["description"].get<std::string>();
-  return report::report_page(description.empty() ? page["file"].get<std::string>() : description, page);
+  return report::report_page(description.empty() ? page["file"].get<std::string>() : description, page, recordings);
 }
 
 }  // namespace
 
+void check_report_target(const std::string& html_path, const std::string& dataset_path) {
+  check_text_target(html_path, {dataset_path}, {"report", &report::begins_as_report});
+}
+
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options) {
   if (options.max_trials == std::size_t{0}) throw std::logic_error("a report embeds at least one trial");
-  check_text_target(html_path, {dataset_path}, {"report", &report::begins_as_report});
+  check_report_target(html_path, dataset_path);
   write_text_file(html_path, guarded(dataset_path, [&] { return page_of(dataset_path, options); }));
 }
 

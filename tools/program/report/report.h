@@ -9,11 +9,15 @@ namespace slipbench {
 
 struct ReportOptions {
   std::optional<std::size_t> trial;  // trial (k of demo_<k>) to open the page on; empty: the overview, or the only trial
-  // Trials whose curves are embedded, spread over the file; at least 1. Empty: 6, of a grasp 300.
+  // Trials whose curves are embedded at most, spread over the file; at least 1. Empty: all, or as many as 19 MB have room for with 24 rows a
+  // curve. Where there is no room for every sample, curves are thinned, but those of `trial`.
   std::optional<std::size_t> max_trials = {};
   // Trials in the overview, at most, spread likewise; the page says how many there are. Those with curves come on top. A trial takes 400 bytes or more.
   std::size_t max_rows = 20'000;
 };
+
+// Throws InputError when `html_path` cannot be written or holds anything but a report.
+void check_report_target(const std::string& html_path, const std::string& dataset_path);
 
 // Reads the dataset at `dataset_path` (HDF5, tools/base/dataset) in a child process (tools/base/dataset/guarded.h) and writes the page to
 // `html_path`, under a temporary name first. Trials of any length are shown.

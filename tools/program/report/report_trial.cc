@@ -108,16 +108,10 @@ Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std
 
   Json payload = {{"name", sensor.name},
                   {"type", sensor.type},
-                  {"rate_hz", sensor.rate},
-                  {"frame", sensor.frame},
                   {"place", sensor.follows.empty() ? sensor.name : sensor.follows},
                   {"touch_s", numbers_or_null(touch_times(labels))},
                   {"micro_onset_s", numbers_or_null(labels.micro_onset_time)},
                   {"onset_s", numbers_or_null(labels.onset_time)},
-                  {"k_normal", numbers_or_null(labels.k_normal)},
-                  {"k_tangential", numbers_or_null(labels.k_tangential)},
-                  {"mu_static", numbers_or_null(labels.mu_static)},
-                  {"mu_kinetic", numbers_or_null(labels.mu_kinetic)},
                   {"time", page::pack_times(sensor.time)},
                   {"stride", stride}};
   for (std::size_t unit = 0; unit < units; ++unit) {

@@ -38,6 +38,17 @@ TEST(DrawnPage, DataCannotEndItsElement) {
             "</script><script>alert('x')</script><!-- {{title}} é 漢 \xef\xbf\xbd");
 }
 
+// What may be read later stands after the scripts, and cannot end its element either.
+TEST(DrawnPage, FurtherDataFollowsTheScripts) {
+  const std::string page =
+      compose_drawn_page({"slipbench", "title"}, files, Json::object(), {{"later-1", {{"text", hostile}}}, {"later-2", 7}});
+  EXPECT_THAT(page, Not(HasSubstr("<script>alert")));
+  const std::size_t first = page.find("<script type=\"application/json\" id=\"later-1\">"), scripts = page.find("one();");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_LT(scripts, first);
+  EXPECT_THAT(page.substr(first), HasSubstr("<script type=\"application/json\" id=\"later-2\">7</script>"));
+}
+
 // A page allows its own style and script by what stands in them, and nothing else.
 TEST(DrawnPage, CarriesAPolicy) {
   const std::string page = compose_drawn_page({"slipbench", "title"}, files, Json::object());

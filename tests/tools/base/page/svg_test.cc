@@ -40,8 +40,8 @@ TEST(Svg, WritesMarksAndEscapesTexts) {
   svg.bar("s2", 7.0, 8.0, 9.0, 10.0);
   svg.text("name", 1.0, 2.0, "a < b");
   svg.text_upwards("middle", 1.0, 2.0, "up");
-  EXPECT_EQ(svg.element(),
-            "<svg class=\"drawing\" width=\"100\" height=\"50.5\" role=\"img\">\n"
+  EXPECT_EQ(svg.element("a \"b\""),
+            "<svg class=\"drawing\" width=\"100\" height=\"50.5\" role=\"img\" aria-label=\"a &quot;b&quot;\">\n"
             "<line class=\"mesh\" x1=\"1\" y1=\"2\" x2=\"3.1\" y2=\"4\"/>\n"
             "<polyline class=\"s0\" points=\"1,2 3.3,4\"/>\n"
             "<circle class=\"s1\" cx=\"5\" cy=\"6\" r=\"3.5\"/>\n"

@@ -103,12 +103,6 @@ TEST(Program, APipeIsNoScene) {
   expect_refusal({"run", pipe}, HasSubstr("pipe: is a pipe, no file"));
 }
 
-TEST(Program, CommandsOfLaterVersions) {
-  for (const char* command : {"view"}) {
-    expect_refusal({command}, HasSubstr(fmt::format("command '{}' is not available in this version; available: run", command)));
-  }
-}
-
 TEST(Program, UnknownNames) {
   expect_refusal({"describe", "papilarray"}, HasSubstr("did you mean 'papillarray'? `slipbench list` shows all names"));
   expect_refusal({"list", "effect"}, HasSubstr("did you mean 'effects'?"));

@@ -67,6 +67,25 @@ TEST(Summary, TrialShowsEveryUnit) {
             "  gross slip at 1.2500 s, 50.0 ms after the first micro-slip\n");
 }
 
+// Up to 40 units each has a row; of 41 those that touch, and the others are counted.
+TEST(Summary, OfManyUnitsThoseThatTouchAreShown) {
+  for (const std::size_t units : {40U, 41U}) {
+    TrialSummary trial = small_trial();
+    SensorAbout about{"skin", 2.0, {}};
+    trial.sensors[0].units.resize(units, trial.sensors[0].units[1]);
+    for (std::size_t u = 0; u < units; ++u) about.unit_names.push_back("U" + std::to_string(u));
+    const std::string text = trial_text(trial, {about}, Style(false));
+    EXPECT_THAT(text, HasSubstr("\n  U0 "));
+    EXPECT_EQ(text.find("\n  U39 ") == std::string::npos, units == 41U);
+    EXPECT_EQ(text.find("\n  40 of the 41 units never touch and are not shown\n") == std::string::npos, units == 40U);
+    if (units == 40U) continue;
+    // Without a touch there is no table at all.
+    trial.sensors[0].units[0] = trial.sensors[0].units[1];
+    EXPECT_THAT(trial_text(trial, {about}, Style(false)),
+                HasSubstr("at 2 Hz\n  41 of the 41 units never touch and are not shown\n"));
+  }
+}
+
 // 20 samples in contact: recalls 3/4, 2/3 and 12/13, and 2 + 1 + 12 of 16 that slip are seen.
 DetectorSummary small_detector() { return {"ratio", "pad", {{{4, 1, 0, 0}, {0, 3, 1, 0}, {0, 1, 2, 0}, {0, 0, 1, 12}}}}; }
 

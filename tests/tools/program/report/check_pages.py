@@ -33,10 +33,10 @@ SENSORS = {"papillarray": ("1 mm", 0), "nib_pad": ("0.5 mm", 36), "piezo_skin": 
 PROBE = """<script>
 window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 0);  // without a screen there are few frames
 (async () => {
-  while (!document.querySelector('.pad-card svg .unit')) await new Promise(done => setTimeout(done, 20));
+  while (!document.querySelector('.pad-card svg .unit') || !document.querySelector('.cell button.link')) await new Promise(done => setTimeout(done, 20));
   const sb = window.slipbench, svg = document.querySelector('.pad-card svg .unit').closest('svg');
   const trial = sb.page.trials[0], sensor = sb.openingSensor(trial);
-  const recording = (await sb.recordings(trial.index)).find(one => one.name === sensor);
+  const recording = await sb.recording(trial.index, sensor);
   const shown = document.querySelector('.cell button.link').textContent;
   const opened = [...Array(recording.units).keys()].find(unit => sb.unitName(recording.type, unit) === shown);
   const slider = document.querySelector('.player input'), opens = slider.value;

@@ -34,7 +34,17 @@ Json data_of(const std::string& path) {
   const std::string page = read_text(path);
   const std::string mark = "id=\"slipbench-data\">";
   const std::size_t begin = page.find(mark) + mark.size();
-  return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+  const auto element = [&](std::size_t from) { return Json::parse(page.substr(from, page.find("</script>", from) - from)); };
+  Json data = element(begin);
+  // With the recordings, which stand after the scripts, by their trials.
+  data["curves"] = Json::object();
+  for (const Json& trial : data.at("recorded")) {
+    const std::string name = trial.dump(), id = "id=\"recording-" + name + "\">";
+    const Json recording = element(page.find(id) + id.size());
+    data["curves"][name] = recording.at("sensors");
+    if (!recording.at("grasp").is_null()) data["by_grasp"][name] = recording.at("grasp");
+  }
+  return data;
 }
 
 std::vector<TrialRecord> trials(std::size_t count) {
@@ -196,7 +206,7 @@ TEST(Report, HoldsAGrasp) {
   write_report(write_dataset("report_grasp.h5", grasp_scene, {sample_grasp(0)}), page_path("report_grasp.html"));
   const Json data = data_of(page_path("report_grasp.html"));
   EXPECT_EQ(data.at("trials").at(0).at("grasp").at("ideal_force_N"), 2.0);
-  EXPECT_EQ(data.at("grasps").at("0").at("lift_s"), 3e-3);
+  EXPECT_EQ(data.at("by_grasp").at("0").at("lift_s"), 3e-3);
   EXPECT_THAT(read_text(page_path("report_grasp.html")), HasSubstr("class GraspView"));
 }
 
@@ -207,7 +217,7 @@ TEST(Report, HoldsEveryGraspOfASet) {
   write_report(write_dataset("report_grasps.h5", grasp_scene, records), page_path("report_grasps.html"));
   const Json data = data_of(page_path("report_grasps.html"));
   EXPECT_EQ(embedded(data).size(), 9U);
-  EXPECT_EQ(data.at("grasps").size(), 9U);
+  EXPECT_EQ(data.at("by_grasp").size(), 9U);
   EXPECT_FALSE(data.at("grasp_parameters").empty());
 }
 
@@ -231,8 +241,7 @@ TEST(Report, ListsEveryTrialOfADataset) {
   EXPECT_EQ(data.at("trials").at(10).at("sensors").at("pad").at("gross_s"), 5.75e-3);
   EXPECT_EQ(data.at("axes").at(0).at("path"), "motion.speed");
   EXPECT_TRUE(data.at("axes").at(0).at("varied").get<bool>());
-  // Six of eleven at equal distances: i * 10 / 5.
-  EXPECT_THAT(embedded(data), ElementsAre("0", "2", "4", "6", "8", "10"));
+  EXPECT_EQ(embedded(data).size(), 11U);
 }
 
 TEST(Report, SaysWhoseConverterWasAtItsEnd) {

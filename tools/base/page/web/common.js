@@ -34,6 +34,12 @@ sb.element = (selector, attributes, ...children) => {
 };
 sb.colour = name => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
 
+// After the next frame has been shown; where none is, as in a tab behind others, soon.
+sb.painted = () => new Promise(done => {
+  requestAnimationFrame(() => setTimeout(done));
+  setTimeout(done, 200);
+});
+
 // Puts a text on the clipboard and says so on the button.
 sb.copy = async (button, text) => {
   const before = button.textContent;

@@ -66,8 +66,13 @@ sb.followTheme();
 const page = document.getElementById('page');
 const parts = [header()];
 if (explored) {
-  parts.push(data.interrupted ? interrupted() : null, sentences(), reference());
-  if (sb.choice.rows.length && sb.choice.measures.length) parts.push(sb.diagramSection(), sb.rowsSection());
+  const drawn = sb.choice.rows.length > 0 && sb.choice.measures.length > 0;
+  // The diagram first; before it only what it cannot be read without.
+  const doubtful = !data.reference.converged;
+  parts.push(
+      data.interrupted ? interrupted() : null, doubtful ? reference() : null, drawn ? sb.diagramSection() : null, sentences(),
+      doubtful ? null : reference());
+  if (drawn) parts.push(sb.rowsSection());
   if ((data.effects || []).length) parts.push(sb.effectsSection(data.effects));
 }
 if (stability) parts.push(sb.stabilitySection(stability));

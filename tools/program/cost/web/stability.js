@@ -54,7 +54,8 @@ function scaleOf(values, range) {
 function panel(title, combinations, across, by, xLevels, steps, byLevels) {
   const box = {width: 380, height: 300, left: 52, right: 10, top: 8, bottom: 42};
   const node = el('div', {}, el('h3', {}, title));
-  const svg = d3.select(node).append('svg').attr({viewBox: '0 0 ' + box.width + ' ' + box.height, class: 'map'});
+  const svg = d3.select(node).append('svg').attr(
+      {viewBox: '0 0 ' + box.width + ' ' + box.height, class: 'map', role: 'img', 'aria-label': 'Longest stable step: ' + title});
   const x = scaleOf(xLevels, [box.left, box.width - box.right]);
   const y = d3.scale.log().domain(steps).range([box.height - box.bottom, box.top]);
   for (const tick of x.ticks) {

@@ -13,17 +13,37 @@ const decades = 2.5;  // from the strongest value down to what is drawn as nothi
 // A spectrogram. spectrum: {bin_hz, window_s, time, columns: one a bin, unit}; each row stands for the window that ended at its time.
 class Spectrogram {
   constructor(parent, timeline, spectrum, height) {
-    Object.assign(this, {timeline, spectrum, height});
+    const title = 'Spectrogram of ' + spectrum.name;
+    Object.assign(this, {timeline, spectrum, height, title});
     this.node = el('div.chart');
-    this.canvas = el('canvas', {style: 'display:block;width:100%;height:' + height + 'px', role: 'img', 'aria-label': 'Spectrogram'});
+    this.canvas = el('canvas', {style: 'display:block;width:100%;height:' + height + 'px', role: 'img', 'aria-label': title + ', Hz, over time'});
     this.node.append(this.canvas);
     parent.append(this.node);
+    this.node.classList.add('saved');
+    this.node.append(sb.saveButtons({title: () => title, drawing: () => this.drawing(), rows: () => this.savedRows()}));
     this.picture = this.paint();
     sb.attachTimeInput(this.node, timeline);
     sb.attachCursor(this.node, timeline, this);
     for (const what of ['window', 'theme']) timeline.on(what, () => this.draw(), this);
     new ResizeObserver(() => this.draw()).observe(this.node);
     this.draw();
+  }
+
+  savedRows() {
+    const {time, columns, bin_hz, unit} = this.spectrum;
+    const head = columns.map((_, bin) => sb.significant(bin * bin_hz, 6) + ' Hz [' + unit + ']');
+    return [['t [s]', ...head], ...Array.from(time, (t, row) => [t, ...columns.map(column => column[row])])];
+  }
+
+  drawing() {
+    const width = this.node.clientWidth, [from, to] = this.timeline.window;
+    const drawing = new sb.Drawing(width, this.height + 20);
+    drawing.picture(0, 0, width, this.height, this.canvas);
+    for (const t of d3.scale.linear().domain([from, to]).ticks(8)) {
+      const x = sb.axisWidth + (t - from) / (to - from) * (width - sb.axisWidth - sb.rightGap);
+      drawing.text(x, this.height + 14, sb.significant(+t.toFixed(5), 6) + ' s', 'middle');
+    }
+    return drawing;
   }
 
   // One pixel a bin and row, the highest bin on top.
@@ -98,6 +118,7 @@ function channelCharts(channel, recording, timeline) {
     const names = group.columns.map(i => channel.names[i]);
     host.append(sb.legendOf(names.map((name, i) => ({name, colour: sb.channelColours[i]}))));
     chart = new sb.LineChart(host, timeline, {
+      name: sb.channelWord(recording.type, channel.key).name + (group.name ? ' ' + group.name : ''),
       rows: channel.time,
       columns: group.columns.map(i => channel.columns[i]),
       labels: names,
@@ -113,7 +134,7 @@ function channelCharts(channel, recording, timeline) {
   };
   const word = sb.channelWord(recording.type, channel.key);
   const unit = sb.symbol(channel.unit) ? ', ' + sb.symbol(channel.unit) : '';
-  const select = groups.length > 1 && el('select', {onchange: event => draw(groups[+event.target.value])},
+  const select = groups.length > 1 && el('select', {'aria-label': 'Values of ' + word.name, onchange: event => draw(groups[+event.target.value])},
                                          groups.map((group, i) => el('option', {value: i}, group.name)));
   node.append(
       el('div.chart-title', {}, el('span', {}, el('b', {}, word.name + unit), ' ', word.note)),

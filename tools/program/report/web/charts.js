@@ -100,7 +100,8 @@ function hatch(context, colour) {
 
 // Rows of states over time. rows: [{name, runs, kinds: sb.states.unit or sb.states.pad}].
 class StateRows {
-  constructor(parent, timeline, rows, rowHeight) {
+  constructor(parent, timeline, rows, rowHeight, title) {
+    this.title = title;
     this.timeline = timeline;
     this.rows = rows;
     this.rowHeight = rowHeight;
@@ -108,16 +109,42 @@ class StateRows {
     this.canvas = sb.element('canvas', {
       style: 'display:block;width:100%;height:' + rows.length * rowHeight + 'px',
       role: 'img',
-      'aria-label': 'States over time of ' + rows.map(row => row.name).join(', ')
+      'aria-label': title + ', over time, of ' + rows.map(row => row.name).join(', ')
     });
     this.node.append(this.canvas);
     parent.append(this.node);
+    save(this.node, this);
     attachTimeInput(this.node, timeline);
     attachCursor(this.node, timeline, this);
     this.node.querySelector('.cursor').style.bottom = '0';
     for (const what of ['window', 'theme']) timeline.on(what, () => this.draw(), this);
     new ResizeObserver(() => this.draw()).observe(this.node);
     this.draw();
+  }
+
+  savedRows() {
+    const states = row => row.runs.map(run => [row.name, row.kinds[run.state].name, run.from, run.to]);
+    return [['row', 'state', 'from [s]', 'to [s]'], ...this.rows.flatMap(states)];
+  }
+
+  drawing() {
+    const width = this.node.clientWidth, [from, to] = this.timeline.window;
+    const drawing = new sb.Drawing(width, this.rows.length * this.rowHeight + 20);
+    const plot = width - axisWidth - rightGap, x = t => axisWidth + (t - from) / (to - from) * plot;
+    const bar = Math.max(1, this.rowHeight - (this.rowHeight > 8 ? 4 : 0));
+    this.rows.forEach((row, index) => {
+      const bottom = (index + 1) * this.rowHeight - (this.rowHeight > 8 ? 2 : 0);
+      if (this.rowHeight >= 10) drawing.text(axisWidth - 6, bottom - bar / 2 + 4, row.name, 'end', sb.colour('ink'), Math.min(12, this.rowHeight - 1));
+      for (const run of row.runs) {
+        if (run.to < from || run.from > to) continue;
+        const left = Math.max(axisWidth, x(run.from)), key = row.kinds[run.state].key;
+        const size = this.rowHeight >= 10 ? bar * stateHeight[key] : bar;
+        drawing.rect(left, bottom - size, Math.min(axisWidth + plot, x(run.to)) - left, size, stateColour(key));
+      }
+    });
+    for (const t of d3.scale.linear().domain([from, to]).ticks(8))
+      drawing.text(x(t), this.rows.length * this.rowHeight + 14, sb.significant(t, 6) + ' s', 'middle');
+    return drawing;
   }
 
   draw() {
@@ -157,8 +184,14 @@ class StateRows {
   }
 }
 
+// The buttons that save a chart over time, in its corner.
+function save(node, chart) {
+  node.classList.add('saved');
+  node.append(sb.saveButtons({title: () => chart.title, drawing: () => chart.drawing(), rows: () => chart.savedRows()}));
+}
+
 // Curves over time on bands of the sensor's state.
-// options: {rows: times, columns, labels, unit, colours, range: [low, high] or null, height, bands: runs, strip: runs or null,
+// options: {name: what it shows, in words; rows: times, columns, labels, unit, colours, range: [low, high] or null, height, bands: runs, strip: runs or null,
 // solid: no dashes, step: values stay until the next, and all optional: lines: [{value, text, colour}] across, marks: [{time, text, colour}]
 // down, points: [{time, value, text}] on a curve; values in SI}
 class LineChart {
@@ -198,6 +231,14 @@ class LineChart {
       drawCallback: graph => this.notes && this.drawNotes(graph),
     });
     if (this.notes) this.node.append(this.notes);
+    this.title = options.name;
+    // One of dygraphs' canvases bears the name for all.
+    this.node.querySelectorAll('canvas').forEach((canvas, i) => {
+      if (i) return canvas.setAttribute('aria-hidden', 'true');
+      canvas.setAttribute('role', 'img');
+      canvas.setAttribute('aria-label', options.name + ', ' + sb.symbol(options.unit) + ', over time');
+    });
+    save(this.node, this);
     attachTimeInput(this.node, timeline);
     attachCursor(this.node, timeline, this);
     timeline.on('window', () => this.graph.updateOptions({dateWindow: timeline.window.slice()}), this);
@@ -232,6 +273,57 @@ class LineChart {
     }
   }
 
+  savedRows() {
+    const {rows, columns, labels, unit} = this.options, factor = sb.factor(unit), symbol = sb.symbol(unit);
+    return [
+      ['t [s]', ...labels.map(label => symbol ? label + ' [' + symbol + ']' : label)],
+      ...Array.from(rows, (t, row) => [t, ...columns.map(column => column[row] * factor)])
+    ];
+  }
+
+  // What the page shows of it, in the time window of the page.
+  drawing() {
+    const {rows, columns, unit, colours, bands, strip, solid, step, height, lines = [], marks = [], points = []} = this.options;
+    const width = this.node.clientWidth, [from, to] = this.timeline.window, [low, high] = this.graph.yAxisRange();
+    const drawing = new sb.Drawing(width, height + 20), foot = height - 20, factor = sb.factor(unit);
+    const plot = width - axisWidth - rightGap, x = t => axisWidth + (t - from) / (to - from) * plot;
+    const y = value => 16 + (foot - 16) * (high - value) / (high - low);
+    drawing.text(axisWidth, 11, this.title + (sb.symbol(unit) ? ', ' + sb.symbol(unit) : ''), 'start', sb.colour('ink'));
+    const band = (runs, top, size, colourOf) => {
+      for (const run of runs) {
+        const colour = colourOf(run.state);
+        if (colour && run.to > from && run.from < to)
+          drawing.rect(x(Math.max(from, run.from)), top, x(Math.min(to, run.to)) - x(Math.max(from, run.from)), size, colour);
+      }
+    };
+    band(bands, 16, foot - 16, state => state && sb.colour('band' + state));
+    if (strip) band(strip, foot - 5, 5, state => stateColour(sb.states.unit[state].key));
+    for (const tick of d3.scale.linear().domain([low, high]).ticks(5)) {
+      drawing.line(axisWidth, y(tick), axisWidth + plot, y(tick), sb.colour('grid'));
+      drawing.text(axisWidth - 6, y(tick) + 4, sb.significant(+tick.toFixed(9), 4), 'end');
+    }
+    for (const t of d3.scale.linear().domain([from, to]).ticks(8)) drawing.text(x(t), foot + 14, sb.significant(+t.toFixed(5), 6) + ' s', 'middle');
+    let legend = width - rightGap;
+    columns.forEach((column, i) => {
+      const inside = (t, row) => t >= from && t <= to && isFinite(column[row]) ? [x(t), y(column[row] * factor)] : null;
+      drawing.curve(Array.from(rows, inside), sb.colour(colours[i]), i === 1 && !solid ? '6 3' : null, step);
+    });
+    [...this.options.labels].reverse().forEach((label, i) => {
+      drawing.text(legend, 11, label, 'end', sb.colour(colours[columns.length - 1 - i]));
+      legend -= 7 * label.length + 10;
+    });
+    for (const {time, text, colour} of marks) {
+      drawing.line(x(time), 16, x(time), foot, sb.colour(colour || 'soft'), '2 3');
+      drawing.text(x(time) + 4, foot - 5, text, 'start', sb.colour(colour || 'soft'));  // away from the points' texts
+    }
+    for (const {value, text, colour} of lines) {
+      drawing.line(axisWidth, y(value * factor), axisWidth + plot, y(value * factor), sb.colour(colour), '7 4');
+      drawing.text(axisWidth + plot - 4, y(value * factor) + 13, text, 'end', sb.colour(colour));
+    }
+    for (const {time, value, text} of points) drawing.text(x(time) + 6, y(value * factor) - 5, text, 'start', sb.colour('ink'));
+    return drawing;
+  }
+
   // Lines, marks and points of the options, each with its text, over the grid.
   drawNotes(graph) {
     const {lines = [], marks = [], points = [], unit} = this.options;
@@ -255,8 +347,14 @@ class LineChart {
       pen.stroke();
       pen.setLineDash([]);
     };
+    // A text that would lie on an earlier one stands below it.
+    const boxes = [];
     const write = (text, left, top, colour, align) => {
       pen.textAlign = align;
+      const wide = pen.measureText(text).width, start = align === 'right' ? left - wide : left;
+      const meets = box => start < box.end && box.start < start + wide && Math.abs(top - box.top) < 12;
+      for (let i = 0; text && i < boxes.length && boxes.some(meets); ++i) top += 13;
+      if (text) boxes.push({start, end: start + wide, top});
       pen.strokeStyle = sb.colour('ground');
       pen.lineWidth = 3;
       pen.strokeText(text, left, top);
@@ -292,6 +390,7 @@ sb.stateSwatch = key => {
   const ns = 'http://www.w3.org/2000/svg';
   const svg = document.createElementNS(ns, 'svg');
   svg.setAttribute('viewBox', '0 0 22 14');
+  svg.setAttribute('aria-hidden', 'true');  // its name stands beside it
   const rect = document.createElementNS(ns, 'rect');
   const height = 13 * stateHeight[key];
   for (const [name, value] of Object.entries({x: 1, width: 20, y: 13.5 - height, height})) rect.setAttribute(name, value);

@@ -157,13 +157,24 @@ class Recording {
 }
 
 sb.page = JSON.parse(document.getElementById('slipbench-data').textContent);
-sb.isEmbedded = index => String(index) in sb.page.curves;
+const recorded = new Set(sb.page.recorded);
+sb.isEmbedded = index => recorded.has(index);
+
+// Recordings stand after the scripts, so that the overview is drawn before they are read.
+const whole = new Promise(done => document.readyState === 'loading' ? document.addEventListener('DOMContentLoaded', done) : done());
+const parsed = {};
+// What the page holds of a trial: {sensors, grasp}.
+sb.recorded = async index => {
+  await whole;
+  parsed[index] = parsed[index] || JSON.parse(document.getElementById('recording-' + index).textContent);
+  return parsed[index];
+};
 const loaded = {};
-// The recordings of a trial, one a sensor.
-sb.recordings = index => {
-  if (!loaded[index]) {
-    loaded[index] = Promise.all(sb.page.curves[index].map(payload => Recording.load(index, payload)));
-  }
-  return loaded[index];
+// The recording of one sensor of a trial.
+sb.recording = async (index, sensor) => {
+  const {sensors} = await sb.recorded(index);
+  const key = index + ' ' + sensor;
+  loaded[key] = loaded[key] || Recording.load(index, sensors.find(({name}) => name === sensor));
+  return loaded[key];
 };
 })(window.slipbench);

@@ -69,7 +69,7 @@ function swept() {
                         [grid || !span ? distinct.length + ' values' : '', span].filter(part => part).join(', ');
     const more = page.trials.some(trial => endless(axis, trial)) ? (text ? ', ' : '') + sb.endless(axis.unit) : '';
     const cell = el('td.text');
-    if (axis.numeric && values.length) drawDots(cell, values, wide([distinct[0], distinct[distinct.length - 1]], 8, axis.unit));
+    if (axis.numeric && values.length) drawDots(cell, axis, values, wide([distinct[0], distinct[distinct.length - 1]], 8, axis.unit));
     return el(
         'tr', {}, el('td.text', {title: axis.path}, el('b', {}, sb.pathWord(axis.path))),
         el('td.text', {}, grid ? 'grid' : 'drawn'), el('td.text', {style: 'white-space:normal'}, text + more), cell);
@@ -85,18 +85,22 @@ function swept() {
 }
 
 // One tick a value along a line.
-function drawDots(parent, values, logarithmic) {
+function drawDots(parent, axis, values, logarithmic) {
   const [low, high] = d3.extent(values);
   const scale = (logarithmic ? d3.scale.log() : d3.scale.linear()).domain([low, high > low ? high : low + 1]).range([6, 154]);
-  const svg = d3.select(parent).append('svg').attr('width', 160).attr('height', 18);
+  const svg = d3.select(parent).append('svg').attr('width', 160).attr('height', 18).attr('role', 'img').attr(
+      'aria-label', sb.pathWord(axis.path) + ' of the trials, ' + plain(axis, low) + ' to ' + plain(axis, high));
   svg.append('line').attr('x1', 6).attr('x2', 154).attr('y1', 15).attr('y2', 15).style('stroke', 'var(--line)');
+  // Ticks at one place are one mark, as dark as they are together.
+  const places = d3.nest().key(value => scale(value).toFixed(0)).rollup(same => same.length).entries(values);
+  const through = values.length > 40 ? 0.75 : 0.4;
   svg.selectAll('path')
-      .data(values)
+      .data(places)
       .enter()
       .append('path')
-      .attr('d', value => 'M' + scale(value) + ',4V15')
+      .attr('d', place => 'M' + place.key + ',4V15')
       .style('stroke', 'var(--accent)')
-      .attr('stroke-opacity', values.length > 40 ? 0.25 : 0.6);
+      .attr('stroke-opacity', place => 1 - through ** place.values);
 }
 
 // Share of all samples in each state by each rule.
@@ -112,6 +116,9 @@ function balance(sensor) {
                   .attr('viewBox', '0 0 ' + width + ' ' + (sb.rules.length * (bar + gap + 12)))
                   .attr('role', 'img')
                   .attr('aria-label', 'Class balance by rule');
+  sb.saveCorner(host, svg.node(), 'Class balance', () => [
+    ['rule', ...sb.states.pad.map(state => state.name)], ...total.map((shares, row) => [sb.rules[row].name, ...shares])
+  ]);
   total.forEach((shares, row) => {
     const y = row * (bar + gap + 12);
     svg.append('text')
@@ -183,6 +190,8 @@ function durations(sensor) {
       .attr('y', bin => y(bin.y))
       .attr('height', bin => y(0) - y(bin.y))
       .style('fill', 'url(#hatch)');
+  sb.saveCorner(host, svg.node(), 'Length of the incipient phase',
+                () => [['from [ms]', 'to [ms]', 'trials'], ...bins.map(bin => [bin.x, bin.x + bin.dx, bin.y])]);
   return section;
 }
 
@@ -201,7 +210,11 @@ function logTicks(scale) {
 
 // An SVG with axes and their titles.
 function frame(host, box, x, y, xTitle, yTitle, xLog, yLog, yTicks = 5) {
-  const svg = d3.select(host).append('svg').attr('viewBox', '0 0 ' + box.width + ' ' + box.height);
+  const svg = d3.select(host)
+                  .append('svg')
+                  .attr('viewBox', '0 0 ' + box.width + ' ' + box.height)
+                  .attr('role', 'img')
+                  .attr('aria-label', yTitle + ' against ' + xTitle);
   const format = value => sb.significant(value, 4);
   const axis = (scale, orient, log, ticks) => {
     const made = d3.svg.axis().scale(scale).orient(orient).ticks(ticks).tickFormat(format).outerTickSize(0).tickPadding(6);
@@ -221,13 +234,11 @@ function frame(host, box, x, y, xTitle, yTitle, xLog, yLog, yTicks = 5) {
       .attr('y', box.height - 4)
       .attr('text-anchor', 'middle')
       .text(xTitle);
-  if (yTitle) {
-    svg.append('text')
-        .attr('class', 'title')
-        .attr('transform', 'translate(11,' + (box.top + box.height - box.bottom) / 2 + ')rotate(-90)')
-        .attr('text-anchor', 'middle')
-        .text(yTitle);
-  }
+  svg.append('text')
+      .attr('class', 'title')
+      .attr('transform', 'translate(11,' + (box.top + box.height - box.bottom) / 2 + ')rotate(-90)')
+      .attr('text-anchor', 'middle')
+      .text(yTitle);
   return svg;
 }
 sb.frame = frame;
@@ -241,6 +252,7 @@ function encoding(path) {
     const item = el('span');
     d3.select(item)
         .append('svg')
+        .attr('aria-hidden', 'true')
         .attr('viewBox', '-7 -7 14 14')
         .style('width', '14px')
         .append('path')
@@ -335,6 +347,7 @@ function scatter(sensor, open) {
     return 1e3 * (state.outcome.timed && state.relative ? time - trial.motion_start_s : time);
   };
   function draw() {
+    let waiting = Promise.resolve();
     const encoded = encoding(state.colour);
     legend.replaceChildren(...encoded.legend);
     const happened = page.trials.filter(trial => timeOf(trial) !== null);
@@ -373,15 +386,23 @@ function scatter(sensor, open) {
         return endless(axis, trial) ? box.width - box.right - 22 : value === 0 && zeros ? box.left + 13 : x(value);
       };
       const y = (yLog ? d3.scale.log() : d3.scale.linear()).domain(padded(times, yLog)).range([box.height - box.bottom, box.top]);
+      const panel = el('div');
+      host.append(panel);
       const svg = frame(
-          host, box, x, y, label(axis) + (xLog ? ' (log)' : ''), state.outcome.name + ', ms' + (yLog ? ' (log)' : ''), xLog,
+          panel, box, x, y, label(axis) + (xLog ? ' (log)' : ''), state.outcome.name + ', ms' + (yLog ? ' (log)' : ''), xLog,
           yLog);
       const name = (at, text) =>
           svg.append('text').attr('x', at).attr('y', box.height - box.bottom + 17).attr('text-anchor', 'middle').text(text);
       if (zeros) name(box.left + 13, '0');
       if (beyond) name(box.width - box.right - 22, sb.endless(axis.unit));
-      svg.selectAll('path.point')
-          .data(happened.filter(trial => endless(axis, trial) || valueOf(trial, axis.path) !== null))
+      const shown = happened.filter(trial => endless(axis, trial) || valueOf(trial, axis.path) !== null);
+      sb.saveCorner(panel, svg.node(), state.outcome.name + ' against ' + sb.pathWord(axis.path), () => [
+        ['trial', label(axis), state.outcome.name + ' [ms]'], ...shown.map(
+            trial => [trial.index, endless(axis, trial) ? sb.endless(axis.unit) : valueOf(trial, axis.path) * sb.factor(axis.unit), timeOf(trial)])
+      ]);
+      // Thousands of points: each picture in a frame of its own, the axes at once.
+      const draw = () => svg.selectAll('path.point')
+          .data(shown)
           .enter()
           .append('path')
           .attr('class', 'point')
@@ -403,6 +424,7 @@ function scatter(sensor, open) {
           .on('mouseout', () => {
             tip.style.display = 'none';
           });
+      waiting = waiting.then(sb.painted).then(() => panel.isConnected && draw());
     });
   }
   draw();
@@ -468,9 +490,7 @@ function table(sensor, open) {
     ...(page.trials.some(trial => trial.detector) ? detectorColumns : []),
     ...(sensor ? slipColumns(sensor) : []),
   ];
-  const rows = new Map(page.trials.map(
-      trial =>
-          [trial.index,
+  const rowOf = trial =>
            el('tr', {},
               el('td.text', {},
                  sb.isEmbedded(trial.index) ?
@@ -480,8 +500,14 @@ function table(sensor, open) {
                         {title: sb.reportCommand(trial), onclick: event => sb.copy(event.target, sb.reportCommand(trial))},
                         'copy command') :
                      null),
-              columns.map(column => el('td.' + column.kind, {}, column.text(trial))))]));
-  const body = el('tbody', {}, [...rows.values()]);
+              columns.map(column => el('td.' + column.kind, {}, column.text(trial))));
+  const body = el('tbody');
+  let order = page.trials;
+  // Rows are made as they come into view: thousands would keep the page's first picture waiting.
+  const fill = count => {
+    for (const trial of order.slice(body.children.length, count)) body.append(rowOf(trial));
+  };
+  const step = 100;
   const heads = columns.map(column => el('th.' + column.kind, {}, el('button', {onclick: () => sort(column)}, column.name)));
   let sorted = {column: columns[0], down: false};
   function sort(column) {
@@ -492,20 +518,35 @@ function table(sensor, open) {
       else
         head.removeAttribute('aria-sort');
     });
-    const order = (a, b) => {
+    const compare = (a, b) => {
       const [p, q] = [column.value(a), column.value(b)];
       if (p === q) return a.index - b.index;
       if (p === null) return 1;  // missing values last, whichever way
       if (q === null) return -1;
       return (p < q ? -1 : 1) * (sorted.down ? -1 : 1);
     };
-    body.replaceChildren(...page.trials.slice().sort(order).map(trial => rows.get(trial.index)));
+    order = page.trials.slice().sort(compare);
+    body.replaceChildren();
+    fill(step);
   }
   sb.pointAtRow = index => {
-    for (const row of rows.values()) row.classList.remove('current');
-    rows.get(index).classList.add('current');
-    rows.get(index).scrollIntoView({block: 'center', behavior: 'smooth'});
+    const place = order.findIndex(trial => trial.index === index);
+    fill(place + step);
+    for (const row of body.children) row.classList.remove('current');
+    body.children[place].classList.add('current');
+    body.children[place].scrollIntoView({block: 'center', behavior: 'smooth'});
   };
+  const scroller = el('div.scroll.tall', {
+    tabindex: 0,
+    role: 'region',
+    'aria-label': 'All trials',
+    onscroll: () => {
+      if (scroller.scrollTop + 2 * scroller.clientHeight > scroller.scrollHeight) fill(body.children.length + step);
+    }
+  },
+                      el('table', {}, el('thead', {}, el('tr', {}, el('th'), heads)), body));
+  fill(step);
+  window.addEventListener('beforeprint', () => fill(order.length));
   const embedded = page.trials.filter(trial => sb.isEmbedded(trial.index)).length;
   return el(
       'section', {}, el('h2', {}, 'Trials'),
@@ -520,8 +561,15 @@ function table(sensor, open) {
              [
                'The curves of ' + embedded + ' of ' + page.trials.length + ' trials are in this page; for another one run ',
                el('code', {}, 'slipbench report ' + page.file + ' --trial K'), '.'
-             ]),
-      el('div.scroll.tall', {}, el('table', {}, el('thead', {}, el('tr', {}, el('th'), heads)), body)));
+             ],
+         ' ',
+         Object.assign(
+             sb.saveButtons({
+               title: () => 'Trials',
+               rows: () => [columns.map(column => column.name), ...order.map(trial => columns.map(column => column.text(trial)))]
+             }),
+             {className: 'save plain'})),
+      scroller);
 }
 
 sb.reportCommand = trial => 'slipbench report ' + page.file + ' --trial ' + trial.index;

@@ -51,10 +51,10 @@ class GraspRecording {
 
 const loaded = {};
 // The grasp of a trial; null where it is none.
-sb.graspOf = index => {
-  const payload = (sb.page.grasps || {})[index];
-  if (!payload) return null;
-  loaded[index] = loaded[index] || GraspRecording.load(payload);
+sb.graspOf = async index => {
+  const {grasp} = await sb.recorded(index);
+  if (!grasp) return null;
+  loaded[index] = loaded[index] || GraspRecording.load(grasp);
   return loaded[index];
 };
 
@@ -125,6 +125,7 @@ function charts(trial, grasp, recording, timeline) {
       if (!curve) return;
       host.append(title(name, note));
       new sb.LineChart(host, timeline, Object.assign({
+        name: name.split(',')[0],
         rows: grasp.curveTime,
         columns: curve.columns,
         labels: curve.components,
@@ -166,7 +167,7 @@ function charts(trial, grasp, recording, timeline) {
         sb.stateLegend(sb.states.pad));
     const rows = [{name: 'truth', runs: recording.padRuns.strict, kinds: sb.states.pad}];
     if (seen && grasp.detector) rows.unshift({name: 'seen', runs: seen, kinds: sb.states.pad});
-    new sb.StateRows(host, timeline, rows, 20);
+    new sb.StateRows(host, timeline, rows, 20, 'State of the contact');
   };
   return {node: host, draw};
 }

@@ -80,6 +80,8 @@ class GraspView {
     });
     this.node = el('div.space', {}, this.canvas);
     parent.append(this.node);
+    this.node.classList.add('saved');
+    this.node.append(sb.saveButtons({title: () => 'Grasp', drawing: () => this.drawing(), rows: () => this.savedRows()}));
     this.handlePointer();
     const first = grasp.poseAt(timeline.full[0]);
     this.boxSize = grasp.size('box') || [0.06, 0.06, 0.1];
@@ -96,6 +98,21 @@ class GraspView {
     ];
     timeline.on('theme', () => this.draw());
     new ResizeObserver(() => this.draw()).observe(this.node);
+  }
+
+  // The picture as it is on the page.
+  drawing() {
+    const drawing = new sb.Drawing(this.node.clientWidth, this.node.clientHeight);
+    drawing.picture(0, 0, drawing.width, drawing.height, this.canvas);
+    return drawing;
+  }
+
+  // Where the bodies are at every instant that is stored.
+  savedRows() {
+    const bodies = Object.entries(this.grasp.bodies);
+    const head = bodies.flatMap(([name]) => [...['x', 'y', 'z'].map(c => name + ' ' + c + ' [m]'), ...['qw', 'qx', 'qy', 'qz'].map(c => name + ' ' + c)]);
+    const row = (t, i) => [t, ...bodies.flatMap(([, {position, turn}]) => [...position, ...turn].map(column => column[i]))];
+    return [['t [s]', ...head], ...Array.from(this.grasp.poseTime, row)];
   }
 
   handlePointer() {

@@ -255,6 +255,7 @@ sb.grasps = {
   quantities,
   medians,
   held,
+  countOf,
   valueIn,
   rangeIn,
   withUnit,

@@ -6,9 +6,22 @@ const page = sb.page;
 let timeline = null;  // of the trial on the page
 let view = null;      // {trial: index or null, sensor: name}
 
+// How many the file holds, and how many of them are here.
+function trialsText() {
+  const [held, here] = [page.trials_in_file, page.trials.length].map(count => count.toLocaleString('en'));
+  return held === here ? held : held + ', ' + here + ' of them here';
+}
+
+// The digests of the files; those of many are folded away.
+function digests() {
+  const known = page.content_sha256.filter(text => text);
+  const lines = known.map(text => el('p', {}, 'Content SHA-256 ', el('code', {}, text)));
+  return known.length < 2 ? lines : el('details', {}, el('summary', {}, 'Content SHA-256 of the ' + known.length + ' files'), lines);
+}
+
 function header() {
   const rows = [
-    ['file', page.file], ['trials', String(page.trials.length)], ['seed', page.seed], ['slipbench', page.version],
+    ['file', page.file], ['trials', trialsText()], ['seed', page.seed], ['slipbench', page.version],
     ['command', el('code', {}, page.command)]
   ];
   for (const [path, value] of Object.entries(page.overrides)) {
@@ -39,7 +52,7 @@ function footer() {
       el('dl', {}, sb.definitions.map(([name, text]) => [el('dt', {}, name), el('dd', {}, text)])),
       el('p', {}, 'Curves are stored here with 16 bits of each quantity’s range; ', el('code', {}, page.file),
          ' has them in full.'),
-      page.content_sha256.filter(text => text).map(text => el('p', {}, 'Content SHA-256 ', el('code', {}, text))),
+      digests(),
       el('details', {}, el('summary', {}, 'Licences of the libraries in this page'),
          el('pre', {}, document.getElementById('licences').textContent.trim())));
 }

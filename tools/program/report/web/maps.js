@@ -2,7 +2,7 @@
 (function(sb) {
 'use strict';
 const el = sb.element;
-const {quantities, medians, held, valueIn, rangeIn, withUnit, heldText, balancedOf, recallOf, earlyText} = sb.grasps;
+const {quantities, medians, held, countOf, valueIn, rangeIn, withUnit, heldText, balancedOf, recallOf, earlyText} = sb.grasps;
 
 const hues = ['#2f78b7', '#d99500', '#0a7d66', '#a5559b', '#cc4b1c', '#5b6570', '#59b3d8', '#8a7a00'];
 const shapes = ['circle', 'square', 'triangle-up', 'diamond', 'cross', 'triangle-down'];
@@ -108,6 +108,16 @@ class Maps {
     }
   }
 
+  // What stands in a cell: k/n of a share, else the value.
+  cellText(trials) {
+    if (this.quantity.good) {
+      const [good, all] = countOf(this.quantity, trials);
+      return all ? good + '/' + all : '–';
+    }
+    const value = valueIn(this.quantity, trials);
+    return value === null ? '–' : sb.significant(value, value >= 100 ? 3 : 2);
+  }
+
   // A cell's paint: how far from half of the trials held, or how much of another quantity.
   paint(value, range) {
     if (value === null) return ['none', 0];
@@ -123,6 +133,7 @@ class Maps {
       const [fill, opacity] = this.paint(value, range);
       d3.select(item)
           .append('svg')
+          .attr('aria-hidden', 'true')
           .attr('viewBox', '0 0 22 14')
           .append('rect')
           .attr('width', 20)
@@ -138,6 +149,7 @@ class Maps {
       const item = el('span');
       d3.select(item)
           .append('svg')
+          .attr('aria-hidden', 'true')
           .attr('viewBox', '0 0 22 14')
           .append('path')
           .attr('class', control ? 'frontier control' : 'frontier')
@@ -146,7 +158,7 @@ class Maps {
       return item;
     };
     this.legend.replaceChildren(
-        el('span', {}, this.quantity.name + ':'), ...(range[0] === undefined ? [] : samples.map(swatch)),
+        el('span', {}, this.quantity.name + (this.quantity.good ? ', k/n: k of n trials' : '') + ':'), ...(range[0] === undefined ? [] : samples.map(swatch)),
         line('frontier, 50 % held', false), hasControl ? line('frontier of the negative control', true) : '');
   }
 
@@ -158,7 +170,13 @@ class Maps {
     const y = i => box.height - box.bottom - (i + 0.5) * (box.height - box.top - box.bottom) / rows.length;
     const panel = el('div', {}, el('h3', {}, title, note ? el('span.note', {}, ' · ' + note) : null));
     this.host.append(panel);
-    const svg = d3.select(panel).append('svg').attr('viewBox', '0 0 ' + box.width + ' ' + box.height).attr('class', 'map');
+    // A group: its cells are buttons.
+    const svg = d3.select(panel)
+                    .append('svg')
+                    .attr('viewBox', '0 0 ' + box.width + ' ' + box.height)
+                    .attr('class', 'map')
+                    .attr('role', 'group')
+                    .attr('aria-label', title + ', ' + sb.sweptValues.label(this.y) + ' against ' + sb.sweptValues.label(this.x));
     const tick = (axis, level) => isFinite(level.at) ? sb.significant(level.at * sb.factor(axis.unit), 3) : level.text;
     const stride = (count, room, needed) => Math.ceil(count * needed / room);
     const across = stride(columns.length, box.width - box.left - box.right, 34),
@@ -186,13 +204,17 @@ class Maps {
         .attr('transform', 'translate(11,' + (box.top + box.height - box.bottom) / 2 + ')rotate(-90)')
         .attr('text-anchor', 'middle')
         .text(sb.sweptValues.label(this.y));
-    return {svg, box, x, y};
+    return {svg, box, x, y, panel};
   }
 
   drawMap(map, control, columns, rows, range) {
-    const {svg, box, x, y} = this.mapFrame(map.series.name, map.series.control ? 'negative control' : '', columns, rows);
+    const {svg, box, x, y, panel} = this.mapFrame(map.series.name, map.series.control ? 'negative control' : '', columns, rows);
     const width = x(1) - x(0), height = y(0) - y(1);
-    const numbers = width >= 26 && height >= 15;
+    const texts = map.cells.map(row => row.map(trials => this.cellText(trials)));
+    const widest = d3.max(texts.flat(), text => text.length);
+    // At 11 px a figure takes 6.2 px; in a narrow cell it is smaller, and below 8 px it is left to the tip.
+    const size = Math.min(11, 11 * (width - 4) / (6.2 * widest), 0.75 * height);
+    const numbers = size >= 8;
     map.cells.forEach((row, r) => row.forEach((trials, c) => {
       const value = valueIn(this.quantity, trials);
       const [fill, opacity] = this.paint(value, range);
@@ -222,16 +244,24 @@ class Maps {
     if (numbers) {
       // Over the frontiers, which may go through the middle of a cell.
       map.cells.forEach((row, r) => row.forEach((trials, c) => {
-        const value = valueIn(this.quantity, trials);
         svg.append('text')
             .attr('class', 'map-number')
             .attr('x', x(c))
-            .attr('y', y(r) + 4)
+            .attr('y', y(r) + 0.36 * size)
             .attr('text-anchor', 'middle')
-            .text(value === null ? '–' : sb.significant(value, value >= 100 ? 3 : 2));
+            .style('font-size', size + 'px')
+            .text(texts[r][c]);
       }));
     }
     this.drawEdge(svg, box);
+    const {quantity} = this;
+    const figure = (axis, level) => level.low === level.high && isFinite(level.at) ? level.at * sb.factor(axis.unit) : level.text;
+    sb.saveCorner(panel, svg.node(), map.series.name + ' ' + quantity.name, () => [
+      [sb.sweptValues.label(this.x), sb.sweptValues.label(this.y), ...(quantity.good ? ['k', 'n'] : []), quantity.name + (quantity.unit ? ' [' + quantity.unit + ']' : '')],
+      ...map.cells.flatMap((row, r) => row.map((trials, c) => [
+        figure(this.x, columns[c]), figure(this.y, rows[r]), ...(quantity.good ? countOf(quantity, trials) : []), valueIn(quantity, trials)
+      ]))
+    ]);
   }
 
   drawEdge(svg, box) {
@@ -252,9 +282,13 @@ class Maps {
 
   // The frontiers of maps that share their axes, in one picture.
   drawFrontiers(group, columns, rows) {
-    const {svg, box, x, y} =
+    const {svg, box, x, y, panel} =
         this.mapFrame('Frontiers together' + (group[0].series.others ? ', ' + group[0].series.others : ''), '', columns, rows);
     this.drawEdge(svg, box);
+    sb.saveCorner(panel, svg.node(), 'Frontiers', () => [
+      ['series', sb.sweptValues.label(this.x) + ', place', sb.sweptValues.label(this.y) + ', place', 'to', 'to'],
+      ...group.flatMap(map => map.frontier.map(([a, b]) => [map.series.name, ...a, ...b]))
+    ]);
     const legend = el('div.legend');
     group.filter(map => map.frontier.length).forEach((map, i) => {
       const style = path => path.style('stroke', map.series.control ? null : hues[i % hues.length])
@@ -262,7 +296,7 @@ class Maps {
       const kind = map.series.control ? 'frontier control' : 'frontier';
       style(this.drawContour(svg, x, y, map.frontier, kind));
       const item = el('span');
-      style(d3.select(item).append('svg').attr('viewBox', '0 0 22 14').append('path').attr('class', kind).attr('d', 'M1,7H21'));
+      style(d3.select(item).append('svg').attr('aria-hidden', 'true').attr('viewBox', '0 0 22 14').append('path').attr('class', kind).attr('d', 'M1,7H21'));
       item.append(map.series.name);
       legend.append(item);
     });
@@ -344,6 +378,7 @@ class Maps {
       const item = el('span');
       d3.select(item)
           .append('svg')
+          .attr('aria-hidden', 'true')
           .attr('viewBox', '-7 -7 14 14')
           .style('width', '14px')
           .append('path')
@@ -395,6 +430,11 @@ class Maps {
         panel, box, x, y,
         across ? sb.sweptValues.label(across) + (xLog ? ' (log)' : '') : 'balanced accuracy of the detector, %', title, xLog,
         false);
+    sb.saveCorner(panel, svg.node(), title.split(',')[0], () => [
+      ['series', across ? sb.sweptValues.label(across) : 'balanced accuracy [%]', title, 'from', 'to', 'trials'],
+      ...all.flatMap(({series, points}) => points.filter(there).map(
+          point => [series.name, at(point), value(point), ...(range(point) || [null, null]), point.trials.length]))
+    ]);
     all.forEach(({series, points}, i) => {
       const {colour, shape} = pick(i);
       const shift = (i - (all.length - 1) / 2) * 3;  // intervals beside each other

@@ -45,6 +45,7 @@ class Pad {
     const top = Math.min(...ys) - margin(ys, 160), bottom = Math.max(...ys) + margin(ys, 160) + beside;
     this.box = {left, right, top, bottom};
     this.labels = recording.units <= 25;
+    this.roomy = pitch >= 55;  // px, for the name and the force of a unit side by side
     this.radius = (this.labels || (picture && picture.cells.length === recording.units) ? 0.27 : 0.4) * pitch;  // no unit hides its cell
 
     const svg = d3.select(parent)
@@ -108,6 +109,7 @@ class Pad {
     const speed = recording.largest('labels/slip_velocity', 0, 2);
     this.slipLength = speed > 0 ? 0.4 * pitch / speed : 0;
     this.drawKey(svg, speed);
+    sb.saveCorner(parent, svg.node(), 'Pad', () => this.savedRows());
   }
 
   arrowHeads(defs, size) {
@@ -165,7 +167,21 @@ class Pad {
     }
   }
 
+  // The units at the cursor.
+  savedRows() {
+    const {recording, sample} = this;
+    const vector = (key, count, unit) => d3.range(count).map(c => recording.at(key, unit, c, sample));
+    return [
+      ['t [s]', sb.unitWord(recording.type), 'x [m]', 'y [m]', 'state', 'fx [N]', 'fy [N]', 'fz [N]', 'slip vx [m/s]', 'slip vy [m/s]'],
+      ...d3.range(recording.units).map(unit => [
+        recording.time[sample], sb.unitName(recording.type, unit), ...recording.positions[unit],
+        sb.states.unit[recording.unitStates[unit][sample]].name, ...vector('labels/force', 3, unit), ...vector('labels/slip_velocity', 2, unit)
+      ])
+    ];
+  }
+
   update(sample) {
+    this.sample = sample;
     const recording = this.recording;
     const key = i => sb.states.unit[recording.unitStates[i][sample]].key;
     this.discs.style(
@@ -186,9 +202,10 @@ class Pad {
                 key(i) === 'partial'   ? '7 3' :
                                          null);
     this.rings.style('display', i => key(i) === 'slip' && this.labels ? null : 'none');
-    this.unitNodes.select('title').text(i => sb.unitName(recording.type, i) + ': ' + key(i));
+    const load = i => key(i) === 'detached' ? '' : ', ' + sb.quantity(recording.at('labels/force', i, 2, sample), 'N');
+    this.unitNodes.select('title').text(i => sb.unitName(recording.type, i) + ': ' + key(i) + load(i));
     if (this.labels) {
-      this.loads.text(i => key(i) === 'detached' ? '' : sb.fixed(recording.at('labels/force', i, 2, sample), 2) + ' N');
+      this.loads.text(i => key(i) === 'detached' || !this.roomy ? '' : sb.fixed(recording.at('labels/force', i, 2, sample), 2) + ' N');
     }
     if (this.picture) this.picture.update(recording.time[sample]);
     this.placeArrows(this.forces, 'labels/force', this.forceLength, sample);
@@ -234,6 +251,7 @@ class Pad {
 sb.drawHatch = () => {
   const pattern = d3.select(document.body)
                       .append('svg')
+                      .attr('aria-hidden', 'true')
                       .attr('width', 0)
                       .attr('height', 0)
                       .style('position', 'absolute')

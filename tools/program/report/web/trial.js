@@ -118,18 +118,21 @@ function wholeSensor(trial, recording, timeline) {
     section,
     draw() {
       const rows = sb.rules.map(rule => ({name: rule.name, runs: recording.padRuns[rule.key], kinds: sb.states.pad}));
-      new sb.StateRows(host, timeline, seen ? [{name: 'seen', runs: seen, kinds: sb.states.pad}, ...rows] : rows, 20);
+      new sb.StateRows(host, timeline, seen ? [{name: 'seen', runs: seen, kinds: sb.states.pad}, ...rows] : rows, 20, 'State by rule');
       const word = sb.unitWord(recording.type);
       section.append(title('State of each ' + word, ''), sb.stateLegend(sb.states.unit));
-      const order = onsetOrder(recording);
+      const order = shownUnits(recording);
+      const others = recording.units - order.length;
+      if (others) section.append(el('p.note', {}, others + ' of the ' + recording.units + ' ' + sb.unitWords(recording.type) + ' never touch and are not shown.'));
       new sb.StateRows(
           section, timeline,
           order.map(unit => ({name: sb.unitName(recording.type, unit), runs: recording.unitRuns[unit], kinds: sb.states.unit})),
-          Math.max(2, Math.min(16, Math.floor(400 / recording.units))));
+          Math.max(2, Math.min(16, Math.floor(400 / Math.max(1, order.length)))), 'State of each ' + word);
       const chart = (key, name, note, colours, range) => {
         const curve = recording.curves[key];
         section.append(title(name, note));
         new sb.LineChart(section, timeline, {
+          name: name.split(',')[0],
           rows: recording.curveTime,
           columns: curve.columns,
           labels: curve.components,
@@ -157,6 +160,12 @@ function onsetOrder(recording) {
     const [p, q] = [key(a), key(b)];
     return (p[0] === q[0] ? 0 : p[0] - q[0]) || (p[1] === q[1] ? 0 : p[1] - q[1]) || a - b;
   });
+}
+
+// Those that have a row of their own: of more than 40 the ones that touch.
+function shownUnits(recording) {
+  const order = onsetOrder(recording);
+  return recording.units > 40 ? order.filter(unit => recording.touch_s[unit] !== null) : order;
 }
 
 // The unit to look at first: it slips first, or else touches first.
@@ -199,7 +208,7 @@ class UnitCharts {
         Object.keys(recording.curves).filter(key => recording.curves[key].per_unit && key !== 'labels/slip_velocity');
     // What the sensor emits first.
     const rank = key => Object.keys(labelNames).indexOf(key);
-    const name = key => labelNames[key] || sb.channelWord(recording.type, key.split('/')[1]).name;
+    this.name = key => labelNames[key] || sb.channelWord(recording.type, key.split('/')[1]).name;
     this.keys = per_unit.sort((a, b) => rank(a) - rank(b));
     this.key = this.keys[0];
     this.grid = gridOf(recording);
@@ -216,9 +225,10 @@ class UnitCharts {
                        this.draw();
                      }
                    },
-                      name(key))));
+                      this.name(key))));
     this.select =
         el('select', {
+          'aria-label': 'Shown ' + sb.unitWords(recording.type),
           onchange: event => {
             this.show(event.target.value === '' ? null : +event.target.value);
           }
@@ -246,15 +256,19 @@ class UnitCharts {
   }
 
   range(curve) {
-    let low = 0, high = 0;
+    let low = Infinity, high = -Infinity;
     for (const column of curve.columns) {
       for (const value of column) {
         if (value < low) low = value;
         if (value > high) high = value;
       }
     }
+    // Counts far from zero would be a flat line on an axis that begins there.
+    const near = !(low > 0.5 * high);
+    low = near ? Math.min(0, low) : low;
+    high = Math.max(near ? 0 : low, high);
     const gap = 0.06 * (high - low || 1);
-    return [low < 0 ? low - gap : low, high + gap];
+    return [low === 0 ? low : low - gap, high + gap];
   }
 
   draw() {
@@ -291,6 +305,7 @@ class UnitCharts {
       grid.append(cell);
       this.readings.push({unit, values, colours});
       this.charts.push(new sb.LineChart(cell, timeline, {
+        name: this.name(key) + ' of ' + sb.unitName(recording.type, unit),
         rows: recording.curveTime,
         columns: recording.columns(key, unit),
         labels: curve.components,
@@ -325,7 +340,7 @@ class UnitCharts {
 // The order in which units let go, as a table with one bar a unit.
 function onsets(recording, timeline) {
   const word = sb.unitWord(recording.type);
-  const order = onsetOrder(recording);
+  const order = shownUnits(recording);
   const times = [...recording.micro_onset_s, ...recording.onset_s].filter(t => t !== null);
   const section =
       el('section', {}, el('h2', {}, 'Onset order'),
@@ -339,7 +354,8 @@ function onsets(recording, timeline) {
   const body = el('tbody', {}, order.map((unit, place) => {
     const [touch, micro, full] = [recording.touch_s[unit], recording.micro_onset_s[unit], recording.onset_s[unit]];
     const cell = el('td.text');
-    const svg = d3.select(cell).append('svg').attr('width', 160).attr('height', 16);
+    const svg = d3.select(cell).append('svg').attr('width', 160).attr('height', 16).attr('role', 'img').attr(
+        'aria-label', 'First micro-slip ' + sb.seconds(micro) + ', full slip ' + sb.seconds(full));
     svg.append('line').attr('x1', 8).attr('x2', 152).attr('y1', 8).attr('y2', 8).style('stroke', 'var(--grid)');
     if (micro !== null) {
       svg.append('line')
@@ -412,8 +428,7 @@ sb.openingSensor = trial => {
 // Draws what one sensor tells of a trial into `host`. Returns the timeline, for the keyboard.
 sb.showTrial = async (host, index, sensorName) => {
   const trial = sb.page.trials.find(candidate => candidate.index === index);
-  const recordings = await sb.recordings(index);
-  const recording = recordings.find(candidate => candidate.name === sensorName);
+  const recording = await sb.recording(index, sensorName);
   const summary = Object.assign({type: recording.type}, trial.sensors[recording.name]);
   const timeline = new sb.Timeline(recording.time);
   const held = trial.grasp ? await sb.graspOf(index) : null;
@@ -431,7 +446,7 @@ sb.showTrial = async (host, index, sensorName) => {
       sb.stateLegend(sb.states.unit),
       el('p.note', {},
          'The pad ' + sb.padView(recording.type).note + '. ' +
-             (pad.labels ? 'Above each ' + word + ': its name and normal force. ' : '') +
+             (pad.labels ? 'Above each ' + word + ': its name' + (pad.roomy ? ' and normal force. ' : '; under the pointer: its normal force. ') : '') +
              (pad.picture && pad.picture.note ? pad.picture.note + ' ' : '') + 'Arrows: true tangential force of the object on the ' + word +
              ' (solid) and slip velocity of its tip (dashed). ⊕ marks the slip centre where it lies within the picture.'));
   const whole = wholeSensor(trial, recording, timeline);
@@ -445,11 +460,6 @@ sb.showTrial = async (host, index, sensorName) => {
       el('div.layout', {}, side, el('div', {}, thinned, whole.section, channels && channels.section, charts.section, onset.section, rules(summary),
                                               recording.padRuns.seen ? sb.detectorSection([trial]) : null,
                                               grasp ? sb.graspParameters() : null)));
-  if (grasp) grasp.draw();
-  whole.draw();
-  if (channels) channels.draw();
-  charts.draw();
-
   const update = () => {
     const sample = recording.sampleAt(timeline.cursor);
     for (const part of [controls, readings, pad, onset, ...(grasp ? [grasp] : [])]) part.update(sample);
@@ -462,6 +472,12 @@ sb.showTrial = async (host, index, sensorName) => {
       summary.first_micro_s !== null ? summary.first_micro_s :
                                        (timeline.full[0] + timeline.full[1]) / 2;
   timeline.tell('cursor');
+  // The reader sees the first picture while the others are drawn.
+  for (const draw of [() => grasp && grasp.draw(), () => whole.draw(), () => channels && channels.draw(), () => charts.draw()]) {
+    await sb.painted();
+    if (!host.isConnected) break;  // another trial has been opened meanwhile
+    draw();
+  }
   return timeline;
 };
 })(window.slipbench);

@@ -1,0 +1,124 @@
+"""Headless Chromium, told what to do through a pipe (Chrome DevTools Protocol): one browser for many pages, sizes and themes."""
+
+import base64
+import json
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+LIMIT_S = 120  # for one answer
+
+
+def program():
+    """The browser's path; None where there is none."""
+    return next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+
+
+class Chromium:
+    """`with Chromium() as browser:` one tab, in a profile of its own."""
+
+    def __enter__(self):
+        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        to_browser, self.commands = os.pipe()
+        self.answers, from_browser = os.pipe()
+        # The browser reads commands from its descriptor 3 and writes answers to 4.
+        self.process = subprocess.Popen(
+            ["sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh", program(), "--headless", "--no-sandbox", "--disable-gpu",
+             "--disable-dev-shm-usage", "--hide-scrollbars", "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}"],
+            pass_fds=(to_browser, from_browser), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(to_browser)
+        os.close(from_browser)
+        self.number, self.buffer, self.events, self.session = 0, b"", [], None
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(f"{domain}.enable")
+        return self
+
+    def __exit__(self, *_):
+        os.close(self.commands)  # which ends the browser
+        self.process.wait(LIMIT_S)
+        os.close(self.answers)
+        self.profile.cleanup()
+
+    def _message(self, end):
+        while b"\0" not in self.buffer:
+            left = end - time.monotonic()
+            if left <= 0 or not select.select([self.answers], [], [], left)[0]:
+                raise TimeoutError("Chromium does not answer")
+            chunk = os.read(self.answers, 1 << 20)
+            if not chunk:
+                raise RuntimeError("Chromium has ended")
+            self.buffer += chunk
+        text, self.buffer = self.buffer.split(b"\0", 1)
+        return json.loads(text)
+
+    def call(self, method, **parameters):
+        """The result of a command. Events that arrive meanwhile are kept."""
+        self.number += 1
+        command = {"id": self.number, "method": method, "params": parameters}
+        if self.session:
+            command["sessionId"] = self.session
+        os.write(self.commands, json.dumps(command).encode() + b"\0")
+        end = time.monotonic() + LIMIT_S
+        while True:
+            message = self._message(end)
+            if message.get("id") == self.number:
+                if "error" in message:
+                    raise RuntimeError(f"{method}: {message['error']['message']}")
+                return message["result"]
+            self.events.append(message)
+
+    def wait_for(self, event):
+        """Waits until the browser has told of `event`."""
+        end = time.monotonic() + LIMIT_S
+        while not any(seen.get("method") == event for seen in self.events):
+            self.events.append(self._message(end))
+
+    def look(self, width, height=1000, dark=False):
+        """The size of the window [px] and the reader's theme, of the pages that are opened from here on and of the one that is open."""
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
+
+    def open(self, page, fragment=""):
+        """Opens a file, from nothing, and waits until it has been loaded."""
+        for url in ("about:blank", Path(page).resolve().as_uri() + fragment):
+            self.events.clear()
+            self.call("Page.navigate", url=url)
+            self.wait_for("Page.loadEventFired")
+
+    def evaluate(self, expression):
+        """The value of an expression of JavaScript in the page, which may be a promise."""
+        found = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
+        if "exceptionDetails" in found:
+            details = found["exceptionDetails"]
+            raise RuntimeError(details.get("exception", {}).get("description", details["text"]))
+        return found["result"].get("value")
+
+    def complaints(self):
+        """What the console has of errors since the page was opened: exceptions, refusals of its policy, files that are missing."""
+        self.evaluate("0")  # what was told before is here by now
+        found = []
+        for event in self.events:
+            parameters = event.get("params", {})
+            if event.get("method") == "Runtime.exceptionThrown":
+                details = parameters["exceptionDetails"]
+                found.append(details.get("exception", {}).get("description", details["text"]))
+            elif event.get("method") == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "warning", "assert"):
+                found.append(" ".join(str(argument.get("value", argument.get("description"))) for argument in parameters["args"]))
+            elif event.get("method") == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning"):
+                found.append(parameters["entry"]["text"])
+        return found
+
+    def screenshot(self, whole=True):
+        """The page as the bytes of a PNG; `whole`: also what lies below the window."""
+        return base64.b64decode(self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole,
+                                          **({"clip": self._whole_page()} if whole else {}))["data"])
+
+    def _whole_page(self):
+        size = self.call("Page.getLayoutMetrics")["cssContentSize"]
+        return {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}

@@ -1,0 +1,170 @@
+#include "tools/program/view/rerun.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/page/asset.h"
+#include "tools/base/workers/interrupt.h"
+#include "tools/program/export/export.h"
+#include "tools/program/view/assets.h"
+
+namespace slipbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder of our own for what Python reads, removed with its object.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    path_ = (fs::temp_directory_path() / "slipbench-rerun-XXXXXX").string();
+    if (::mkdtemp(path_.data()) == nullptr) throw InputError(fmt::format("cannot make {}: {}", path_, std::strerror(errno)));
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+// The user's Python with rerun.py, which is told of files on its stdin.
+class Python {
+ public:
+  Python(const std::string& name, const std::string& save) {
+    const char* const own = std::getenv("SLIPBENCH_PYTHON");  // that of the package `slipbench`, where it started the program
+    // -P: no package of the folder where the user stands.
+    std::vector<std::string> words{own == nullptr ? "python3" : own, "-P", "-c",
+                                   std::string(page::embedded(view::assets(), "rerun.py")), name};
+    if (!save.empty()) words.push_back(fs::absolute(save).string());
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    std::array<int, 2> ends{};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw InputError(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
+    input_ = ends[1];
+    posix_spawn_file_actions_t streams;
+    posix_spawnattr_t attributes;
+    ::posix_spawn_file_actions_init(&streams);
+    ::posix_spawnattr_init(&attributes);
+    ::posix_spawn_file_actions_adddup2(&streams, ends[0], STDIN_FILENO);
+    ::posix_spawn_file_actions_adddup2(&streams, STDERR_FILENO, STDOUT_FILENO);
+    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);  // Ctrl-C ends the following, not the viewer
+    const int error = ::posix_spawnp(&child_, words.front().c_str(), &streams, &attributes, pointers.data(), environ);
+    ::posix_spawn_file_actions_destroy(&streams);
+    ::posix_spawnattr_destroy(&attributes);
+    ::close(ends[0]);
+    if (error != 0) {
+      ::close(input_);
+      throw InputError(
+          fmt::format("view: --rerun needs Python with rerun-sdk; cannot start {}: {}", words.front(), std::strerror(error)));
+    }
+    ::signal(SIGPIPE, SIG_IGN);  // Python may end before it has read
+  }
+  ~Python() {
+    if (input_ >= 0) static_cast<void>(wait());
+  }
+  Python(const Python&) = delete;
+  Python& operator=(const Python&) = delete;
+
+  // False once Python has ended.
+  bool tell(const std::string& path) const {
+    const std::string line = path + '\n';
+    return ::write(input_, line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  }
+
+  // Its exit status, once it has done all.
+  int wait() {
+    ::close(std::exchange(input_, -1));
+    int status = 0;
+    while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+    }
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+ private:
+  pid_t child_ = -1;
+  int input_ = -1;
+};
+
+// Whether a run is writing the file: it has locked it.
+bool is_being_written(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool locked = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(descriptor);
+  return locked;
+}
+
+// The trial to be shown of what a file holds now: the one that is asked for, else the first or the last; empty: it is not there.
+std::optional<std::size_t> trial_in(const std::string& path, const std::optional<std::size_t>& asked, bool last) {
+  const std::string found = guarded(path, [&]() -> std::string {
+    const DatasetReader reader(path);
+    const std::vector<std::size_t>& trials = reader.trials();
+    if (trials.empty()) return "";
+    if (!asked) return std::to_string(last ? trials.back() : trials.front());
+    return std::ranges::binary_search(trials, *asked) ? std::to_string(*asked) : "";
+  });
+  return found.empty() ? std::nullopt : std::optional<std::size_t>(std::stoull(found));
+}
+
+}  // namespace
+
+bool begins_as_rrd(std::string_view text) { return text.starts_with("RRF"); }
+
+RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) {
+  using namespace std::chrono_literals;
+  const std::string growing = path + ".partial";  // the name of a dataset that is not whole yet (tools/base/dataset)
+  const bool follows = is_being_written(growing);
+  if (!follows && !fs::exists(path))
+    throw InputError(fmt::format("view: {}: there is no such dataset, and no run writes it", path));
+  const InterruptGuard guard("the viewer stays open");
+  const ScratchFolder folder;
+  Python python(fs::path(path).filename().string(), options.save);
+  RerunResult result;
+  for (bool alive = true, runs = follows; alive && !InterruptGuard::flag();) {
+    // A trial that is finished after this look is seen at the next, or in the whole file.
+    runs = runs && is_being_written(growing);
+    const std::string source = runs ? growing : path;
+    const auto trial = trial_in(source, options.trial, follows);
+    if (trial && (result.trials.empty() || *trial != result.trials.back())) {
+      const std::vector<std::string> files =
+          export_dataset(source, folder.path(),
+                         {.format = ExportFormat::npz, .slip_rule = {}, .label_speed = {}, .sensors = {}, .trial = trial});
+      alive = python.tell(files.front());
+      result.trials.push_back(*trial);
+    }
+    if (!runs || (options.trial && !result.trials.empty())) break;
+    std::this_thread::sleep_for(500ms);
+  }
+  result.status = python.wait();
+  if (result.status == 0 && result.trials.empty() && options.trial)
+    throw InputError(fmt::format("view: {}: there is no trial {}", path, *options.trial));
+  return result;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,62 @@
+"""Trials in Rerun: `python3 -c "<this file>" NAME [OUT.rrd]`, started by `slipbench view --rerun` with the user's own Python. It needs rerun-sdk and nothing
+of ours. It reads from stdin a line a trial, the path of its numpy archive (`slipbench export --format npz`), and sends it. With OUT.rrd everything
+goes there and no viewer opens. Exit status 2, with its message, where rerun-sdk is missing."""
+
+import importlib
+import json
+import os
+import sys
+
+
+def time_of(arrays, key):
+    """When the rows of an array are: its own times, or those of its group; None where it has no rows in time."""
+    for name in (f"{key}_t", f"{key.rsplit('/', 1)[0]}/t"):
+        if name in arrays:
+            return arrays[name]
+    return None
+
+
+def send(rerun, numpy, stream, arrays, units):
+    """Sends every array that runs in time: a call an array, whatever its rows."""
+    for key in arrays.files:
+        name = key.rsplit("/", 1)[-1]
+        time = time_of(arrays, key)
+        if name in ("about", "t") or name.endswith("_t") or "/events/" in key or time is None or len(arrays[key]) != len(time):
+            continue
+        values = arrays[key]
+        path = [*key.split("/")]
+        if name == "pose":
+            # Stored as x, y, z, then the quaternion with its real part first.
+            columns = rerun.Transform3D.columns(translation=values[:, :3], quaternion=values[:, [4, 5, 6, 3]])
+        else:
+            columns = rerun.Scalars.columns(scalars=values.reshape(len(values), -1).astype(numpy.float64))
+            if units.get(key, "1") != "1":
+                path[-1] += f" [{units[key]}]"
+        entity = "/".join(rerun.escape_entity_path_part(part) for part in path)
+        stream.send_columns(entity, indexes=[rerun.TimeColumn("trial_time", duration=time)], columns=columns)
+
+
+def main():
+    try:
+        rerun, numpy = importlib.import_module("rerun"), importlib.import_module("numpy")
+    except ImportError:
+        print(f"slipbench: view: --rerun needs rerun-sdk, which {sys.executable} has not; install it: {sys.executable} -m pip install rerun-sdk",
+              file=sys.stderr)
+        sys.exit(2)
+    name, target = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else None
+    for number, line in enumerate(sys.stdin):
+        with numpy.load(line.rstrip("\n")) as arrays:
+            about = json.loads(arrays["about"].item())
+            stream = rerun.RecordingStream("slipbench", recording_id=f"{name} trial {about['trial']} {os.getpid()}")
+            if target is not None:
+                stream.save(target)
+            elif number == 0:
+                stream.spawn()
+            else:
+                stream.connect_grpc()
+            stream.send_recording_name(f"{name}, trial {about['trial']}")
+            send(rerun, numpy, stream, arrays, about["units"])
+            stream.flush()
+
+
+main()
