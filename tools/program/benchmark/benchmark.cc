@@ -236,13 +236,19 @@ Json row_json(const Board& board, const Seat& seat) {
   return row;
 }
 
+// A value that was swept, numbers in SI.
+std::string value_text(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : value.dump();
+}
+
 // Scores by what the scene's grid varies: values that repeat and are no list or map.
 Json groups_json(const Board& board) {
   std::map<std::string, std::map<std::string, std::vector<std::size_t>>> by;
   for (std::size_t k = 0; k < board.params.size(); ++k) {
     const Json params = Json::parse(board.params[k]);
     for (const auto& [path, value] : params.items()) {
-      if (value.is_primitive()) by[path][value.is_string() ? value.get<std::string>() : value.dump()].push_back(k);
+      if (value.is_primitive()) by[path][value_text(value)].push_back(k);
     }
   }
   Json json = Json::array();

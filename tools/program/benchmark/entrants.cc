@@ -23,7 +23,6 @@
 #include "tools/program/judge/detector_choice.h"
 #include "tools/program/learn/train_network.h"
 #include "tools/program/run/run_sweep.h"
-#include "tools/program/train/train.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -97,28 +96,18 @@ std::string data_sha256(const std::string& dataset) {
   return text_sha256(text);
 }
 
-// What the command line would be given for what a lesson makes.
+// The ONNX file that a lesson makes.
 std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::string& dataset, const std::string& folder) {
-  const bool memories = lesson.recipe == "gst_hd";
-  const std::string output = (fs::path(folder) / (memories ? "memories" : lesson.recipe + ".onnx")).string();
-  if (memories) {
-    TrainOptions options;
-    options.dataset = dataset;
-    options.jobs = teaching.jobs;
-    options.output = output;
-    train_dataset(options);
-    return output;
-  }
   learn::NetworkTraining training;
   training.dataset = dataset;
   training.recipe = learn::find_recipe(lesson.recipe);
-  training.output = output;
+  training.output = (fs::path(folder) / (lesson.recipe + ".onnx")).string();
   learn::train_network(training, [&](const learn::MemberProgress& progress) {
     end_if(teaching.interrupt);
     if (teaching.say)
       teaching.say(fmt::format("{}: step {} of {}", lesson.recipe, progress.training.step, progress.training.steps));
   });
-  return output;
+  return training.output;
 }
 
 }  // namespace
@@ -198,8 +187,8 @@ Taught teach(const Teaching& teaching, const std::string& folder) {
   Taught taught;
   for (const Lesson& lesson : lessons()) {
     if (!teaching.sensor.empty() && lesson.sensor != teaching.sensor) continue;
-    const std::string name = lesson.recipe + ", taught";
-    if (lesson.recipe != "gst_hd" && !(learn::networks_available() && network::engine_available())) {
+    const std::string& name = lesson.recipe;
+    if (!learn::networks_available() || !network::engine_available()) {
       taught.untaught.push_back({name, lesson.sensor, no_engine});
       continue;
     }

@@ -30,9 +30,10 @@ struct Held {
 };
 const std::vector<Held>& held_out();
 
-// A detector that learns as a part of the protocol, from a scene that shares no seed with those held out.
+// A network that learns as a part of the protocol, from a scene that shares no seed with those held out. The memories of gst_hd that ship have
+// learnt from hexapod.yaml.
 struct Lesson {
-  std::string recipe;  // "gst_hd", or one of learn::recipes() at its own number of steps
+  std::string recipe;  // of learn::recipes(), with its own number of steps
   std::string sensor;  // type
   std::string scene;   // from the project's root, with its own seed
   std::size_t trials;  // of each cell of its grid; 0: the scene's

@@ -1,4 +1,5 @@
 // Boards and submissions as a user makes and checks them. The BioTac has no hand-made detector, so that its boards take a second.
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -77,6 +78,26 @@ TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
   EXPECT_EQ(simulated.status, 2);
   EXPECT_THAT(simulated.err, HasSubstr("is a simulation; allowed: recordings of a real sensor"));
 }
+
+#ifdef SLIPBENCH_WITH_NETWORKS
+// A network that has learnt from what is judged has no place on the board. Trial 0 or 48 of the 96, which two trials of the protocol are, is among
+// the four fifths that teach or choose.
+TEST_F(Submissions, WhoHasSeenTheTrialsIsNotJudged) {
+  const std::string scene = SLIPBENCH_SOURCE_DIR "/scenes/benchmark/slip-1/open_papillarray.yaml";
+  ASSERT_EQ(run_program_file({"sweep", scene, "--quiet", "-o", folder_ / "seen.h5"}).status, 0);
+  const std::string model = folder_ / "seen.onnx";
+  const ChildResult taught =
+      run_program_file({"train", folder_ / "seen.h5", "--recipe", "grasp_gru", "--steps", "2", "-o", model, "--json"});
+  ASSERT_EQ(taught.status, 0) << taught.err;
+  const ChildResult made =
+      run({"benchmark", model, "--sensor", "papillarray", "--trials", "2", "--untaught", "--quiet", "--json"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const Json left_out = Json::parse(made.out).at("sets").at(0).at("left_out");
+  const auto named = std::ranges::find_if(left_out, [&](const Json& one) { return one.at("detector") == model; });
+  ASSERT_NE(named, left_out.end());
+  EXPECT_THAT(named->at("why"), HasSubstr("has learnt from"));
+}
+#endif
 
 TEST_F(Submissions, WhatIsRefused) {
   const auto expect_refusal = [](const std::vector<std::string>& words, const std::string& message) {
