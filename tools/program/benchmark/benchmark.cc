@@ -1,9 +1,10 @@
 #include "tools/program/benchmark/benchmark.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
+#include <cerrno>
+#include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -12,7 +13,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include "sim/core/error.h"
 #include "sim/core/interrupted.h"
@@ -60,7 +60,7 @@ class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::string name = (fs::temp_directory_path() / "slipbench-benchmark-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
+    if (::mkdtemp(name.data()) == nullptr)
       throw InputError(fmt::format("{}: cannot be made: {}", name, std::generic_category().message(errno)));
     path_ = name;
   }

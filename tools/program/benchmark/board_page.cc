@@ -96,8 +96,8 @@ constexpr const char* rule =
     "Score, -100 to 100: credit × min(1, limit / false alarms a minute) − time wrongly called slip. An open recording's credit is half_delay / "
     "(half_delay + delay) of a slip that is seen from its true beginning on, and 0 of one that is missed or alarmed early. A grasp's is 1 with the "
     "least force that holds, 0 from force_ratio times that on or when the box is dropped; boxes that the preset force holds have none to earn, and "
-    "false alarms have their price in force, not in the limit. Early alarms are false alarms. Never to say slip gives 0, always to say it nearly -100. "
-    "Intervals: 95 %, by trial.";
+    "false alarms have their price in force, not in the limit. Early alarms are false alarms. Never to say slip gives 0, always to say it "
+    "nearly -100. Intervals: 95 %, by trial.";
 
 }  // namespace
 
