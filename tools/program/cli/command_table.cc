@@ -1,6 +1,7 @@
 #include <memory>
 #include <utility>
 
+#include "tools/program/cli/benchmark_command.h"
 #include "tools/program/cli/catalogue_commands.h"
 #include "tools/program/cli/check_command.h"
 #include "tools/program/cli/cluster_command.h"
@@ -26,7 +27,7 @@ Commands command_table() {
   };
   Commands commands =
       make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand, ImportCommand,
-                    VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand>();
+                    VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand, BenchmarkCommand>();
   commands.push_back(study("reproduce", "Reproduce a table of a paper"));
   commands.push_back(std::make_unique<CostCommand>());
   commands.push_back(study("bench", "Count the instructions of the reference scenes"));

@@ -352,7 +352,7 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
 TEST(CommandLine, EveryCommandExplainsItself) {
   for (const std::string name :
        {"run", "sweep", "check", "report",    "view", "export", "import", "verify",   "merge",  "cluster",
-        "hd",  "train", "eval",  "reproduce", "cost", "bench",  "list",   "describe", "doctor", "plugin-path"}) {
+        "hd",  "train", "eval",  "benchmark", "reproduce", "cost", "bench",  "list",   "describe", "doctor", "plugin-path"}) {
     const std::string text = parse({name, "--help"}).help;
     EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
     EXPECT_THAT(text, HasSubstr("--json")) << name;
@@ -374,19 +374,19 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Refusal{
             {"swep", "s.yaml"},
-            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{
             {"xyzzy"},
-            "unknown command 'xyzzy'; commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'xyzzy'; commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{
             {"--json", "lst"},
-            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"doctor", "list"}, "doctor: unexpected argument 'list'; see slipbench doctor --help"},
         Refusal{{"list", "run", "sweep"}, "list: unexpected argument 'sweep'; see slipbench list --help"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
         Refusal{
             {"--json"},
-            "no command given; commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "no command given; commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"verify"}, "verify: FILE is required"},
         Refusal{{"describe"}, "describe: NAME is required"}, Refusal{{"merge", "-o", "m.h5"}, "merge: FILE is required"},
         Refusal{{"merge", "a.h5"}, "merge: --output is required"},

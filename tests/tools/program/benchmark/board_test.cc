@@ -1,0 +1,133 @@
+// A part of the protocol, a trial or some of each scene: the whole takes minutes.
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "sim/scene/parser.h"
+#include "tools/base/project/project_file.h"
+#include "tools/program/benchmark/benchmark.h"
+#include "tools/program/benchmark/control.h"
+#include "tools/program/benchmark/protocol.h"
+#include "tools/program/catalogue/detector_catalogue.h"
+
+namespace slipbench::benchmark {
+namespace {
+
+Json board(const std::string& sensor, std::size_t trials, std::size_t jobs, const std::string& flip = "") {
+  Options options;
+  options.asked.sensor = sensor;
+  options.asked.trials = trials;
+  options.asked.untaught = true;
+  options.jobs = jobs;
+  if (!flip.empty()) {
+    options.asked.detectors = {"shear_rate", "stuck_fraction"};
+    options.asked.parameters = {{"flip", flip}};
+  }
+  return benchmark(options);
+}
+
+const Json& row_of(const Json& set, const std::string& detector) {
+  return *std::ranges::find_if(set.at("rows"), [&](const Json& row) { return row.at("detector") == detector; });
+}
+double score(const Json& set, const std::string& detector) { return row_of(set, detector).at("score").at("value").get<double>(); }
+
+TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
+  const Json result = board("", 1, 2);
+  std::map<std::string, std::set<std::string>> tracks;  // by detector
+  for (const Json& set : result.at("sets")) {
+    SCOPED_TRACE(set.at("scene"));
+    std::set<std::string> here;
+    for (const Json& row : set.at("rows")) {
+      here.insert(row.at("detector"));
+      tracks[row.at("detector")].insert(set.at("track"));
+    }
+    for (const char* control : {"always slip", "never slip", "motion known"}) EXPECT_TRUE(here.contains(control)) << control;
+    EXPECT_EQ(score(set, "never slip"), 0.0);
+    // Whoever is behind all others is the one who always says slip.
+    EXPECT_EQ(set.at("rows").back().at("detector"), "always slip");
+    const std::size_t rows = set.at("rows").size() - (here.contains("oracle") ? 1 : 0);
+    EXPECT_EQ(set.at("rows").back().at("rank"), rows);
+    // Who is not on it is named with the reason.
+    for (const Json& one : set.at("left_out")) EXPECT_NE(one.at("why"), "");
+  }
+  for (const Entry& entry : detector_entries()) {
+    if (std::set<std::string>{"network", "plugin", "truth", control_type}.contains(entry.name)) continue;
+    EXPECT_EQ(tracks[entry.name], (std::set<std::string>{"open recordings", "closed loop"})) << entry.name;
+  }
+  EXPECT_EQ(result.at("protocol").at("whole"), false);
+  EXPECT_NE(result.at("transfer"), "");
+}
+
+// The same bytes with one thread and with two; then the same detectors with 1, 5 and 20 % of their answers flipped, beside the unflipped that ship.
+TEST(Board, SameBytesAndFlipsLowerTheScore) {
+  const Json one = board("papillarray", 2, 1);
+  EXPECT_EQ(submission_text(one), submission_text(board("papillarray", 2, 2)));
+  std::map<std::string, double> before;
+  for (const Json& set : one.at("sets")) {
+    for (const char* detector : {"shear_rate", "stuck_fraction"})
+      before[set.at("track").get<std::string>() + detector] = score(set, detector);
+  }
+  for (const char* flip : {"0.01", "0.05", "0.2"}) {
+    const Json flipped = board("papillarray", 2, 2, flip);
+    for (const Json& set : flipped.at("sets")) {
+      for (const char* detector : {"shear_rate", "stuck_fraction"}) {
+        double& last = before[set.at("track").get<std::string>() + detector];
+        const double now = score(set, fmt::format("{}, given", detector));
+        EXPECT_LT(now, last) << detector << " with flip " << flip << ", " << set.at("track");
+        last = now;
+      }
+    }
+  }
+}
+
+TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
+  const auto seed = [](const std::string& scene) { return SceneFile::load(project_file(scene)).root().find("seed")->text; };
+  std::set<std::string> learnt;
+  for (const Lesson& lesson : lessons()) learnt.insert(seed(lesson.scene));
+  learnt.insert(seed("scenes/grasp/learn.yaml"));  // of the network that ships
+  for (const Held& held : held_out()) EXPECT_FALSE(learnt.contains(seed(held.scene))) << held.scene;
+}
+
+// Every loop has the same boxes, whichever sensor it reads.
+TEST(Protocol, LoopsDifferInTheirSensorAlone) {
+  std::set<std::string> sweeps, seeds;
+  for (const Held& held : held_out()) {
+    if (held.track != Track::loop) continue;
+    const SceneFile file = SceneFile::load(project_file(held.scene));
+    sweeps.insert(file.text().substr(file.text().find("sweep:")));
+    seeds.insert(file.root().find("seed")->text);
+  }
+  EXPECT_EQ(sweeps.size(), 1U);
+  EXPECT_EQ(seeds.size(), 1U);
+}
+
+TEST(Submission, NamesTheFirstDifference) {
+  const Json made{{result_key, 1}, {"machine", {{"cpu", "a"}}}, {"sets", {{{"rows", {{{"credit", 0.5}}}}}}}};
+  EXPECT_EQ(difference(submission_text(made), made, made), "");
+  Json elsewhere = made;
+  elsewhere["machine"]["cpu"] = "b";
+  EXPECT_EQ(difference(submission_text(made), made, elsewhere), "") << "the machine is a claim, not a result";
+  Json other = made;
+  other["sets"][0]["rows"][0]["credit"] = 0.25;
+  EXPECT_EQ(difference(submission_text(made), made, other), "/sets/0/rows/0/credit: 0.5 in the file, 0.25 here");
+  EXPECT_EQ(difference(submission_text(made) + "\n", made, made).substr(0, 5), "byte ");
+}
+
+TEST(Submission, AskedIsReadBack) {
+  const Asked asked{.detectors = {"a.onnx"},
+                    .parameters = {{"flip", "0.1"}},
+                    .real = {"r.h5"},
+                    .sensor = "myrmex",
+                    .trials = 4,
+                    .untaught = true};
+  EXPECT_EQ(asked_json(parse_asked(asked_json(asked))), asked_json(asked));
+}
+
+}  // namespace
+}  // namespace slipbench::benchmark

@@ -1,0 +1,110 @@
+#include "tools/program/benchmark/score.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace slipbench::benchmark {
+namespace {
+
+// 100 samples of which the last 40 slip, from 0.6 s on; `said` of the first 60 are called slip in `alarms` alarms.
+judge::Judgement judgement(Detection detection, double delay, std::size_t said, std::size_t alarms) {
+  judge::Judgement one;
+  one.slip_time = 0.6;
+  one.detection = detection;
+  one.delay = delay;
+  one.stick_alarms = alarms;
+  one.stick_time = 0.6;
+  one.frames[1][1] = 60 - said;
+  one.frames[1][3] = said;
+  one.frames[3][3] = 40;
+  return one;
+}
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+// A slip that is seen after 0, 1 or 3 times half_delay earns 1, 1/2 or 1/4.
+TEST(Score, CreditFallsWithTheDelay) {
+  for (const auto& [delay, credit] : {std::pair{0.0, 1.0}, {half_delay, 0.5}, {3.0 * half_delay, 0.25}}) {
+    EXPECT_DOUBLE_EQ(recording_part(judgement(Detection::seen, delay, 0, 0)).credit, credit);
+  }
+  EXPECT_EQ(recording_part(judgement(Detection::missed, none, 0, 0)).credit, 0.0);
+  EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1)).credit, 0.0);
+}
+
+TEST(Score, ConstantAnswersEarnNothing) {
+  const std::vector<Part> never{recording_part(judgement(Detection::missed, none, 0, 0))};
+  EXPECT_EQ(score_of(never, Track::open).value, 0.0);
+  const std::vector<Part> always{recording_part(judgement(Detection::early, none, 60, 1))};
+  EXPECT_EQ(score_of(always, Track::open).value, -1.0) << "no credit, and slip is said in all of the time without it";
+}
+
+// One trial seen at once, one early with an alarm a sample long: credit 1/2. Two trials have 1.2 s without slip: 1 alarm is 50 a minute, which the
+// limit of 1 a minute makes 1/50 of the credit; one sample of 120 was wrong.
+TEST(Score, FalseAlarmsBeyondTheLimitTakeTheCreditAway) {
+  const std::vector<Part> parts{recording_part(judgement(Detection::seen, 0.0, 0, 0)),
+                                recording_part(judgement(Detection::early, none, 1, 1))};
+  const Score score = score_of(parts, Track::open);
+  EXPECT_DOUBLE_EQ(score.credit, 0.5);
+  EXPECT_NEAR(score.alarms_per_minute, 50.0, 1e-9);
+  EXPECT_NEAR(score.value, 0.5 * alarm_limit / 50.0 - 1.0 / 120.0, 1e-12);
+}
+
+// A recording without slip has nothing to earn, but its false alarms count: two trials of 1.2 s without one, so the credit of the first stays.
+TEST(Score, RecordingsWithoutSlipOnlyCost) {
+  judge::Judgement quiet = judgement(Detection::quiet, none, 0, 0);
+  quiet.slip_time = none;
+  const Part seen = recording_part(judgement(Detection::seen, half_delay, 0, 0));
+  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, Track::open).value, 0.5);
+  quiet.frames[1][1] = 30;
+  quiet.frames[1][3] = 30;
+  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, Track::open).value, 0.5 - 30.0 / 120.0);
+}
+
+// The least force earns 1, worst_force_ratio times it 0, half-way 1/2. A dropped box and one that needs no tightening earn nothing, and the latter
+// does not count among those that could.
+TEST(Score, AGraspEarnsByItsForce) {
+  const judge::Judgement silent = judgement(Detection::missed, none, 0, 0);
+  const auto grasp = [](double ratio, bool dropped) {
+    GraspOutcome outcome;
+    outcome.dropped = dropped;
+    outcome.ideal_grip_force = 2.0;
+    outcome.max_grip_force = 2.0 * ratio;
+    return outcome;
+  };
+  EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(1.0, false), true).credit, 1.0);
+  EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(0.5 * (1.0 + worst_force_ratio), false), true).credit, 0.5);
+  EXPECT_EQ(grasp_part(silent, grasp(2.0 * worst_force_ratio, false), true).credit, 0.0);
+  EXPECT_EQ(grasp_part(silent, grasp(1.0, true), true).credit, 0.0);
+  const std::vector<Part> parts{grasp_part(silent, grasp(1.0, false), true), grasp_part(silent, grasp(1.0, false), false)};
+  EXPECT_EQ(score_of(parts, Track::loop).value, 1.0);
+}
+
+// In a loop an alarm costs force: the same alarms leave the credit as it is.
+TEST(Score, ALoopHasNoLimitOfAlarms) {
+  Part part;
+  part.credit = 1.0;
+  part.alarms = 10.0;
+  part.quiet = 1.0;
+  EXPECT_EQ(score_of(std::vector<Part>{part}, Track::loop).value, 1.0);
+  EXPECT_NEAR(score_of(std::vector<Part>{part}, Track::open).value, alarm_limit / 600.0, 1e-12);
+}
+
+TEST(Score, IntervalsAreOfTenTrialsAndMore) {
+  std::vector<Part> parts(9);
+  EXPECT_TRUE(std::isnan(score_interval(parts, Track::open).low));
+  for (std::size_t k = 0; k < 10; ++k) {
+    parts.resize(k + 1);
+    parts[k].credit = k % 2 == 0 ? 1.0 : 0.0;
+  }
+  const Interval interval = score_interval(parts, Track::open);  // of a share of 5 of 10
+  EXPECT_LT(interval.low, 0.5);
+  EXPECT_GT(interval.high, 0.5);
+  EXPECT_GT(interval.low, 0.0);
+  EXPECT_LT(interval.high, 1.0);
+}
+
+}  // namespace
+}  // namespace slipbench::benchmark

@@ -1,0 +1,120 @@
+// Boards and submissions as a user makes and checks them. The BioTac has no hand-made detector, so that its boards take a second.
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program/cli/child_process.h"
+
+namespace slipbench {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::vector<std::string> quick{"benchmark", "--sensor", "biotac_sp", "--trials", "1", "--untaught", "--quiet"};
+
+std::string text_of(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class Submissions : public ::testing::Test {
+ protected:
+  static ChildResult run(std::vector<std::string> words, const std::vector<std::string>& more = {}) {
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program_file(words);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Submissions, AreRecomputedByteForByte) {
+  const std::string file = folder_ / "mine.json", page = folder_ / "board.html";
+  const ChildResult made = run(quick, {"--submit", file, "-o", page});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("always slip"));
+  EXPECT_THAT(text_of(page), HasSubstr("always slip"));
+  EXPECT_THAT(text_of(page), Not(HasSubstr("<script")));
+  EXPECT_EQ(Json::parse(text_of(folder_ / "board.json")), Json::parse(text_of(file)));
+
+  const ChildResult same = run_program_file({"benchmark", "--verify", file, "--quiet"});
+  EXPECT_EQ(same.status, 0) << same.out << same.err;
+
+  // Another score, as a cheat would write it.
+  std::string text = text_of(file);
+  const std::string told = "\"alarms_per_minute\": 1.0";
+  ASSERT_NE(text.find(told), std::string::npos);
+  text.replace(text.find(told), told.size(), "\"alarms_per_minute\": 9.0");
+  std::ofstream(file) << text;
+  const ChildResult changed = run_program_file({"benchmark", "--verify", file, "--quiet"});
+  EXPECT_EQ(changed.status, 1);
+  EXPECT_THAT(changed.out, HasSubstr("/protocol/alarms_per_minute: 9.0 in the file, 1.0 here"));
+}
+
+// Two recordings of a slide, written and read as a real sensor's would be.
+TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
+  const std::string scene = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
+  ASSERT_EQ(run_program_file({"run", scene, "--trials", "2", "--quiet", "-o", folder_ / "sim.h5"}).status, 0);
+  ASSERT_EQ(run_program_file({"export", folder_ / "sim.h5", "--format", "training-csv", "-o", folder_ / "csv"}).status, 0);
+  const ChildResult read = run_program_file({"import", folder_ / "csv", "--format", "training-csv", "-o", folder_ / "real.h5"});
+  ASSERT_EQ(read.status, 0) << read.err;
+  const std::vector<std::string> words{"benchmark", "--sensor",   "papillarray", "--trials",
+                                       "1",         "--untaught", "--quiet",     "--json"};
+  const ChildResult made = run(words, {"--real", folder_ / "real.h5"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const Json result = Json::parse(made.out);
+  const Json& set = result.at("sets").back();
+  EXPECT_EQ(set.at("track"), "transfer");
+  EXPECT_EQ(set.at("trials"), 2);
+  EXPECT_EQ(set.at("rows").back().at("detector"), "always slip");
+  EXPECT_FALSE(result.contains("transfer"));
+  const ChildResult simulated = run(words, {"--real", folder_ / "sim.h5"});
+  EXPECT_EQ(simulated.status, 2);
+  EXPECT_THAT(simulated.err, HasSubstr("is a simulation; allowed: recordings of a real sensor"));
+}
+
+#ifdef SLIPBENCH_WITH_NETWORKS
+// A network that has learnt from what is judged has no place on the board. Trial 0 or 48 of the 96, which two trials of the protocol are, is among
+// the four fifths that teach or choose.
+TEST_F(Submissions, WhoHasSeenTheTrialsIsNotJudged) {
+  const std::string scene = SLIPBENCH_SOURCE_DIR "/scenes/benchmark/slip-1/open_papillarray.yaml";
+  ASSERT_EQ(run_program_file({"sweep", scene, "--quiet", "-o", folder_ / "seen.h5"}).status, 0);
+  const std::string model = folder_ / "seen.onnx";
+  const ChildResult taught =
+      run_program_file({"train", folder_ / "seen.h5", "--recipe", "grasp_gru", "--steps", "2", "-o", model, "--json"});
+  ASSERT_EQ(taught.status, 0) << taught.err;
+  const ChildResult made =
+      run({"benchmark", model, "--sensor", "papillarray", "--trials", "2", "--untaught", "--quiet", "--json"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const Json left_out = Json::parse(made.out).at("sets").at(0).at("left_out");
+  const auto named = std::ranges::find_if(left_out, [&](const Json& one) { return one.at("detector") == model; });
+  ASSERT_NE(named, left_out.end());
+  EXPECT_THAT(named->at("why"), HasSubstr("has learnt from"));
+}
+#endif
+
+TEST_F(Submissions, WhatIsRefused) {
+  const auto expect_refusal = [](const std::vector<std::string>& words, const std::string& message) {
+    const ChildResult result = run_program_file(words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.err, HasSubstr(message));
+  };
+  expect_refusal({"benchmark", "--sensor", "papilarray"}, "benchmark: no sensor 'papilarray'; did you mean 'papillarray'?");
+  expect_refusal({"benchmark", "shear_rat", "--sensor", "myrmex"}, "no detector 'shear_rat'; did you mean 'shear_rate'?");
+  expect_refusal({"benchmark", "--set", "flip=1"}, "--set is of the DETECTOR given, and none is");
+  expect_refusal({"benchmark", "--verify", "a.json", "-o", "b.html"}, "--verify takes what was asked from its file");
+  expect_refusal({"benchmark", "--verify", folder_ / "none.json"}, "none.json: cannot be read");
+  std::ofstream(folder_ / "no.json") << "{}";
+  expect_refusal({"benchmark", "--verify", folder_ / "no.json"},
+                 "no.json: is no submission; allowed: what benchmark --submit writes");
+  expect_refusal({"benchmark", "--submit", folder_ / "no.json"}, "no.json");
+}
+
+}  // namespace
+}  // namespace slipbench

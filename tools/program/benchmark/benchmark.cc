@@ -1,0 +1,580 @@
+#include "tools/program/benchmark/benchmark.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+#include "tools/base/dataset/content_check.h"
+#include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/project/project_file.h"
+#include "tools/base/statistics/binomial.h"
+#include "tools/base/statistics/descriptive.h"
+#include "tools/base/workers/ordered_workers.h"
+#include "tools/program/benchmark/control.h"
+#include "tools/program/benchmark/entrants.h"
+#include "tools/program/benchmark/protocol.h"
+#include "tools/program/benchmark/score.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/doctor/environment.h"
+#include "tools/program/judge/metrics.h"
+#include "tools/program/judge/replay.h"
+#include "tools/program/judge/truth.h"
+#include "tools/program/run/run_sweep.h"
+#include "tools/program/run/run_trial.h"
+
+namespace slipbench::benchmark {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_groups = 6;
+constexpr std::uint64_t replay_seconds = 100'000;
+
+// The whole slip counts from its first part on, and what sticks again under the shear that is left judges nobody: each rule by which a detector
+// may have learnt calls it otherwise. In a loop a firmer grip is to end what is said.
+judge::TruthRule rule_of(Track track) {
+  switch (track) {
+    case Track::open: return judge::TruthRule::masked;
+    case Track::loop: return judge::TruthRule::micro;
+    case Track::transfer: return judge::TruthRule::paper;
+  }
+  return {};
+}
+
+// A folder that goes with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "slipbench-benchmark-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr)
+      throw InputError(fmt::format("{}: cannot be made: {}", name, std::generic_category().message(errno)));
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code error;
+    fs::remove_all(path_, error);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+// How an entrant did in one trial; or why it could not be judged.
+struct Answer {
+  judge::Judgement judgement;
+  std::optional<GraspOutcome> grasp;
+  std::string failure;
+};
+
+// Someone who reads one of the sensors of a set of trials.
+struct Seat {
+  const Entrant* entrant = nullptr;
+  std::size_t sensor = 0;   // of the trial's
+  std::string sensor_name;  // as the scene names it
+  std::vector<Answer> answers{};
+};
+
+struct LeftOut {
+  std::string detector, why;
+};
+
+// A set of trials with all that came of it.
+struct Board {
+  Track track = Track::open;
+  std::vector<Seat> seats{};
+  std::vector<LeftOut> left_out{};
+  std::vector<std::string> params{};  // JSON of each trial
+  std::vector<std::string> digests{};
+  std::string sensor{};
+  std::vector<bool> needed{};  // of each grasp: who never tightens drops the box
+};
+
+DetectorScene detector_for(const Seat& seat, const Scene* scene, const std::string& mover) {
+  DetectorScene detector = seat.entrant->knows_motion && scene != nullptr ? motion_known(*scene, mover) : seat.entrant->detector;
+  detector.sensor = seat.sensor;
+  return detector;
+}
+
+Answer recorded_answer(const Seat& seat, const Scene* scene, const std::string& mover, const TrialRecord& record,
+                       judge::TruthRule rule) {
+  Answer answer;
+  try {
+    const judge::Replayed replayed =
+        judge::replay(detector_for(seat, scene, mover), record.sensors, seat.sensor, record.seed, record.trial);
+    answer.judgement = judge::judged(record.trial, judge::truth_of(scene, record, record.sensors[seat.sensor], rule), replayed);
+  } catch (const InputError& error) {
+    answer.failure = fmt::format("trial {}: {}", record.trial, error.what());
+  }
+  return answer;
+}
+
+// What its loop saw in a grasp.
+Answer grasp_answer(const Seat& seat, Scene scene, std::size_t trial) {
+  Answer answer;
+  try {
+    scene.detector = detector_for(seat, &scene, "");
+    const TrialRecord record = run_trial(scene, trial, Recording::full).record;
+    const SensorRecord& sensor = record.sensors[seat.sensor];
+    judge::Replayed seen;
+    for (const std::uint8_t code : record.control->detector_class) seen.seen.push_back(static_cast<PadState>(code));
+    seen.seen_since = sensor.time;
+    seen.stuck_fraction.assign(sensor.time.size(), std::numeric_limits<double>::quiet_NaN());
+    seen.probability = seen.stuck_fraction;
+    answer.judgement = judge::judged(trial, judge::truth_of(&scene, record, sensor, rule_of(Track::loop)), seen);
+    answer.grasp = record.outcome.grasp;
+  } catch (const InputError& error) {
+    answer.failure = fmt::format("trial {}: {}", trial, error.what());
+  }
+  return answer;
+}
+
+// Seats each entrant before the first of the sensors that it can read, and says why the others have none.
+void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const TrialRecord& first,
+              const std::vector<std::size_t>& readers) {
+  for (const Entrant* entrant : entrants) {
+    std::string why;
+    bool seated = false;
+    for (const std::size_t sensor : readers) {
+      const Seat seat{entrant, sensor, first.sensors[sensor].name};
+      if (entrant->kind != Kind::oracle) {
+        try {
+          judge::replay(detector_for(seat, nullptr, ""), first.sensors, sensor, first.seed, first.trial);
+        } catch (const InputError& error) {
+          if (why.empty()) why = error.what();
+          continue;
+        }
+      }
+      board.seats.push_back(seat);
+      seated = true;
+      break;
+    }
+    if (!seated) board.left_out.push_back({entrant->name, why});
+  }
+}
+
+// Takes those from the board who could not be judged in some trial, or have learnt from one.
+void clear_seats(Board& board) {
+  const auto unfit = [&board](const Seat& seat) {
+    std::string why;
+    for (const Answer& answer : seat.answers) {
+      if (why.empty()) why = answer.failure;
+    }
+    std::size_t known = 0;
+    for (const std::string& digest : board.digests) known += std::ranges::count(seat.entrant->sha256_seen, digest) > 0 ? 1U : 0U;
+    if (known > 0) why = fmt::format("has learnt from {} of the {} trials", known, board.digests.size());
+    if (!why.empty()) board.left_out.push_back({seat.entrant->name, why});
+    return !why.empty();
+  };
+  std::erase_if(board.seats, unfit);
+}
+
+std::vector<Part> parts_of(const Board& board, const Seat& seat) {
+  std::vector<Part> parts;
+  for (std::size_t k = 0; k < seat.answers.size(); ++k) {
+    const Answer& answer = seat.answers[k];
+    parts.push_back(answer.grasp ? grasp_part(answer.judgement, *answer.grasp, board.needed[k])
+                                 : recording_part(answer.judgement));
+  }
+  return parts;
+}
+
+Json grasps_json(const Seat& seat) {
+  std::size_t dropped = 0;
+  std::vector<double> force, slip;
+  for (const Answer& answer : seat.answers) {
+    const GraspOutcome& grasp = *answer.grasp;
+    dropped += grasp.dropped ? 1U : 0U;
+    if (grasp.dropped) continue;
+    force.push_back(grasp.max_grip_force / grasp.ideal_grip_force);
+    slip.push_back(grasp.slip_translation);
+  }
+  const Interval share = clopper_pearson(dropped, seat.answers.size());
+  return {{"trials", seat.answers.size()},
+          {"dropped", dropped},
+          {"low", share.low},
+          {"high", share.high},
+          {"force_ratio", judge::number_json(median(force))},
+          {"slip_m", judge::number_json(median(slip))}};
+}
+
+Json row_json(const Board& board, const Seat& seat) {
+  const std::vector<Part> parts = parts_of(board, seat);
+  const Score score = score_of(parts, board.track);
+  const Interval interval = score_interval(parts, board.track);
+  std::vector<judge::Judgement> judgements;
+  for (const Answer& answer : seat.answers) judgements.push_back(answer.judgement);
+  Json row = {
+      {"rank", nullptr},
+      {"detector", seat.entrant->name},
+      {"kind", kind_word(seat.entrant->kind)},
+      {"sensor", seat.sensor_name},
+      {"parameters", seat.entrant->parameters},
+      {"sha256", seat.entrant->sha256},
+      {"score", {{"value", score.value}, {"low", judge::number_json(interval.low)}, {"high", judge::number_json(interval.high)}}},
+      {"credit", score.credit},
+      {"false_alarms_per_minute", score.alarms_per_minute},
+      {"said", score.said},
+      {"figures", judge::summary_json(judge::summarised(judgements))}};
+  if (seat.answers.front().grasp) row["grasps"] = grasps_json(seat);
+  return row;
+}
+
+// A value that was swept, numbers in SI.
+std::string value_text(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : value.dump();
+}
+
+// Scores by what the scene's grid varies: values that repeat and are no list or map.
+Json groups_json(const Board& board) {
+  std::map<std::string, std::map<std::string, std::vector<std::size_t>>> by;
+  for (std::size_t k = 0; k < board.params.size(); ++k) {
+    const Json params = Json::parse(board.params[k]);
+    for (const auto& [path, value] : params.items()) {
+      if (value.is_primitive()) by[path][value_text(value)].push_back(k);
+    }
+  }
+  Json json = Json::array();
+  for (const auto& [path, groups] : by) {
+    if (groups.size() < 2 || groups.size() > most_groups) continue;
+    Json list = Json::array();
+    for (const auto& [name, trials] : groups) {
+      Json scores = Json::array();
+      for (const Seat& seat : board.seats) {
+        const std::vector<Part> all = parts_of(board, seat);
+        std::vector<Part> parts;
+        for (const std::size_t k : trials) parts.push_back(all[k]);
+        scores.push_back(score_of(parts, board.track).value);
+      }
+      list.push_back({{"name", name}, {"trials", trials.size()}, {"scores", std::move(scores)}});
+    }
+    json.push_back({{"by", path}, {"groups", std::move(list)}});
+  }
+  return json;
+}
+
+// Adds rows, left_out and by to what is said of a set of trials.
+Json board_json(Json json, Board board) {
+  clear_seats(board);
+  const auto value = [&board](const Seat& seat) { return score_of(parts_of(board, seat), board.track).value; };
+  std::ranges::stable_sort(board.seats, [&](const Seat& a, const Seat& b) {
+    return std::pair(-value(a), a.entrant->name) < std::pair(-value(b), b.entrant->name);
+  });
+  json["rows"] = Json::array();
+  std::size_t place = 0, rank = 0;
+  double last = std::numeric_limits<double>::infinity();
+  for (const Seat& seat : board.seats) {
+    Json row = row_json(board, seat);
+    if (seat.entrant->kind != Kind::oracle) {
+      ++place;
+      if (value(seat) < last) rank = place;  // equal scores share a rank
+      last = value(seat);
+      row["rank"] = rank;
+    }
+    json["rows"].push_back(std::move(row));
+  }
+  json["left_out"] = Json::array();
+  for (const LeftOut& one : board.left_out) json["left_out"].push_back({{"detector", one.detector}, {"why", one.why}});
+  json["by"] = board.params.empty() ? Json::array() : groups_json(board);
+  return json;
+}
+
+// The trials of a plan that are judged: all, or some of them spread over it.
+std::vector<std::size_t> chosen_trials(std::size_t planned, std::size_t wanted) {
+  const std::size_t count = wanted == 0 ? planned : std::min(wanted, planned);
+  std::vector<std::size_t> trials;
+  for (std::size_t k = 0; k < count; ++k) trials.push_back(k * planned / count);
+  return trials;
+}
+
+std::vector<std::size_t> places_of(const std::vector<std::string>& names, const TrialRecord& record) {
+  std::vector<std::size_t> places;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(record.sensors, name, &SensorRecord::name);
+    places.push_back(static_cast<std::size_t>(found - record.sensors.begin()));
+  }
+  return places;
+}
+
+// Does `count` works on the threads asked for, and hands over their results in order.
+template <class Result>
+void in_order(std::size_t count, const Options& options, const std::function<Result(std::size_t)>& work,
+              const std::function<void(Result&&)>& take) {
+  const std::size_t threads =
+      std::min(count, options.jobs > 0 ? options.jobs : std::max<std::size_t>(1, std::thread::hardware_concurrency()));
+  OrderedWorkers<Result> workers(
+      count, threads, [&work] { return work; }, options.interrupt);
+  for (std::size_t k = 0; k < count; ++k) {
+    std::optional<Result> result = workers.next();
+    if (!result) throw Interrupted();
+    take(std::move(*result));
+  }
+}
+
+Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, const Options& options,
+               const Catalogues& catalogues) {
+  if (options.say) options.say(fmt::format("{}: {}", track_name(held.track), held.sensor));
+  SweepOptions sweep;
+  sweep.scene_path = project_file(held.scene);
+  const ReadSweep read = read_sweep(sweep, catalogues);
+  const TrialPlan& plan = read.planned.plan;
+  const std::vector<std::size_t> trials = chosen_trials(plan.size(), options.asked.trials);
+  const auto recorded = [&plan](std::size_t trial) {
+    const TrialPlan::Trial planned = plan.trial(trial);
+    TrialRecord record = run_trial(planned.scene, trial, Recording::full).record;
+    record.params = params_json(planned.drawn);
+    return record;
+  };
+  Board board{.track = held.track};
+  const TrialRecord first = recorded(trials.front());
+  seat_all(board, entrants, first, places_of(held.readers, first));
+  const std::size_t seats = board.seats.size();
+  if (held.track == Track::open) {
+    struct Judged {
+      std::vector<Answer> answers;
+      std::string params, digest;
+    };
+    in_order<Judged>(
+        trials.size(), options,
+        [&](std::size_t k) {
+          const TrialRecord record = recorded(trials[k]);
+          const Scene scene = plan.trial(trials[k]).scene;
+          Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
+          for (const Seat& seat : board.seats)
+            judged.answers.push_back(recorded_answer(seat, &scene, held.mover, record, rule_of(held.track)));
+          return judged;
+        },
+        [&board](Judged&& judged) {
+          for (std::size_t k = 0; k < board.seats.size(); ++k) board.seats[k].answers.push_back(std::move(judged.answers[k]));
+          board.params.push_back(std::move(judged.params));
+          board.digests.push_back(std::move(judged.digest));
+        });
+  } else {
+    for (const std::size_t trial : trials) {
+      board.params.push_back(params_json(plan.trial(trial).drawn));
+      board.digests.push_back(text_sha256(fmt::format("{} {} {}", read.seed, trial, board.params.back())));
+    }
+    std::size_t done = 0;
+    in_order<Answer>(
+        trials.size() * seats, options,
+        [&](std::size_t k) {
+          const std::size_t trial = trials[k / seats];
+          return grasp_answer(board.seats[k % seats], plan.trial(trial).scene, trial);
+        },
+        [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
+    const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
+    for (const Answer& answer : std::ranges::find_if(board.seats, tightens_never)->answers)
+      board.needed.push_back(answer.grasp && answer.grasp->dropped);
+  }
+  std::string digests;
+  for (const std::string& digest : board.digests) digests += digest + "\n";
+  return board_json({{"track", track_name(held.track)},
+                     {"sensor", held.sensor},
+                     {"scene", held.scene},
+                     {"trials", trials.size()},
+                     {"data_sha256", text_sha256(digests)},
+                     {"labels", judge::label_rule_name(rule_of(held.track))}},
+                    std::move(board));
+}
+
+// A dataset of real recordings.
+std::string transfer_text(const std::string& file, const std::vector<const Entrant*>& entrants, const Options& options) {
+  const DatasetReader reader(file);
+  if (!reader.complete()) throw InputError(file + ": its run did not come to its end; allowed: a whole dataset");
+  ContentCheck check(reader);
+  Board board{.track = Track::transfer};
+  std::string digests;
+  for (const std::size_t trial : chosen_trials(reader.trials().size(), 0)) {
+    const std::size_t number = reader.trials()[trial];
+    reader.check_recorded(number);
+    check.add(number);
+    const TrialRecord record = reader.read_trial(number);
+    const SensorRecord& sensor = record.sensors.front();
+    if (sensor.labels.truth)
+      throw InputError(file + ": is a simulation; allowed: recordings of a real sensor, as slipbench import writes them");
+    if (!options.asked.sensor.empty() && sensor.type != options.asked.sensor)
+      throw InputError(fmt::format("{}: has a {}; allowed with --sensor: a {}", file, sensor.type, options.asked.sensor));
+    // A pad that nobody labelled tells nothing of a detector.
+    judge::label_states(sensor, rule_of(Track::transfer), false);
+    board.sensor = sensor.type;
+    if (board.digests.empty()) seat_all(board, entrants, record, {0});
+    board.digests.push_back(trial_identity(reader, number));
+    digests += board.digests.back() + "\n";
+    for (Seat& seat : board.seats) seat.answers.push_back(recorded_answer(seat, nullptr, "", record, rule_of(Track::transfer)));
+  }
+  check.finish();
+  if (board.digests.empty()) throw InputError(file + ": holds no trial");
+  Json json = {{"track", track_name(Track::transfer)},
+               {"sensor", board.sensor},
+               {"file", file},
+               {"trials", board.digests.size()},
+               {"data_sha256", text_sha256(digests)},
+               {"labels", judge::label_rule_name(rule_of(Track::transfer))}};
+  return board_json(std::move(json), std::move(board)).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json transfer_json(const std::string& file, const std::vector<const Entrant*>& entrants, const Options& options) {
+  if (options.say) options.say(fmt::format("transfer: {}", file));
+  ReadingLimits limits = reading_limits(file);
+  limits.cpu += replay_seconds;
+  limits.wait += replay_seconds;
+  return Json::parse(guarded(file, limits, [&] { return transfer_text(file, entrants, options); }));
+}
+
+void check_sensor(const std::string& sensor) {
+  std::set<std::string> known;
+  for (const Held& held : held_out()) known.insert(held.sensor);
+  const std::vector<std::string> names(known.begin(), known.end());
+  if (!sensor.empty() && !known.contains(sensor))
+    throw InputError("benchmark: no sensor " + quote(sensor) + allowed_names(sensor, names));
+}
+
+// Each has a name of its own on the board.
+void check_names(const std::vector<Entrant>& entrants) {
+  std::set<std::string> names;
+  for (const Entrant& entrant : entrants) {
+    if (!names.insert(entrant.name).second) throw InputError("benchmark: " + quote(entrant.name) + " is named twice");
+  }
+}
+
+Json machine_json() {
+  Json machine = environment_json();
+  machine.erase("load");
+  return machine;
+}
+
+std::string found(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+}  // namespace
+
+Json asked_json(const Asked& asked) {
+  Json parameters = Json::array();
+  for (const Override& change : asked.parameters) parameters.push_back({change.path, change.value});
+  return {{"detectors", asked.detectors}, {"set", parameters},      {"real", asked.real},
+          {"sensor", asked.sensor},       {"trials", asked.trials}, {"untaught", asked.untaught}};
+}
+
+Asked parse_asked(const Json& json) {
+  try {
+    Asked asked;
+    asked.detectors = json.at("detectors").get<std::vector<std::string>>();
+    for (const Json& change : json.at("set")) asked.parameters.push_back({change.at(0), change.at(1)});
+    asked.real = json.at("real").get<std::vector<std::string>>();
+    asked.sensor = json.at("sensor").get<std::string>();
+    asked.trials = json.at("trials").get<std::size_t>();
+    asked.untaught = json.at("untaught").get<bool>();
+    return asked;
+  } catch (const Json::exception& error) {
+    throw InputError(fmt::format("asked: {}; allowed: as benchmark --submit writes it", error.what()));
+  }
+}
+
+Json benchmark(const Options& options) {
+  const Asked& asked = options.asked;
+  check_sensor(asked.sensor);
+  register_control();
+  std::vector<Entrant> entrants;
+  for (const std::string& word : asked.detectors) entrants.push_back(given_entrant(word, asked.parameters));
+  for (Entrant& entrant : shipped_entrants()) {
+    // The user's own words for it, parameters perhaps among them, stand beside it.
+    const auto same = [&](const Entrant& one) { return one.name == entrant.name; };
+    if (const auto given = std::ranges::find_if(entrants, same); given != entrants.end()) given->name += ", given";
+    entrants.push_back(std::move(entrant));
+  }
+  for (Entrant& control : control_entrants()) entrants.push_back(std::move(control));
+  check_names(entrants);
+  const TemporaryFolder folder;
+  Taught taught;
+  if (!asked.untaught) {
+    taught =
+        teach({.sensor = asked.sensor, .jobs = options.jobs, .interrupt = options.interrupt, .say = options.say}, folder.path());
+    for (Entrant& entrant : taught.entrants) entrants.push_back(std::move(entrant));
+  }
+  entrants.push_back(oracle_entrant());
+  std::vector<Missing> missing = missing_entrants();
+  missing.insert(missing.end(), taught.untaught.begin(), taught.untaught.end());
+  const auto entering = [&entrants](Track track, const std::string& sensor) {
+    std::vector<const Entrant*> some;
+    for (const Entrant& entrant : entrants) {
+      if (entrant.kind == Kind::oracle && track != Track::loop) continue;
+      if (track == Track::transfer && entrant.knows_motion) continue;
+      if (entrant.reads.empty() || sensor.empty() || entrant.reads == sensor) some.push_back(&entrant);
+    }
+    return some;
+  };
+  const Catalogues catalogues = program_catalogues();
+  // Real recordings first, since files are read by child processes, which want no threads beside them.
+  Json transfer = Json::array();
+  for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(Track::transfer, ""), options));
+  Json sets = Json::array();
+  for (const Held& held : held_out()) {
+    if (!asked.sensor.empty() && held.sensor != asked.sensor) continue;
+    Json set = held_json(held, entering(held.track, held.sensor), options, catalogues);
+    for (const Missing& one : missing) {
+      if (one.sensor == held.sensor) set["left_out"].push_back({{"detector", one.name}, {"why", one.why}});
+    }
+    sets.push_back(std::move(set));
+  }
+  for (Json& set : transfer) sets.push_back(std::move(set));
+  Json result = {{result_key, 1},
+                 {"asked", asked_json(asked)},
+                 {"protocol",
+                  {{"name", protocol_name},
+                   {"sha256", protocol_sha256()},
+                   {"half_delay_s", half_delay},
+                   {"alarms_per_minute", alarm_limit},
+                   {"force_ratio", worst_force_ratio},
+                   {"whole", asked.trials == 0 && !asked.untaught && asked.sensor.empty()}}},
+                 {"machine", machine_json()},
+                 {"learnt_from", taught.data},
+                 {"sets", sets}};
+  if (asked.real.empty())
+    result["transfer"] = "no real recordings were given: benchmark --real FILE.h5, which slipbench import writes";
+  return result;
+}
+
+std::string submission_text(const Json& result) { return result.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json parse_submission(const std::string& text, const std::string& name) {
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains(result_key) || !json.contains("asked") || !json.contains("protocol"))
+    throw InputError(name + ": is no submission; allowed: what benchmark --submit writes");
+  const Json& protocol = json.at("protocol");
+  if (!protocol.is_object() || protocol.value("name", "") != protocol_name)
+    throw InputError(fmt::format("{}: is of another protocol; allowed: {}", name, protocol_name));
+  return json;
+}
+
+std::string difference(const std::string& text, const Json& submitted, Json recomputed) {
+  if (submitted.contains("machine")) recomputed["machine"] = submitted.at("machine");
+  if (submission_text(recomputed) == text) return "";
+  for (const Json& change : Json::diff(submitted, recomputed)) {
+    const std::string path = change.at("path").get<std::string>();
+    const Json::json_pointer place(path);
+    const std::string before = submitted.contains(place) ? found(submitted.at(place)) : "nothing";
+    const std::string now = recomputed.contains(place) ? found(recomputed.at(place)) : "nothing";
+    return fmt::format("{}: {} in the file, {} here", path, before, now);
+  }
+  const std::string here = submission_text(recomputed);
+  const auto [a, b] = std::ranges::mismatch(text, here);
+  return fmt::format("byte {}: the same values, written in another way", a - text.begin());
+}
+
+}  // namespace slipbench::benchmark

@@ -1,0 +1,64 @@
+// `slipbench benchmark`: every slip detector on recordings and in grasps that none of them has seen.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/scene/parser.h"
+#include "tools/base/page/json.h"
+
+namespace slipbench::benchmark {
+
+// What decides a board's bytes on one machine.
+struct Asked {
+  std::vector<std::string> detectors;  // beside those that ship: names, FILE.onnx, folders of memories
+  std::vector<Override> parameters;    // of each of them
+  std::vector<std::string> real;       // datasets of real recordings, for the track transfer
+  std::string sensor;                  // its type alone; empty: all
+  // To try things, which makes no board of the protocol: so many trials of each scene, spread over it (0: all), and nobody learns.
+  std::size_t trials = 0;
+  bool untaught = false;
+};
+
+struct Options {
+  Asked asked;
+  std::size_t jobs = 0;  // worker threads; 0: one a hardware thread
+  const std::atomic<bool>* interrupt = nullptr;
+  std::function<void(const std::string&)> say = {};  // what is being done; may be empty
+};
+
+inline constexpr const char* result_key = "slipbench_benchmark";
+
+// The board as one object, which --submit writes; its first key is result_key: 1.
+//   asked       as asked_json()
+//   protocol    {name, sha256, half_delay_s, alarms_per_minute, force_ratio, whole}; whole: false of a part of it, to try things
+//   machine     environment_json() without its load
+//   learnt_from [{scene, trials, sha256}]
+//   sets        [{track, sensor, scene or file, trials, data_sha256, labels, rows, left_out: [{detector, why}], by}] in the protocol's order,
+//               transfer last
+//     rows      the best first: {rank (null of the oracle), detector, kind, sensor, parameters, sha256, score: {value, low, high}, credit,
+//               false_alarms_per_minute, said, figures (judge::summary_json()), and of a closed loop
+//               grasps: {trials, dropped, low, high, force_ratio, slip_m}}
+//     by        [{by, groups: [{name, trials, scores: [of each row]}]}] of what the scene's grid varies
+//   transfer    why the track transfer is empty, where it is
+// Times in s. No clock time: the same on one machine whatever the threads. Throws InputError: no such sensor, a detector or file that cannot be
+// read, a scene that cannot be simulated; Interrupted.
+Json benchmark(const Options& options);
+
+Json asked_json(const Asked& asked);
+// The inverse. Throws InputError, which names the key.
+Asked parse_asked(const Json& json);
+
+// The bytes of a submission.
+std::string submission_text(const Json& result);
+// Throws InputError for a text that is no submission of this protocol.
+Json parse_submission(const std::string& text, const std::string& name);
+
+// How a recomputed board, with the submission's own `machine` in the place of this one, differs from the submission's bytes:
+// "/sets/0/rows/2/credit: 0.41 in the file, 0.43 here". Empty: in nothing.
+std::string difference(const std::string& text, const Json& submitted, Json recomputed);
+
+}  // namespace slipbench::benchmark

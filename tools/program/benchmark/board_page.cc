@@ -1,0 +1,172 @@
+#include "tools/program/benchmark/board_page.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "tools/base/page/page.h"
+#include "tools/base/page/page_files.h"
+#include "tools/base/page/svg.h"
+#include "tools/program/benchmark/benchmark.h"
+
+namespace slipbench::benchmark {
+namespace {
+
+using page::escape_html;
+
+constexpr std::string_view generator = "slipbench benchmark";
+
+constexpr page::PageKind page_kind{
+    "a board", {"page of slipbench benchmark", &begins_as_board_page}, {"board of slipbench benchmark", &begins_as_board_json}};
+
+constexpr double percent = 100.0, ms = 1e3;
+
+std::string points(const Json& value) { return value.is_null() ? "–" : fmt::format("{:.1f}", percent * value.get<double>()); }
+
+std::string shown(const Json& value, double scale, const char* unit, int digits) {
+  return value.is_null() ? "–" : fmt::format("{:.{}f}{}", scale * value.get<double>(), digits, unit);
+}
+
+std::string share_of(const Json& row, const char* key) {
+  return shown(row.at("figures").at("figures").at(key).at("value"), percent, " %", 0);
+}
+
+std::string section(const std::string& title, const std::string& content, const std::string& note) {
+  return fmt::format("<section><h2>{}</h2>\n{}<p class=\"note\">{}</p>\n</section>\n", escape_html(title), content,
+                     escape_html(note));
+}
+
+// Scores with their intervals, the best on top.
+std::string drawing(const Json& set) {
+  constexpr double width = 640.0, left = 190.0, right = 620.0, line = 20.0, top = 12.0;
+  const Json& rows = set.at("rows");
+  const double foot = top + line * static_cast<double>(rows.size());
+  const page::Axis across{.low = -1.0, .high = 1.0, .begin = left, .end = right, .ticks = {-1.0, -0.5, 0.0, 0.5, 1.0}};
+  page::Svg svg(width, foot + 40.0);
+  for (const double tick : across.ticks) {
+    svg.line("mesh", across.at(tick), top, across.at(tick), foot);
+    svg.text("small middle", across.at(tick), foot + 14.0, fmt::format("{:.0f}", percent * tick));
+  }
+  svg.line("limit", across.at(0.0), top, across.at(0.0), foot);
+  double y = top + 0.5 * line;
+  for (const Json& row : rows) {
+    const Json& score = row.at("score");
+    const bool is_detector = row.at("kind") != "control" && row.at("kind") != "oracle";
+    svg.text("small end", left - 8.0, y + 4.0, row.at("detector").get<std::string>());
+    if (!score.at("low").is_null())
+      svg.line(is_detector ? "s0" : "s1", across.at(score.at("low").get<double>()), y, across.at(score.at("high").get<double>()),
+               y);
+    svg.dot(is_detector ? "s0" : "s1", across.at(score.at("value").get<double>()), y, 4.0);
+    y += line;
+  }
+  svg.text("middle", 0.5 * (left + right), foot + 32.0, "score");
+  return "<div>" + svg.element() + "</div>\n";
+}
+
+std::string groups_html(const Json& set) {
+  std::string html;
+  for (const Json& by : set.at("by")) {
+    std::vector<std::string> head{by.at("by").get<std::string>()};
+    for (const Json& group : by.at("groups"))
+      head.push_back(fmt::format("{} ({})", group.at("name").get<std::string>(), group.at("trials").get<std::size_t>()));
+    std::vector<std::vector<std::string>> rows;
+    for (std::size_t k = 0; k < set.at("rows").size(); ++k) {
+      std::vector<std::string> row{set.at("rows")[k].at("detector").get<std::string>()};
+      for (const Json& group : by.at("groups")) row.push_back(points(group.at("scores")[k]));
+      rows.push_back(std::move(row));
+    }
+    html += page::table_html(head, rows);
+  }
+  return html;
+}
+
+std::string set_html(const Json& set) {
+  const BoardTable table = board_table(set);
+  std::string html = page::table_html(table.head, table.rows) + drawing(set);
+  if (!table.left_out.empty()) html += "<h3>Not on this board</h3>\n" + page::list_html(table.left_out);
+  if (const std::string groups = groups_html(set); !groups.empty()) html += "<h3>Score by condition (trials)</h3>\n" + groups;
+  const std::string from = set.contains("scene") ? set.at("scene").get<std::string>() : set.at("file").get<std::string>();
+  return section(
+      table.title, html,
+      fmt::format("{}; labels {}; data {}", from, set.at("labels").get<std::string>(), set.at("data_sha256").get<std::string>()));
+}
+
+constexpr const char* rule =
+    "Score, -100 to 100: credit × min(1, limit / false alarms a minute) − time wrongly called slip. An open recording's credit is half_delay / "
+    "(half_delay + delay) of a slip that is seen from its true beginning on, and 0 of one that is missed or alarmed early. A grasp's is 1 with the "
+    "least force that holds, 0 from force_ratio times that on or when the box is dropped; boxes that the preset force holds have none to earn, and "
+    "false alarms have their price in force, not in the limit. Early alarms are false alarms. Never to say slip gives 0, always to say it "
+    "nearly -100. Intervals: 95 %, by trial.";
+
+}  // namespace
+
+BoardTable board_table(const Json& set) {
+  BoardTable table;
+  table.title = fmt::format("{}, {}: {} trials", set.at("track").get<std::string>(), set.at("sensor").get<std::string>(),
+                            set.at("trials").get<std::size_t>());
+  const bool grasps = !set.at("rows").empty() && set.at("rows")[0].contains("grasps");
+  table.head = {"", "rank", "kind", "score", "95 %", "credit", "false alarms/min", "wrongly slip", "recall"};
+  const std::vector<std::string> events = grasps ? std::vector<std::string>{"dropped", "force/least", "slip"}
+                                                 : std::vector<std::string>{"median delay", "early", "missed"};
+  table.head.insert(table.head.end(), events.begin(), events.end());
+  for (const Json& row : set.at("rows")) {
+    const Json& score = row.at("score");
+    std::vector<std::string> cells{row.at("detector").get<std::string>(),
+                                   row.at("rank").is_null() ? "–" : fmt::format("{}", row.at("rank").get<std::size_t>()),
+                                   row.at("kind").get<std::string>(),
+                                   points(score.at("value")),
+                                   score.at("low").is_null() ? "–" : points(score.at("low")) + " to " + points(score.at("high")),
+                                   points(row.at("credit")),
+                                   shown(row.at("false_alarms_per_minute"), 1.0, "", 1),
+                                   shown(row.at("said"), percent, " %", 1),
+                                   share_of(row, "recall_of_slip")};
+    if (grasps) {
+      const Json& grasp = row.at("grasps");
+      cells.push_back(fmt::format("{} of {}", grasp.at("dropped").get<std::size_t>(), grasp.at("trials").get<std::size_t>()));
+      cells.push_back(shown(grasp.at("force_ratio"), 1.0, "", 2));
+      cells.push_back(shown(grasp.at("slip_m"), ms, " mm", 1));
+    } else {
+      cells.push_back(shown(row.at("figures").at("figures").at("delay_median_s").at("value"), ms, " ms", 0));
+      cells.push_back(share_of(row, "early"));
+      cells.push_back(share_of(row, "missed"));
+    }
+    table.rows.push_back(std::move(cells));
+  }
+  for (const Json& one : set.at("left_out"))
+    table.left_out.push_back(one.at("detector").get<std::string>() + ": " + one.at("why").get<std::string>());
+  return table;
+}
+
+std::string board_page(const Json& result) {
+  const Json& protocol = result.at("protocol");
+  std::string body = fmt::format(
+      "<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>Slip detectors on {}{}</h1>\n<p class=\"note\">half_delay {:g} ms, limit {:g} false "
+      "alarms a minute, force_ratio {:g}; protocol {}</p>\n<p class=\"note\">{}</p></header>\n",
+      generator, escape_html(protocol.at("name").get<std::string>()), protocol.at("whole").get<bool>() ? "" : ", a part of it",
+      ms * protocol.at("half_delay_s").get<double>(), protocol.at("alarms_per_minute").get<double>(),
+      protocol.at("force_ratio").get<double>(), escape_html(protocol.at("sha256").get<std::string>()), escape_html(rule));
+  for (const Json& set : result.at("sets")) body += set_html(set);
+  if (result.contains("transfer")) body += section("transfer", "", result.at("transfer").get<std::string>());
+  std::vector<std::vector<std::string>> machine;
+  for (const auto& [key, value] : result.at("machine").items())
+    machine.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});
+  body += section("Machine", page::table_html({"", ""}, machine),
+                  "A network's answers may differ in their last bits on another processor; all else is the same everywhere.");
+  return page::compose_page({generator, fmt::format("slip detectors on {}", protocol.at("name").get<std::string>())}, body);
+}
+
+bool begins_as_board_page(std::string_view text) { return page::begins_as_page(text, generator); }
+
+bool begins_as_board_json(std::string_view text) {
+  return text.starts_with(fmt::format("{{\n  \"{}\": ", result_key)) ||
+         text.starts_with(fmt::format("{{\n \"{}\": ", result_key));
+}
+
+void check_board_target(const std::string& html_path) { page::check_page_files(html_path, page_kind); }
+
+std::vector<std::string> write_board(const std::string& html_path, const Json& result) {
+  return page::write_page_files(html_path, page_kind, board_page(result), result);
+}
+
+}  // namespace slipbench::benchmark

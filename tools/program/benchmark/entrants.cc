@@ -1,0 +1,212 @@
+#include "tools/program/benchmark/entrants.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "detectors/hd/shipped_memories.h"
+#include "detectors/network/engine.h"
+#include "sim/core/detector.h"
+#include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+#include "tools/base/dataset/encoder.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/project/project_file.h"
+#include "tools/program/benchmark/control.h"
+#include "tools/program/benchmark/protocol.h"
+#include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/judge/detector_choice.h"
+#include "tools/program/learn/train_network.h"
+#include "tools/program/run/run_sweep.h"
+
+namespace slipbench::benchmark {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of the catalogue, what is nothing without a file of the user's.
+constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
+// Networks that ship, with the type of sensor that each reads.
+struct ShippedNetwork {
+  const char *path, *sensor;
+};
+constexpr std::array<ShippedNetwork, 1> shipped_networks{{{"scenes/grasp/grasp_gru.onnx", "papillarray"}}};
+constexpr const char* no_engine = "a network is taught by libtorch and run by OpenVINO: see slipbench doctor";
+
+std::string file_digest(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return file_sha256(path);
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+    if (entry.is_regular_file(error)) files.push_back(entry.path().string());
+  }
+  std::ranges::sort(files);
+  std::string text;
+  for (const std::string& file : files) text += fs::path(file).filename().string() + " " + file_sha256(file) + "\n";
+  return text_sha256(text);
+}
+
+// The file that a detector is made from; empty: it has none.
+std::string file_of(const DetectorScene& detector) {
+  const auto& values = detector.parameters.values();
+  if (values.contains("memories")) return hd::memories_folder(detector.parameters.path("memories"));
+  for (const char* key : {"model", "library"}) {
+    if (values.contains(key)) return detector.parameters.path(key);
+  }
+  return "";
+}
+
+std::vector<std::string> trials_seen(const DetectorScene& detector) {
+  const std::unique_ptr<network::Engine> engine = judge::network_of(detector);
+  if (engine == nullptr) return {};
+  const Json trained = Json::parse(engine->description().trained, nullptr, false);
+  if (!trained.is_object() || !trained.contains("sha256_seen") || !trained.at("sha256_seen").is_array()) return {};
+  std::vector<std::string> digests;
+  for (const Json& digest : trained.at("sha256_seen")) {
+    if (digest.is_string()) digests.push_back(digest.get<std::string>());
+  }
+  return digests;
+}
+
+// A training scene's trials in `folder`, simulated the first time that it is asked for.
+std::string dataset_of(const Lesson& lesson, const Teaching& teaching, const std::string& folder) {
+  const std::string path = (fs::path(folder) / (lesson.sensor + ".h5")).string();
+  if (fs::exists(path)) return path;
+  if (teaching.say) teaching.say(fmt::format("simulating {} to learn from", lesson.scene));
+  SweepOptions sweep;
+  sweep.scene_path = project_file(lesson.scene);
+  sweep.trials = lesson.trials;
+  sweep.jobs = teaching.jobs;
+  sweep.output = path;
+  sweep.interrupt = teaching.interrupt;
+  const SweepSummary summary = run_sweep(sweep, program_catalogues());
+  if (summary.interrupted) throw Interrupted();
+  return path;
+}
+
+std::string data_sha256(const std::string& dataset) {
+  const DatasetReader reader(dataset);
+  std::string text;
+  for (const std::size_t trial : reader.trials()) text += reader.trial_sha256(trial) + "\n";
+  return text_sha256(text);
+}
+
+// The ONNX file that a lesson makes.
+std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::string& dataset, const std::string& folder) {
+  learn::NetworkTraining training;
+  training.dataset = dataset;
+  training.recipe = learn::find_recipe(lesson.recipe);
+  training.output = (fs::path(folder) / (lesson.recipe + ".onnx")).string();
+  learn::train_network(training, [&](const learn::MemberProgress& progress) {
+    end_if(teaching.interrupt);
+    if (teaching.say)
+      teaching.say(fmt::format("{}: step {} of {}", lesson.recipe, progress.training.step, progress.training.steps));
+  });
+  return training.output;
+}
+
+}  // namespace
+
+std::string kind_word(Kind kind) {
+  switch (kind) {
+    case Kind::shipped: return "shipped";
+    case Kind::trained: return "trained";
+    case Kind::given: return "given";
+    case Kind::control: return "control";
+    case Kind::oracle: return "oracle";
+  }
+  return {};
+}
+
+Entrant given_entrant(const std::string& word, const std::vector<Override>& parameters) {
+  Entrant entrant{.name = word, .kind = Kind::given, .detector = judge::chosen_detector(word, parameters)};
+  std::string identity = entrant.detector.type;
+  for (const Override& change : parameters) {
+    entrant.parameters[change.path] = change.value;
+    identity += "\n" + change.path + "=" + change.value;
+  }
+  entrant.sha256_seen = trials_seen(entrant.detector);
+  if (const std::string file = file_of(entrant.detector); !file.empty()) identity += "\n" + file_digest(file);
+  entrant.sha256 = text_sha256(identity);
+  return entrant;
+}
+
+std::vector<Entrant> shipped_entrants() {
+  std::vector<Entrant> entrants;
+  const auto add = [&entrants](const std::string& word, const std::string& name) {
+    Entrant entrant = given_entrant(word, {});
+    entrant.name = name;
+    entrant.kind = Kind::shipped;
+    entrants.push_back(std::move(entrant));
+  };
+  for (const Entry& entry : detector_entries()) {
+    const bool asks_for_a_file = std::ranges::find(of_a_file, entry.name) != of_a_file.end();
+    if (!asks_for_a_file && entry.name != oracle_type && entry.name != control_type) add(entry.name, entry.name);
+  }
+  if (network::engine_available()) {
+    for (const ShippedNetwork& network : shipped_networks)
+      add(project_file(network.path), fs::path(network.path).stem().string());
+  }
+  return entrants;
+}
+
+std::vector<Missing> missing_entrants() {
+  std::vector<Missing> missing;
+  if (network::engine_available()) return missing;
+  for (const ShippedNetwork& network : shipped_networks)
+    missing.push_back({fs::path(network.path).stem().string(), network.sensor, no_engine});
+  return missing;
+}
+
+std::vector<Entrant> control_entrants() {
+  const auto control = [](const char* name, double from, bool knows_motion) {
+    return Entrant{.name = name,
+                   .kind = Kind::control,
+                   .detector = control_of(from, never),
+                   .knows_motion = knows_motion,
+                   .sha256 = text_sha256(name)};
+  };
+  return {control("always slip", 0.0, false), control(never_slip, never, false), control("motion known", never, true)};
+}
+
+Entrant oracle_entrant() {
+  Entrant oracle{.name = "oracle", .kind = Kind::oracle, .sha256 = text_sha256("oracle")};
+  oracle.detector.type = oracle_type;
+  for (const Entry& entry : detector_entries()) {
+    if (entry.name == oracle_type) oracle.detector.parameters = defaults_of(entry.parameters);
+  }
+  return oracle;
+}
+
+Taught teach(const Teaching& teaching, const std::string& folder) {
+  Taught taught;
+  for (const Lesson& lesson : lessons()) {
+    if (!teaching.sensor.empty() && lesson.sensor != teaching.sensor) continue;
+    const std::string& name = lesson.recipe;
+    if (!learn::networks_available() || !network::engine_available()) {
+      taught.untaught.push_back({name, lesson.sensor, no_engine});
+      continue;
+    }
+    const std::string dataset = dataset_of(lesson, teaching, folder);
+    const std::string data = data_sha256(dataset);
+    const auto known = [&](const Json& one) { return one.at("scene") == lesson.scene; };
+    if (std::ranges::none_of(taught.data, known)) {
+      taught.data.push_back({{"scene", lesson.scene}, {"trials", DatasetReader(dataset).trials().size()}, {"sha256", data}});
+    }
+    if (teaching.say) teaching.say("teaching " + lesson.recipe);
+    Entrant entrant = given_entrant(learnt(lesson, teaching, dataset, folder), {});
+    entrant.name = name;
+    entrant.kind = Kind::trained;
+    entrant.reads = lesson.sensor;
+    entrant.sha256 = text_sha256(lesson.recipe + "\n" + data);
+    taught.entrants.push_back(std::move(entrant));
+  }
+  return taught;
+}
+
+}  // namespace slipbench::benchmark

@@ -1,0 +1,73 @@
+// Who is on the board.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/scene/parser.h"
+#include "sim/scene/scene.h"
+#include "tools/base/page/json.h"
+
+namespace slipbench::benchmark {
+
+enum class Kind {
+  shipped,  // as it ships, with its own defaults
+  trained,  // learns as a part of the protocol
+  given,    // named by who runs the board
+  control,  // knows nothing of what is felt
+  oracle,   // reads the truth: what no detector beats
+};
+// "shipped", ...
+std::string kind_word(Kind kind);
+
+struct Entrant {
+  std::string name;  // "shear_rate", "my.onnx"
+  Kind kind = Kind::shipped;
+  DetectorScene detector{};                // but for the sensor, and for the instants of a control that knows the motion
+  bool knows_motion = false;               // a control whose instants are each trial's own
+  std::string reads{};                     // type of sensor that it learnt from; empty: whichever it can
+  Json parameters = Json::object();        // that were set, as text
+  std::string sha256{};                    // of what it is: type, parameters, files; of one that learns: of what it learns from
+  std::vector<std::string> sha256_seen{};  // trials that it says it has learnt from
+};
+
+// A detector as the command line names it: a name of the catalogue, FILE.onnx, a folder of memories; with parameters of it. Throws InputError as
+// judge::chosen_detector(), and for a network's file as network::load_engine().
+Entrant given_entrant(const std::string& word, const std::vector<Override>& parameters);
+
+// The control that never says slip.
+inline constexpr const char* never_slip = "never slip";
+
+// Someone who is not there, and why.
+struct Missing {
+  std::string name, sensor, why;
+};
+
+// All detectors that ship, but for those that are nothing without a file of the user's; and the networks that ship, which are missing where nothing
+// runs them. register_control() must have been called.
+std::vector<Entrant> shipped_entrants();
+std::vector<Missing> missing_entrants();
+std::vector<Entrant> control_entrants();
+Entrant oracle_entrant();
+
+struct Teaching {
+  std::string sensor;  // lessons of this type of sensor alone; empty: all
+  std::size_t jobs = 0;
+  const std::atomic<bool>* interrupt = nullptr;
+  std::function<void(const std::string&)> say{};  // what is being done; may be empty
+};
+struct Taught {
+  std::vector<Entrant> entrants;
+  std::vector<Missing> untaught;
+  Json data = Json::array();  // [{scene, trials, sha256}] of what was learnt from
+};
+// Simulates the scenes of the lessons and teaches each from it, in `folder`. Throws InputError for a scene that cannot be simulated or a folder that
+// cannot be written, and Interrupted.
+Taught teach(const Teaching& teaching, const std::string& folder);
+
+}  // namespace slipbench::benchmark

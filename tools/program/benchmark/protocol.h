@@ -1,0 +1,47 @@
+// The protocol slip-1: what is judged, what learns, and the constants of the score. Its scenes are scenes/benchmark/slip-1/*.yaml.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slipbench::benchmark {
+
+inline constexpr std::string_view protocol_name = "slip-1";
+
+// Constants of the score (score.h).
+inline constexpr double half_delay = 0.1;   // s, a slip seen so late earns half
+inline constexpr double alarm_limit = 1.0;  // false alarms a minute up to which credit counts in full
+inline constexpr double worst_force_ratio =
+    2.5;  // greatest grip force over the least that holds, from which on a grasp earns nothing
+
+enum class Track { open, loop, transfer };
+// "open recordings", "closed loop", "transfer"
+std::string_view track_name(Track track);
+
+// Held-out trials of one sensor.
+struct Held {
+  Track track = Track::open;
+  std::string sensor;                // its type: "papillarray"
+  std::string scene;                 // from the project's root
+  std::vector<std::string> readers;  // the scene's names of the sensors that a detector may read; it gets the first that it can
+  std::string mover;                 // the actuator that makes it slip; empty: the motion itself
+};
+const std::vector<Held>& held_out();
+
+// A network that learns as a part of the protocol, from a scene that shares no seed with those held out. The memories of gst_hd that ship have
+// learnt from hexapod.yaml.
+struct Lesson {
+  std::string recipe;  // of learn::recipes(), with its own number of steps
+  std::string sensor;  // type
+  std::string scene;   // from the project's root, with its own seed
+  std::size_t trials;  // of each cell of its grid; 0: the scene's
+};
+const std::vector<Lesson>& lessons();
+
+// SHA-256, 64 hexadecimal digits, over the name, the constants, both tables and the bytes of every scene and model that they name. Throws
+// InputError where one cannot be read.
+std::string protocol_sha256();
+
+}  // namespace slipbench::benchmark

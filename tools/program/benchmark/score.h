@@ -1,0 +1,42 @@
+// The rank score: what a detector is worth, and why nothing but seeing slip in time raises it.
+#pragma once
+
+#include <span>
+
+#include "tools/base/dataset/trial_record.h"
+#include "tools/base/statistics/binomial.h"
+#include "tools/program/benchmark/protocol.h"
+#include "tools/program/judge/metrics.h"
+
+namespace slipbench::benchmark {
+
+// What one trial gives.
+struct Part {
+  double credit = 0.0;   // 0 to 1
+  bool credited = true;  // false: the trial has nothing to earn, as a recording without slip
+  double alarms = 0.0;   // false alarms begun, the early ones among them
+  double quiet = 0.0;    // s without true slip in which they are counted
+  double said = 0.0;     // samples without true slip that are called slip,
+  double still = 0.0;    // of so many
+};
+
+// Of a recording: the credit is half_delay / (half_delay + delay) of a slip that is seen, 0 of one that is missed or alarmed early.
+Part recording_part(const judge::Judgement& judgement);
+// Of a grasp: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) of a box that is held, r the greatest grip force over the least
+// that holds, at most 1 and at least 0; 0 of one that is dropped. `needed`: who never tightens drops this box; else there is nothing to earn.
+Part grasp_part(const judge::Judgement& judgement, const GraspOutcome& grasp, bool needed);
+
+struct Score {
+  double credit = 0.0;             // mean over the trials that have something to earn; 0 where none has
+  double alarms_per_minute = 0.0;  // of time without true slip
+  double said = 0.0;               // share of the samples without true slip that are called slip
+  // credit min(1, alarm_limit / alarms_per_minute) - said: -1 to 1. In a loop credit - said, since a false alarm has cost force there. README.md
+  // says what it cannot be bought with.
+  double value = 0.0;
+};
+Score score_of(std::span<const Part> parts, Track track);
+
+// 95 % by trial, by bootstrap as judge::summarised(); NaN of fewer than judge::fewest_experiments.
+Interval score_interval(std::span<const Part> parts, Track track);
+
+}  // namespace slipbench::benchmark
