@@ -1,6 +1,7 @@
 #include <memory>
 #include <utility>
 
+#include "tools/program/cli/calibrate_command.h"
 #include "tools/program/cli/catalogue_commands.h"
 #include "tools/program/cli/check_command.h"
 #include "tools/program/cli/cluster_command.h"
@@ -24,7 +25,7 @@ Commands command_table() {
     return std::make_unique<CommandElsewhere>(name, summary, "slipbench-studies");
   };
   Commands commands = make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ExportCommand, ImportCommand,
-                                    VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand>();
+                                    VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand, CalibrateCommand>();
   commands.push_back(study("reproduce", "Reproduce a table of a paper"));
   commands.push_back(std::make_unique<CostCommand>());
   commands.push_back(study("bench", "Count the instructions of the reference scenes"));
