@@ -10,6 +10,7 @@
 #include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "tools/program/calibrate/disturbances.h"
+#include "tools/program/calibrate/electronics_fit.h"
 #include "tools/program/calibrate/fitted_scene.h"
 #include "tools/program/calibrate/model.h"
 #include "tools/program/calibrate/recordings.h"
@@ -25,7 +26,7 @@ using Eigen::VectorXd;
 // Pairs from which the electronics are learned, a device each.
 constexpr std::size_t learning_pairs = 4;
 // Least remainder of a column, as a share of its range: below it stretches and steps of the simulation tell.
-constexpr double least_remainder = 1e-3;
+constexpr double least_remainder = 1e-4;
 // Correlations worth a line.
 constexpr double strong_correlation = 0.9;
 
@@ -123,56 +124,58 @@ void tell_truth(Json& json, const FitKey& key, double drawn) {
 struct Scatter {
   double centre, sd;  // of the value; of draw log_uniform the median and the sd of the logarithm
 };
-Scatter scatter_of(const Model& model, std::size_t k, const Solution& solution) {
-  const FitKey& key = model.keys()[k];
-  const auto count = static_cast<double>(model.recordings());
+Scatter scatter_of(const FitKey& key, const std::vector<double>& places, const std::vector<Known>& known) {
+  const auto count = static_cast<double>(places.size());
   const double width = key.logarithmic ? std::log(key.max / key.min) : key.max - key.min;
   double mean = 0.0, square = 0.0, uncertain = 0.0;
-  for (std::size_t r = 0; r < model.recordings(); ++r) {
-    const std::size_t p = model.parameter_of(k, r);
-    const double place = solution.places(static_cast<Index>(p));
-    mean += place / count;
-    square += place * place / count;
-    uncertain += solution.known[p].sd * solution.known[p].sd / count;
+  for (std::size_t r = 0; r < places.size(); ++r) {
+    mean += places[r] / count;
+    square += places[r] * places[r] / count;
+    uncertain += known[r].sd * known[r].sd / count;
   }
-  const double variance = model.recordings() > 1 ? (square - mean * mean) * count / (count - 1.0) : 0.0;
+  const double variance = places.size() > 1 ? (square - mean * mean) * count / (count - 1.0) : 0.0;
   return {key.value(mean), width * std::sqrt(std::max(0.0, variance - uncertain))};
 }
 
-Json parameters_json(const Model& model, const Solution& solution, const std::optional<Truth>& truth) {
-  Json list = Json::array();
-  for (std::size_t k = 0; k < model.keys().size(); ++k) {
-    const FitKey& key = model.keys()[k];
-    const auto first = static_cast<Index>(model.parameter_of(k, 0));
-    Json json{{"key", key.path},
-              {"unit", si_symbol(key.quantity)},
-              {"min", key.min},
-              {"max", key.max},
-              {"draw", key.logarithmic ? "log_uniform" : "uniform"},
-              {"each", key.each}};
-    if (!key.each) {
-      const Known& known = solution.known[static_cast<std::size_t>(first)];
-      json.update(interval_json(key, solution.places(first), known));
-      if (truth) tell_truth(json, key, truth->places(first));
-      json["profile"] = known.profile;
-    } else {
-      const Scatter scatter = scatter_of(model, k, solution);
-      json["value"] = scatter.centre;
-      json["scatter"] = scatter.sd;
-      json["by_recording"] = Json::array();
-      bool all = true;
-      for (std::size_t r = 0; r < model.recordings(); ++r) {
-        const auto p = static_cast<Index>(model.parameter_of(k, r));
-        Json one = interval_json(key, solution.places(p), solution.known[static_cast<std::size_t>(p)]);
-        if (truth) tell_truth(one, key, truth->places(p));
-        all = all && one.at("determined").get<bool>();
-        json["by_recording"].push_back(std::move(one));
-      }
-      json["determined"] = all;
-    }
-    list.push_back(std::move(json));
+// What was found of one key: one place, or one of each recording.
+struct Found {
+  std::vector<double> places;
+  std::vector<Known> known;
+};
+Found found_of(const Model& model, const Eigen::VectorXd& places, const std::vector<Known>& known, const std::string& path) {
+  Found found;
+  for (std::size_t p = 0; p < model.parameters(); ++p) {
+    if (model.keys()[model.key_of(p)].path != path) continue;
+    found.places.push_back(places(static_cast<Index>(p)));
+    found.known.push_back(known[p]);
   }
-  return list;
+  return found;
+}
+
+Json parameter_json(const FitKey& key, const Found& found, const std::vector<double>& drawn) {
+  Json json{{"key", key.path},
+            {"unit", si_symbol(key.quantity)},
+            {"min", key.min},
+            {"max", key.max},
+            {"draw", key.logarithmic ? "log_uniform" : "uniform"},
+            {"each", key.each}};
+  if (!key.each) {
+    json.update(interval_json(key, found.places.front(), found.known.front()));
+    if (!drawn.empty()) tell_truth(json, key, drawn.front());
+    json["profile"] = Json::array();
+    for (const auto& [place, rise] : found.known.front().profile) json["profile"].push_back({key.value(place), rise});
+    return json;
+  }
+  const Scatter scatter = scatter_of(key, found.places, found.known);
+  json["value"] = scatter.centre;
+  json["scatter"] = scatter.sd;
+  json["determined"] = std::ranges::all_of(found.known, &Known::determined);
+  json["by_recording"] = Json::array();
+  for (std::size_t r = 0; r < found.places.size(); ++r) {
+    json["by_recording"].push_back(interval_json(key, found.places[r], found.known[r]));
+    if (!drawn.empty()) tell_truth(json["by_recording"].back(), key, drawn[r]);
+  }
+  return json;
 }
 
 Json correlations_json(const Model& model, const Solution& solution) {
@@ -301,6 +304,28 @@ Json starts_json(const Model& model, const Solution& solution) {
   return list;
 }
 
+void check_noise_keys(const std::vector<FitKey>& of_curves, const std::vector<FitKey>& of_noise) {
+  if (of_curves.empty())
+    throw InputError("calibrate: no key but of electronics, which are what other keys leave; allowed: at least one other");
+  for (const FitKey& key : of_noise) {
+    if (key.each) throw InputError(fmt::format("calibrate: {} is one device's; allowed: without each: true", key.path));
+  }
+}
+
+// The scene with what was found by its curves, for what is found by its noise.
+SceneFile with_values(const SceneFile& file, const Model& model, const VectorXd& places) {
+  SceneFile fitted = file;
+  for (std::size_t k = 0; k < model.keys().size(); ++k) {
+    const FitKey& key = model.keys()[k];
+    double place = 0.0;
+    const std::size_t count = key.each ? model.recordings() : 1;
+    for (std::size_t r = 0; r < count; ++r)
+      place += places(static_cast<Index>(model.parameter_of(k, r))) / static_cast<double>(count);
+    if (key.path != lag_key) fitted.apply({key.path, format_number(key.value(place))});
+  }
+  return fitted;
+}
+
 }  // namespace
 
 Result calibrate(const Options& options, const Catalogues& catalogues) {
@@ -308,25 +333,33 @@ Result calibrate(const Options& options, const Catalogues& catalogues) {
   if (!options.synthetic_truth) recordings = read_recordings(options.recordings, options.format);
   SceneFile file = SceneFile::load(options.scene_path);
   for (const Override& change : options.overrides) file.apply(change);
-  Model model(file, catalogues, options.keys, options.seed.value_or(read_seed(file.root())));
-  if (!options.synthetic_truth) model.use_recordings(recordings.size());
+  const std::uint64_t seed = options.seed.value_or(read_seed(file.root()));
+  std::vector<FitKey> of_curves, of_noise;
+  for (const FitKey& key : options.keys) (of_electronics(key) ? of_noise : of_curves).push_back(key);
+  check_noise_keys(of_curves, of_noise);
+  Model all(file, catalogues, options.keys, seed), model(file, catalogues, of_curves, seed);
+  if (!options.synthetic_truth) {
+    all.use_recordings(recordings.size());
+    model.use_recordings(recordings.size());
+  }
 
   std::optional<Truth> truth;
-  const VectorXd own = model.spread(Eigen::Map<const VectorXd>(model.own_places().data(), static_cast<Index>(model.keys().size())));
+  const VectorXd own = model.spread(Eigen::Map<const VectorXd>(model.own_places().data(), static_cast<Index>(of_curves.size())));
   if (options.synthetic_truth) {
-    truth.emplace(own, seed_for(model.seed(), 0, "truth"));
-    RandomStream stream(model.seed(), 1, "calibrate.truth");
+    truth.emplace(VectorXd(static_cast<Index>(all.parameters())), seed_for(seed, 0, "truth"));
+    RandomStream stream(seed, 1, "calibrate.truth");
     for (double& place : truth->places) place = stream.uniform();
-    recordings = drawn_recordings(model, *truth, options);
+    recordings = drawn_recordings(all, *truth, options);
   }
-  Compared data = compared(recordings, model.simulate(own, 0, Readings::ideal, model.seed(), options.interrupt),
-                           [&](std::size_t r) { return truth ? model.lag(truth->places, r) : 0.0; });
+  Compared data = compared(recordings, model.simulate(own, 0, Readings::ideal, seed, options.interrupt),
+                           [&](std::size_t r) { return truth ? all.lag(truth->places, r) : 0.0; });
   const Disturbances disturbances = learned(model, own, data, options);
   if (truth) {
     // What all gains share is the stiffness of the drawn device, as it is of a real one (disturbances.h). Told by the device's readings of the same
     // once more: by those that are fitted it would take their noise off too.
-    const Waves ideal = waves_of(model, truth->places, Readings::ideal, truth->seed, data, options);
-    const VectorXd common = disturbances.common_gain(waves_of(model, truth->places, Readings::read, truth->seed, data, options, 1), ideal);
+    const Waves ideal = waves_of(all, truth->places, Readings::ideal, truth->seed, data, options);
+    const VectorXd common =
+        disturbances.common_gain(waves_of(all, truth->places, Readings::read, truth->seed, data, options, 1), ideal);
     for (MatrixXd& wave : data.real) wave.array().rowwise() /= common.transpose().array();
   }
 
@@ -334,23 +367,43 @@ Result calibrate(const Options& options, const Catalogues& catalogues) {
   const Solution solution = search(problem, {options.starts, options.progress});
   std::vector<VectorXd> rough;
   for (std::size_t r = 0; r < model.recordings(); ++r)
-    rough.push_back(roughness(model.simulate(solution.places, r, Readings::read, model.seed(), options.interrupt), Side::scene,
-                              data.columns));
+    rough.push_back(
+        roughness(model.simulate(solution.places, r, Readings::read, seed, options.interrupt), Side::scene, data.columns));
+
+  std::optional<Model> noise_model;
+  ElectronicsFit noise;
+  if (!of_noise.empty()) {
+    noise_model.emplace(with_values(file, model, solution.places), catalogues, of_noise, seed);
+    if (!options.synthetic_truth) noise_model->use_recordings(recordings.size());
+    noise = fit_electronics(*noise_model, problem, disturbance_sizes(data.columns, data.real, solution.distance, data.roughness));
+  }
+  Json parameters = Json::array();
+  for (std::size_t k = 0; k < options.keys.size(); ++k) {
+    const FitKey& key = options.keys[k];
+    std::vector<double> drawn;
+    for (std::size_t p = 0; truth && p < all.parameters(); ++p) {
+      if (all.key_of(p) == k) drawn.push_back(truth->places(static_cast<Index>(p)));
+    }
+    parameters.push_back(parameter_json(key,
+                                        of_electronics(key) ? found_of(*noise_model, noise.places, noise.known, key.path)
+                                                            : found_of(model, solution.places, solution.known, key.path),
+                                        drawn));
+  }
 
   Result result;
   result.json = {{result_key, 1},
                  {"scene", options.scene_path},
                  {"command", options.command},
-                 {"seed", model.seed()},
+                 {"seed", seed},
                  {"synthetic_truth", options.synthetic_truth},
-                 {"parameters", parameters_json(model, solution, truth)},
+                 {"parameters", std::move(parameters)},
                  {"correlations", correlations_json(model, solution)},
                  {"cost", solution.cost},
                  {"residual_over_repeatability", std::sqrt(solution.scale)},
                  {"residuals", residuals_json(data, disturbances, solution, rms_over(rough))},
                  {"starts", starts_json(model, solution)},
                  {"recordings", recordings_json(recordings, data, solution)}};
-  result.fitted = fitted_scene(file, model.keys(), result.json);
+  result.fitted = fitted_scene(file, options.keys, result.json);
   return result;
 }
 

@@ -26,11 +26,11 @@ struct Options {
   std::vector<FitKey> keys;             // at least one
   std::vector<std::string> recordings;  // datasets, or sources of `format`
   const ImportFormat* format = nullptr;
-  bool synthetic_truth = false;        // recordings are simulated from parameters drawn between the bounds, in place of `recordings`
-  std::optional<std::uint64_t> seed;   // empty: the scene's
+  bool synthetic_truth = false;  // recordings are simulated from parameters drawn between the bounds, in place of `recordings`
+  std::optional<std::uint64_t> seed;  // empty: the scene's
   std::size_t starts = 4;
-  std::size_t jobs = 1;                // threads; they change no byte
-  std::string command;                 // as the result tells it
+  std::size_t jobs = 1;  // threads; they change no byte
+  std::string command;   // as the result tells it
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(std::size_t done, std::size_t of)> progress;  // recordings simulated; may be empty
 };

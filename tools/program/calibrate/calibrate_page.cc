@@ -39,11 +39,12 @@ std::string number(const Json& value) { return fmt::format("{:.4g}", value.get<d
 std::string text(const Json& value) { return value.get<std::string>(); }
 
 FitKey key_of(const Json& parameter) {
-  FitKey key{.path = text(parameter.at("key")), .min = parameter.at("min").get<double>(), .max = parameter.at("max").get<double>()};
+  FitKey key{
+      .path = text(parameter.at("key")), .min = parameter.at("min").get<double>(), .max = parameter.at("max").get<double>()};
   key.logarithmic = parameter.at("draw") == "log_uniform";
-  for (const Quantity quantity :
-       {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::angle, Quantity::angular_speed,
-        Quantity::angular_acceleration, Quantity::frequency, Quantity::force, Quantity::mass, Quantity::stiffness, Quantity::damping}) {
+  for (const Quantity quantity : {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::angle,
+                                  Quantity::angular_speed, Quantity::angular_acceleration, Quantity::frequency, Quantity::force,
+                                  Quantity::mass, Quantity::stiffness, Quantity::damping}) {
     if (parameter.at("unit") == si_symbol(quantity)) key.quantity = quantity;
   }
   return key;
@@ -54,7 +55,8 @@ std::string path_of(const std::string& scene, const char* extension) {
 }
 
 std::string section(const std::string& title, const std::string& content, const std::string& note) {
-  return fmt::format("<section><h2>{}</h2>\n<p class=\"note\">{}</p>\n{}</section>\n", escape_html(title), escape_html(note), content);
+  return fmt::format("<section><h2>{}</h2>\n<p class=\"note\">{}</p>\n{}</section>\n", escape_html(title), escape_html(note),
+                     content);
 }
 
 Svg chart(const std::string& title, const Axis& across, const std::string& across_name, const Axis& up) {
@@ -92,11 +94,13 @@ std::string parameters_html(const Json& result) {
     const FitKey key = key_of(parameter);
     const auto add = [&](const std::string& name, const Json& one, const std::string& remark) {
       const bool known = one.at("determined").get<bool>();
-      std::vector<std::string> row{name, known ? key.text(one.at("value").get<double>()) : "not determined",
-                                   known ? "+- " + key.text(0.5 * (one.at("high").get<double>() - one.at("low").get<double>()), 2) : "",
-                                   key.text(key.min) + " to " + key.text(key.max),
-                                   one.at("at_bound").get<bool>() ? "at its bound: give it more room" : remark};
-      if (truth) row.insert(row.end(), {key.text(one.at("truth").get<double>()), known ? key.text(one.at("error").get<double>(), 2) : ""});
+      std::vector<std::string> row{
+          name, known ? key.text(one.at("value").get<double>()) : "not determined",
+          known ? "+- " + key.text(0.5 * (one.at("high").get<double>() - one.at("low").get<double>()), 2) : "",
+          key.text(key.min) + " to " + key.text(key.max),
+          one.at("at_bound").get<bool>() ? "at its bound: give it more room" : remark};
+      if (truth)
+        row.insert(row.end(), {key.text(one.at("truth").get<double>()), known ? key.text(one.at("error").get<double>(), 2) : ""});
       rows.push_back(std::move(row));
     };
     if (!parameter.at("each").get<bool>()) {
@@ -105,8 +109,10 @@ std::string parameters_html(const Json& result) {
     }
     for (std::size_t r = 0; r < parameter.at("by_recording").size(); ++r)
       add(fmt::format("{}, recording {}", key.path, r), parameter.at("by_recording").at(r), "");
-    const std::string scatter = key.logarithmic ? number(parameter.at("scatter")) + " (logarithm)" : key.text(parameter.at("scatter").get<double>());
-    std::vector<std::string> row{key.path + ", all", key.text(parameter.at("value").get<double>()), "", "", "scatter sd " + scatter};
+    const std::string scatter =
+        key.logarithmic ? number(parameter.at("scatter")) + " (logarithm)" : key.text(parameter.at("scatter").get<double>());
+    std::vector<std::string> row{key.path + ", all", key.text(parameter.at("value").get<double>()), "", "",
+                                 "scatter sd " + scatter};
     row.resize(head.size());
     rows.push_back(std::move(row));
   }
@@ -125,18 +131,17 @@ std::string profiles_html(const Json& result) {
     const FitKey key = key_of(parameter);
     // A rise of 3.84 is the end of a 95 % interval; far above it nothing more is learned.
     constexpr double most = 40.0;
-    const Axis across{.low = 0.0, .high = 1.0, .begin = left, .end = right, .ticks = {}};
-    const Axis up{.low = 0.0, .high = most, .begin = foot, .end = top, .ticks = {0.0, 10.0, 20.0, 30.0, 40.0}};
-    Svg svg = chart(key.path, across, key.text(key.min) + " to " + key.text(key.max), up);
     const Json& profile = parameter.at("profile");
+    const double low = profile.front().at(0).get<double>(), high = profile.back().at(0).get<double>();
+    const Axis across{.low = low, .high = high, .begin = left, .end = right, .ticks = {}};
+    const Axis up{.low = 0.0, .high = most, .begin = foot, .end = top, .ticks = {0.0, 10.0, 20.0, 30.0, 40.0}};
+    Svg svg = chart(key.path, across, key.text(low, 5) + " to " + key.text(high, 5), up);
     std::vector<std::array<double, 2>> way;
-    for (std::size_t k = 0; k < profile.size(); ++k) {
-      const double place = static_cast<double>(k) / static_cast<double>(profile.size() - 1);
-      way.push_back({across.at(place), up.at(std::clamp(profile.at(k).get<double>(), 0.0, most))});
-    }
+    for (const Json& point : profile)
+      way.push_back({across.at(point.at(0).get<double>()), up.at(std::clamp(point.at(1).get<double>(), 0.0, most))});
     svg.line("limit", left, up.at(3.84), right, up.at(3.84));
     svg.polyline("s0", way);
-    svg.dot("s0", across.at(std::clamp(key.place(parameter.at("value").get<double>()), 0.0, 1.0)), foot, 3.5);
+    svg.dot("s0", across.at(parameter.at("value").get<double>()), foot, 3.5);
     html += svg.element();
   }
   return "<div>" + html + "</div>\n";
@@ -166,8 +171,9 @@ std::string curve_drawing(const Json& recording, const Json& curve) {
   for (std::size_t k = 0; k < real.size(); ++k) times.push_back(begin + step * (static_cast<double>(k) + 0.5));
   const Axis across = axis_for(times, left, right), up = axis_for(values, foot, top);
   const std::string of = curve.at("of").is_string() ? "mean" : fmt::format("unit {}", curve.at("of").get<std::size_t>());
-  Svg svg = chart(fmt::format("{} {} [{}], {}", text(curve.at("channel")), text(curve.at("component")), text(curve.at("unit")), of),
-                  across, "time [s]", up);
+  Svg svg =
+      chart(fmt::format("{} {} [{}], {}", text(curve.at("channel")), text(curve.at("component")), text(curve.at("unit")), of),
+            across, "time [s]", up);
   const auto draw = [&](const char* kind, const std::vector<double>& line) {
     std::vector<std::array<double, 2>> way;
     for (std::size_t k = 0; k < line.size(); ++k) way.push_back({across.at(times[k]), up.at(line[k])});
@@ -202,26 +208,32 @@ std::string calibration_page(const Json& result) {
       "sensor's repeatability</p>\n<p class=\"note\"><code>{}</code></p></header>\n",
       generator, escape_html(scene), result.at("recordings").size(), result.at("seed").get<std::uint64_t>(),
       result.at("residual_over_repeatability").get<double>(), escape_html(text(result.at("command"))));
-  body += section("Parameters", parameters_html(result),
-                  "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them. Stiffness is as read: "
-                  "the gains of a component have the mean 1 over its units.");
-  body += section("Profiles", profiles_html(result),
-                  "How the squared residuals rise where a parameter is held elsewhere and the others follow. Dashed: 3.84, the end of a 95 % interval. "
-                  "Dot: the fit.");
-  body += section("Residuals", residuals_html(result),
-                  "Repeatability: what the scene's own electronics leave where the model is exact. A residual well above it is an error of the model.");
-  body += section("Real and synthetic", curves_html(result),
-                  fmt::format("Blue: recorded; orange: the fitted scene, with the gains and offsets that fit. Mean of all units, and the unit that fits "
-                              "worst.{}",
-                              result.at("recordings").size() > most_drawn
-                                  ? fmt::format(" The first {} recordings; the JSON beside this page has all.", most_drawn)
-                                  : ""));
+  body += section(
+      "Parameters", parameters_html(result),
+      "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them. Stiffness is as read: "
+      "the gains of a component have the mean 1 over its units.");
+  body += section(
+      "Profiles", profiles_html(result),
+      "How the squared residuals rise where a parameter is held elsewhere and the others follow. Dashed: 3.84, the end of a 95 % interval. "
+      "Dot: the fit.");
+  body += section(
+      "Residuals", residuals_html(result),
+      "Repeatability: what the scene's own electronics leave where the model is exact. A residual well above it is an error of the model.");
+  body += section(
+      "Real and synthetic", curves_html(result),
+      fmt::format(
+          "Blue: recorded; orange: the fitted scene, with the gains and offsets that fit. Mean of all units, and the unit that fits "
+          "worst.{}",
+          result.at("recordings").size() > most_drawn
+              ? fmt::format(" The first {} recordings; the JSON beside this page has all.", most_drawn)
+              : ""));
   return page::compose_page({generator, std::filesystem::path(scene).filename().string() + " · slipbench calibrate"}, body);
 }
 
 void check_calibration_target(const std::string& path, const std::vector<std::string>& inputs) {
   if (!path.ends_with(".yaml"))
-    throw InputError(fmt::format("calibrate: -o {}: the fitted scene is a YAML file; allowed: a name that ends with .yaml", path));
+    throw InputError(
+        fmt::format("calibrate: -o {}: the fitted scene is a YAML file; allowed: a name that ends with .yaml", path));
   check_text_target(path, inputs, scene_kind);
   page::check_page_files(path_of(path, ".html"), page_kind);
 }

@@ -33,6 +33,9 @@ double offset_share(const Regression& regression, Index bins) {
   return data / (1.0 + data);
 }
 
+// A column's departure from where it stood at the beginning: a gain of counts far above zero would else be an offset too.
+VectorXd departure(const MatrixXd& wave, Index column) { return wave.col(column).array() - wave(0, column); }
+
 // <x, y> with the offset taken off.
 template <class X, class Y>
 double product(const X& x, const Y& y, double share) {
@@ -49,10 +52,10 @@ void solve(Regression& regression, Index column, const Waves& read, const Waves&
     const VectorXd difference = read[r].col(column) - s.col(column);
     regression.energy += product(s.col(column), s.col(column), 1.0);
     for (Index i = 0; i < count; ++i) {
-      const auto x = s.col(regression.regressors[static_cast<std::size_t>(i)]);
+      const VectorXd x = departure(s, regression.regressors[static_cast<std::size_t>(i)]);
       right(i) += regression.weight * product(x, difference, share);
       for (Index j = 0; j <= i; ++j)
-        normal(i, j) += regression.weight * product(x, s.col(regression.regressors[static_cast<std::size_t>(j)]), share);
+        normal(i, j) += regression.weight * product(x, departure(s, regression.regressors[static_cast<std::size_t>(j)]), share);
     }
   }
   for (Index i = 0; i < count; ++i) normal(i, i) += 1.0 / (regression.prior(i) * regression.prior(i));
@@ -152,7 +155,7 @@ Distance distance_of(const Columns& columns, const Solved& fits, const Waves& re
       const auto column = static_cast<Index>(c);
       VectorXd fit = ideal[r].col(column);
       for (std::size_t i = 0; i < regression.regressors.size(); ++i)
-        fit += regression.coefficients(static_cast<Index>(i)) * ideal[r].col(regression.regressors[i]);
+        fit += regression.coefficients(static_cast<Index>(i)) * departure(ideal[r], regression.regressors[i]);
       const double offset = offset_share(regression, fit.size()) * (read[r].col(column) - fit).mean();
       fit.array() += offset;
       distance.offset(static_cast<Index>(r), column) = offset;

@@ -10,12 +10,12 @@
 
 namespace slipbench::calibrate {
 
-// What one component of a channel is taken for, in every unit alike. Read as: y = (1 + gain) s + coupling * (the unit's other components) + offset
-// + remainder, with a gain and couplings a device, an offset a recording.
+// What one component of a channel is taken for, in every unit alike. Read as: y = s + gain (s - s_begin) + coupling * (the same of the unit's
+// other components) + offset + remainder, with a gain and couplings a device, an offset a recording.
 struct Disturbance {
-  double gain_sd = 0.0;      // relative
-  double coupling_sd = 0.0;  // unit of the component over unit of the channel, which is one
-  double offset_sd = 0.0;    // in the channel's unit
+  double gain_sd = 0.0;       // relative
+  double coupling_sd = 0.0;   // unit of the component over unit of the channel, which is one
+  double offset_sd = 0.0;     // in the channel's unit
   double remainder_sd = 1.0;  // of the mean of a stretch, in the channel's unit: the sensor's repeatability
 };
 
@@ -24,12 +24,13 @@ using Waves = std::vector<Eigen::MatrixXd>;
 
 // How far recordings are from simulated ones once what electronics may do is taken off.
 struct Distance {
-  Eigen::VectorXd residual;  // of all stretches by recording and column in remainder_sd; then what gains, couplings and offsets take, in their sds
+  Eigen::VectorXd
+      residual;  // of all stretches by recording and column in remainder_sd; then what gains, couplings and offsets take, in their sds
   std::vector<Eigen::Index> group;  // of each entry of `residual`: which of them may hang together (a column of a recording)
-  Waves explained;           // the simulated recordings with the gains, couplings and offsets that fit best
-  Eigen::VectorXd gain;      // by column
-  Eigen::MatrixXd offset;    // by recording and column
-  double squared = 0.0;      // residual' residual
+  Waves explained;                  // the simulated recordings with the gains, couplings and offsets that fit best
+  Eigen::VectorXd gain;             // by column
+  Eigen::MatrixXd offset;           // by recording and column
+  double squared = 0.0;             // residual' residual
 };
 
 class Disturbances {

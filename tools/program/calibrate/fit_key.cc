@@ -55,16 +55,14 @@ FitKey read_fit_key(const YamlNode& node) {
     fail(node.origin, fmt::format("{}: min is {} and max is {}; allowed: finite bounds, min below max", key.path,
                                   format_quantity(key.min, key.quantity), format_quantity(key.max, key.quantity)));
   if (key.logarithmic && !(key.min > 0.0))
-    fail(node.origin, fmt::format("{}: min is {}; allowed with draw: log_uniform: above 0", key.path,
-                                  format_quantity(key.min, key.quantity)));
+    fail(node.origin,
+         fmt::format("{}: min is {}; allowed with draw: log_uniform: above 0", key.path, format_quantity(key.min, key.quantity)));
   return key;
 }
 
 }  // namespace
 
-double FitKey::value(double place) const {
-  return logarithmic ? min * std::pow(max / min, place) : min + (max - min) * place;
-}
+double FitKey::value(double place) const { return logarithmic ? min * std::pow(max / min, place) : min + (max - min) * place; }
 
 double FitKey::place(double value) const {
   if (!logarithmic) return (value - min) / (max - min);
@@ -77,7 +75,7 @@ std::string FitKey::text(double value, int digits) const {
   const double size = std::max(std::abs(min), std::abs(max));
   for (const Unit& unit : units_of(quantity)) {
     const double scaled = size / unit.factor;
-    if (best == nullptr || (scaled >= 0.5 && (scaled < size / best->factor || size / best->factor < 0.5))) best = &unit;
+    if (best == nullptr || (scaled >= 1.0 && (scaled < size / best->factor || size / best->factor < 1.0))) best = &unit;
   }
   if (quantity == Quantity::angle) {
     for (const Unit& unit : units_of(quantity)) best = unit.symbol == "deg" ? &unit : best;

@@ -12,9 +12,12 @@ namespace {
 
 // A scalar inside [] and {}: as it is where it says the same there, else in quotes, whose rules JSON shares.
 std::string scalar(const std::string& text) {
-  const auto plain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view(" ./_%+-()").find(c) != std::string_view::npos; };
-  const bool begins = !text.empty() && (std::isalnum(static_cast<unsigned char>(text.front())) != 0 ||
-                                        (text.size() > 1 && text.front() == '-' && std::isdigit(static_cast<unsigned char>(text[1])) != 0));
+  const auto plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view(" ./_%+-()").find(c) != std::string_view::npos;
+  };
+  const bool begins =
+      !text.empty() && (std::isalnum(static_cast<unsigned char>(text.front())) != 0 ||
+                        (text.size() > 1 && text.front() == '-' && std::isdigit(static_cast<unsigned char>(text[1])) != 0));
   return begins && text.back() != ' ' && std::ranges::all_of(text, plain) ? text : json_text(text);
 }
 
@@ -43,8 +46,8 @@ std::string block(const YamlNode& root) {
     }
     text += fmt::format("{}:\n", scalar(child.key));
     for (const YamlNode& inner : child.children) {
-      const bool items = inner.kind == YamlNode::Kind::sequence && !inner.children.empty() &&
-                         inner.children.front().kind == YamlNode::Kind::map;
+      const bool items =
+          inner.kind == YamlNode::Kind::sequence && !inner.children.empty() && inner.children.front().kind == YamlNode::Kind::map;
       if (!items) {
         text += fmt::format("  {}: {}\n", scalar(inner.key), flow(inner));
         continue;

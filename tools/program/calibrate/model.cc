@@ -26,9 +26,10 @@ void check_keys(const SceneFile& file, const std::vector<FitKey>& keys) {
   const Sweep sweep(file.root().find("sweep"), fitted);
   for (const SweptPath& swept : sweep.paths()) {
     if (swept.draw)
-      fail(swept.origin, fmt::format("sweep.{} is drawn at random, and a recording has a value of its own; allowed: --set {}=.., or "
-                                     "--fit '{}: {{min: .., max: .., each: true}}'",
-                                     swept.path, swept.path, swept.path));
+      fail(swept.origin,
+           fmt::format("sweep.{} is drawn at random, and a recording has a value of its own; allowed: --set {}=.., or "
+                       "--fit '{}: {{min: .., max: .., each: true}}'",
+                       swept.path, swept.path, swept.path));
   }
 }
 

@@ -198,8 +198,9 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
       const SensorColumn* found = find_channel(real.sensors[recorded], column.name);
       if (found == nullptr) continue;
       if (found->shape != column.shape)
-        throw InputError(fmt::format("{}: {}/{} has [{}] values a sample and the scene's sensor [{}]; allowed: the same", real.name,
-                                     sensor.name, column.name, fmt::join(found->shape, ", "), fmt::join(column.shape, ", ")));
+        throw InputError(fmt::format("{}: {}/{} has [{}] values a sample and the scene's sensor [{}]; allowed: the same",
+                                     real.name, sensor.name, column.name, fmt::join(found->shape, ", "),
+                                     fmt::join(column.shape, ", ")));
       ChannelPlace place = place_of(sensor, column);
       place.first = columns.count;
       place.recorded_sensor = recorded;
@@ -225,8 +226,7 @@ std::vector<double> bin_edges(const RawRecording& real, const std::vector<Sensor
   const std::size_t bins = std::min({most_bins, recorded.size() - 1, scene.size() - 1});
   if (bins == 0 || !(span > 0.0)) throw InputError(fmt::format("{}: has a single sample; allowed: two at least", real.name));
   std::vector<double> edges(bins + 1);
-  for (std::size_t k = 0; k <= bins; ++k)
-    edges[k] = scene.front() + span * static_cast<double>(k) / static_cast<double>(bins);
+  for (std::size_t k = 0; k <= bins; ++k) edges[k] = scene.front() + span * static_cast<double>(k) / static_cast<double>(bins);
   return edges;
 }
 
@@ -276,7 +276,8 @@ Eigen::VectorXd roughness(const std::vector<SensorRecord>& sensors, Side side, c
         const double step = double{column.values[row * width + c]} - double{column.values[(row - 1) * width + c]};
         sum += step * step;
       }
-      rough(static_cast<Eigen::Index>(place.first + c)) = std::sqrt(0.5 * sum / static_cast<double>(std::max<std::size_t>(1, rows - 1)));
+      rough(static_cast<Eigen::Index>(place.first + c)) =
+          std::sqrt(0.5 * sum / static_cast<double>(std::max<std::size_t>(1, rows - 1)));
     }
   }
   return rough;

@@ -33,7 +33,10 @@ constexpr int most_steps = 8;
 constexpr double difference = 0.004;       // of the bounds, to either side
 constexpr double small_step = 1e-4;        // of the bounds: the fit has arrived
 constexpr double chi_square_of_95 = 3.84;  // with one degree of freedom
-constexpr double widest_known = 0.25;      // half of the interval, of the bounds
+
+// A profile reaches three times as far as the 95 % interval.
+constexpr std::size_t profile_points = 13;
+constexpr double profile_reach = 3.0;
 
 class Searcher {
  public:
@@ -185,7 +188,8 @@ class Searcher {
 
   // Levenberg and Marquardt's steps from where the best start has ended: the parameters of single recordings have no other search.
   void descend(VectorXd at, Solution& solution) {
-    const VectorXd own = model().spread(Eigen::Map<const VectorXd>(model().own_places().data(), static_cast<Index>(model().keys().size())));
+    const VectorXd own =
+        model().spread(Eigen::Map<const VectorXd>(model().own_places().data(), static_cast<Index>(model().keys().size())));
     solution.ideal = simulated(all_recordings(at));
     solution.cost = problem_.cost(solution.ideal, at);
     double damping = 1e-3;
@@ -228,13 +232,13 @@ class Searcher {
     // Residuals of one column of a recording hang together (noise is red, and a model is wrong for a while), so their own sums tell how far the
     // gradient scatters: the sandwich of Huber and White, with clusters. Where it is smaller than what independent residuals give, that counts.
     const MatrixXd prior = prior_weight * MatrixXd::Identity(count, count);
-    const MatrixXd inverse = (slopes_.transpose() * slopes_ / solution.scale + prior).llt().solve(MatrixXd::Identity(count, count));
+    const MatrixXd inverse =
+        (slopes_.transpose() * slopes_ / solution.scale + prior).llt().solve(MatrixXd::Identity(count, count));
     const auto groups = static_cast<double>(solution.distance.group.back() + 1);
     MatrixXd sums = MatrixXd::Zero(count, solution.distance.group.back() + 1);
     for (Index i = 0; i < residual.size(); ++i)
       sums.col(solution.distance.group[static_cast<std::size_t>(i)]) += residual(i) * slopes_.row(i).transpose();
-    const MatrixXd meat =
-        sums * sums.transpose() * (groups / (groups - 1.0)) / (solution.scale * solution.scale) + prior;
+    const MatrixXd meat = sums * sums.transpose() * (groups / (groups - 1.0)) / (solution.scale * solution.scale) + prior;
     const MatrixXd sandwich = inverse * meat * inverse;
     const VectorXd wider = (sandwich.diagonal().array() / inverse.diagonal().array()).sqrt().max(1.0);
     solution.covariance = wider.asDiagonal() * inverse * wider.asDiagonal();
@@ -244,7 +248,7 @@ class Searcher {
       known.determined = half_interval * known.sd < widest_known;
       if (!model().recording_of(static_cast<std::size_t>(p))) {
         profile(solution, p, known);
-        known.determined = known.determined && rises(known.profile, solution.places(p));
+        known.determined = known.determined && rises(known, solution.places(p));
       }
       solution.known.push_back(std::move(known));
     }
@@ -254,7 +258,8 @@ class Searcher {
     const VectorXd along = solution.covariance.col(p) / solution.covariance(p, p);
     std::vector<Task> tasks;
     for (std::size_t k = 0; k < profile_points; ++k) {
-      const double place = static_cast<double>(k) / static_cast<double>(profile_points - 1);
+      const double way = profile_reach * (2.0 * static_cast<double>(k) / static_cast<double>(profile_points - 1) - 1.0);
+      const double place = std::clamp(solution.places(p) + way * half_interval * known.sd, 0.0, 1.0);
       VectorXd places = (solution.places + (place - solution.places(p)) * along).cwiseMax(0.0).cwiseMin(1.0);
       places(p) = place;
       for (Task& task : all_recordings(places)) tasks.push_back(std::move(task));
@@ -264,19 +269,17 @@ class Searcher {
     for (std::size_t k = 0; k < profile_points; ++k) {
       const Waves waves(found.begin() + static_cast<std::ptrdiff_t>(k * recordings),
                         found.begin() + static_cast<std::ptrdiff_t>((k + 1) * recordings));
-      known.profile.push_back((problem_.cost(waves, tasks[k * recordings].places) - solution.cost) / solution.scale);
+      const VectorXd& places = tasks[k * recordings].places;
+      known.profile.emplace_back(places(p), (problem_.cost(waves, places) - solution.cost) / solution.scale);
     }
   }
 
   // Whether a profile rises far enough on either side of the fit, where there is one.
-  static bool rises(const std::vector<double>& profile, double place) {
+  static bool rises(const Known& known, double place) {
     double below = 0.0, above = 0.0;
-    for (std::size_t k = 0; k < profile_points; ++k) {
-      double& side = static_cast<double>(k) < place * static_cast<double>(profile_points - 1) ? below : above;
-      side = std::max(side, profile[k]);
-    }
-    constexpr double at_end = 1.0 / static_cast<double>(profile_points - 1);
-    return (below >= chi_square_of_95 || place < at_end) && (above >= chi_square_of_95 || place > 1.0 - at_end);
+    for (const auto& [at, rise] : known.profile) (at < place ? below : above) = std::max(at < place ? below : above, rise);
+    const double half = half_interval * known.sd;
+    return (below >= chi_square_of_95 || place < half) && (above >= chi_square_of_95 || place > 1.0 - half);
   }
 
   const Problem& problem_;

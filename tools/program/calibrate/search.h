@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,7 +32,8 @@ struct Problem {
 
 struct SearchOptions {
   std::size_t starts = 4;
-  std::function<void(std::size_t done, std::size_t of)> progress;  // simulated recordings; called from the calling thread; may be empty
+  std::function<void(std::size_t done, std::size_t of)>
+      progress;  // simulated recordings; called from the calling thread; may be empty
 };
 
 // One start: where its global and local search ended. By key.
@@ -44,20 +45,21 @@ struct Start {
 
 // How well a parameter is known. Places: 0 at min, 1 at max.
 struct Known {
-  double sd = 0.0;          // of its place
-  bool determined = false;  // the 95 % interval takes less than half of the bounds, and the cost rises by a chi-square of 0.95 on both sides
-  std::vector<double> profile;  // (cost - least)/scale along profile_places(), all other parameters where the fit expects them
+  double sd = 0.0;  // of its place
+  bool determined =
+      false;  // the 95 % interval takes less than half of the bounds, and the profile rises by a chi-square of 0.95 on both sides
+  // Around the fit, by place the rise of the cost over `scale` where the parameter stands there and all others where the fit expects them.
+  std::vector<std::pair<double, double>> profile;
 };
-inline constexpr std::size_t profile_points = 21;
 
 struct Solution {
   std::vector<Start> starts;
   Eigen::VectorXd places;  // of all parameters
   double cost = 0.0;
-  double scale = 1.0;           // the residuals' variance against the sensor's repeatability, at least 1
-  Eigen::MatrixXd covariance;   // of the places
-  std::vector<Known> known;     // by parameter
-  Waves ideal;                  // what the scene reads there
+  double scale = 1.0;          // the residuals' variance against the sensor's repeatability, at least 1
+  Eigen::MatrixXd covariance;  // of the places
+  std::vector<Known> known;    // by parameter
+  Waves ideal;                 // what the scene reads there
   Distance distance;
 };
 
@@ -66,5 +68,7 @@ Solution search(const Problem& problem, const SearchOptions& options);
 
 // Half of a 95 % interval over its sd.
 inline constexpr double half_interval = 1.96;
+// A parameter is determined where that half takes less of the bounds.
+inline constexpr double widest_known = 0.25;
 
 }  // namespace slipbench::calibrate

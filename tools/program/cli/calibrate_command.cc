@@ -45,9 +45,11 @@ std::string summary(const calibrate::Options& options, const Json& result, const
     const auto add = [&](const std::string& name, const Json& one) {
       const bool known = one.at("determined").get<bool>();
       const auto shown = [&](const char* what) { return key.text(one.at(what).get<double>()); };
-      std::vector<std::string> row{name, known ? shown("value") : "not determined",
-                                   known ? "+- " + key.text(half_width(one), 2) + (one.at("at_bound").get<bool>() ? ", at its bound" : "") : ""};
-      if (options.synthetic_truth) row.insert(row.end(), {shown("truth"), known ? key.text(one.at("error").get<double>(), 2) : ""});
+      std::vector<std::string> row{
+          name, known ? shown("value") : "not determined",
+          known ? "+- " + key.text(half_width(one), 2) + (one.at("at_bound").get<bool>() ? ", at its bound" : "") : ""};
+      if (options.synthetic_truth)
+        row.insert(row.end(), {shown("truth"), known ? key.text(one.at("error").get<double>(), 2) : ""});
       table.add(std::move(row));
     };
     if (!key.each) {
@@ -64,7 +66,8 @@ std::string summary(const calibrate::Options& options, const Json& result, const
 }  // namespace
 
 void CalibrateCommand::declare(Arguments& arguments) {
-  arguments.about("calibrate", "Fit a scene to recordings of a real sensor", fmt::format(R"(
+  arguments.about("calibrate", "Fit a scene to recordings of a real sensor",
+                  fmt::format(R"(
 Fits what --fit names to recordings, by simulation alone, and says how well each is known and what the recordings do not determine. The scene's
 sweep has a trial for each recording, in their order, or one trial that all repeat: it says how the stage moved. The first samples of both are
 taken for the same instant; --fit 'lag: {{min: -50 ms, max: 50 ms}}' fits the difference.
@@ -82,9 +85,11 @@ Formats:
 Examples:
   slipbench calibrate pad.yaml logs --format papillarray-csv --fit 'sensors.pad.k_normal: {{min: 2 N/mm, max: 12 N/mm}}' -o mine.yaml
   slipbench calibrate scenes/papillarray/recordings.yaml --synthetic-truth --fit 'motion.tilt.0: {{min: -2 deg, max: 2 deg}}')",
-                                                                                             import_formats_text()));
-  arguments.texts("SCENE REAL ...", words_, "Scene file (YAML), then datasets, or with --format CSV files and folders").required();
-  arguments.lines("--fit KEY:BOUNDS ...", fits_, "What is fitted, e.g. 'friction.static: {min: 0.2, max: 1}'; several may follow");
+                              import_formats_text()));
+  arguments.texts("SCENE REAL ...", words_, "Scene file (YAML), then datasets, or with --format CSV files and folders")
+      .required();
+  arguments.lines("--fit KEY:BOUNDS ...", fits_,
+                  "What is fitted, e.g. 'friction.static: {min: 0.2, max: 1}'; several may follow");
   arguments.read("--format NAME", fmt::format("REAL are {}, see below", fmt::join(import_format_names(), " or ")),
                  [this](const std::string& name) { options.format = &import_format(name); });
   arguments.flag("--synthetic-truth", options.synthetic_truth, "In place of REAL: recordings of drawn parameters");
