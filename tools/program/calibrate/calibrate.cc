@@ -360,7 +360,11 @@ Result calibrate(const Options& options, const Catalogues& catalogues) {
     const Waves ideal = waves_of(all, truth->places, Readings::ideal, truth->seed, data, options);
     const VectorXd common =
         disturbances.common_gain(waves_of(all, truth->places, Readings::read, truth->seed, data, options, 1), ideal);
-    for (MatrixXd& wave : data.real) wave.array().rowwise() /= common.transpose().array();
+    for (std::size_t r = 0; r < data.real.size(); ++r) {
+      const Eigen::RowVectorXd begin = ideal[r].row(0);
+      const MatrixXd departure = data.real[r].rowwise() - begin;
+      data.real[r] = (departure.array().rowwise() / common.transpose().array()).matrix().rowwise() + begin;
+    }
   }
 
   const Problem problem{&model, &disturbances, data.edges, data.real, options.jobs, options.interrupt};

@@ -48,7 +48,7 @@ class Disturbances {
   // all units share is the sensor's stiffness or sensitivity, which no recording tells from a common gain.
   [[nodiscard]] Distance distance(const Waves& read, const Waves& ideal) const;
 
-  // By column what a device's readings are to be divided by for its gains to have that mean.
+  // By column what a device's departures from where it begins are to be divided by for its gains to have that mean.
   [[nodiscard]] Eigen::VectorXd common_gain(const Waves& read, const Waves& ideal) const;
 
  private:

@@ -31,7 +31,7 @@ constexpr std::size_t global_evaluations = 60, local_evaluations = 25;
 
 constexpr int most_steps = 8;
 constexpr double difference = 0.004;       // of the bounds, to either side
-constexpr double small_step = 1e-4;        // of the bounds: the fit has arrived
+constexpr double small_step = 1e-6;        // of the bounds: the fit has arrived
 constexpr double chi_square_of_95 = 3.84;  // with one degree of freedom
 
 // A profile reaches three times as far as the 95 % interval.
