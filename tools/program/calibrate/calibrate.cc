@@ -346,7 +346,7 @@ Result calibrate(const Options& options, const Catalogues& catalogues) {
   std::optional<Truth> truth;
   const VectorXd own = model.spread(Eigen::Map<const VectorXd>(model.own_places().data(), static_cast<Index>(of_curves.size())));
   if (options.synthetic_truth) {
-    truth.emplace(VectorXd(static_cast<Index>(all.parameters())), seed_for(seed, 0, "truth"));
+    truth = Truth{VectorXd(static_cast<Index>(all.parameters())), seed_for(seed, 0, "truth")};
     RandomStream stream(seed, 1, "calibrate.truth");
     for (double& place : truth->places) place = stream.uniform();
     recordings = drawn_recordings(all, *truth, options);
