@@ -8,6 +8,7 @@ find_package(HDF5 REQUIRED COMPONENTS C)           # hdf5::hdf5
 find_package(libdeflate REQUIRED)                  # libdeflate::libdeflate
 find_package(LibArchive REQUIRED)                  # LibArchive::LibArchive
 find_package(FFTW3 REQUIRED)                       # FFTW3::fftw3
+find_package(NLopt REQUIRED)                       # NLopt::nlopt_cxx
 find_package(Random123 REQUIRED)                   # Random123::Random123
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)   # OpenSSL::Crypto
 find_package(ZLIB REQUIRED)                        # ZLIB::ZLIB

@@ -71,6 +71,7 @@ function(slipbench_install)
     ${PROJECT_BINARY_DIR}/slipbenchConfigVersion.cmake
     ${PROJECT_SOURCE_DIR}/cmake/Findlibdeflate.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindFFTW3.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/FindNLopt.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindMuJoCo.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindRandom123.cmake
     DESTINATION ${package_dir})

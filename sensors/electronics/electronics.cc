@@ -77,6 +77,12 @@ std::vector<Entry> electronics_entries() {
   return entries;
 }
 
+bool draws_numbers(const std::string& part) {
+  const auto found = std::ranges::find(part_kinds(), part, [](const PartKind& kind) { return kind.entry.name; });
+  if (found == part_kinds().end()) throw std::logic_error("electronics have no part '" + part + "'");
+  return found->drawn_per != DrawnPer::never;
+}
+
 std::vector<Entry> electronics_of(const std::string& device, const std::vector<PartFigures>& figures) {
   std::vector<Entry> entries;
   for (const PartFigures& own : figures) {

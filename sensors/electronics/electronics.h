@@ -84,6 +84,9 @@ class Electronics {
 // All parts, in the order of the signal path.
 std::vector<Entry> electronics_entries();
 
+// Whether a part of the electronics draws random numbers, of a recording or of a device. Throws std::logic_error where there is no such part.
+bool draws_numbers(const std::string& part);
+
 // What a sensor says of one part of its electronics.
 struct PartFigures {
   // A default in which the sensor differs from the part's own.

@@ -11,7 +11,7 @@
 namespace slipbench {
 
 // What a part's random numbers belong to.
-enum class DrawnPer { trial, device };
+enum class DrawnPer { trial, device, never };
 
 struct PartKind {
   Entry entry;

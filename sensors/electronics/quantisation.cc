@@ -90,7 +90,7 @@ PartKind quantisation_part() {
            .parameters =
                {// A float of 24 bits holds every level.
                 integer_spec("bits", "12", {1.0, 24.0}, "Bits of the converter.", "assumed")}},
-      .drawn_per = DrawnPer::device,
+      .drawn_per = DrawnPer::never,
       .make = &make};
 }
 

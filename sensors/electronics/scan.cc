@@ -67,7 +67,7 @@ PartKind scan_part() {
                 .source = "the definition of a converter that many values share",
                 .parameters = {number_spec("duration", Quantity::time, "0 s", non_negative,
                                            "Time to read all values once, at most the time between two samples.", "assumed")}},
-      .drawn_per = DrawnPer::device,
+      .drawn_per = DrawnPer::never,
       .make = &make,
       .check = &check_duration};
 }

@@ -24,8 +24,11 @@ constexpr double pitch = 7e-3;                            // m, vendor's drawing
 constexpr double pillar_height = 4.2e-3;                  // m, vendor's data sheet
 constexpr std::array<int, 4> rates{100, 250, 500, 1000};  // Hz, selectable on the device
 
-const PillarStiffness& stiffness_of(const Parameters& parameters) {
-  return parameters.choice("profile") == "hexapod" ? hexapod_stiffness : gripper_stiffness;
+PillarStiffness stiffness_of(const Parameters& parameters) {
+  PillarStiffness stiffness = parameters.choice("profile") == "hexapod" ? hexapod_stiffness : gripper_stiffness;
+  if (const double normal = parameters.number("k_normal"); normal > 0.0) stiffness.normal = normal;
+  if (const double tangential = parameters.number("k_tangential"); tangential > 0.0) stiffness.tangential = tangential;
+  return stiffness;
 }
 
 double checked_rate(const Parameters& parameters, const std::string& sensor_name) {
@@ -49,7 +52,7 @@ Eigen::Vector3d tip_of(std::size_t pillar, double edge_drop, double corner_drop)
 }
 
 PadLayout make_layout(const Parameters& parameters, RandomStream stream) {
-  const PillarStiffness& stiffness = stiffness_of(parameters);
+  const PillarStiffness stiffness = stiffness_of(parameters);
   const auto count = static_cast<std::size_t>(parameters.integer("bristles"));
   const double spread = parameters.number("bristle_spread");
   const double stiffness_sd = parameters.number("stiffness_sd");
@@ -162,6 +165,11 @@ Entry papillarray_entry() {
           choice_spec("profile", "gripper", {"gripper", "hexapod"},
                       "Stiffness of a pillar. gripper: 7.1 N/mm normal, 3.9 N/mm tangential; hexapod: 1.2 and 0.65 N/mm.",
                       "gripper: fits to public gripper recordings; hexapod: inferred from statistics of the published sequences"),
+          number_spec("k_normal", Quantity::stiffness, "0 N/mm", non_negative, "Normal stiffness of a pillar; 0: the profile's.",
+                      "a pad of one's own, as `slipbench calibrate` finds it"),
+          number_spec("k_tangential", Quantity::stiffness, "0 N/mm", non_negative,
+                      "Tangential stiffness of a pillar; 0: the profile's.",
+                      "a pad of one's own, as `slipbench calibrate` finds it"),
           integer_spec("bristles", "1", {1.0, 64.0},
                        "Friction points a pillar. A pillar with several slips in parts before it slips as a whole.",
                        "1: Coulomb's law for the whole pillar; 6 resembles published sequences"),

@@ -83,6 +83,22 @@ TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
   EXPECT_EQ(directions.size(), 200u) << "every trial draws its own direction";
 }
 
+// A fit of stiffness, friction and tilt takes presses at two depths, slides or turns in each, and a tilt that is written down.
+TEST(ShippedScenes, RecordingsAreTenPressesThatSlideOrTurn) {
+  const Catalogues catalogues = test_catalogues();
+  const TrialPlan plan(shipped("papillarray/recordings.yaml"), catalogues, 0, 1);
+  ASSERT_EQ(plan.size(), 10u);
+  std::set<double> depths;
+  for (std::size_t trial = 0; trial < plan.size(); ++trial) {
+    const Scene scene = plan.trial(trial).scene;
+    EXPECT_GT(scene.motion.parameters.number("speed") + std::abs(scene.motion.parameters.number("rotation")), 0.0) << trial;
+    EXPECT_FALSE(scene.sensors[0].electronics.empty());
+    depths.insert(scene.motion.parameters.number("compression"));
+  }
+  EXPECT_EQ(depths, (std::set<double>{0.7e-3, 1e-3}));
+  EXPECT_NE(node_at(shipped("papillarray/recordings.yaml").root(), split_path("motion.tilt.1", {})), nullptr);
+}
+
 // Their runs are in tests/tools/program/run/bodies_test.cc.
 TEST(ShippedScenes, BodiesMoveByForces) {
   const Catalogues catalogues = test_catalogues();

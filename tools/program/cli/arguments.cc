@@ -107,6 +107,11 @@ Arguments& Arguments::texts(const std::string& usage, std::vector<std::string>& 
   return *this;
 }
 
+Arguments& Arguments::lines(const std::string& usage, std::vector<std::string>& values, const std::string& help) {
+  last_ = add_option(*app_, usage, values, help)->allow_extra_args(false);
+  return *this;
+}
+
 Arguments& Arguments::file(const std::string& usage, std::string& value, const std::string& help) {
   return target(usage, value, help, "file");
 }

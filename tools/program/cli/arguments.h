@@ -45,6 +45,8 @@ class Arguments {
   Arguments& text(const std::string& usage, std::string& value, const std::string& help);
   // Several texts: an argument takes all words, an option takes one word and splits it at commas.
   Arguments& texts(const std::string& usage, std::vector<std::string>& values, const std::string& help);
+  // An option that may be given several times, a text each.
+  Arguments& lines(const std::string& usage, std::vector<std::string>& values, const std::string& help);
   // The name of a file or of a folder to write: not empty.
   Arguments& file(const std::string& usage, std::string& value, const std::string& help);
   Arguments& folder(const std::string& usage, std::string& value, const std::string& help);

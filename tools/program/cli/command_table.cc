@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "tools/program/cli/benchmark_command.h"
+#include "tools/program/cli/calibrate_command.h"
 #include "tools/program/cli/catalogue_commands.h"
 #include "tools/program/cli/check_command.h"
 #include "tools/program/cli/cluster_command.h"
@@ -27,7 +28,7 @@ Commands command_table() {
   };
   Commands commands =
       make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand, ImportCommand,
-                    VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand, BenchmarkCommand>();
+                    VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand, BenchmarkCommand, CalibrateCommand>();
   commands.push_back(study("reproduce", "Reproduce a table of a paper"));
   commands.push_back(std::make_unique<CostCommand>());
   commands.push_back(study("bench", "Count the instructions of the reference scenes"));

@@ -118,10 +118,22 @@ const ImportFormat& import_format(const std::string& name) {
   return *found;
 }
 
+std::string format_name(const ImportFormat& format) { return format.name; }
+
 std::string import_formats_text() {
   std::string text;
   for (const ImportFormat& format : import_catalogue) text += fmt::format("  {:<16}{}\n", format.name, format.summary);
   return text;
+}
+
+void for_each_recording(const std::vector<std::string>& sources, const ImportFormat& format,
+                        const std::function<void(TrialRecord record, const std::string& source)>& take) {
+  for (const SourceFile& file : source_files(sources)) {
+    format.read(file, [&](TrialRecord record, std::size_t /*repeated_rows*/) {
+      end_if_interrupted();
+      take(std::move(record), file.path);
+    });
+  }
 }
 
 ImportSummary import_recordings(const ImportOptions& options) {

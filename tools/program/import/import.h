@@ -3,10 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "tools/base/dataset/trial_record.h"
 
 namespace slipbench {
 
@@ -32,8 +35,14 @@ struct ImportSummary {
 std::vector<std::string> import_format_names();
 // The catalogue's entry. Throws InputError with the nearest name.
 const ImportFormat& import_format(const std::string& name);
+// Its name, as above.
+std::string format_name(const ImportFormat& format);
 // A line of help a format: its name and what it holds.
 std::string import_formats_text();
+
+// Hands over each recording of the sources with its file's name, in order. Throws as import_recordings().
+void for_each_recording(const std::vector<std::string>& sources, const ImportFormat& format,
+                        const std::function<void(TrialRecord record, const std::string& source)>& take);
 
 // Reads the sources one after the other, line by line, and writes a recording as soon as it is read. A folder's files come in the order
 // of their names. The same sources and seed give the same bytes. Throws InputError when a source is not what the format says, naming file

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
+#include "tools/program/cli/calibrate_command.h"
 #include "tools/program/cli/catalogue_commands.h"
 #include "tools/program/cli/check_command.h"
 #include "tools/program/cli/command.h"
@@ -352,7 +353,7 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
 TEST(CommandLine, EveryCommandExplainsItself) {
   for (const std::string name :
        {"run", "sweep", "check", "report",    "view", "export", "import", "verify",   "merge",  "cluster",
-        "hd",  "train", "eval",  "benchmark", "reproduce", "cost", "bench",  "list",   "describe", "doctor", "plugin-path"}) {
+        "hd",  "train", "eval",  "benchmark", "calibrate", "reproduce", "cost", "bench",  "list",   "describe", "doctor", "plugin-path"}) {
     const std::string text = parse({name, "--help"}).help;
     EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
     EXPECT_THAT(text, HasSubstr("--json")) << name;
@@ -374,19 +375,19 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Refusal{
             {"swep", "s.yaml"},
-            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{
             {"xyzzy"},
-            "unknown command 'xyzzy'; commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'xyzzy'; commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{
             {"--json", "lst"},
-            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"doctor", "list"}, "doctor: unexpected argument 'list'; see slipbench doctor --help"},
         Refusal{{"list", "run", "sweep"}, "list: unexpected argument 'sweep'; see slipbench list --help"},
         Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
         Refusal{
             {"--json"},
-            "no command given; commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, reproduce, cost, bench, list, describe, doctor, plugin-path"},
+            "no command given; commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path"},
         Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"verify"}, "verify: FILE is required"},
         Refusal{{"describe"}, "describe: NAME is required"}, Refusal{{"merge", "-o", "m.h5"}, "merge: FILE is required"},
         Refusal{{"merge", "a.h5"}, "merge: --output is required"},
@@ -446,6 +447,29 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{{"eval", "m", "a.h5", "--split", "tests"},
                 "eval: --split is 'tests'; did you mean 'test'? allowed: all, train, valid, test"},
         Refusal{{"export", "a.h5", "--format", "vendor-csv"}, "export: --output is required"}));
+
+TEST(CommandLine, CalibrateTakesASceneRecordingsAndKeys) {
+  const std::string fit = "friction.scale: {min: 0.5, max: 2}";
+  const auto given =
+      parsed<CalibrateCommand>({"calibrate", "s.yaml", "a.h5", "b.h5", "--fit", fit, "--fit", "lag: {min: 0 ms, max: 5 ms}",
+                                "--set", "motion.speed=1", "--starts", "2", "--jobs", "3", "-o", "f.yaml"});
+  EXPECT_EQ(given.options.scene_path, "s.yaml");
+  EXPECT_THAT(given.options.recordings, ElementsAre("a.h5", "b.h5"));
+  ASSERT_EQ(given.options.keys.size(), 2u);
+  EXPECT_EQ(given.options.keys[1].max, 0.005);
+  EXPECT_EQ(given.options.starts, 2u);
+  EXPECT_EQ(given.options.jobs, 3u);
+  EXPECT_EQ(given.output, "f.yaml");
+  EXPECT_EQ(given.options.command, "slipbench calibrate s.yaml a.h5 b.h5 --fit '" + fit +
+                                       "' --fit 'lag: {min: 0 ms, max: 5 ms}' --set motion.speed=1 --starts 2");
+  EXPECT_EQ(refusal({"calibrate", "s.yaml", "a.h5"}), "calibrate: --fit is required");
+  EXPECT_EQ(refusal({"calibrate", "s.yaml", "--fit", fit}),
+            "calibrate: recordings and --synthetic-truth: allowed: one of the two");
+  EXPECT_EQ(refusal({"calibrate", "s.yaml", "a.h5", "--synthetic-truth", "--fit", fit}),
+            "calibrate: recordings and --synthetic-truth: allowed: one of the two");
+  EXPECT_THAT(refusal({"calibrate", "s.yaml", "a.csv", "--format", "papillaray-csv", "--fit", fit}),
+              HasSubstr("did you mean 'papillarray-csv'?"));
+}
 
 TEST(CommandLine, AWrongFormatIsNamedBeforeAMissingFolder) {
   EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor"}), HasSubstr("'vendor'"));

@@ -1,0 +1,213 @@
+#include "tools/program/calibrate/calibrate.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/program/calibrate/calibrate_page.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/export/export.h"
+#include "tools/program/import/import.h"
+#include "tools/program/run/run_sweep.h"
+
+namespace slipbench::calibrate::calibrate_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Four recordings: pressed from 0.13 s on, moved from 0.5 s on at 4 mm/s in directions of their own. With mu 0.5 and 7.1/3.9 N/mm a pillar that is
+// pressed in by 1 mm slips after 0.5 * 7.1/3.9 * 1 mm = 0.91 mm, which takes 0.23 s and the 0.08 s of the start: all slide at the end.
+constexpr const char* scene_text = R"(slipbench: 1
+description: four slides
+duration: 1.1 s
+time_step: 1 ms
+seed: 5
+surface: {material: acrylic}
+friction: {static: 0.5, kinetic: 0.5}
+motion: {kind: stage, compression: 1 mm, start: 0.5 s, speed: 4 mm/s, tilt: [0 deg, 0 deg]}
+sensors:
+  pad: {type: papillarray, rate: 250 Hz, electronics: typical, profile: gripper}
+sweep:
+  motion: [{direction: 0 deg}, {direction: 100 deg, compression: 0.8 mm}, {direction: 200 deg}, {direction: 300 deg, compression: 0.8 mm}]
+)";
+
+class Calibrated : public slipbench::testing::FolderTest {
+ protected:
+  Options options(const std::vector<std::string>& fits, const std::vector<Override>& overrides = {}) {
+    Options result;
+    result.scene_path = path("scene.yaml");
+    std::ofstream(result.scene_path) << scene_text;
+    result.overrides = overrides;
+    for (const std::string& fit : fits) result.keys.push_back(parse_fit_keys(fit).at(0));
+    result.synthetic_truth = true;
+    result.starts = 1;
+    result.command = "slipbench calibrate scene.yaml";
+    return result;
+  }
+  static Json fitted(const Options& options) { return calibrate(options, program_catalogues()).json; }
+  static const Json& of(const Json& result, const std::string& key) {
+    for (const Json& parameter : result.at("parameters")) {
+      if (parameter.at("key") == key) return parameter;
+    }
+    throw std::logic_error(key);
+  }
+  static double error(const Json& result, const std::string& key) {
+    const Json& parameter = of(result, key);
+    EXPECT_TRUE(parameter.at("determined").get<bool>()) << key;
+    return parameter.at("error").get<double>();
+  }
+  static double relative(const Json& result, const std::string& key) {
+    return error(result, key) / of(result, key).at("truth").get<double>();
+  }
+  std::string refusal(const Options& options) {
+    try {
+      fitted(options);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+};
+
+constexpr const char* normal = "sensors.pad.k_normal: {min: 4 N/mm, max: 10 N/mm}";
+constexpr const char* friction = "friction.scale: {min: 0.6, max: 1.4}";
+
+// The bars of issue 24, with typical electronics: 3 %, 0.02 mm, 0.2 degrees.
+TEST_F(Calibrated, DrawnParametersComeBack) {
+  const Json result =
+      fitted(options({normal, "sensors.pad.k_tangential: {min: 2 N/mm, max: 6 N/mm}", friction,
+                      "sensors.pad.edge_drop: {min: 0.1 mm, max: 0.3 mm}", "motion.tilt.1: {min: -2 deg, max: 2 deg}"}));
+  EXPECT_NEAR(relative(result, "sensors.pad.k_normal"), 0.0, 0.03);
+  EXPECT_NEAR(relative(result, "sensors.pad.k_tangential"), 0.0, 0.03);
+  EXPECT_NEAR(relative(result, "friction.scale"), 0.0, 0.03);
+  EXPECT_NEAR(error(result, "sensors.pad.edge_drop"), 0.0, 0.02e-3);
+  EXPECT_NEAR(error(result, "motion.tilt.1"), 0.0, 0.2 * 3.14159 / 180.0);
+  EXPECT_TRUE(recovers(result));
+  // What noise leaves is what the sensor's noise leaves, by chance some percent less or more.
+  EXPECT_NEAR(result.at("residual_over_repeatability").get<double>(), 1.0, 0.2);
+  for (const Json& one : result.at("residuals"))
+    EXPECT_LT(one.at("residual").get<double>(), 1.5 * one.at("repeatability").get<double>()) << one.dump();
+}
+
+// Nothing moves sideways: the recordings say nothing of friction, and the scene's own value stays.
+TEST_F(Calibrated, FrictionWithoutASlideIsNotDetermined) {
+  const Json result = fitted(options({normal, friction}, {{"motion.start", "2 s"}}));
+  EXPECT_NEAR(relative(result, "sensors.pad.k_normal"), 0.0, 0.03);
+  EXPECT_FALSE(of(result, "friction.scale").at("determined").get<bool>());
+  EXPECT_NEAR(of(result, "friction.scale").at("value").get<double>(), 1.0, 0.02);
+  EXPECT_TRUE(recovers(result));
+}
+
+// The clock and the start of the slide are told apart by the press, whose time the scene knows: it ends at 0.455 s.
+TEST_F(Calibrated, ALateClockIsFound) {
+  const Json result = fitted(options({normal, "lag: {min: -40 ms, max: 40 ms}", "motion.start: {min: 0.46 s, max: 0.6 s}"}));
+  EXPECT_NEAR(error(result, "lag"), 0.0, 1e-3);
+  EXPECT_NEAR(error(result, "motion.start"), 0.0, 2e-3);
+}
+
+TEST_F(Calibrated, EachRecordingHasItsFriction) {
+  const Options wanted = options({normal, "friction.scale: {min: 0.6, max: 1.4, each: true}"});
+  const Result result = calibrate(wanted, program_catalogues());
+  const Json& found = of(result.json, "friction.scale").at("by_recording");
+  ASSERT_EQ(found.size(), 4U);
+  double mean = 0.0, square = 0.0;
+  for (const Json& one : found) {
+    EXPECT_NEAR(one.at("error").get<double>() / one.at("truth").get<double>(), 0.0, 0.03);
+    mean += one.at("truth").get<double>() / 4.0;
+    square += std::pow(one.at("truth").get<double>(), 2) / 4.0;
+  }
+  const double sd = std::sqrt((square - mean * mean) * 4.0 / 3.0);
+  EXPECT_NEAR(of(result.json, "friction.scale").at("scatter").get<double>(), sd, 0.1 * sd);
+  EXPECT_THAT(result.fitted, HasSubstr("  friction.scale: {draw: normal, mean: "));
+}
+
+// Noise of half to twice the device's own. Its size is told by the steps of 27 sources over some thousand samples, so to some percent.
+TEST_F(Calibrated, NoiseIsFittedByItsSize) {
+  const Json result = fitted(options({normal, "sensors.pad.electronics.0.noise.scale: {min: 0.5, max: 2}"},
+                                     {{"sensors.pad.electronics", "[{noise: {scale: 1}}, gain]"}}));
+  EXPECT_NEAR(relative(result, "sensors.pad.electronics.0.noise.scale"), 0.0, 0.1);
+  EXPECT_NEAR(relative(result, "sensors.pad.k_normal"), 0.0, 0.03);
+}
+
+TEST_F(Calibrated, ThreadsChangeNoByte) {
+  Options one = options({normal, friction}, {{"motion.speed", "8 mm/s"}}), two = one;
+  one.starts = two.starts = 3;
+  two.jobs = 2;
+  const Result first = calibrate(one, program_catalogues()), second = calibrate(two, program_catalogues());
+  EXPECT_EQ(first.json.dump(), second.json.dump());
+  EXPECT_EQ(first.fitted, second.fitted);
+}
+
+// Logs of the vendor, written from simulated trials of 5.5 N/mm, whose first column counts microseconds from anywhere.
+TEST_F(Calibrated, LogsAreReadAndTheFittedSceneIsAScene) {
+  Options wanted = options({normal});
+  SweepOptions sweep;
+  sweep.scene_path = wanted.scene_path;
+  sweep.overrides = {{"sensors.pad.k_normal", "5.5 N/mm"}, {"sensors.pad.electronics", "ideal"}};
+  sweep.output = path("made.h5");
+  run_sweep(sweep, program_catalogues(), {});
+  ExportOptions exported;
+  exported.format = ExportFormat::vendor_csv;
+  export_dataset(path("made.h5"), path("logs"), exported);
+
+  wanted.synthetic_truth = false;
+  wanted.overrides = {{"sensors.pad.electronics", "ideal"}};
+  wanted.recordings = {path("logs")};
+  wanted.format = &import_format("papillarray-csv");
+  const Result logs = calibrate(wanted, program_catalogues());
+  EXPECT_NEAR(of(logs.json, "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
+  wanted.format = nullptr;
+  wanted.recordings = {path("made.h5")};
+  EXPECT_NEAR(of(fitted(wanted), "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
+
+  const std::vector<std::string> files = write_calibration(path("mine.yaml"), logs.fitted, logs.json);
+  EXPECT_EQ(files, (std::vector<std::string>{path("mine.yaml"), path("mine.html"), path("mine.json")}));
+  const Scene scene = parse_scene(SceneFile::load(path("mine.yaml")), program_catalogues());
+  EXPECT_NEAR(scene.sensors.front().parameters.number("k_normal"), 5500.0, 5.5);
+  EXPECT_EQ(TrialPlan(SceneFile::load(path("mine.yaml")), program_catalogues(), 0, 5).size(), 4U);
+  EXPECT_THAT(calibration_page(logs.json), HasSubstr("Real and synthetic"));
+}
+
+TEST_F(Calibrated, RefusesWhatCannotBeFitted) {
+  EXPECT_THAT(refusal(options({"sensors.pad.k_normla: {min: 1, max: 2}"})), HasSubstr("did you mean 'k_normal'?"));
+  EXPECT_THAT(refusal(options({normal, normal})), HasSubstr("sensors.pad.k_normal is fitted twice"));
+  EXPECT_THAT(refusal(options({"friction.scale: {min: -2, max: 1}"})), HasSubstr("friction.scale"));
+  EXPECT_THAT(refusal(options({normal}, {{"sweep.motion.tilt.0", "{draw: uniform, min: 0 deg, max: 1 deg}"}})),
+              HasSubstr("sweep.motion.tilt.0 is drawn at random"));
+  EXPECT_THAT(refusal(options({"sensors.pad.electronics.0.noise.scale: {min: 0.5, max: 2}"})),
+              HasSubstr("no key but of electronics"));
+  Options wanted = options({normal});
+  wanted.synthetic_truth = false;
+  SweepOptions sweep;
+  sweep.scene_path = wanted.scene_path;
+  sweep.limit = 3;
+  sweep.output = path("three.h5");
+  run_sweep(sweep, program_catalogues(), {});
+  wanted.recordings = {path("three.h5")};
+  EXPECT_THAT(refusal(wanted),
+              HasSubstr("3 recordings, and the scene's sweep has 4 trials; allowed: a trial for each recording"));
+  wanted.recordings = {path("three.csv")};
+  EXPECT_THAT(refusal(wanted), HasSubstr("three.csv: is no dataset; allowed: FILE.h5, or --format NAME"));
+  EXPECT_THROW(check_calibration_target(path("mine.txt"), {}), InputError);
+  std::ofstream(path("notes.yaml")) << "mine: 1\n";
+  EXPECT_THROW(check_calibration_target(path("notes.yaml"), {}), InputError);
+}
+
+// A value that is missed by more than twice its interval is no recovery, unless it was not called determined.
+TEST(Recovers, HoldsDeterminedParametersToTheirInterval) {
+  const auto result = [](double error, bool determined) {
+    return Json{{"parameters",
+                 {{{"each", false}, {"determined", determined}, {"value", 5.0}, {"low", 4.0}, {"high", 6.0}, {"error", error}}}}};
+  };
+  EXPECT_TRUE(recovers(result(1.9, true)));
+  EXPECT_FALSE(recovers(result(-2.1, true)));
+  EXPECT_TRUE(recovers(result(-2.1, false)));
+}
+
+}  // namespace
+}  // namespace slipbench::calibrate::calibrate_test

@@ -1,0 +1,427 @@
+#include "tools/program/calibrate/calibrate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/random.h"
+#include "tools/program/calibrate/disturbances.h"
+#include "tools/program/calibrate/electronics_fit.h"
+#include "tools/program/calibrate/fitted_scene.h"
+#include "tools/program/calibrate/model.h"
+#include "tools/program/calibrate/recordings.h"
+#include "tools/program/calibrate/search.h"
+
+namespace slipbench::calibrate {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Pairs from which the electronics are learned, a device each.
+constexpr std::size_t learning_pairs = 4;
+// Least remainder of a column, as a share of its range: below it stretches and steps of the simulation tell.
+constexpr double least_remainder = 1e-4;
+// Correlations worth a line.
+constexpr double strong_correlation = 0.9;
+
+std::uint64_t seed_for(std::uint64_t seed, std::uint64_t number, const char* what) {
+  return RandomStream(seed, number, std::string("calibrate.") + what).integer(std::uint64_t{1} << 62U);
+}
+
+// What is compared: recordings on their grids.
+struct Compared {
+  Columns columns;
+  std::vector<std::vector<double>> edges;
+  Waves real;
+  VectorXd roughness;  // RMS over the recordings
+};
+
+VectorXd rms_over(const std::vector<VectorXd>& values) {
+  VectorXd squares = VectorXd::Zero(values.front().size());
+  for (const VectorXd& value : values) squares += value.cwiseAbs2();
+  return (squares / static_cast<double>(values.size())).cwiseSqrt();
+}
+
+// `lag`: of each recording's clock; a drawn one has its own.
+Compared compared(const std::vector<RawRecording>& recordings, const std::vector<SensorRecord>& scene,
+                  const std::function<double(std::size_t)>& lag) {
+  Compared result;
+  std::vector<VectorXd> rough;
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    const RawRecording& recording = recordings[r];
+    if (recording.sensors.empty()) throw InputError(fmt::format("{}: holds no sensor; allowed: at least one", recording.name));
+    Columns columns = shared_columns(recording, scene);
+    if (result.real.empty()) result.columns = columns;
+    if (columns.count != result.columns.count)
+      throw InputError(fmt::format("{}: holds other channels than {}; allowed: recordings of one kind", recording.name,
+                                   recordings.front().name));
+    result.edges.push_back(bin_edges(recording, scene));
+    const double shift = scene.front().time.front() - recording.sensors.front().time.front() + lag(r);
+    result.real.push_back(bin_means(recording.sensors, Side::real, columns, result.edges.back(), shift));
+    rough.push_back(calibrate::roughness(recording.sensors, Side::real, columns));
+  }
+  result.roughness = rms_over(rough);
+  return result;
+}
+
+// Recordings simulated from parameters that are drawn between the bounds.
+struct Truth {
+  VectorXd places;
+  std::uint64_t seed = 0;
+};
+
+std::vector<RawRecording> drawn_recordings(const Model& model, const Truth& truth, const Options& options) {
+  std::vector<RawRecording> recordings;
+  for (std::size_t r = 0; r < model.recordings(); ++r) {
+    recordings.push_back(
+        {fmt::format("synthetic {}", r), model.simulate(truth.places, r, Readings::read, truth.seed, options.interrupt)});
+  }
+  return recordings;
+}
+
+Waves waves_of(const Model& model, const VectorXd& places, Readings readings, std::uint64_t seed, const Compared& data,
+               const Options& options, std::size_t again = 0) {
+  Waves waves;
+  for (std::size_t r = 0; r < model.recordings(); ++r) {
+    waves.push_back(bin_means(model.simulate(places, r, readings, seed, options.interrupt, again), Side::scene, data.columns,
+                              data.edges[r], model.lag(places, r)));
+  }
+  return waves;
+}
+
+Disturbances learned(const Model& model, const VectorXd& places, const Compared& data, const Options& options) {
+  std::vector<Waves> read, ideal;
+  for (std::size_t pair = 0; pair < learning_pairs; ++pair) {
+    const std::uint64_t seed = seed_for(model.seed(), pair, "device");
+    read.push_back(waves_of(model, places, Readings::read, seed, data, options));
+    ideal.push_back(waves_of(model, places, Readings::ideal, seed, data, options));
+  }
+  return {data.columns, read, ideal, least_remainder};
+}
+
+Json interval_json(const FitKey& key, double place, const Known& known) {
+  const double half = half_interval * known.sd;
+  Json json{{"value", key.value(place)}, {"determined", known.determined}};
+  json["low"] = known.determined ? key.value(std::max(0.0, place - half)) : key.min;
+  json["high"] = known.determined ? key.value(std::min(1.0, place + half)) : key.max;
+  constexpr double edge = 0.005;
+  json["at_bound"] = known.determined && (place < edge || place > 1.0 - edge);
+  return json;
+}
+
+void tell_truth(Json& json, const FitKey& key, double drawn) {
+  json["truth"] = key.value(drawn);
+  json["error"] = json.at("value").get<double>() - key.value(drawn);
+}
+
+// The centre and scatter of a key that every recording has a value of, less what the values themselves are uncertain by.
+struct Scatter {
+  double centre, sd;  // of the value; of draw log_uniform the median and the sd of the logarithm
+};
+Scatter scatter_of(const FitKey& key, const std::vector<double>& places, const std::vector<Known>& known) {
+  const auto count = static_cast<double>(places.size());
+  const double width = key.logarithmic ? std::log(key.max / key.min) : key.max - key.min;
+  double mean = 0.0, square = 0.0, uncertain = 0.0;
+  for (std::size_t r = 0; r < places.size(); ++r) {
+    mean += places[r] / count;
+    square += places[r] * places[r] / count;
+    uncertain += known[r].sd * known[r].sd / count;
+  }
+  const double variance = places.size() > 1 ? (square - mean * mean) * count / (count - 1.0) : 0.0;
+  return {key.value(mean), width * std::sqrt(std::max(0.0, variance - uncertain))};
+}
+
+// What was found of one key: one place, or one of each recording.
+struct Found {
+  std::vector<double> places;
+  std::vector<Known> known;
+};
+Found found_of(const Model& model, const Eigen::VectorXd& places, const std::vector<Known>& known, const std::string& path) {
+  Found found;
+  for (std::size_t p = 0; p < model.parameters(); ++p) {
+    if (model.keys()[model.key_of(p)].path != path) continue;
+    found.places.push_back(places(static_cast<Index>(p)));
+    found.known.push_back(known[p]);
+  }
+  return found;
+}
+
+Json parameter_json(const FitKey& key, const Found& found, const std::vector<double>& drawn) {
+  Json json{{"key", key.path},
+            {"unit", si_symbol(key.quantity)},
+            {"min", key.min},
+            {"max", key.max},
+            {"draw", key.logarithmic ? "log_uniform" : "uniform"},
+            {"each", key.each}};
+  if (!key.each) {
+    json.update(interval_json(key, found.places.front(), found.known.front()));
+    if (!drawn.empty()) tell_truth(json, key, drawn.front());
+    json["profile"] = Json::array();
+    for (const auto& [place, rise] : found.known.front().profile) json["profile"].push_back({key.value(place), rise});
+    return json;
+  }
+  const Scatter scatter = scatter_of(key, found.places, found.known);
+  json["value"] = scatter.centre;
+  json["scatter"] = scatter.sd;
+  json["determined"] = std::ranges::all_of(found.known, &Known::determined);
+  json["by_recording"] = Json::array();
+  for (std::size_t r = 0; r < found.places.size(); ++r) {
+    json["by_recording"].push_back(interval_json(key, found.places[r], found.known[r]));
+    if (!drawn.empty()) tell_truth(json["by_recording"].back(), key, drawn[r]);
+  }
+  return json;
+}
+
+Json correlations_json(const Model& model, const Solution& solution) {
+  Json list = Json::array();
+  const VectorXd sd = solution.covariance.diagonal().cwiseSqrt();
+  for (Index a = 0; a < sd.size(); ++a) {
+    for (Index b = 0; b < a; ++b) {
+      if (model.recording_of(static_cast<std::size_t>(a)) || model.recording_of(static_cast<std::size_t>(b))) continue;
+      const double correlation = solution.covariance(a, b) / (sd(a) * sd(b));
+      if (std::abs(correlation) < strong_correlation) continue;
+      list.push_back({{"first", model.keys()[model.key_of(static_cast<std::size_t>(b))].path},
+                      {"second", model.keys()[model.key_of(static_cast<std::size_t>(a))].path},
+                      {"correlation", correlation}});
+    }
+  }
+  return list;
+}
+
+double rms_of(const Waves& real, const Waves& synthetic, const ChannelPlace& place, std::size_t k) {
+  double squares = 0.0, count = 0.0;
+  for (std::size_t r = 0; r < real.size(); ++r) {
+    for (std::size_t unit = 0; unit < place.units; ++unit) {
+      const auto column = static_cast<Index>(place.column(unit, k));
+      squares += (real[r].col(column) - synthetic[r].col(column)).squaredNorm();
+      count += static_cast<double>(real[r].rows());
+    }
+  }
+  return std::sqrt(squares / count);
+}
+
+Json residuals_json(const Compared& data, const Disturbances& disturbances, const Solution& solution, const VectorXd& rough) {
+  Json list = Json::array();
+  std::size_t component = 0;
+  for (const ChannelPlace& place : data.columns.channels) {
+    for (std::size_t k = 0; k < place.components; ++k, ++component) {
+      const Disturbance& disturbance = disturbances.by_component()[component];
+      double gains = 0.0, offsets = 0.0, real = 0.0, synthetic = 0.0;
+      for (std::size_t unit = 0; unit < place.units; ++unit) {
+        const auto column = static_cast<Index>(place.column(unit, k));
+        gains += std::pow(solution.distance.gain(column) - 1.0, 2);
+        offsets += solution.distance.offset.col(column).squaredNorm() / static_cast<double>(data.real.size());
+        real += data.roughness(column) * data.roughness(column);
+        synthetic += rough(column) * rough(column);
+      }
+      const auto units = static_cast<double>(place.units);
+      list.push_back({{"sensor", place.sensor},
+                      {"channel", place.channel},
+                      {"component", place.names[k]},
+                      {"unit", place.unit},
+                      {"residual", rms_of(data.real, solution.distance.explained, place, k)},
+                      {"repeatability", disturbance.remainder_sd},
+                      {"gain_scatter", std::sqrt(gains / units)},
+                      {"gain_scatter_expected", disturbance.gain_sd},
+                      {"offset_scatter", std::sqrt(offsets / units)},
+                      {"offset_scatter_expected", disturbance.offset_sd},
+                      {"noise", std::sqrt(real / units)},
+                      {"noise_expected", std::sqrt(synthetic / units)}});
+    }
+  }
+  return list;
+}
+
+Json rounded(const VectorXd& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(std::stod(fmt::format("{:.5g}", value)));
+  return list;
+}
+
+// Of each component the mean over the units and the unit that is worst fitted.
+Json curves_json(const Compared& data, const Solution& solution, std::size_t r) {
+  const MatrixXd& real = data.real[r];
+  const MatrixXd& synthetic = solution.distance.explained[r];
+  Json list = Json::array();
+  for (const ChannelPlace& place : data.columns.channels) {
+    for (std::size_t k = 0; k < place.components; ++k) {
+      VectorXd mean_real = VectorXd::Zero(real.rows()), mean_synthetic = mean_real;
+      std::size_t worst = 0;
+      double most = -1.0;
+      for (std::size_t unit = 0; unit < place.units; ++unit) {
+        const auto column = static_cast<Index>(place.column(unit, k));
+        mean_real += real.col(column) / static_cast<double>(place.units);
+        mean_synthetic += synthetic.col(column) / static_cast<double>(place.units);
+        const double away = (real.col(column) - synthetic.col(column)).squaredNorm();
+        if (away > most) {
+          most = away;
+          worst = unit;
+        }
+      }
+      const auto add = [&](const Json& unit, const VectorXd& x, const VectorXd& y) {
+        list.push_back({{"sensor", place.sensor},
+                        {"channel", place.channel},
+                        {"component", place.names[k]},
+                        {"unit", place.unit},
+                        {"of", unit},
+                        {"real", rounded(x)},
+                        {"synthetic", rounded(y)}});
+      };
+      add("mean", mean_real, mean_synthetic);
+      const auto column = static_cast<Index>(place.column(worst, k));
+      if (place.units > 1) add(worst, real.col(column), synthetic.col(column));
+    }
+  }
+  return list;
+}
+
+Json recordings_json(const std::vector<RawRecording>& recordings, const Compared& data, const Solution& solution) {
+  Json list = Json::array();
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    const double bins = static_cast<double>(data.real[r].rows()), span = data.edges[r].back() - data.edges[r].front();
+    list.push_back({{"name", recordings[r].name},
+                    {"begin_s", data.edges[r].front()},
+                    {"step_s", span / bins},
+                    {"curves", curves_json(data, solution, r)}});
+  }
+  return list;
+}
+
+Json starts_json(const Model& model, const Solution& solution) {
+  Json list = Json::array();
+  for (const Start& start : solution.starts) {
+    Json values = Json::object();
+    for (std::size_t k = 0; k < model.keys().size(); ++k)
+      values[model.keys()[k].path] = model.keys()[k].value(start.places(static_cast<Index>(k)));
+    list.push_back({{"cost", start.cost}, {"evaluations", start.evaluations}, {"values", std::move(values)}});
+  }
+  return list;
+}
+
+void check_noise_keys(const std::vector<FitKey>& of_curves, const std::vector<FitKey>& of_noise) {
+  if (of_curves.empty())
+    throw InputError("calibrate: no key but of electronics, which are what other keys leave; allowed: at least one other");
+  for (const FitKey& key : of_noise) {
+    if (key.each) throw InputError(fmt::format("calibrate: {} is one device's; allowed: without each: true", key.path));
+  }
+}
+
+// The scene with what was found by its curves, for what is found by its noise.
+SceneFile with_values(const SceneFile& file, const Model& model, const VectorXd& places) {
+  SceneFile fitted = file;
+  for (std::size_t k = 0; k < model.keys().size(); ++k) {
+    const FitKey& key = model.keys()[k];
+    double place = 0.0;
+    const std::size_t count = key.each ? model.recordings() : 1;
+    for (std::size_t r = 0; r < count; ++r)
+      place += places(static_cast<Index>(model.parameter_of(k, r))) / static_cast<double>(count);
+    if (key.path != lag_key) fitted.apply({key.path, format_number(key.value(place))});
+  }
+  return fitted;
+}
+
+}  // namespace
+
+Result calibrate(const Options& options, const Catalogues& catalogues) {
+  std::vector<RawRecording> recordings;
+  if (!options.synthetic_truth) recordings = read_recordings(options.recordings, options.format);
+  SceneFile file = SceneFile::load(options.scene_path);
+  for (const Override& change : options.overrides) file.apply(change);
+  const std::uint64_t seed = options.seed.value_or(read_seed(file.root()));
+  std::vector<FitKey> of_curves, of_noise;
+  for (const FitKey& key : options.keys) (of_electronics(key) ? of_noise : of_curves).push_back(key);
+  check_noise_keys(of_curves, of_noise);
+  Model all(file, catalogues, options.keys, seed), model(file, catalogues, of_curves, seed);
+  if (!options.synthetic_truth) {
+    all.use_recordings(recordings.size());
+    model.use_recordings(recordings.size());
+  }
+
+  std::optional<Truth> truth;
+  const VectorXd own = model.spread(Eigen::Map<const VectorXd>(model.own_places().data(), static_cast<Index>(of_curves.size())));
+  if (options.synthetic_truth) {
+    truth = Truth{VectorXd(static_cast<Index>(all.parameters())), seed_for(seed, 0, "truth")};
+    RandomStream stream(seed, 1, "calibrate.truth");
+    for (double& place : truth->places) place = stream.uniform();
+    recordings = drawn_recordings(all, *truth, options);
+  }
+  Compared data = compared(recordings, model.simulate(own, 0, Readings::ideal, seed, options.interrupt),
+                           [&](std::size_t r) { return truth ? all.lag(truth->places, r) : 0.0; });
+  const Disturbances disturbances = learned(model, own, data, options);
+  if (truth) {
+    // What all gains share is the stiffness of the drawn device, as it is of a real one (disturbances.h). Told by the device's readings of the same
+    // once more: by those that are fitted it would take their noise off too.
+    const Waves ideal = waves_of(all, truth->places, Readings::ideal, truth->seed, data, options);
+    const VectorXd common =
+        disturbances.common_gain(waves_of(all, truth->places, Readings::read, truth->seed, data, options, 1), ideal);
+    for (std::size_t r = 0; r < data.real.size(); ++r) {
+      const Eigen::RowVectorXd begin = ideal[r].row(0);
+      const MatrixXd departure = data.real[r].rowwise() - begin;
+      data.real[r] = (departure.array().rowwise() / common.transpose().array()).matrix().rowwise() + begin;
+    }
+  }
+
+  const Problem problem{&model, &disturbances, data.edges, data.real, options.jobs, options.interrupt};
+  const Solution solution = search(problem, {options.starts, options.progress});
+  std::vector<VectorXd> rough;
+  for (std::size_t r = 0; r < model.recordings(); ++r)
+    rough.push_back(
+        roughness(model.simulate(solution.places, r, Readings::read, seed, options.interrupt), Side::scene, data.columns));
+
+  std::optional<Model> noise_model;
+  ElectronicsFit noise;
+  if (!of_noise.empty()) {
+    noise_model.emplace(with_values(file, model, solution.places), catalogues, of_noise, seed);
+    if (!options.synthetic_truth) noise_model->use_recordings(recordings.size());
+    noise = fit_electronics(*noise_model, problem, disturbance_sizes(data.columns, data.real, solution.distance, data.roughness));
+  }
+  Json parameters = Json::array();
+  for (std::size_t k = 0; k < options.keys.size(); ++k) {
+    const FitKey& key = options.keys[k];
+    std::vector<double> drawn;
+    for (std::size_t p = 0; truth && p < all.parameters(); ++p) {
+      if (all.key_of(p) == k) drawn.push_back(truth->places(static_cast<Index>(p)));
+    }
+    parameters.push_back(parameter_json(key,
+                                        of_electronics(key) ? found_of(*noise_model, noise.places, noise.known, key.path)
+                                                            : found_of(model, solution.places, solution.known, key.path),
+                                        drawn));
+  }
+
+  Result result;
+  result.json = {{result_key, 1},
+                 {"scene", options.scene_path},
+                 {"command", options.command},
+                 {"seed", seed},
+                 {"synthetic_truth", options.synthetic_truth},
+                 {"parameters", std::move(parameters)},
+                 {"correlations", correlations_json(model, solution)},
+                 {"cost", solution.cost},
+                 {"residual_over_repeatability", std::sqrt(solution.scale)},
+                 {"residuals", residuals_json(data, disturbances, solution, rms_over(rough))},
+                 {"starts", starts_json(model, solution)},
+                 {"recordings", recordings_json(recordings, data, solution)}};
+  result.fitted = fitted_scene(file, options.keys, result.json);
+  return result;
+}
+
+bool recovers(const Json& result) {
+  const auto recovered = [](const Json& one) {
+    if (!one.at("determined").get<bool>()) return true;
+    const double value = one.at("value").get<double>();
+    const double half = std::max(one.at("high").get<double>() - value, value - one.at("low").get<double>());
+    return std::abs(one.at("error").get<double>()) <= 2.0 * half;
+  };
+  return std::ranges::all_of(result.at("parameters"), [&](const Json& parameter) {
+    if (!parameter.at("each").get<bool>()) return recovered(parameter);
+    return std::ranges::all_of(parameter.at("by_recording"), recovered);
+  });
+}
+
+}  // namespace slipbench::calibrate

@@ -1,0 +1,249 @@
+#include "tools/program/calibrate/calibrate_page.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/output_file.h"
+#include "tools/base/page/page.h"
+#include "tools/base/page/page_files.h"
+#include "tools/base/page/svg.h"
+#include "tools/program/calibrate/calibrate.h"
+
+namespace slipbench::calibrate {
+namespace {
+
+using page::Axis;
+using page::escape_html;
+using page::Svg;
+
+constexpr std::string_view generator = "slipbench calibrate";
+constexpr std::string_view fitted_head = "# slipbench calibrate ";
+
+constexpr page::PageKind page_kind{"a calibration",
+                                   {"page of slipbench calibrate", &begins_as_calibration_page},
+                                   {"result of slipbench calibrate", &begins_as_calibration_json}};
+constexpr TextKind scene_kind{"scene of slipbench calibrate", &begins_as_fitted_scene};
+
+// A drawing and where its axes lie in it [px].
+constexpr double width = 300.0, height = 190.0, left = 54.0, right = 290.0, top = 26.0, foot = 150.0;
+// A page of more recordings than these would be slow to open; the JSON beside it has all.
+constexpr std::size_t most_drawn = 12;
+
+std::string number(const Json& value) { return fmt::format("{:.4g}", value.get<double>()); }
+std::string text(const Json& value) { return value.get<std::string>(); }
+
+FitKey key_of(const Json& parameter) {
+  FitKey key{
+      .path = text(parameter.at("key")), .min = parameter.at("min").get<double>(), .max = parameter.at("max").get<double>()};
+  key.logarithmic = parameter.at("draw") == "log_uniform";
+  for (const Quantity quantity : {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::angle,
+                                  Quantity::angular_speed, Quantity::angular_acceleration, Quantity::frequency, Quantity::force,
+                                  Quantity::mass, Quantity::stiffness, Quantity::damping}) {
+    if (parameter.at("unit") == si_symbol(quantity)) key.quantity = quantity;
+  }
+  return key;
+}
+
+std::string path_of(const std::string& scene, const char* extension) {
+  return std::filesystem::path(scene).replace_extension(extension).string();
+}
+
+std::string section(const std::string& title, const std::string& content, const std::string& note) {
+  return fmt::format("<section><h2>{}</h2>\n<p class=\"note\">{}</p>\n{}</section>\n", escape_html(title), escape_html(note),
+                     content);
+}
+
+Svg chart(const std::string& title, const Axis& across, const std::string& across_name, const Axis& up) {
+  Svg svg(width, height);
+  svg.text("name", left, 14.0, title);
+  for (const double tick : across.ticks) {
+    svg.line("mesh", across.at(tick), top, across.at(tick), foot);
+    svg.text("small middle", across.at(tick), foot + 13.0, fmt::format("{:.4g}", tick));
+  }
+  for (const double tick : up.ticks) {
+    svg.line("mesh", left, up.at(tick), right, up.at(tick));
+    svg.text("small end", left - 5.0, up.at(tick) + 4.0, fmt::format("{:.3g}", tick));
+  }
+  svg.text("small middle", 0.5 * (left + right), foot + 30.0, across_name);
+  return svg;
+}
+
+// 1, 2 or 5 times a power of ten, some four of which make up `range`.
+Axis axis_for(const std::vector<double>& values, double begin, double end) {
+  const auto [least, most] = std::ranges::minmax(values);
+  const double rough = most > least ? (most - least) / 4.0 : 1.0, decade = std::pow(10.0, std::floor(std::log10(rough)));
+  double step = 10.0 * decade;
+  for (const double times : {5.0, 2.0, 1.0}) {
+    if (rough <= times * decade) step = times * decade;
+  }
+  return page::linear_axis(values, step, begin, end);
+}
+
+std::string parameters_html(const Json& result) {
+  const bool truth = result.at("synthetic_truth").get<bool>();
+  std::vector<std::string> head{"key", "value", "95 % interval", "bounds", ""};
+  if (truth) head.insert(head.end(), {"drawn", "error"});
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& parameter : result.at("parameters")) {
+    const FitKey key = key_of(parameter);
+    const auto add = [&](const std::string& name, const Json& one, const std::string& remark) {
+      const bool known = one.at("determined").get<bool>();
+      std::vector<std::string> row{
+          name, known ? key.text(one.at("value").get<double>()) : "not determined",
+          known ? "+- " + key.text(0.5 * (one.at("high").get<double>() - one.at("low").get<double>()), 2) : "",
+          key.text(key.min) + " to " + key.text(key.max),
+          one.at("at_bound").get<bool>() ? "at its bound: give it more room" : remark};
+      if (truth)
+        row.insert(row.end(), {key.text(one.at("truth").get<double>()), known ? key.text(one.at("error").get<double>(), 2) : ""});
+      rows.push_back(std::move(row));
+    };
+    if (!parameter.at("each").get<bool>()) {
+      add(key.path, parameter, "");
+      continue;
+    }
+    for (std::size_t r = 0; r < parameter.at("by_recording").size(); ++r)
+      add(fmt::format("{}, recording {}", key.path, r), parameter.at("by_recording").at(r), "");
+    const std::string scatter =
+        key.logarithmic ? number(parameter.at("scatter")) + " (logarithm)" : key.text(parameter.at("scatter").get<double>());
+    std::vector<std::string> row{key.path + ", all", key.text(parameter.at("value").get<double>()), "", "",
+                                 "scatter sd " + scatter};
+    row.resize(head.size());
+    rows.push_back(std::move(row));
+  }
+  std::string html = page::table_html(head, rows);
+  std::vector<std::string> together;
+  for (const Json& pair : result.at("correlations"))
+    together.push_back(fmt::format("{} and {} are known together better than apart: correlation {:.2f}", text(pair.at("first")),
+                                   text(pair.at("second")), pair.at("correlation").get<double>()));
+  return together.empty() ? html : html + page::list_html(together);
+}
+
+std::string profiles_html(const Json& result) {
+  std::string html;
+  for (const Json& parameter : result.at("parameters")) {
+    if (!parameter.contains("profile")) continue;
+    const FitKey key = key_of(parameter);
+    // A rise of 3.84 is the end of a 95 % interval; far above it nothing more is learned.
+    constexpr double most = 40.0;
+    const Json& profile = parameter.at("profile");
+    const double low = profile.front().at(0).get<double>(), high = profile.back().at(0).get<double>();
+    const Axis across{.low = low, .high = high, .begin = left, .end = right, .ticks = {}};
+    const Axis up{.low = 0.0, .high = most, .begin = foot, .end = top, .ticks = {0.0, 10.0, 20.0, 30.0, 40.0}};
+    Svg svg = chart(key.path, across, key.text(low, 5) + " to " + key.text(high, 5), up);
+    std::vector<std::array<double, 2>> way;
+    for (const Json& point : profile)
+      way.push_back({across.at(point.at(0).get<double>()), up.at(std::clamp(point.at(1).get<double>(), 0.0, most))});
+    svg.line("limit", left, up.at(3.84), right, up.at(3.84));
+    svg.polyline("s0", way);
+    svg.dot("s0", across.at(parameter.at("value").get<double>()), foot, 3.5);
+    html += svg.element();
+  }
+  return "<div>" + html + "</div>\n";
+}
+
+std::string residuals_html(const Json& result) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& one : result.at("residuals")) {
+    const auto pair = [&](const char* found, const char* expected, const std::string& unit) {
+      return fmt::format("{} / {}{}", number(one.at(found)), number(one.at(expected)), unit);
+    };
+    const std::string unit = " " + text(one.at("unit"));
+    rows.push_back({fmt::format("{} {} {}", text(one.at("sensor")), text(one.at("channel")), text(one.at("component"))),
+                    pair("residual", "repeatability", unit), pair("noise", "noise_expected", unit),
+                    pair("gain_scatter", "gain_scatter_expected", ""), pair("offset_scatter", "offset_scatter_expected", unit)});
+  }
+  return page::table_html({"", "residual / repeatability", "step of samples, real / synthetic", "gains, sd found / expected",
+                           "offsets, found / expected"},
+                          rows);
+}
+
+std::string curve_drawing(const Json& recording, const Json& curve) {
+  const double begin = recording.at("begin_s").get<double>(), step = recording.at("step_s").get<double>();
+  const auto real = curve.at("real").get<std::vector<double>>(), synthetic = curve.at("synthetic").get<std::vector<double>>();
+  std::vector<double> values = real, times;
+  values.insert(values.end(), synthetic.begin(), synthetic.end());
+  for (std::size_t k = 0; k < real.size(); ++k) times.push_back(begin + step * (static_cast<double>(k) + 0.5));
+  const Axis across = axis_for(times, left, right), up = axis_for(values, foot, top);
+  const std::string of = curve.at("of").is_string() ? "mean" : fmt::format("unit {}", curve.at("of").get<std::size_t>());
+  Svg svg =
+      chart(fmt::format("{} {} [{}], {}", text(curve.at("channel")), text(curve.at("component")), text(curve.at("unit")), of),
+            across, "time [s]", up);
+  const auto draw = [&](const char* kind, const std::vector<double>& line) {
+    std::vector<std::array<double, 2>> way;
+    for (std::size_t k = 0; k < line.size(); ++k) way.push_back({across.at(times[k]), up.at(line[k])});
+    svg.polyline(kind, way);
+  };
+  draw("s0", real);
+  draw("s1", synthetic);
+  return svg.element();
+}
+
+std::string curves_html(const Json& result) {
+  std::string html;
+  const Json& recordings = result.at("recordings");
+  for (std::size_t r = 0; r < std::min(most_drawn, recordings.size()); ++r) {
+    html += fmt::format("<h3>{}</h3>\n<div>", escape_html(text(recordings.at(r).at("name"))));
+    for (const Json& curve : recordings.at(r).at("curves")) html += curve_drawing(recordings.at(r), curve);
+    html += "</div>\n";
+  }
+  return html;
+}
+
+}  // namespace
+
+bool begins_as_calibration_page(std::string_view text) { return page::begins_as_page(text, generator); }
+bool begins_as_calibration_json(std::string_view text) { return text.starts_with(fmt::format("{{\n  \"{}\": ", result_key)); }
+bool begins_as_fitted_scene(std::string_view text) { return text.starts_with(fitted_head); }
+
+std::string calibration_page(const Json& result) {
+  const std::string scene = text(result.at("scene"));
+  std::string body = fmt::format(
+      "<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>{}</h1>\n<p class=\"note\">{} recordings, seed {}; residuals are {:.3g} times the "
+      "sensor's repeatability</p>\n<p class=\"note\"><code>{}</code></p></header>\n",
+      generator, escape_html(scene), result.at("recordings").size(), result.at("seed").get<std::uint64_t>(),
+      result.at("residual_over_repeatability").get<double>(), escape_html(text(result.at("command"))));
+  body += section(
+      "Parameters", parameters_html(result),
+      "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them. Stiffness is as read: "
+      "the gains of a component have the mean 1 over its units.");
+  body += section(
+      "Profiles", profiles_html(result),
+      "How the squared residuals rise where a parameter is held elsewhere and the others follow. Dashed: 3.84, the end of a 95 % interval. "
+      "Dot: the fit.");
+  body += section(
+      "Residuals", residuals_html(result),
+      "Repeatability: what the scene's own electronics leave where the model is exact. A residual well above it is an error of the model.");
+  body += section(
+      "Real and synthetic", curves_html(result),
+      fmt::format(
+          "Blue: recorded; orange: the fitted scene, with the gains and offsets that fit. Mean of all units, and the unit that fits "
+          "worst.{}",
+          result.at("recordings").size() > most_drawn
+              ? fmt::format(" The first {} recordings; the JSON beside this page has all.", most_drawn)
+              : ""));
+  return page::compose_page({generator, std::filesystem::path(scene).filename().string() + " · slipbench calibrate"}, body);
+}
+
+void check_calibration_target(const std::string& path, const std::vector<std::string>& inputs) {
+  if (!path.ends_with(".yaml"))
+    throw InputError(
+        fmt::format("calibrate: -o {}: the fitted scene is a YAML file; allowed: a name that ends with .yaml", path));
+  check_text_target(path, inputs, scene_kind);
+  page::check_page_files(path_of(path, ".html"), page_kind);
+}
+
+std::vector<std::string> write_calibration(const std::string& path, const std::string& fitted, const Json& result) {
+  check_calibration_target(path, {});
+  std::vector<std::string> files = page::write_page_files(path_of(path, ".html"), page_kind, calibration_page(result), result);
+  write_text_file(path, fitted);
+  files.insert(files.begin(), path);
+  return files;
+}
+
+}  // namespace slipbench::calibrate

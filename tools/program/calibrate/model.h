@@ -1,0 +1,73 @@
+// The scene as a function of what is fitted: from places between bounds to what its sensors read.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sim/scene/catalogues.h"
+#include "sim/scene/parser.h"
+#include "tools/base/dataset/trial_record.h"
+#include "tools/program/calibrate/fit_key.h"
+
+namespace slipbench::calibrate {
+
+// Whose disturbances a simulated recording has.
+enum class Readings {
+  ideal,  // none that is drawn: scanning and conversion remain
+  read,   // those that the scene says
+};
+
+// The parameters are all keys in their order; a key with `each` stands there once for every recording, one after the other.
+class Model {
+ public:
+  // `file`: with what the command line sets. `catalogues` must outlive the model. Throws InputError for a scene that cannot be read, a key that the
+  // scene does not have or takes no number, a sweep that draws what is not fitted, and two keys of the same path.
+  Model(const SceneFile& file, const Catalogues& catalogues, std::vector<FitKey> keys, std::uint64_t seed);
+
+  // Trials of the scene's sweep, of which recording r is trial r.
+  [[nodiscard]] std::size_t trials() const { return files_.size(); }
+  // With one trial, of which all recordings are repetitions. Throws InputError where the scene has neither one trial nor `count`.
+  void use_recordings(std::size_t count);
+  [[nodiscard]] std::size_t recordings() const { return recordings_; }
+
+  [[nodiscard]] const std::vector<FitKey>& keys() const { return keys_; }
+  [[nodiscard]] std::size_t parameters() const;
+  // The key of a parameter, and of which recording it is (empty: of all).
+  [[nodiscard]] std::size_t key_of(std::size_t parameter) const;
+  [[nodiscard]] std::optional<std::size_t> recording_of(std::size_t parameter) const;
+  // The parameter of a key in a recording.
+  [[nodiscard]] std::size_t parameter_of(std::size_t key, std::size_t recording) const;
+
+  // Where the scene itself stands: the place of its own value where that is between the bounds, else the middle. By key.
+  [[nodiscard]] const std::vector<double>& own_places() const { return own_; }
+  // A place for every key, as places of all parameters.
+  [[nodiscard]] Eigen::VectorXd spread(const Eigen::VectorXd& by_key) const;
+
+  // What the sensors read in a recording. `places`: of all parameters, each within 0 and 1. `seed`: of the draws; `again`:
+  // another number for the same recording once more by the same device. Throws InputError with the values that the scene refuses, and Interrupted.
+  [[nodiscard]] std::vector<SensorRecord> simulate(const Eigen::VectorXd& places, std::size_t recording, Readings readings,
+                                                   std::uint64_t seed, const std::atomic<bool>* interrupt,
+                                                   std::size_t again = 0) const;
+  // How much later than the scene's the recording's clock is [s].
+  [[nodiscard]] double lag(const Eigen::VectorXd& places, std::size_t recording) const;
+
+  [[nodiscard]] std::uint64_t seed() const { return seed_; }
+
+ private:
+  [[nodiscard]] double value(const Eigen::VectorXd& places, std::size_t key, std::size_t recording) const;
+
+  std::vector<SceneFile> files_;  // a trial each, without a sweep
+  const Catalogues* catalogues_;
+  std::vector<FitKey> keys_;
+  std::vector<double> own_;
+  std::uint64_t seed_;
+  std::size_t recordings_;
+};
+
+}  // namespace slipbench::calibrate

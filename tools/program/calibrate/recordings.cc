@@ -1,0 +1,286 @@
+#include "tools/program/calibrate/recordings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/program/import/import.h"
+
+namespace slipbench::calibrate {
+namespace {
+
+// Recordings as bytes on their way out of the child that reads a file (guarded.h).
+class Bytes {
+ public:
+  Bytes() = default;
+  explicit Bytes(std::string bytes) : bytes_(std::move(bytes)) {}
+
+  void put(std::size_t value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof(value)); }
+  void put(const std::string& text) {
+    put(text.size());
+    bytes_ += text;
+  }
+  template <class Value>
+  void put_all(const std::vector<Value>& values) {
+    put(values.size());
+    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
+  }
+
+  [[nodiscard]] bool at_end() const { return place_ == bytes_.size(); }
+  std::size_t take() {
+    std::size_t value = 0;
+    std::memcpy(&value, bytes_.data() + place_, sizeof(value));
+    place_ += sizeof(value);
+    return value;
+  }
+  std::string take_text() {
+    const std::size_t size = take();
+    place_ += size;
+    return bytes_.substr(place_ - size, size);
+  }
+  template <class Value>
+  std::vector<Value> take_all() {
+    std::vector<Value> values(take());
+    if (!values.empty()) std::memcpy(values.data(), bytes_.data() + place_, values.size() * sizeof(Value));
+    place_ += values.size() * sizeof(Value);
+    return values;
+  }
+  std::string release() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+  std::size_t place_ = 0;
+};
+
+std::string packed_dataset(const std::string& path) {
+  const DatasetReader reader(path);
+  Bytes bytes;
+  for (const std::size_t trial : reader.trials()) {
+    reader.check_recorded(trial);
+    const std::vector<std::string> names = reader.sensors(trial);
+    bytes.put(trial);
+    bytes.put(names.size());
+    for (const std::string& name : names) {
+      const SensorRecord sensor = reader.read_sensor(trial, name);
+      bytes.put(sensor.name);
+      bytes.put(sensor.type);
+      bytes.put_all(sensor.time);
+      bytes.put(sensor.channels.size());
+      for (const SensorColumn& column : sensor.channels) {
+        bytes.put(column.name);
+        bytes.put(column.unit);
+        bytes.put_all(column.shape);
+        bytes.put_all(column.values);
+        bytes.put_all(column.time.value_or(std::vector<double>{}));
+      }
+    }
+  }
+  return bytes.release();
+}
+
+std::vector<RawRecording> unpacked_dataset(const std::string& path) {
+  Bytes bytes(guarded(path, [&] { return packed_dataset(path); }));
+  std::vector<RawRecording> recordings;
+  while (!bytes.at_end()) {
+    RawRecording recording{.name = fmt::format("demo_{} of {}", bytes.take(), path), .sensors = {}};
+    for (std::size_t sensors = bytes.take(); sensors > 0; --sensors) {
+      SensorRecord sensor;
+      sensor.name = bytes.take_text();
+      sensor.type = bytes.take_text();
+      sensor.time = bytes.take_all<double>();
+      for (std::size_t channels = bytes.take(); channels > 0; --channels) {
+        SensorColumn column;
+        column.name = bytes.take_text();
+        column.unit = bytes.take_text();
+        column.shape = bytes.take_all<std::size_t>();
+        column.values = bytes.take_all<float>();
+        if (std::vector<double> time = bytes.take_all<double>(); !time.empty()) column.time = std::move(time);
+        sensor.channels.push_back(std::move(column));
+      }
+      recording.sensors.push_back(std::move(sensor));
+    }
+    recordings.push_back(std::move(recording));
+  }
+  return recordings;
+}
+
+void check_values(const RawRecording& recording) {
+  for (const SensorRecord& sensor : recording.sensors) {
+    for (const SensorColumn& column : sensor.channels) {
+      if (std::ranges::all_of(column.values, [](float value) { return std::isfinite(value); })) continue;
+      throw InputError(fmt::format("{}: {}/{} holds a value that is no number; allowed: finite ones", recording.name, sensor.name,
+                                   column.name));
+    }
+  }
+}
+
+std::size_t values_of(const SensorColumn& column) {
+  std::size_t product = 1;
+  for (const std::size_t extent : column.shape) product *= extent;
+  return product;
+}
+
+const std::vector<double>& times_of(const SensorRecord& sensor, const SensorColumn& column) {
+  return column.time ? *column.time : sensor.time;
+}
+
+const SensorColumn* find_channel(const SensorRecord& sensor, const std::string& name) {
+  const auto found = std::ranges::find(sensor.channels, name, &SensorColumn::name);
+  return found == sensor.channels.end() ? nullptr : &*found;
+}
+
+const SensorRecord& sensor_of(const std::vector<SensorRecord>& sensors, Side side, const ChannelPlace& place) {
+  return sensors[side == Side::real ? place.recorded_sensor : place.scene_sensor];
+}
+
+// Which of the recorded sensors is the simulated one; the number of them: none.
+std::size_t recorded_of(const RawRecording& real, const SensorRecord& simulated) {
+  const auto named = std::ranges::find(real.sensors, simulated.name, &SensorRecord::name);
+  if (named != real.sensors.end()) return static_cast<std::size_t>(named - real.sensors.begin());
+  std::size_t found = real.sensors.size();
+  for (std::size_t s = 0; s < real.sensors.size(); ++s) {
+    if (real.sensors[s].type != simulated.type) continue;
+    if (found != real.sensors.size()) return real.sensors.size();
+    found = s;
+  }
+  return found;
+}
+
+// The last values of a shape of two are components of a unit where they are few; an image has none.
+constexpr std::size_t most_components = 4;
+
+ChannelPlace place_of(const SensorRecord& sensor, const SensorColumn& column) {
+  ChannelPlace place{.sensor = sensor.name, .channel = column.name, .unit = column.unit, .names = {}};
+  place.components = column.shape.size() == 2 && column.shape[1] <= most_components ? column.shape[1] : 1;
+  place.units = values_of(column) / place.components;
+  for (std::size_t k = 0; k < place.components; ++k) {
+    const bool axes = place.components == 3;
+    place.names.push_back(place.components == 1 ? "" : axes ? std::string(1, "xyz"[k]) : std::to_string(k + 1));
+  }
+  return place;
+}
+
+}  // namespace
+
+std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths, const ImportFormat* format) {
+  std::vector<RawRecording> recordings;
+  if (format != nullptr) {
+    for_each_recording(paths, *format, [&](TrialRecord record, const std::string& source) {
+      recordings.push_back({source, std::move(record.sensors)});
+    });
+  } else {
+    for (const std::string& path : paths) {
+      std::error_code error;
+      if (std::filesystem::path(path).extension() == ".csv" || std::filesystem::is_directory(path, error))
+        throw InputError(fmt::format("{}: is no dataset; allowed: FILE.h5, or --format NAME with {}", path,
+                                     fmt::join(import_format_names(), ", ")));
+      for (RawRecording& recording : unpacked_dataset(path)) recordings.push_back(std::move(recording));
+    }
+  }
+  for (const RawRecording& recording : recordings) check_values(recording);
+  return recordings;
+}
+
+Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>& simulated) {
+  Columns columns;
+  for (std::size_t s = 0; s < simulated.size(); ++s) {
+    const SensorRecord& sensor = simulated[s];
+    const std::size_t recorded = recorded_of(real, sensor);
+    if (recorded == real.sensors.size()) continue;
+    for (const SensorColumn& column : sensor.channels) {
+      const SensorColumn* found = find_channel(real.sensors[recorded], column.name);
+      if (found == nullptr) continue;
+      if (found->shape != column.shape)
+        throw InputError(fmt::format("{}: {}/{} has [{}] values a sample and the scene's sensor [{}]; allowed: the same",
+                                     real.name, sensor.name, column.name, fmt::join(found->shape, ", "),
+                                     fmt::join(column.shape, ", ")));
+      ChannelPlace place = place_of(sensor, column);
+      place.first = columns.count;
+      place.recorded_sensor = recorded;
+      place.scene_sensor = s;
+      columns.count += place.units * place.components;
+      columns.channels.push_back(std::move(place));
+    }
+  }
+  if (columns.channels.empty()) {
+    std::vector<std::string> found, scene;
+    for (const SensorRecord& sensor : real.sensors) found.push_back(fmt::format("{} ({})", sensor.name, sensor.type));
+    for (const SensorRecord& sensor : simulated) scene.push_back(fmt::format("{} ({})", sensor.name, sensor.type));
+    throw InputError(fmt::format("{}: holds {} and the scene {}; allowed: a sensor that both have", real.name,
+                                 fmt::join(found, ", "), fmt::join(scene, ", ")));
+  }
+  return columns;
+}
+
+std::vector<double> bin_edges(const RawRecording& real, const std::vector<SensorRecord>& simulated) {
+  const std::vector<double>& recorded = real.sensors.front().time;
+  const std::vector<double>& scene = simulated.front().time;
+  const double span = std::min(recorded.back() - recorded.front(), scene.back() - scene.front());
+  const std::size_t bins = std::min({most_bins, recorded.size() - 1, scene.size() - 1});
+  if (bins == 0 || !(span > 0.0)) throw InputError(fmt::format("{}: has a single sample; allowed: two at least", real.name));
+  std::vector<double> edges(bins + 1);
+  for (std::size_t k = 0; k <= bins; ++k) edges[k] = scene.front() + span * static_cast<double>(k) / static_cast<double>(bins);
+  return edges;
+}
+
+Eigen::MatrixXd bin_means(const std::vector<SensorRecord>& sensors, Side side, const Columns& columns,
+                          const std::vector<double>& edges, double shift) {
+  const auto bins = static_cast<Eigen::Index>(edges.size() - 1);
+  Eigen::MatrixXd means(bins, static_cast<Eigen::Index>(columns.count));
+  using Rows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  for (const ChannelPlace& place : columns.channels) {
+    const SensorRecord& sensor = sensor_of(sensors, side, place);
+    const SensorColumn& column = *find_channel(sensor, place.channel);
+    const std::vector<double>& time = times_of(sensor, column);
+    const auto width = static_cast<Eigen::Index>(place.units * place.components);
+    const Rows rows(column.values.data(), static_cast<Eigen::Index>(time.size()), width);
+    Eigen::RowVectorXd sum(width);
+    std::size_t at = 0;  // the sample before which a stretch begins
+    for (Eigen::Index bin = 0; bin < bins; ++bin) {
+      const double begin = edges[static_cast<std::size_t>(bin)] - shift, end = edges[static_cast<std::size_t>(bin) + 1] - shift;
+      sum.setZero();
+      while (at < time.size() && time[at] <= begin) ++at;
+      double from = begin;
+      for (std::size_t next = at; from < end; ++next) {
+        const double to = next < time.size() ? std::min(end, time[next]) : end;
+        if (next == 0 || next == time.size()) {
+          sum += (to - from) * rows.row(static_cast<Eigen::Index>(next == 0 ? 0 : next - 1)).cast<double>();
+        } else {
+          const double share = (0.5 * (from + to) - time[next - 1]) / (time[next] - time[next - 1]);
+          const auto row = static_cast<Eigen::Index>(next);
+          sum += (to - from) * ((1.0 - share) * rows.row(row - 1).cast<double>() + share * rows.row(row).cast<double>());
+        }
+        from = to;
+      }
+      means.row(bin).segment(static_cast<Eigen::Index>(place.first), width) = sum / (end - begin);
+    }
+  }
+  return means;
+}
+
+Eigen::VectorXd roughness(const std::vector<SensorRecord>& sensors, Side side, const Columns& columns) {
+  Eigen::VectorXd rough(static_cast<Eigen::Index>(columns.count));
+  for (const ChannelPlace& place : columns.channels) {
+    const SensorColumn& column = *find_channel(sensor_of(sensors, side, place), place.channel);
+    const std::size_t width = place.units * place.components, rows = column.values.size() / width;
+    for (std::size_t c = 0; c < width; ++c) {
+      double sum = 0.0;
+      for (std::size_t row = 1; row < rows; ++row) {
+        const double step = double{column.values[row * width + c]} - double{column.values[(row - 1) * width + c]};
+        sum += step * step;
+      }
+      rough(static_cast<Eigen::Index>(place.first + c)) =
+          std::sqrt(0.5 * sum / static_cast<double>(std::max<std::size_t>(1, rows - 1)));
+    }
+  }
+  return rough;
+}
+
+}  // namespace slipbench::calibrate

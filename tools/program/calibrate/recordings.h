@@ -1,0 +1,69 @@
+// Recordings to be fitted, and what of them is compared: the mean of every channel over short stretches of time.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tools/base/dataset/trial_record.h"
+
+namespace slipbench {
+struct ImportFormat;
+}
+
+namespace slipbench::calibrate {
+
+// What one recording holds of its sensors: SensorRecords without labels.
+struct RawRecording {
+  std::string name;  // for people: "logs/a.csv", "demo_3 of stage.h5"
+  std::vector<SensorRecord> sensors;
+};
+
+// `paths`: datasets, whose trials are recordings in their order; or with `format` sources as `slipbench import` takes them. Throws InputError
+// where they cannot be read and where a value is not finite. Call it before any thread is made (guarded.h).
+std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths, const ImportFormat* format);
+
+// One array of a sensor among the columns that are compared: units times components, a column each, components fastest.
+struct ChannelPlace {
+  std::string sensor;               // the scene's name
+  std::string channel, unit;        // "force", "N"
+  std::vector<std::string> names;   // of the components: "FX", "FY", "FZ"; one empty name where a unit has one value
+  std::size_t units = 0;            // 9
+  std::size_t components = 0;       // 3
+  std::size_t first = 0;            // its first column
+  std::size_t recorded_sensor = 0;  // which sensor of a recording
+  std::size_t scene_sensor = 0;     // which of the scene
+
+  [[nodiscard]] std::size_t column(std::size_t of_unit, std::size_t component) const {
+    return first + of_unit * components + component;
+  }
+};
+
+struct Columns {
+  std::vector<ChannelPlace> channels;
+  std::size_t count = 0;
+};
+
+// The arrays that both have. A recording's sensor is the simulated one of the same name, or the only one of its type. Throws InputError where
+// they share none, or where an array's shape differs.
+Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>& simulated);
+
+// The ends of the stretches in which a recording is compared [s, of the scene's clock; the recording's first sample has the time of the first
+// simulated one]: all alike, as many as there are samples but no more than `most`.
+inline constexpr std::size_t most_bins = 200;
+std::vector<double> bin_edges(const RawRecording& real, const std::vector<SensorRecord>& simulated);
+
+// Whose sensors are read: in a recording they may stand in another order than in the scene.
+enum class Side { real, scene };
+
+// The mean of every column in every stretch, of the straight lines between samples: [bins, columns]. Before its first sample and after its last
+// one an array stands still. `shift`: what is added to the sensors' times [s].
+Eigen::MatrixXd bin_means(const std::vector<SensorRecord>& sensors, Side side, const Columns& columns,
+                          const std::vector<double>& edges, double shift);
+
+// By column the RMS of the steps from sample to sample, over the square root of two: of white noise its standard deviation.
+Eigen::VectorXd roughness(const std::vector<SensorRecord>& sensors, Side side, const Columns& columns);
+
+}  // namespace slipbench::calibrate

@@ -1,0 +1,310 @@
+#include "tools/program/calibrate/search.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <nlopt.hpp>
+
+#include "sim/core/interrupted.h"
+#include "sim/core/random.h"
+#include "tools/base/workers/ordered_workers.h"
+
+namespace slipbench::calibrate {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// 1 over the variance of a place that may be anywhere between the bounds.
+constexpr double prior_weight = 12.0;
+
+// Evaluations of a start, in all recordings each, for one more than there are keys.
+constexpr std::size_t global_evaluations = 60, local_evaluations = 25;
+
+constexpr int most_steps = 8;
+constexpr double difference = 0.004;       // of the bounds, to either side
+constexpr double small_step = 1e-6;        // of the bounds: the fit has arrived
+constexpr double chi_square_of_95 = 3.84;  // with one degree of freedom
+
+// A profile reaches three times as far as the 95 % interval.
+constexpr std::size_t profile_points = 13;
+constexpr double profile_reach = 3.0;
+
+class Searcher {
+ public:
+  Searcher(const Problem& problem, const SearchOptions& options) : problem_(problem), options_(options) {
+    const std::size_t keys = model().keys().size();
+    const auto recordings = model().recordings();
+    of_ = options.starts * (global_evaluations + local_evaluations) * (keys + 1) * recordings +
+          (std::size_t{4} * 2 * model().parameters() + profile_points * keys) * recordings;
+  }
+
+  Solution run() {
+    Solution solution;
+    solution.starts = starts();
+    const auto best = std::ranges::min_element(solution.starts, {}, &Start::cost);
+    descend(model().spread(best->places), solution);
+    know(solution);
+    if (options_.progress) options_.progress(of_, of_);
+    return solution;
+  }
+
+ private:
+  struct Task {
+    VectorXd places;
+    std::size_t recording;
+  };
+
+  [[nodiscard]] const Model& model() const { return *problem_.model; }
+
+  // Waits for the next of the workers' results and tells of the progress.
+  template <class Result>
+  std::optional<Result> next(OrderedWorkers<Result>& workers) {
+    while (!workers.ready_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(100))) tell();
+    tell();
+    std::optional<Result> result = workers.next();
+    if (problem_.interrupt != nullptr && problem_.interrupt->load()) throw Interrupted();
+    return result;
+  }
+  void tell() const {
+    if (options_.progress) options_.progress(std::min(done_.load(), of_), of_);
+  }
+
+  MatrixXd wave(const VectorXd& places, std::size_t recording) {
+    MatrixXd result = problem_.wave(places, recording);
+    ++done_;
+    return result;
+  }
+
+  std::vector<MatrixXd> simulated(const std::vector<Task>& tasks) {
+    OrderedWorkers<MatrixXd> workers(
+        tasks.size(), std::min(problem_.jobs, std::max<std::size_t>(1, tasks.size())),
+        [&] { return [&](std::size_t k) { return wave(tasks[k].places, tasks[k].recording); }; }, problem_.interrupt);
+    std::vector<MatrixXd> results;
+    while (std::optional<MatrixXd> result = next(workers)) results.push_back(std::move(*result));
+    return results;
+  }
+
+  std::vector<Task> all_recordings(const VectorXd& places) const {
+    std::vector<Task> tasks;
+    for (std::size_t r = 0; r < model().recordings(); ++r) tasks.push_back({places, r});
+    return tasks;
+  }
+
+  // A global and a local search from one point. A start is one thread's, and NLopt's generator is each thread's own.
+  Start start(std::size_t number) {
+    const auto keys = static_cast<unsigned>(model().keys().size());
+    RandomStream stream(model().seed(), number, "calibrate.start");
+    std::vector<double> places = model().own_places();
+    if (number > 0) {
+      for (double& place : places) place = stream.uniform();
+    }
+    Start result;
+    std::exception_ptr error;
+    std::function<double(const std::vector<double>&)> objective = [&](const std::vector<double>& at) {
+      try {
+        ++result.evaluations;
+        const VectorXd all = model().spread(Eigen::Map<const VectorXd>(at.data(), static_cast<Index>(at.size())));
+        Waves waves;
+        for (std::size_t r = 0; r < model().recordings(); ++r) waves.push_back(wave(all, r));
+        return problem_.cost(waves, all);
+      } catch (...) {
+        error = std::current_exception();
+        throw nlopt::forced_stop();
+      }
+    };
+    nlopt::srand(static_cast<unsigned long>(stream.integer(1U << 31U)));
+    try {
+      for (const auto& [algorithm, evaluations] :
+           {std::pair{nlopt::GN_CRS2_LM, global_evaluations}, {nlopt::LN_SBPLX, local_evaluations}}) {
+        nlopt::opt optimiser(algorithm, keys);
+        optimiser.set_lower_bounds(0.0);
+        optimiser.set_upper_bounds(1.0);
+        optimiser.set_min_objective(
+            [](const std::vector<double>& at, std::vector<double>& /*gradient*/, void* function) {
+              return (*static_cast<std::function<double(const std::vector<double>&)>*>(function))(at);
+            },
+            &objective);
+        optimiser.set_maxeval(static_cast<int>(evaluations * (keys + 1)));
+        if (algorithm == nlopt::LN_SBPLX) optimiser.set_initial_step(0.02);
+        optimiser.set_xtol_abs(small_step);
+        optimiser.optimize(places, result.cost);
+      }
+    } catch (const nlopt::forced_stop&) {
+      std::rethrow_exception(error);
+    }
+    result.places = Eigen::Map<const VectorXd>(places.data(), static_cast<Index>(places.size()));
+    return result;
+  }
+
+  std::vector<Start> starts() {
+    OrderedWorkers<Start> workers(
+        options_.starts, std::min(problem_.jobs, options_.starts), [&] { return [&](std::size_t k) { return start(k); }; },
+        problem_.interrupt);
+    std::vector<Start> results;
+    while (std::optional<Start> result = next(workers)) results.push_back(std::move(*result));
+    return results;
+  }
+
+  // Of the residuals by the places, from differences to both sides.
+  MatrixXd jacobian(const VectorXd& at, const Waves& ideal) {
+    const std::size_t recordings = model().recordings();
+    std::vector<Task> tasks;
+    for (Index p = 0; p < at.size(); ++p) {
+      for (const double side : {1.0, -1.0}) {
+        VectorXd places = at;
+        places(p) = std::clamp(at(p) + side * difference, 0.0, 1.0);
+        const std::optional<std::size_t> only = model().recording_of(static_cast<std::size_t>(p));
+        for (std::size_t r = only.value_or(0); r < (only ? *only + 1 : recordings); ++r) tasks.push_back({places, r});
+      }
+    }
+    const std::vector<MatrixXd> found = simulated(tasks);
+    MatrixXd slopes;
+    std::size_t task = 0;
+    for (Index p = 0; p < at.size(); ++p) {
+      const double apart = std::min(at(p) + difference, 1.0) - std::max(at(p) - difference, 0.0);
+      const std::size_t changed = model().recording_of(static_cast<std::size_t>(p)) ? 1 : recordings;
+      VectorXd slope;
+      for (const double side : {1.0, -1.0}) {
+        Waves waves = ideal;
+        for (std::size_t k = 0; k < changed; ++k, ++task) waves[tasks[task].recording] = found[task];
+        const VectorXd residual = problem_.disturbances->distance(problem_.real, waves).residual;
+        if (slope.size() == 0) slope = VectorXd::Zero(residual.size());
+        slope += side / apart * residual;
+      }
+      if (slopes.size() == 0) slopes.resize(slope.size(), at.size());
+      slopes.col(p) = slope;
+    }
+    return slopes;
+  }
+
+  // Levenberg and Marquardt's steps from where the best start has ended: the parameters of single recordings have no other search.
+  void descend(VectorXd at, Solution& solution) {
+    const VectorXd own =
+        model().spread(Eigen::Map<const VectorXd>(model().own_places().data(), static_cast<Index>(model().keys().size())));
+    solution.ideal = simulated(all_recordings(at));
+    solution.cost = problem_.cost(solution.ideal, at);
+    double damping = 1e-3;
+    for (int step = 0; step <= most_steps; ++step) {
+      solution.distance = problem_.disturbances->distance(problem_.real, solution.ideal);
+      slopes_ = jacobian(at, solution.ideal);
+      if (step == most_steps) break;
+      const MatrixXd curvature = slopes_.transpose() * slopes_ + prior_weight * MatrixXd::Identity(at.size(), at.size());
+      const VectorXd gradient = slopes_.transpose() * solution.distance.residual + prior_weight * (at - own);
+      bool lower = false;
+      double length = 0.0;
+      for (int attempt = 0; attempt < 4 && !lower; ++attempt) {
+        MatrixXd damped = curvature;
+        damped.diagonal() *= 1.0 + damping;
+        const VectorXd there = (at - damped.llt().solve(gradient)).cwiseMax(0.0).cwiseMin(1.0);
+        length = (there - at).cwiseAbs().maxCoeff();
+        if (length < small_step) break;
+        const Waves waves = simulated(all_recordings(there));
+        const double cost = problem_.cost(waves, there);
+        lower = cost < solution.cost;
+        damping = lower ? 0.1 * damping : 30.0 * damping;
+        if (!lower) continue;
+        at = there;
+        solution.ideal = waves;
+        solution.cost = cost;
+      }
+      if (!lower) break;
+    }
+    solution.places = at;
+  }
+
+  // What the residuals say of how well each parameter is known.
+  void know(Solution& solution) {
+    const Index count = solution.places.size();
+    Index entries = 0;
+    for (const MatrixXd& wave : problem_.real) entries += wave.size();
+    const VectorXd& residual = solution.distance.residual;
+    solution.scale = std::max(1.0, residual.head(entries).squaredNorm() / static_cast<double>(entries));
+
+    // Residuals of one column of a recording hang together (noise is red, and a model is wrong for a while), so their own sums tell how far the
+    // gradient scatters: the sandwich of Huber and White, with clusters. Where it is smaller than what independent residuals give, that counts.
+    const MatrixXd prior = prior_weight * MatrixXd::Identity(count, count);
+    const MatrixXd inverse =
+        (slopes_.transpose() * slopes_ / solution.scale + prior).llt().solve(MatrixXd::Identity(count, count));
+    const auto groups = static_cast<double>(solution.distance.group.back() + 1);
+    MatrixXd sums = MatrixXd::Zero(count, solution.distance.group.back() + 1);
+    for (Index i = 0; i < residual.size(); ++i)
+      sums.col(solution.distance.group[static_cast<std::size_t>(i)]) += residual(i) * slopes_.row(i).transpose();
+    const MatrixXd meat = sums * sums.transpose() * (groups / (groups - 1.0)) / (solution.scale * solution.scale) + prior;
+    const MatrixXd sandwich = inverse * meat * inverse;
+    const VectorXd wider = (sandwich.diagonal().array() / inverse.diagonal().array()).sqrt().max(1.0);
+    solution.covariance = wider.asDiagonal() * inverse * wider.asDiagonal();
+
+    for (Index p = 0; p < count; ++p) {
+      Known known{.sd = std::sqrt(solution.covariance(p, p)), .profile = {}};
+      known.determined = half_interval * known.sd < widest_known;
+      if (!model().recording_of(static_cast<std::size_t>(p))) {
+        profile(solution, p, known);
+        known.determined = known.determined && rises(known, solution.places(p));
+      }
+      solution.known.push_back(std::move(known));
+    }
+  }
+
+  void profile(const Solution& solution, Index p, Known& known) {
+    const VectorXd along = solution.covariance.col(p) / solution.covariance(p, p);
+    std::vector<Task> tasks;
+    for (std::size_t k = 0; k < profile_points; ++k) {
+      const double way = profile_reach * (2.0 * static_cast<double>(k) / static_cast<double>(profile_points - 1) - 1.0);
+      const double place = std::clamp(solution.places(p) + way * half_interval * known.sd, 0.0, 1.0);
+      VectorXd places = (solution.places + (place - solution.places(p)) * along).cwiseMax(0.0).cwiseMin(1.0);
+      places(p) = place;
+      for (Task& task : all_recordings(places)) tasks.push_back(std::move(task));
+    }
+    const std::vector<MatrixXd> found = simulated(tasks);
+    const std::size_t recordings = model().recordings();
+    for (std::size_t k = 0; k < profile_points; ++k) {
+      const Waves waves(found.begin() + static_cast<std::ptrdiff_t>(k * recordings),
+                        found.begin() + static_cast<std::ptrdiff_t>((k + 1) * recordings));
+      const VectorXd& places = tasks[k * recordings].places;
+      known.profile.emplace_back(places(p), (problem_.cost(waves, places) - solution.cost) / solution.scale);
+    }
+  }
+
+  // Whether a profile rises far enough on either side of the fit, where there is one.
+  static bool rises(const Known& known, double place) {
+    double below = 0.0, above = 0.0;
+    for (const auto& [at, rise] : known.profile) (at < place ? below : above) = std::max(at < place ? below : above, rise);
+    const double half = half_interval * known.sd;
+    return (below >= chi_square_of_95 || place < half) && (above >= chi_square_of_95 || place > 1.0 - half);
+  }
+
+  const Problem& problem_;
+  const SearchOptions& options_;
+  std::size_t of_ = 0;
+  std::atomic<std::size_t> done_ = 0;
+  MatrixXd slopes_;
+};
+
+}  // namespace
+
+MatrixXd Problem::wave(const VectorXd& places, std::size_t recording) const {
+  const std::vector<SensorRecord> sensors = model->simulate(places, recording, Readings::ideal, model->seed(), interrupt);
+  return bin_means(sensors, Side::scene, disturbances->columns(), edges[recording], model->lag(places, recording));
+}
+
+double Problem::cost(const Waves& ideal, const VectorXd& places) const {
+  double squared = disturbances->distance(real, ideal).squared;
+  for (Index p = 0; p < places.size(); ++p) {
+    const double away = places(p) - model->own_places()[model->key_of(static_cast<std::size_t>(p))];
+    squared += prior_weight * away * away;
+  }
+  return squared;
+}
+
+Solution search(const Problem& problem, const SearchOptions& options) { return Searcher(problem, options).run(); }
+
+}  // namespace slipbench::calibrate
