@@ -85,6 +85,7 @@ Formats of any sensor:
   robomimic     one HDF5 file of demonstrations at one rate: observations, actions, rewards, masks
   lerobot       a LeRobotDataset v3.0 a sensor rate: observations, actions, labels as features beside them
   parquet       a table of columns a sensor, with all trials, for pandas, polars and DuckDB
+  mcap          one recording a trial, every sensor, label, pose and command at its own rate, for Foxglove and Lichtblick
 Formats of the PapillArray:
   vendor-csv    the log layout of the sensor vendor's own software, one file a trial
   training-csv  73 columns, no header, 1000 Hz, one file a trial: time, then contact, slip, displacement, force of each pillar

@@ -33,11 +33,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<const char*, ExportFormat>, 11> formats{{{"csv", ExportFormat::csv},
+constexpr std::array<std::pair<const char*, ExportFormat>, 12> formats{{{"csv", ExportFormat::csv},
                                                                         {"npz", ExportFormat::npz},
                                                                         {"robomimic", ExportFormat::robomimic},
                                                                         {"lerobot", ExportFormat::lerobot},
                                                                         {"parquet", ExportFormat::parquet},
+                                                                        {"mcap", ExportFormat::mcap},
                                                                         {"vendor-csv", ExportFormat::vendor_csv},
                                                                         {"training-csv", ExportFormat::training_csv},
                                                                         {"grasp-csv", ExportFormat::grasp_csv},
@@ -45,15 +46,15 @@ constexpr std::array<std::pair<const char*, ExportFormat>, 11> formats{{{"csv", 
                                                                         {"myrmex-rotated", ExportFormat::myrmex_rotated},
                                                                         {"slip-csv", ExportFormat::slip_csv}}};
 // Those that need no truth.
-constexpr std::array of_readings{ExportFormat::csv,        ExportFormat::npz,
-                                 ExportFormat::myrmex_csv, ExportFormat::myrmex_rotated,
-                                 ExportFormat::lerobot,    ExportFormat::parquet};
+constexpr std::array of_readings{
+    ExportFormat::csv,     ExportFormat::npz,     ExportFormat::myrmex_csv, ExportFormat::myrmex_rotated,
+    ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
 // Those that are sampled at a rate that is asked for.
 constexpr std::array of_any_rate{ExportFormat::robomimic, ExportFormat::lerobot, ExportFormat::parquet};
 // Those that hold the state by every rule.
-constexpr std::array of_every_rule{ExportFormat::csv,       ExportFormat::npz,
-                                   ExportFormat::robomimic, ExportFormat::myrmex_rotated,
-                                   ExportFormat::lerobot,   ExportFormat::parquet};
+constexpr std::array of_every_rule{
+    ExportFormat::csv,     ExportFormat::npz,     ExportFormat::robomimic, ExportFormat::myrmex_rotated,
+    ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
 constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
                                                                  {"micro", SlipRule::micro},
                                                                  {"paper", SlipRule::paper},
@@ -233,7 +234,8 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
       case ExportFormat::robomimic:
       case ExportFormat::grasp_csv:
       case ExportFormat::lerobot:
-      case ExportFormat::parquet: break;  // are not written trial by trial, or not here
+      case ExportFormat::parquet:
+      case ExportFormat::mcap: break;  // are not written trial by trial, or not here
     }
     for (std::size_t i = before; i < files.size(); ++i) bytes += std::filesystem::file_size(files[i]);
     if (progress) progress(k + 1, trials.size(), bytes);

@@ -15,6 +15,7 @@ enum class ExportFormat {
   robomimic,       // one HDF5 file of demonstrations
   lerobot,         // a LeRobotDataset a rate; Python writes it (python_formats.h)
   parquet,         // a table of columns a sensor; Python writes it (python_formats.h)
+  mcap,            // messages with their times, a file a trial; Python writes it (python_formats.h)
   vendor_csv,      // PapillArray: the log of the vendor's visualisation software
   slip_csv,        // BioTac SP: the public slip recordings, one file a trial
   grasp_csv,       // BioTac SP: the public grasps with three fingers, one file
@@ -60,7 +61,7 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 // Each file appears under its name only when it is whole. Throws InputError when the options contradict each other, the dataset
 // is damaged or does not fit the format, a trial has no recording, or a file cannot be written; files that were finished before stay, and
 // a folder in which none was is not left behind. Reads in a child process (tools/base/dataset/guarded.h), where `progress` is called and destroyed.
-// lerobot and parquet are not written here, but by start_python_export().
+// lerobot, parquet and mcap are not written here, but by start_python_export().
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
 

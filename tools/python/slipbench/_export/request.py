@@ -23,7 +23,7 @@ class Request:
     """As the program hands it over, in JSON; it has checked each of these.
 
     Attributes:
-        format: "lerobot" or "parquet"
+        format: "lerobot", "mcap" or "parquet"
         dataset: path of the dataset's first file
         out: folder to write into
         trials: numbers of the trials
