@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
 from slipbench._export.request import Output, Progress, Request, split_of
-from slipbench._export.series import Series, body_series, control_series, label_series, sensor_series
+from slipbench._export.series import Series, body_series, control_series, sensor_at
 
 # Which channels are pictures: by the sensor's type and the channel's name.
 PICTURES = {("myrmex", "taxels"), ("biotac_sp", "electrodes")}
@@ -146,16 +146,14 @@ def _text(value: Any) -> str:
     return json.dumps([None if one != one else one for one in plain] if isinstance(plain, list) else plain)
 
 
-def _about(series: list[Series], group: Arrays | None) -> dict[str, str]:
+def _about(series: list[Series], attrs: dict[str, Any]) -> dict[str, str]:
     """Of a channel: the attributes of the dataset's group, and of each array its unit and the names of its values."""
-    attributes = {} if group is None else {key: value if isinstance(value, str) else _text(value) for key, value in group.attrs.items()}
-    for name in ("channels", "channel_names"):
-        attributes.pop(name, None)
+    attributes = {key: value if isinstance(value, str) else _text(value) for key, value in attrs.items() if key not in ("channels", "channel_names")}
     return attributes | {one.name: json.dumps({"unit": one.unit, "shape": one.shape, "names": one.columns}) for one in series}
 
 
-def _own(topic: str, name: str, series: list[Series], group: Arrays | None) -> Topic:
-    return Topic(topic, f"slipbench.{name}", _own_schema(name, series), nanoseconds(series[0].t, topic), _messages(_own_rows(series)), _about(series, group))
+def _own(topic: str, name: str, series: list[Series], attrs: dict[str, Any]) -> Topic:
+    return Topic(topic, f"slipbench.{name}", _own_schema(name, series), nanoseconds(series[0].t, topic), _messages(_own_rows(series)), _about(series, attrs))
 
 
 def _frame(trial: StoredTrial, sensor: str) -> str:
@@ -164,7 +162,7 @@ def _frame(trial: StoredTrial, sensor: str) -> str:
     return carrier if carrier in bodies or "pad" not in bodies else "pad"
 
 
-def _picture(topic: str, one: Series, trial: StoredTrial, sensor: str) -> Topic:
+def _picture(topic: str, one: Series, trial: StoredTrial, sensor: str, attrs: dict[str, Any]) -> Topic:
     """foxglove.Grid in the frame of the pad: the first row at the top, as the array has it."""
     rows, columns = one.shape if len(one.shape) == 2 else (1, one.shape[0])
     times = nanoseconds(one.t, topic)
@@ -181,24 +179,23 @@ def _picture(topic: str, one: Series, trial: StoredTrial, sensor: str) -> Topic:
     grid.cell_size.x, grid.cell_size.y = cell
     still = _same(len(times), grid.SerializeToString(deterministic=True))
     body = np.concatenate([_within(Grid.TIMESTAMP_FIELD_NUMBER, _stamp(times)), still, _within(Grid.DATA_FIELD_NUMBER, _bytes(one.values))], axis=1)
-    return Topic(topic, "foxglove.Grid", build_file_descriptor_set(Grid).SerializeToString(deterministic=True), times, _messages(body),
-                 _about([one], trial.sensors[sensor]))
+    return Topic(topic, "foxglove.Grid", build_file_descriptor_set(Grid).SerializeToString(deterministic=True), times, _messages(body), _about([one], attrs))
 
 
-def _sensor_topics(trial: StoredTrial, sensor: str) -> Iterator[Topic]:
+def _sensor_topics(trial: StoredTrial, sensor: str, channels: list[Series], rate: float | None) -> Iterator[Topic]:
     """One of all channels that are read together; a channel with times of its own and a picture have their own."""
     group, together = trial.sensors[sensor], []
-    kind = str(group.attrs["type"])
-    for one in sensor_series(trial, sensor):
+    kind, attrs = str(group.attrs["type"]), group.attrs | ({} if rate is None else {"rate_hz": rate})
+    for one in channels:
         topic = f"/sensors/{sensor}/{one.name}"
         if (kind, one.name) in PICTURES:
-            yield _picture(topic, one, trial, sensor)
+            yield _picture(topic, one, trial, sensor, attrs)
         elif f"{one.name}_t" in group:
-            yield _own(topic, _camel(f"{kind}_{one.name}"), [one], group)
+            yield _own(topic, _camel(f"{kind}_{one.name}"), [one], attrs)
         else:
             together.append(one)
     if together:
-        yield _own(f"/sensors/{sensor}", _camel(kind), together, group)
+        yield _own(f"/sensors/{sensor}", _camel(kind), together, attrs)
 
 
 def _list_schema(of: str, plural: str, fields: dict[str, tuple[int, int]], codes: str = "") -> bytes:
@@ -260,18 +257,17 @@ def _body_topics(trial: StoredTrial) -> Iterator[Topic]:
     yield _velocities(velocities)
 
 
-def _topics(trial: StoredTrial, request: Request) -> Iterator[Topic]:
+def _topics(number: int, trial: StoredTrial, request: Request) -> Iterator[Topic]:
     yield from _body_topics(trial)
     for sensor in request.sensors:
-        yield from _sensor_topics(trial, sensor)
-        labels = list(label_series(trial, sensor, request.labels))
+        channels, labels = sensor_at(number, trial, sensor, request.labels, request.rate)
+        yield from _sensor_topics(trial, sensor, channels, request.rate)
         if labels:
-            yield _own(f"/labels/{sensor}", "Labels", labels, trial.labels[sensor])
+            yield _own(f"/labels/{sensor}", "Labels", labels, trial.labels[sensor].attrs)
             if "events" in trial.labels[sensor]:
                 yield _events(sensor, trial.labels[sensor])
-    loop = list(control_series(trial))
-    if loop:
-        yield _own("/control", "Control", loop, trial.control)
+    if trial.control is not None:
+        yield _own("/control", "Control", list(control_series(trial)), trial.control.attrs)
 
 
 def _layout(topics: list[Topic]) -> str:
@@ -332,7 +328,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
         written = 0
         for done, number in enumerate(request.trials, 1):
             trial = data[number]
-            topics = list(_topics(trial, request))
+            topics = list(_topics(number, trial, request))
             about = {"trial": str(number), "seed": str(trial.seed), "sha256": trial.sha256, "split": parts.get(number, ""), "params": json.dumps(trial.params),
                      "outcome": json.dumps(trial.outcome), "command": data.command, "scene": data.scene}
             if done == 1:
