@@ -13,7 +13,7 @@ import pandas
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-from datasets import SCENES, export, held, make
+from made import SCENES, export, held, make
 
 ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
 del sys.argv[1:]

@@ -10,7 +10,7 @@ import time
 import unittest
 from pathlib import Path
 
-from datasets import contents, export
+from made import contents, export
 
 ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
 del sys.argv[1:]

@@ -1,6 +1,6 @@
 """`export --format lerobot`: the layout of LeRobotDataset v3.0, read by pandas and pyarrow; values bit for bit. Arguments: the project's root, the program.
 
-lerobot itself is not asked: it wants torch, whose wheel for Linux is larger than all that the suite installs.
+real_lerobot_test.py asks lerobot itself.
 """
 
 import json
@@ -14,7 +14,7 @@ import numpy as np
 import pandas
 import pyarrow.parquet
 
-from datasets import SCENES, contents, export, held, make
+from made import SCENES, contents, export, held, make
 
 ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
 del sys.argv[1:]

@@ -12,7 +12,7 @@ import numpy as np
 import pandas
 import pyarrow.parquet
 
-from datasets import SCENES, contents, export, make
+from made import SCENES, contents, export, make
 
 ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
 del sys.argv[1:]
