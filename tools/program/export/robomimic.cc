@@ -79,6 +79,8 @@ Handle text_of_any_length() {
 }
 
 void note(hid_t object, const char* name, std::uint64_t value) { note(object, name, H5T_STD_U64LE, single(), &value); }
+// A count has a sign, as in robomimic's own files: it takes differences of them, which numpy before 2 makes fractions of where there is none.
+void note(hid_t object, const char* name, std::int64_t value) { note(object, name, H5T_STD_I64LE, single(), &value); }
 void note(hid_t object, const char* name, double value) { note(object, name, H5T_IEEE_F64LE, single(), &value); }
 void note(hid_t object, const char* name, const std::string& value) {
   const char* text = value.c_str();
@@ -99,7 +101,7 @@ void put_demo(hid_t data, const DatasetReader& reader, std::size_t trial, const 
   Handle demo = make_group(data, demo_of(trial));
   const hsize_t steps = episode.steps;
   const DemoInfo info = reader.info(trial);
-  note(demo.get(), "num_samples", static_cast<std::uint64_t>(steps));
+  note(demo.get(), "num_samples", static_cast<std::int64_t>(steps));
   note(demo.get(), "seed", info.seed);
   note(demo.get(), "params", info.params);
   note(demo.get(), "outcome", info.outcome);
@@ -173,7 +175,7 @@ void put_all(hid_t file, const DatasetReader& reader, const std::vector<std::siz
     check(H5Fget_filesize(file, &size));
     if (options.progress) options.progress(++done, size);
   }
-  note(data.get(), "total", total);
+  note(data.get(), "total", static_cast<std::int64_t>(total));
   note(data.get(), "env_args", environment_of(reader.header()));
   note(data.get(), "rate_hz", rate);
   note(data.get(), "action_names", space.names);
