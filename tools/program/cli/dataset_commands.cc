@@ -44,7 +44,7 @@ ExportProgress progress_of(bool quiet) {
   if (quiet) return {};
   const std::shared_ptr<Progress> bar(new Progress(Progress::for_stream(stderr, false)));  // which cannot be moved
   return [bar](std::size_t done, std::size_t total, std::uintmax_t bytes) {
-    if (done == 1 && total > 1 && bytes > 0) {
+    if (done == 1 && total > 1) {
       say(stderr, fmt::format("{} trials, about {}\n", total, size_text(bytes * total)));
     }
     bar->update(done, total, std::nullopt);
@@ -85,6 +85,7 @@ Formats of any sensor:
   robomimic     one HDF5 file of demonstrations at one rate: observations, actions, rewards, masks
   lerobot       a LeRobotDataset v3.0 a sensor rate: observations, actions, labels as features beside them
   parquet       a table of columns a sensor, with all trials, for pandas, polars and DuckDB
+  mcap          one recording a trial, every sensor, label, pose and command at its own rate, for Foxglove and Lichtblick
 Formats of the PapillArray:
   vendor-csv    the log layout of the sensor vendor's own software, one file a trial
   training-csv  73 columns, no header, 1000 Hz, one file a trial: time, then contact, slip, displacement, force of each pillar
@@ -113,10 +114,11 @@ Examples:
   arguments.texts("--sensors,--sensor NAME,...", options.sensors, "The scene's names of sensors (default: all, or the only one)");
   arguments.quantity(
       "--rate RATE", options.rate,
-      "Rate of the rows of robomimic, lerobot, parquet, e.g. '100 Hz' (default: the slowest sensor's; in the last two each one's)",
+      "Rate of the rows, e.g. '100 Hz': the latest values, held (default: each sensor's own; of robomimic the slowest's)",
       Quantity::frequency);
   arguments.text("--split PART", options.split, "Only the trials of train, valid or test (default: all)");
   arguments.number("--trial K", options.trial, "Trial to export (default: all)", 0);
+  arguments.flag("--compress", options.compress, "Write .csv.gz instead of .csv, and the arrays of robomimic compressed");
 }
 
 int ExportCommand::run() {

@@ -33,11 +33,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<const char*, ExportFormat>, 11> formats{{{"csv", ExportFormat::csv},
+constexpr std::array<std::pair<const char*, ExportFormat>, 12> formats{{{"csv", ExportFormat::csv},
                                                                         {"npz", ExportFormat::npz},
                                                                         {"robomimic", ExportFormat::robomimic},
                                                                         {"lerobot", ExportFormat::lerobot},
                                                                         {"parquet", ExportFormat::parquet},
+                                                                        {"mcap", ExportFormat::mcap},
                                                                         {"vendor-csv", ExportFormat::vendor_csv},
                                                                         {"training-csv", ExportFormat::training_csv},
                                                                         {"grasp-csv", ExportFormat::grasp_csv},
@@ -45,15 +46,23 @@ constexpr std::array<std::pair<const char*, ExportFormat>, 11> formats{{{"csv", 
                                                                         {"myrmex-rotated", ExportFormat::myrmex_rotated},
                                                                         {"slip-csv", ExportFormat::slip_csv}}};
 // Those that need no truth.
-constexpr std::array of_readings{ExportFormat::csv,        ExportFormat::npz,
-                                 ExportFormat::myrmex_csv, ExportFormat::myrmex_rotated,
-                                 ExportFormat::lerobot,    ExportFormat::parquet};
-// Those that are sampled at a rate that is asked for.
-constexpr std::array of_any_rate{ExportFormat::robomimic, ExportFormat::lerobot, ExportFormat::parquet};
+constexpr std::array of_readings{
+    ExportFormat::csv,     ExportFormat::npz,     ExportFormat::myrmex_csv, ExportFormat::myrmex_rotated,
+    ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
+// Those whose layout has a rate of its own, or no rows in time, and says so.
+constexpr std::array<std::pair<ExportFormat, const char*>, 4> of_one_rate{
+    {{ExportFormat::training_csv, "has 1000 rows a second"},
+     {ExportFormat::slip_csv, "has 100 rows a second"},
+     {ExportFormat::myrmex_csv, "has 1000 images a second and no time beside them"},
+     {ExportFormat::grasp_csv, "has a row a grasp"}}};
+// Those that are compressed when that is asked for. The others are so always.
+constexpr std::array to_compress{ExportFormat::csv,          ExportFormat::robomimic, ExportFormat::vendor_csv,
+                                 ExportFormat::training_csv, ExportFormat::grasp_csv, ExportFormat::slip_csv,
+                                 ExportFormat::myrmex_csv};
 // Those that hold the state by every rule.
-constexpr std::array of_every_rule{ExportFormat::csv,       ExportFormat::npz,
-                                   ExportFormat::robomimic, ExportFormat::myrmex_rotated,
-                                   ExportFormat::lerobot,   ExportFormat::parquet};
+constexpr std::array of_every_rule{
+    ExportFormat::csv,     ExportFormat::npz,     ExportFormat::robomimic, ExportFormat::myrmex_rotated,
+    ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
 constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
                                                                  {"micro", SlipRule::micro},
                                                                  {"paper", SlipRule::paper},
@@ -92,11 +101,17 @@ std::string format_names(const auto& some) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+// A sensor at the rate that is asked for.
+SensorRecord sensor_of(const DatasetReader& reader, std::size_t trial, const std::string& name, const ExportOptions& options) {
+  SensorRecord sensor = reader.read_sensor(trial, name);
+  return options.rate ? at_rate(std::move(sensor), *options.rate, trial) : sensor;
+}
+
 std::string export_vendor(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   std::vector<SensorRecord> records;
   for (const std::string& name : papillarrays_of(reader, trial)) {
     if (options.sensors.empty() || std::ranges::find(options.sensors, name) != options.sensors.end())
-      records.push_back(reader.read_sensor(trial, name));
+      records.push_back(sensor_of(reader, trial, name, options));
   }
   if (records.empty()) {
     throw InputError(fmt::format("trial {}: no papillarray '{}'; allowed: {}", trial, fmt::join(options.sensors, ","),
@@ -130,7 +145,7 @@ std::vector<std::string> export_tables(const DatasetReader& reader, std::size_t 
                                        const ExportOptions& options) {
   std::vector<std::string> files;
   for (const std::string& sensor : chosen_sensors(reader, trial, options.sensors)) {
-    for (const CsvTable& table : table_csv(reader.read_sensor(trial, sensor), options.slip_rule)) {
+    for (const CsvTable& table : table_csv(sensor_of(reader, trial, sensor, options), options.slip_rule)) {
       const std::string channel = table.channel.empty() ? "" : "-" + table.channel;
       files.push_back(out.write(fmt::format("demo_{}-{}{}.csv", trial, sensor, channel),
                                 {"table of a sensor", &begins_as_table_csv}, table.text));
@@ -180,7 +195,12 @@ std::vector<std::string> export_images(const DatasetReader& reader, std::size_t 
 }
 
 std::string export_archive(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
+  const std::vector<std::string> chosen = chosen_sensors(reader, trial, options.sensors);
   TrialRecord record = reader.read_trial(trial);
+  std::erase_if(record.sensors, [&](const SensorRecord& one) { return std::ranges::find(chosen, one.name) == chosen.end(); });
+  for (SensorRecord& sensor : record.sensors) {
+    if (options.rate) sensor = at_rate(std::move(sensor), *options.rate, trial);
+  }
   if (options.format == ExportFormat::myrmex_rotated) record = turned_images(std::move(record));
   for (SensorRecord& sensor : record.sensors) {
     const auto leave_out = [&](std::vector<std::uint8_t>& states, SlipRule rule) {
@@ -199,10 +219,10 @@ std::string export_robomimic(const DatasetReader& reader, const std::vector<std:
   static_cast<void>(chosen_sensors(reader, trials.front(), options.sensors));
   const std::string path = out.prepare("robomimic.hdf5");
   check_robomimic_target(path, reader.files());
-  const auto told = [&](std::size_t done) {
-    if (progress) progress(done, trials.size(), 0);
+  const auto told = [&](std::size_t done, std::uintmax_t bytes) {
+    if (progress) progress(done, trials.size(), bytes);
   };
-  write_robomimic(reader, trials, path, {options.sensors, options.rate, options.slip_rule, told});
+  write_robomimic(reader, trials, path, {options.sensors, options.rate, options.slip_rule, options.compress, told});
   return path;
 }
 
@@ -210,9 +230,10 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
                                        const ExportProgress& progress) {
   const DatasetReader reader(dataset_path);
   const std::vector<std::size_t> trials = trials_to_export(reader, options);
-  OutputFolder out(out_dir, reader.files());
+  OutputFolder out(out_dir, reader.files(), options.compress);
   if (options.format == ExportFormat::robomimic) return {export_robomimic(reader, trials, out, options, progress)};
   if (options.format == ExportFormat::grasp_csv) {
+    if (progress) progress(1, trials.size(), grasp_csv(reader, {trials.front()}).size());
     return {out.write("grasps.csv", {"table of grasps", &begins_as_grasp_csv}, grasp_csv(reader, trials))};
   }
   std::vector<std::string> files;
@@ -233,7 +254,8 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
       case ExportFormat::robomimic:
       case ExportFormat::grasp_csv:
       case ExportFormat::lerobot:
-      case ExportFormat::parquet: break;  // are not written trial by trial, or not here
+      case ExportFormat::parquet:
+      case ExportFormat::mcap: break;  // are not written trial by trial, or not here
     }
     for (std::size_t i = before; i < files.size(); ++i) bytes += std::filesystem::file_size(files[i]);
     if (progress) progress(k + 1, trials.size(), bytes);
@@ -273,15 +295,17 @@ void check_export_options(const ExportOptions& options) {
                                    export_format_name(options.format)));
     }
   }
-  if (options.rate && !is_one_of(of_any_rate, options.format)) {
-    throw InputError(fmt::format("a rate was given, at which {} is not sampled; allowed: --rate with --format {}",
-                                 export_format_name(options.format), format_names(of_any_rate)));
+  const auto fixed = std::ranges::find(of_one_rate, options.format, [](const auto& one) { return one.first; });
+  if (options.rate && fixed != of_one_rate.end()) {
+    throw InputError(fmt::format("a rate was given, and the layout of {} {}; allowed: --rate with the other formats",
+                                 export_format_name(options.format), fixed->second));
   }
-  const bool all_sensors = options.format == ExportFormat::npz || options.format == ExportFormat::myrmex_rotated ||
-                           options.format == ExportFormat::grasp_csv;
-  if (!options.sensors.empty() && all_sensors) {
-    throw InputError(fmt::format("{} holds all sensors of a trial; allowed: --sensors with the other formats",
-                                 export_format_name(options.format)));
+  if (options.compress && !is_one_of(to_compress, options.format)) {
+    throw InputError(fmt::format("{} is compressed as it is; allowed: --compress with {}", export_format_name(options.format),
+                                 format_names(to_compress)));
+  }
+  if (!options.sensors.empty() && options.format == ExportFormat::grasp_csv) {
+    throw InputError("the layout of grasp-csv has the sensors ff, mf and th; allowed: --sensors with the other formats");
   }
   const std::vector<std::string> splits{"train", "valid", "test"};
   if (!options.split.empty() && std::ranges::find(splits, options.split) == splits.end()) {

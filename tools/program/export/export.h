@@ -15,6 +15,7 @@ enum class ExportFormat {
   robomimic,       // one HDF5 file of demonstrations
   lerobot,         // a LeRobotDataset a rate; Python writes it (python_formats.h)
   parquet,         // a table of columns a sensor; Python writes it (python_formats.h)
+  mcap,            // messages with their times, a file a trial; Python writes it (python_formats.h)
   vendor_csv,      // PapillArray: the log of the vendor's visualisation software
   slip_csv,        // BioTac SP: the public slip recordings, one file a trial
   grasp_csv,       // BioTac SP: the public grasps with three fingers, one file
@@ -39,11 +40,11 @@ struct ExportOptions {
       slip_rule;  // empty: strict in the PapillArray's formats, the state by every rule in those of any sensor
   std::optional<double>
       label_speed;  // m/s, only with paper and has_slipped of the PapillArray's formats; empty: default_label_speed
-  std::vector<std::string> sensors;  // empty: all; of training_csv the only PapillArray. npz has all
+  std::vector<std::string> sensors;  // empty: all; of training_csv the only PapillArray. grasp_csv has all
   std::optional<std::size_t> trial;  // empty: all
-  std::optional<double> rate =
-      {};  // Hz, of the rows of robomimic, lerobot and parquet; empty: the slowest sensor's in robomimic, else each one's own
-  std::string split = {};  // "train", "valid" or "test": its trials alone; empty: all
+  std::optional<double> rate = {};   // Hz, of the rows; empty: the slowest sensor's in robomimic, else each one's own
+  std::string split = {};            // "train", "valid" or "test": its trials alone; empty: all
+  bool compress = false;             // files of text by gzip, with .gz behind the name; the arrays of robomimic by HDF5's deflate
 };
 
 // The formats' and rules' names on the command line: "vendor-csv", "strict". The parsers throw InputError with the nearest name.
@@ -53,14 +54,14 @@ std::vector<std::string> export_format_names();
 std::vector<std::string> slip_rule_names();
 std::string slip_rule_name(SlipRule rule);
 
-// Told of how many trials of all are written, and of their bytes so far; 0 where nobody knows.
+// Told of how many trials of all are written, and of their bytes so far.
 using ExportProgress = std::function<void(std::size_t done, std::size_t total, std::uintmax_t bytes)>;
 
 // Writes the trials of a dataset to `out_dir`, which is made if it is missing (its parent is not), and returns the files written.
 // Each file appears under its name only when it is whole. Throws InputError when the options contradict each other, the dataset
 // is damaged or does not fit the format, a trial has no recording, or a file cannot be written; files that were finished before stay, and
 // a folder in which none was is not left behind. Reads in a child process (tools/base/dataset/guarded.h), where `progress` is called and destroyed.
-// lerobot and parquet are not written here, but by start_python_export().
+// lerobot, parquet and mcap are not written here, but by start_python_export().
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
 

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -11,17 +12,35 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/program/export/gzip.h"
 
 namespace slipbench {
+namespace {
+
+bool is_gzip(std::string_view beginning) { return beginning.starts_with("\x1f\x8b"); }
+
+// What gzip holds is no other kind of file.
+void check_packed(const std::string& path, const TextKind& kind) {
+  std::ifstream file(path, std::ios::binary);
+  std::string beginning(1 << 12, '\0');
+  file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+  beginning.resize(static_cast<std::size_t>(file.gcount()));
+  if (beginning.empty() || kind.begins(beginning_of_gzip(beginning))) return;
+  throw InputError(
+      fmt::format("cannot write {0}: {0} exists and is no {1}; allowed: a new name, or a {1} to replace", path, kind.name));
+}
+
+}  // namespace
 
 OutputFolder::~OutputFolder() {
   for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) ::rmdir(folder->c_str());  // which only an empty one is
 }
 
 std::string OutputFolder::write(const std::string& name, const TextKind& kind, const std::string& bytes) {
-  const std::string path = prepare(name);
-  check_text_target(path, inputs_, kind);
-  write_text_file(path, bytes);
+  const std::string path = prepare(compress_ ? name + ".gz" : name);
+  check_text_target(path, inputs_, compress_ ? TextKind{kind.name, &is_gzip} : kind);
+  if (compress_) check_packed(path, kind);
+  write_text_file(path, compress_ ? gzip(bytes) : bytes);
   return path;
 }
 
@@ -46,7 +65,8 @@ void OutputFolder::make(const std::string& folder) {
   }
   const int reason = errno;
   if (reason == EEXIST && std::filesystem::is_directory(folder)) return;
-  throw InputError(fmt::format("cannot make folder {}: {}", folder, std::strerror(reason)));
+  throw InputError(fmt::format("cannot make folder {}: {}; allowed: a folder, or a new name in one that is there", folder,
+                               std::strerror(reason)));
 }
 
 }  // namespace slipbench

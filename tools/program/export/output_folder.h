@@ -11,8 +11,9 @@ namespace slipbench {
 // Made when the first file is ready to be written, and removed again where none could be.
 class OutputFolder {
  public:
-  // `inputs`: files that are never replaced. Touches nothing.
-  OutputFolder(std::string path, std::vector<std::string> inputs) : path_(std::move(path)), inputs_(std::move(inputs)) {}
+  // `inputs`: files that are never replaced. `compress`: files are written by gzip, with .gz behind their names. Touches nothing.
+  OutputFolder(std::string path, std::vector<std::string> inputs, bool compress = false)
+      : path_(std::move(path)), inputs_(std::move(inputs)), compress_(compress) {}
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -31,6 +32,7 @@ class OutputFolder {
 
   std::string path_;
   std::vector<std::string> inputs_;
+  bool compress_;
   std::vector<std::string> made_;
 };
 

@@ -25,7 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array python_formats{ExportFormat::lerobot, ExportFormat::parquet};
+constexpr std::array python_formats{ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
 constexpr const char* module_file = "slipbench/_export/__main__.py";
 
 // Who runs the package, and how more is installed there.

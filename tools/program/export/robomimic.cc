@@ -27,6 +27,8 @@ using hdf5::Handle;
 constexpr const char* mark = "exported_by";  // root attribute by which such a file is known
 constexpr const char* mark_text = "slipbench robomimic";
 
+constexpr unsigned deflate_level = 4;  // as datasets have it
+
 // robomimic's number for environments of the gym kind: the nearest to a recording that no environment can continue.
 constexpr int gym_environment = 2;
 
@@ -45,14 +47,19 @@ Handle space_for(const std::vector<hsize_t>& shape) {
   return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), &H5Sclose};
 }
 
-// One array, the file's type that of the memory.
-void put(hid_t group, const std::string& name, hid_t type, const std::vector<hsize_t>& shape, const void* values) {
+// One array, the file's type that of the memory. `level`: of deflate, in one chunk; 0: as it is.
+void put(hid_t group, const std::string& name, hid_t type, const std::vector<hsize_t>& shape, const void* values,
+         unsigned level) {
+  const bool empty = std::find(shape.begin(), shape.end(), 0) != shape.end();
   const Handle properties = untimed(H5P_DATASET_CREATE);
+  if (level > 0 && !empty) {
+    check(H5Pset_chunk(properties.get(), static_cast<int>(shape.size()), shape.data()));
+    check(H5Pset_shuffle(properties.get()));
+    check(H5Pset_deflate(properties.get(), level));
+  }
   const Handle space = space_for(shape);
   Handle array(H5Dcreate2(group, name.c_str(), type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
-  if (std::find(shape.begin(), shape.end(), 0) == shape.end()) {
-    check(H5Dwrite(array.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
-  }
+  if (!empty) check(H5Dwrite(array.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
   array.close();
 }
 
@@ -72,6 +79,8 @@ Handle text_of_any_length() {
 }
 
 void note(hid_t object, const char* name, std::uint64_t value) { note(object, name, H5T_STD_U64LE, single(), &value); }
+// A count has a sign, as in robomimic's own files: it takes differences of them, which numpy before 2 makes fractions of where there is none.
+void note(hid_t object, const char* name, std::int64_t value) { note(object, name, H5T_STD_I64LE, single(), &value); }
 void note(hid_t object, const char* name, double value) { note(object, name, H5T_IEEE_F64LE, single(), &value); }
 void note(hid_t object, const char* name, const std::string& value) {
   const char* text = value.c_str();
@@ -88,30 +97,30 @@ void note(hid_t object, const char* name, const std::vector<std::string>& values
 
 std::string demo_of(std::size_t trial) { return fmt::format("demo_{}", trial); }
 
-void put_demo(hid_t data, const DatasetReader& reader, std::size_t trial, const Episode& episode) {
+void put_demo(hid_t data, const DatasetReader& reader, std::size_t trial, const Episode& episode, unsigned level) {
   Handle demo = make_group(data, demo_of(trial));
   const hsize_t steps = episode.steps;
   const DemoInfo info = reader.info(trial);
-  note(demo.get(), "num_samples", static_cast<std::uint64_t>(steps));
+  note(demo.get(), "num_samples", static_cast<std::int64_t>(steps));
   note(demo.get(), "seed", info.seed);
   note(demo.get(), "params", info.params);
   note(demo.get(), "outcome", info.outcome);
   Handle observed = make_group(demo.get(), "obs");
   Handle following = make_group(demo.get(), "next_obs");
   for (const Episode::Column& column : episode.observations) {
-    put(observed.get(), column.name, H5T_IEEE_F32LE, {steps, column.width}, column.values.data());
-    put(following.get(), column.name, H5T_IEEE_F32LE, {steps, column.width}, column.values.data() + column.width);
+    put(observed.get(), column.name, H5T_IEEE_F32LE, {steps, column.width}, column.values.data(), level);
+    put(following.get(), column.name, H5T_IEEE_F32LE, {steps, column.width}, column.values.data() + column.width, level);
   }
   observed.close();
   following.close();
-  put(demo.get(), "actions", H5T_IEEE_F32LE, {steps, episode.actions.width}, episode.actions.values.data());
-  put(demo.get(), "states", H5T_IEEE_F32LE, {steps, episode.bodies.width}, episode.bodies.values.data());
-  put(demo.get(), "rewards", H5T_IEEE_F32LE, {steps}, episode.rewards.data());
+  put(demo.get(), "actions", H5T_IEEE_F32LE, {steps, episode.actions.width}, episode.actions.values.data(), level);
+  put(demo.get(), "states", H5T_IEEE_F32LE, {steps, episode.bodies.width}, episode.bodies.values.data(), level);
+  put(demo.get(), "rewards", H5T_IEEE_F32LE, {steps}, episode.rewards.data(), level);
   std::vector<float> dones(episode.steps, 0.0F);
   dones.back() = 1.0F;
-  put(demo.get(), "dones", H5T_IEEE_F32LE, {steps}, dones.data());
+  put(demo.get(), "dones", H5T_IEEE_F32LE, {steps}, dones.data(), level);
   for (const Episode::Column& column : episode.states)
-    put(demo.get(), column.name, H5T_IEEE_F32LE, {steps}, column.values.data());
+    put(demo.get(), column.name, H5T_IEEE_F32LE, {steps}, column.values.data(), level);
   demo.close();
 }
 
@@ -132,7 +141,7 @@ void put_masks(hid_t file, const DatasetReader& reader, const std::vector<std::s
     Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
     check(H5Tset_size(type.get(), width));
     check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD));
-    put(masks.get(), part, type.get(), {held.size()}, names.data());
+    put(masks.get(), part, type.get(), {held.size()}, names.data(), 0);
   }
   masks.close();
 }
@@ -160,11 +169,13 @@ void put_all(hid_t file, const DatasetReader& reader, const std::vector<std::siz
   for (const std::size_t trial : trials) {
     Episode episode = make_episode(reader, trial, options.sensors, rate, space);
     if (options.rule) std::erase_if(episode.states, [&](const Episode::Column& column) { return column.rule != *options.rule; });
-    put_demo(data.get(), reader, trial, episode);
+    put_demo(data.get(), reader, trial, episode, options.compress ? deflate_level : 0);
     total += episode.steps;
-    if (options.progress) options.progress(++done);
+    hsize_t size = 0;
+    check(H5Fget_filesize(file, &size));
+    if (options.progress) options.progress(++done, size);
   }
-  note(data.get(), "total", total);
+  note(data.get(), "total", static_cast<std::int64_t>(total));
   note(data.get(), "env_args", environment_of(reader.header()));
   note(data.get(), "rate_hz", rate);
   note(data.get(), "action_names", space.names);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -13,10 +14,11 @@
 namespace slipbench {
 
 struct RobomimicOptions {
-  std::vector<std::string> sensors;                     // to observe; empty: all
-  std::optional<double> rate;                           // Hz, of the demos; empty: that of the slowest sensor
-  std::optional<SlipRule> rule;                         // of the states beside the observations; empty: all three
-  std::function<void(std::size_t done)> progress = {};  // told of the demos written
+  std::vector<std::string> sensors;  // to observe; empty: all
+  std::optional<double> rate;        // Hz, of the demos; empty: that of the slowest sensor
+  std::optional<SlipRule> rule;      // of the states beside the observations; empty: all three
+  bool compress = false;             // every array by shuffle and deflate
+  std::function<void(std::size_t done, std::uintmax_t bytes)> progress = {};  // told of the demos written, and of the file's size
 };
 
 // Writes the trials as one HDF5 file in robomimic's layout (README.md) under a temporary name, syncs and renames it. The same dataset gives

@@ -21,4 +21,10 @@ inline constexpr double time_rounding = 1e-9;
 // The row of the latest of ascending `times` [s] at or before `time`; empty: there is none.
 std::optional<std::size_t> latest_row(std::span<const double> times, double time);
 
+// A sensor's readings and labels at instants 1/`rate` apart [Hz], from the first at which all its channels have been read once to
+// its last sample. Of each the latest at or before the instant, neither filtered nor interpolated; no channel has a time of its own
+// then. Events keep their times. Throws InputError, which names the trial, for a rate above the sensor's and where fewer than two
+// rows would be left.
+SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial);
+
 }  // namespace slipbench

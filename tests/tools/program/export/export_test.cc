@@ -469,7 +469,8 @@ TEST_F(ExportTest, UnusableFoldersAreRefused) {
   EXPECT_THAT(message_of<InputError>([&] { export_dataset(from, path("no/out"), vendor); }),
               HasSubstr("No such file or directory"));
   std::ofstream(path("file")) << "x";
-  EXPECT_THAT(message_of<InputError>([&] { export_dataset(from, path("file"), vendor); }), HasSubstr("File exists"));
+  EXPECT_THAT(message_of<InputError>([&] { export_dataset(from, path("file"), vendor); }),
+              HasSubstr("File exists; allowed: a folder, or a new name in one that is there"));
 }
 
 TEST_F(ExportTest, FullDiskLeavesNoHalfFile) {
@@ -499,7 +500,7 @@ TEST(ExportNames, AreParsedWithTheNearestName) {
   EXPECT_EQ(parse_slip_rule("paper"), SlipRule::paper);
   EXPECT_EQ(
       message_of<InputError>([] { parse_export_format("vendor_csv"); }),
-      "unknown format 'vendor_csv'; did you mean 'vendor-csv'? allowed: csv, npz, robomimic, lerobot, parquet, vendor-csv, training-csv, grasp-csv, myrmex-csv, myrmex-rotated, slip-csv");
+      "unknown format 'vendor_csv'; did you mean 'vendor-csv'? allowed: csv, npz, robomimic, lerobot, parquet, mcap, vendor-csv, training-csv, grasp-csv, myrmex-csv, myrmex-rotated, slip-csv");
   EXPECT_THAT(message_of<InputError>([] { parse_slip_rule("x"); }), HasSubstr("allowed: strict, micro, paper, has_slipped"));
 }
 

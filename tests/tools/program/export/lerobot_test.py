@@ -1,13 +1,12 @@
 """`export --format lerobot`: the layout of LeRobotDataset v3.0, read by pandas and pyarrow; values bit for bit. Arguments: the project's root, the program.
 
-lerobot itself is not asked: it wants torch, whose wheel for Linux is larger than all that the suite installs.
+real_lerobot_test.py asks lerobot itself.
 """
 
 import json
 import sys
 import tempfile
 import unittest
-from bisect import bisect_right
 from pathlib import Path
 
 import h5py
@@ -15,7 +14,7 @@ import numpy as np
 import pandas
 import pyarrow.parquet
 
-from datasets import SCENES, contents, export, make
+from made import SCENES, contents, export, held, make
 
 ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
 del sys.argv[1:]
@@ -44,12 +43,6 @@ def values_of(table, info, feature):
     width = info["features"][feature]["shape"][0]
     assert (column.type.list_size if width > 1 else 1) == width, feature
     return (column.flatten() if width > 1 else column).to_numpy(zero_copy_only=False).reshape(-1, width)
-
-
-def held(times, values, instants):
-    """The latest at or before each instant. Times closer than 1 ns are the same."""
-    times = list(times)
-    return np.stack([values[bisect_right(times, instant + 1e-9) - 1].reshape(-1) for instant in instants])
 
 
 def arrays(demo, sensors):

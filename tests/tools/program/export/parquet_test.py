@@ -12,7 +12,7 @@ import numpy as np
 import pandas
 import pyarrow.parquet
 
-from datasets import SCENES, contents, export, make
+from made import SCENES, contents, export, make
 
 ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
 del sys.argv[1:]
@@ -149,7 +149,7 @@ class Parquet(unittest.TestCase):
         out = self.folder / "out"
         for words, message in (
             (["--rate", "0.1 Hz"], "trial 0: has fewer than two rows at 0.1 Hz; allowed: --rate with a higher rate"),
-            (["--rate", "2 kHz"], "a rate of 2000 Hz repeats samples; allowed: up to 1000 Hz"),
+            (["--rate", "2 kHz"], "trial 0: a rate of 2000 Hz repeats samples of 'pad'; allowed: up to 1000 Hz, its own"),
             (["--sensors", "padd"], "unknown sensor 'padd'; did you mean 'pad'?"),
             (["--split", "tests"], "unknown split 'tests'; did you mean 'test'?"),
             (["--labels", "has_slipped"], "holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper"),

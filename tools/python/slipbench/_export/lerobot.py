@@ -257,10 +257,11 @@ def _rates(trial: StoredTrial, request: Request) -> dict[float, list[str]]:
     return rates
 
 
-def _instants(number: int, series: list[Series], own: NDArray[np.float64], request: Request) -> NDArray[np.float64]:
-    """From the first at which everything has been read once: at the rate that is asked for, or the sensor's own."""
+def _instants(number: int, trial: StoredTrial, sensors: list[str], series: list[Series], request: Request) -> NDArray[np.float64]:
+    """From the first at which everything has been read once: at the rate that is asked for, or the sensors' own."""
     if request.rate is not None:
-        return grid(number, series, request.rate)
+        return grid(number, trial, sensors, series, request.rate)
+    own: NDArray[np.float64] = trial.sensors[sensors[0]]["t"][:]
     return own[own >= max(float(one.t[0]) for one in series) - TIME_ROUNDING]
 
 
@@ -288,7 +289,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
             shared = [*body_series(trial), *control_series(trial)]
             for rate, sensors in rates.items():
                 series = [one for sensor in sensors for one in (*sensor_series(trial, sensor), *label_series(trial, sensor, request.labels))] + shared
-                t = _instants(number, series, trial.sensors[sensors[0]]["t"][:], request)
+                t = _instants(number, trial, sensors, series, request)
                 writers[rate].append(number, t, list(_features(trial, [one.at(t) for one in series])))
             progress.update(done, sum(writer.bytes + writer.bytes_of_file() for writer in writers.values()))
         for rate, writer in writers.items():

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from slipbench import Dataset, InputError, StoredTrial
 from slipbench._export.request import Output, Progress, Request, split_of
-from slipbench._export.series import Series, body_series, control_series, grid, label_series, sensor_series
+from slipbench._export.series import Series, body_series, control_series, sensor_at
 
 Columns = dict[str, NDArray[Any]]
 
@@ -78,11 +78,9 @@ def _columns(series: list[Series], t: NDArray[np.float64]) -> tuple[Columns, dic
 
 def _sensor_tables(number: int, trial: StoredTrial, sensor: str, request: Request) -> Iterator[tuple[str, Columns, dict[str, str]]]:
     """A sensor's own table, with its labels, then one for each channel that is read at a rate of its own."""
-    t = trial.sensors[sensor]["t"][:]
-    series = [*sensor_series(trial, sensor), *label_series(trial, sensor, request.labels)]
-    if request.rate is not None:
-        t = grid(number, series, request.rate)
-        series = [one.at(t) for one in series]
+    channels, labels = sensor_at(number, trial, sensor, request.labels, request.rate)
+    t = trial.sensors[sensor]["t"][:] if request.rate is None else channels[0].t
+    series = [*channels, *labels]
     yield sensor, *_columns([one for one in series if len(one.t) == len(t)], t)
     for one in series:
         if len(one.t) != len(t):

@@ -16,6 +16,7 @@ from slipbench import Dataset, InputError
 
 LINE_PERIOD = 5.0  # s, between lines where nobody watches
 BAR_PERIOD = 0.1  # s, between redraws
+ALLOWED = "allowed: a folder, or a new name in one that is there"
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,7 @@ class Request:
     """As the program hands it over, in JSON; it has checked each of these.
 
     Attributes:
-        format: "lerobot" or "parquet"
+        format: "lerobot", "mcap" or "parquet"
         dataset: path of the dataset's first file
         out: folder to write into
         trials: numbers of the trials
@@ -66,10 +67,10 @@ def make_folder(folder: Path) -> bool:
         return True
     except FileExistsError:
         if not folder.is_dir():
-            raise InputError(f"cannot make folder {folder}: File exists") from None
+            raise InputError(f"cannot make folder {folder}: File exists; {ALLOWED}") from None
         return False
     except OSError as error:
-        raise InputError(f"cannot make folder {folder}: {error.strerror}") from error
+        raise InputError(f"cannot make folder {folder}: {error.strerror}; {ALLOWED}") from error
 
 
 class Progress:

@@ -110,13 +110,24 @@ def control_series(trial: StoredTrial) -> Iterator[Series]:
                 yield _series("control", "", group, name, group["t"][:])
 
 
-def grid(trial: int, series: list[Series], rate: float) -> NDArray[np.float64]:
-    """Instants 1/`rate` apart [s], from the first at which everything has been read once until the first series ends."""
-    fastest = max((len(one.t) - 1) / float(one.t[-1] - one.t[0]) for one in series if len(one.t) > 1)
-    if rate > fastest * (1 + TIME_ROUNDING):
-        raise InputError(f"trial {trial}: a rate of {rate:g} Hz repeats samples; allowed: up to {fastest:g} Hz, that of the fastest sensor")
-    start, end = max(float(one.t[0]) for one in series), min(float(one.t[-1]) for one in series)
-    count = int(np.floor((end - start + TIME_ROUNDING) * rate)) + 1
+def grid(number: int, trial: StoredTrial, sensors: list[str], series: list[Series], rate: float) -> NDArray[np.float64]:
+    """Instants 1/`rate` apart [s], from the first at which all `series` have been read once until the first of the sensors, bodies or loop ends."""
+    fastest = max(sensors, key=lambda sensor: float(trial.sensors[sensor].attrs["rate_hz"]))
+    most = float(trial.sensors[fastest].attrs["rate_hz"])
+    if rate > most * (1 + TIME_ROUNDING):
+        raise InputError(f"trial {number}: a rate of {rate:g} Hz repeats samples of '{fastest}'; allowed: up to {most:g} Hz, its own")
+    ends = [float(one.t[-1]) for one in series if one.kind in ("truth", "control")] + [float(trial.sensors[sensor]["t"][-1]) for sensor in sensors]
+    start = max(float(one.t[0]) for one in series)
+    count = int(np.floor((min(ends) - start + TIME_ROUNDING) * rate)) + 1
     if count < 2:
-        raise InputError(f"trial {trial}: has fewer than two rows at {rate:g} Hz; allowed: --rate with a higher rate")
+        raise InputError(f"trial {number}: has fewer than two rows at {rate:g} Hz; allowed: --rate with a higher rate")
     return start + np.arange(count) / rate
+
+
+def sensor_at(number: int, trial: StoredTrial, sensor: str, rule: str | None, rate: float | None) -> tuple[list[Series], list[Series]]:
+    """A sensor's channels and labels: at its own times, or with a `rate` the latest at the instants of its grid()."""
+    channels, labels = list(sensor_series(trial, sensor)), list(label_series(trial, sensor, rule))
+    if rate is None:
+        return channels, labels
+    t = grid(number, trial, [sensor], [*channels, *labels], rate)
+    return [one.at(t) for one in channels], [one.at(t) for one in labels]

@@ -1,8 +1,11 @@
-"""Datasets of every sensor and of a grasp, and how the program exports them. For the tests of formats that Python writes."""
+"""Datasets of every sensor and of a grasp, and how the program exports them. For the tests of formats."""
 
 import json
 import os
 import subprocess
+from bisect import bisect_right
+
+import numpy as np
 
 # Scene, and what shortens it. The first has three trials, each other two.
 SCENES = {
@@ -36,3 +39,9 @@ def export(program, dataset, out, *words, status=0):
 def contents(folder):
     """{name: bytes} of all files below a folder."""
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def held(times, values, instants):
+    """The latest at or before each instant. Times closer than 1 ns are the same."""
+    times = list(times)
+    return np.stack([values[bisect_right(times, instant + 1e-9) - 1].reshape(-1) for instant in instants])

@@ -1,0 +1,167 @@
+"""npz and robomimic bring back every bit of every sensor and of a grasp; --rate means the same in all formats. Arguments: the project's root, the program."""
+
+import csv
+import gzip
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
+
+from made import SCENES, export, held, make
+
+ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
+del sys.argv[1:]
+KEPT = tempfile.TemporaryDirectory()
+unittest.addModuleCleanup(KEPT.cleanup)
+DATASETS = Path(KEPT.name)
+
+
+class Formats(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def same(self, found, expected, what):
+        self.assertEqual((found.dtype, found.shape), (expected.dtype, expected.shape), what)
+        self.assertEqual(np.ascontiguousarray(found).tobytes(), np.ascontiguousarray(expected).tobytes(), what)
+
+    def test_npz_brings_every_array_back(self):
+        for scene in SCENES:
+            with self.subTest(scene=scene):
+                dataset = make(PROGRAM, ROOT, scene, DATASETS)
+                export(PROGRAM, dataset, self.folder / "out", "--format", "npz")
+                with h5py.File(dataset) as file:
+                    for name, demo in file["data"].items():
+                        expected = {}
+                        demo.visititems(lambda path, item: expected.update({path: item[()]}) if isinstance(item, h5py.Dataset) else None)
+                        for sensor in demo["labels"]:
+                            expected |= {f"labels/{sensor}/{key}": value for key, value in demo["labels"][sensor].attrs.items() if key != "frame"}
+                        with np.load(self.folder / f"out/{name}.npz") as archive:
+                            self.assertEqual(set(archive), {*expected, "about"})
+                            for path, values in expected.items():
+                                self.same(archive[path], values, path)
+
+    def test_robomimic_brings_the_latest_of_everything_back(self):
+        for scene in SCENES:
+            with self.subTest(scene=scene):
+                dataset = make(PROGRAM, ROOT, scene, DATASETS)
+                export(PROGRAM, dataset, self.folder / "out", "--format", "robomimic", "--compress")
+                with h5py.File(dataset) as file, h5py.File(self.folder / "out/robomimic.hdf5") as written:
+                    self.assertEqual(set(written["data"]), set(file["data"]))
+                    for name, demo in file["data"].items():
+                        self.check_demo(demo, written["data"][name], written["data"].attrs)
+
+    def check_demo(self, demo, found, about):
+        channels = {f"{sensor}_{channel}": (group[f"{channel}_t" if f"{channel}_t" in group else "t"][:], group[channel][:])
+                    for sensor, group in demo["sensors"].items() for channel in group.attrs["channels"]}
+        states = {f"{sensor}_{state}": (group["t"][:], group[state][:]) for sensor, group in demo["labels"].items()
+                  for state in ("state", "state_micro", "state_paper")}
+        bodies = [(group["t"][:], np.concatenate([group["pose"][:], group["velocity"][:]], axis=1)) for group in demo["truth"].values()]
+        clocks = [group["t"][:] for group in demo["sensors"].values()] + [bodies[0][0]]
+        if "control" in demo:
+            clocks.append(demo["control/t"][:])
+            if "measured_position" in demo["control"]:
+                channels["gripper_position"] = (demo["control/t"][:], demo["control/measured_position"][:])
+        # From the first instant at which all has been read until the first of them ends.
+        start = max(times[0] for times in (*clocks, *(times for times, _ in channels.values())))
+        rate = about["rate_hz"]
+        rows = int(np.floor((min(times[-1] for times in clocks) - start + 1e-9) * rate)) + 1
+        instants = start + np.arange(rows) / rate
+        self.assertEqual((found.attrs["num_samples"], found.attrs["num_samples"].dtype), (rows - 1, np.int64))
+        self.assertEqual(set(found["obs"]), set(channels))
+        for key, (times, values) in channels.items():
+            expected = held(times, values, instants).astype("f4")
+            self.same(found["obs"][key][:], expected[:-1], key)
+            self.same(found["next_obs"][key][:], expected[1:], key)
+            self.assertEqual((found["obs"][key].compression, found["obs"][key].shuffle), ("gzip", True))
+        for key, (times, values) in states.items():
+            self.same(found[key][:], held(times, values, instants[:-1]).astype("f4").reshape(-1), key)
+        self.same(found["states"][:], np.concatenate([held(times, values, instants[:-1]) for times, values in bodies], axis=1), "states")
+        scale, offset = about["action_scale"], about["action_offset"]
+        if "command" in demo.get("control", {}):
+            acted = held(demo["control/t"][:], demo["control/command"][:], instants[:-1])
+        else:
+            carriers = [body for body in demo["truth"] if body == "pad" or body in demo["sensors"]]
+            acted = np.concatenate([held(demo["truth"][body]["t"][:], demo["truth"][body]["velocity"][:], instants[:-1]) for body in carriers], axis=1)
+        self.same(found["actions"][:], ((acted - offset) / scale).astype("f4"), "actions")
+
+    def test_a_rate_takes_the_same_rows_in_every_format(self):
+        """SI of a nib_pad is read at a ninth of its rate, and begins later: it is held, and the rows begin with it."""
+        dataset = make(PROGRAM, ROOT, "nib_pad/linear.yaml", DATASETS)
+        words = ("--rate", "100 Hz", "--trial", "1", "--sensors", "pad")
+        for format in ("csv", "npz", "parquet", "mcap"):
+            export(PROGRAM, dataset, self.folder / format, "--format", format, *words)
+        with h5py.File(dataset) as file:
+            sensor, labels = file["data/demo_1/sensors/pad"], file["data/demo_1/labels/pad"]
+            own = {channel: sensor[f"{channel}_t"][:] for channel in ("si", "fl", "fr")}
+            start = max(times[0] for times in (sensor["t"][:], *own.values()))
+            instants = start + np.arange(int(np.floor((sensor["t"][-1] - start + 1e-9) * 100)) + 1) / 100
+            self.assertGreater(len(instants), 20)
+            values = {channel: held(own[channel], sensor[channel][:], instants) for channel in own}
+            state = held(sensor["t"][:], labels["state"][:], instants).reshape(-1)
+            names = list(sensor.attrs["channel_names"])
+        joined = np.concatenate([values[channel] for channel in ("si", "fl", "fr")], axis=1)
+        with np.load(self.folder / "npz/demo_1.npz") as archive:
+            self.same(archive["sensors/pad/t"], instants, "npz")
+            self.same(archive["labels/pad/state"], state, "npz")
+            for channel, expected in values.items():
+                self.same(archive[f"sensors/pad/{channel}"].reshape(len(instants), -1), expected, "npz")
+            self.assertNotIn("sensors/pad/si_t", archive)
+        table = pandas.read_parquet(self.folder / "parquet/pad.parquet")
+        self.same(table["t"].to_numpy(), instants, "parquet")
+        self.same(table[names].to_numpy(), joined, "parquet")
+        self.same(table["label_state"].to_numpy(), state, "parquet")
+        with (self.folder / "csv/demo_1-pad.csv").open(newline="") as text:
+            rows = list(csv.DictReader(text))
+        self.assertEqual([float(row["t [s]"]) for row in rows], list(instants))
+        self.same(np.array([[row[f"{name} [counts]"] for name in names] for row in rows], "f4"), joined, "csv")
+        self.assertEqual([int(row["state"]) for row in rows], list(state))
+        messages = {}
+        with (self.folder / "mcap/demo_1.mcap").open("rb") as recording:
+            for _, channel, message, decoded in make_reader(recording, decoder_factories=[DecoderFactory()]).iter_decoded_messages():
+                messages.setdefault(channel.topic, []).append((message.log_time, decoded))
+        for channel, expected in values.items():
+            found = messages[f"/sensors/pad/{channel}"]
+            self.assertEqual([time for time, _ in found], [round(1e9 * t) for t in instants])
+            self.same(np.array([getattr(one, channel) for _, one in found], "f4"), expected, "mcap")
+        self.assertEqual([one.state for _, one in messages["/labels/pad"]], list(state))
+
+    def test_tables_can_be_compressed(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        for format in ("training-csv", "vendor-csv"):
+            export(PROGRAM, dataset, self.folder / "plain", "--format", format, "--trial", "0")
+            export(PROGRAM, dataset, self.folder / "packed", "--format", format, "--trial", "0", "--compress")
+        plain = {str(path.relative_to(self.folder / "plain")): path.read_bytes() for path in (self.folder / "plain").rglob("*.csv")}
+        packed = {str(path.relative_to(self.folder / "packed")).removesuffix(".gz"): gzip.decompress(path.read_bytes())
+                  for path in (self.folder / "packed").rglob("*.csv.gz")}
+        self.assertEqual(len(plain), 2)
+        self.assertEqual(packed, plain)
+
+    def test_what_a_layout_cannot_carry_is_refused_by_name(self):
+        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        for format in ("csv", "npz", "parquet", "mcap", "vendor-csv"):
+            with self.subTest(format=format):
+                _, told = export(PROGRAM, dataset, self.folder / "out", "--format", format, "--rate", "1001 Hz", status=2)
+                self.assertIn("trial 0: a rate of 1001 Hz repeats samples of 'pad'; allowed: up to 1000 Hz, its own", told)
+        for format, reason in (("training-csv", "1000 rows a second"), ("slip-csv", "100 rows a second"), ("myrmex-csv", "1000 images a second"),
+                               ("grasp-csv", "a row a grasp")):
+            with self.subTest(format=format):
+                _, told = export(PROGRAM, dataset, self.folder / "out", "--format", format, "--rate", "10 Hz", status=2)
+                self.assertIn(f"the layout of {format} has {reason}", told)
+        for format in ("parquet", "mcap", "lerobot", "npz"):
+            _, told = export(PROGRAM, dataset, self.folder / "out", "--format", format, "--compress", status=2)
+            self.assertIn(f"{format} is compressed as it is; allowed: --compress with csv", told)
+        self.assertFalse((self.folder / "out").exists())
+        (self.folder / "file").write_text("x")
+        for format in ("csv", "robomimic", "parquet", "lerobot", "mcap"):
+            _, told = export(PROGRAM, dataset, self.folder / "file", "--format", format, status=2)
+            self.assertIn("file: File exists; allowed: a folder, or a new name in one that is there", told)
+
+
+if __name__ == "__main__":
+    unittest.main()
