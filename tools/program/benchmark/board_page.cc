@@ -61,7 +61,7 @@ std::string drawing(const Json& set) {
     y += line;
   }
   svg.text("middle", 0.5 * (left + right), foot + 32.0, "score");
-  return "<div>" + svg.element() + "</div>\n";
+  return "<div>" + svg.element("Scores of the detectors, with 95 % intervals") + "</div>\n";
 }
 
 std::string groups_html(const Json& set) {

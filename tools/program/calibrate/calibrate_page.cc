@@ -142,7 +142,7 @@ std::string profiles_html(const Json& result) {
     svg.line("limit", left, up.at(3.84), right, up.at(3.84));
     svg.polyline("s0", way);
     svg.dot("s0", across.at(parameter.at("value").get<double>()), foot, 3.5);
-    html += svg.element();
+    html += svg.element("What the fit loses when " + key.path + " is held elsewhere");
   }
   return "<div>" + html + "</div>\n";
 }
@@ -171,9 +171,9 @@ std::string curve_drawing(const Json& recording, const Json& curve) {
   for (std::size_t k = 0; k < real.size(); ++k) times.push_back(begin + step * (static_cast<double>(k) + 0.5));
   const Axis across = axis_for(times, left, right), up = axis_for(values, foot, top);
   const std::string of = curve.at("of").is_string() ? "mean" : fmt::format("unit {}", curve.at("of").get<std::size_t>());
-  Svg svg =
-      chart(fmt::format("{} {} [{}], {}", text(curve.at("channel")), text(curve.at("component")), text(curve.at("unit")), of),
-            across, "time [s]", up);
+  const std::string shown =
+      fmt::format("{} {} [{}], {}", text(curve.at("channel")), text(curve.at("component")), text(curve.at("unit")), of);
+  Svg svg = chart(shown, across, "time [s]", up);
   const auto draw = [&](const char* kind, const std::vector<double>& line) {
     std::vector<std::array<double, 2>> way;
     for (std::size_t k = 0; k < line.size(); ++k) way.push_back({across.at(times[k]), up.at(line[k])});
@@ -181,7 +181,7 @@ std::string curve_drawing(const Json& recording, const Json& curve) {
   };
   draw("s0", real);
   draw("s1", synthetic);
-  return svg.element();
+  return svg.element(shown + ", real and synthetic");
 }
 
 std::string curves_html(const Json& result) {
