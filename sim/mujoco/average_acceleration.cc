@@ -1,5 +1,6 @@
 #include "sim/mujoco/average_acceleration.h"
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -47,7 +48,9 @@ struct Springs {
 }  // namespace
 
 double longest_averaged_step(const Vibration& vibration) {
-  return vibration.omega > 0.0 ? 2.0 / vibration.omega : std::numeric_limits<double>::infinity();
+  if (!(vibration.omega > 0.0)) return std::numeric_limits<double>::infinity();
+  const double beyond = vibration.damping_rate * vibration.damping_rate - 4.0 * vibration.omega * vibration.omega;
+  return 2.0 / (beyond > 0.0 ? 0.5 * (vibration.damping_rate + std::sqrt(beyond)) : vibration.omega);
 }
 
 Matrix6d added_inertia(const PadTangent& tangent, double h) {

@@ -11,8 +11,8 @@
 //   tan(Omega h/2) = omega h/2.
 //
 // Stable is not yet right. A step is right with
-//   h omega <= 2
-// so that no mode turns by more than a quarter of its period within one. Beyond it the rings after a touch go over the cones of tips that hardly
+//   h omega <= 2,  and of a mode that is damped at c > 2 omega, above the critical,  h (c + sqrt(c^2 - 4 omega^2))/2 <= 2
+// so that no mode turns by more than a quarter of its period within one, and none that only decays changes its sign. Beyond it the rings after a touch go over the cones of tips that hardly
 // press, and labels tell of slips that never were (tests/sim/mujoco/grasp_solver_test.cc).
 //
 // Two fingers and what they hold are three free bodies. Each finger hangs on its spring and on its pad, and on nothing else, so it is solved for
@@ -38,7 +38,7 @@ struct mjData_;
 
 namespace slipbench {
 
-// The longest step [s] that is right (see above): 2/omega; infinite when nothing vibrates.
+// The longest step [s] that is right (see above); infinite when nothing vibrates.
 [[nodiscard]] double longest_averaged_step(const Vibration& vibration);
 
 // What springs and dashpots add to the inertia over a step of `h` [s], (h/2) C + (h^2/4) K, about the tangent's point and along its axes,

@@ -394,7 +394,9 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
       longest = rounded_down(limit);
       limited_by =
           averages
-              ? fmt::format("implicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies", fastest.omega)
+              ? fmt::format(
+                    "implicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies and are damped at {:.4g} /s",
+                    fastest.omega, fastest.damping_rate)
               : fmt::format(
                     "explicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies and are damped at {:.4g} /s (`field_solver: implicit` has {} limit)",
                     fastest.omega, fastest.damping_rate, options.hand != nullptr ? "a longer" : "no such");

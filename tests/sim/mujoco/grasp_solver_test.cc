@@ -159,6 +159,15 @@ TEST(AverageAcceleration, ModeVibratesAsTheLawSays) {
   }
 }
 
+// Two over the faster of a mode's rates: omega below the critical damping c = 2 omega, the greater root of l^2 - c l + omega^2 above it. With omega = 1
+// the roots 5 and 1/5 belong to c = 5.2.
+TEST(AverageAcceleration, LongestStepFollowsTheFasterRate) {
+  EXPECT_DOUBLE_EQ(longest_averaged_step({4.0, 0.0}), 0.5);
+  EXPECT_DOUBLE_EQ(longest_averaged_step({4.0, 8.0}), 0.5);
+  EXPECT_DOUBLE_EQ(longest_averaged_step({1.0, 5.2}), 0.4);
+  EXPECT_TRUE(std::isinf(longest_averaged_step({})));
+}
+
 struct Outcome {
   double slip, peak, final;
 };

@@ -30,12 +30,17 @@ std::string with_ending(const std::string& path, const char* ending) {
 void check_replaceable(const std::string& dataset, const std::string& scene) {
   std::error_code error;
   if (!std::filesystem::exists(dataset, error)) return;
-  const std::string command = guarded(dataset, [&] { return DatasetReader(dataset).header().command; });
+  // Of several trials nothing: they took long, and one is all that this makes.
+  const std::string of_one = guarded(dataset, [&] {
+    const DatasetReader reader(dataset);
+    return reader.trials().size() <= 1 ? reader.header().command : std::string();
+  });
   const std::string own = fmt::format("slipbench {} {}", verb, shell_word(scene));
-  if (command == own || command.starts_with(own + ' ')) return;
-  throw InputError(
-      fmt::format("view: {} is there and not of this scene alone, but of {}; allowed: -o with another name, or slipbench view {}",
-                  dataset, command, dataset));
+  if (of_one == own || of_one.starts_with(own + ' ')) return;
+  const std::string command = guarded(dataset, [&] { return DatasetReader(dataset).header().command; });
+  throw InputError(fmt::format(
+      "view: {} is there and not one trial of this scene, but of {}; allowed: -o with another name, or slipbench view {}",
+      dataset, command, dataset));
 }
 
 }  // namespace

@@ -108,14 +108,17 @@ SensorRecord sensor_of(const DatasetReader& reader, std::size_t trial, const std
 }
 
 std::string export_vendor(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
+  const std::vector<std::string> names = papillarrays_of(reader, trial);
+  for (const std::string& asked : options.sensors) {
+    if (std::ranges::find(names, asked) == names.end()) {
+      throw InputError(fmt::format("trial {}: no papillarray '{}'; allowed: {}", trial, asked, fmt::join(names, ", ")));
+    }
+  }
+  if (names.empty()) throw InputError(fmt::format("trial {}: no papillarray, and vendor-csv holds nothing else", trial));
   std::vector<SensorRecord> records;
-  for (const std::string& name : papillarrays_of(reader, trial)) {
+  for (const std::string& name : names) {
     if (options.sensors.empty() || std::ranges::find(options.sensors, name) != options.sensors.end())
       records.push_back(sensor_of(reader, trial, name, options));
-  }
-  if (records.empty()) {
-    throw InputError(fmt::format("trial {}: no papillarray '{}'; allowed: {}", trial, fmt::join(options.sensors, ","),
-                                 fmt::join(papillarrays_of(reader, trial), ", ")));
   }
   std::vector<PapillarraySamples> sensors;
   for (const SensorRecord& record : records) sensors.emplace_back(record, slip_rule(options), label_speed(options));

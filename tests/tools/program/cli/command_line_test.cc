@@ -351,9 +351,9 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
 }
 
 TEST(CommandLine, EveryCommandExplainsItself) {
-  for (const std::string name :
-       {"run", "sweep", "check", "report",    "view", "export", "import", "verify",   "merge",  "cluster",
-        "hd",  "train", "eval",  "benchmark", "calibrate", "reproduce", "cost", "bench",  "list",   "describe", "doctor", "plugin-path"}) {
+  for (const std::string name : {"run",   "sweep",   "check", "report",   "view",   "export",     "import",    "verify",
+                                 "merge", "cluster", "hd",    "train",    "eval",   "benchmark",  "calibrate", "reproduce",
+                                 "cost",  "bench",   "list",  "describe", "doctor", "plugin-path"}) {
     const std::string text = parse({name, "--help"}).help;
     EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
     EXPECT_THAT(text, HasSubstr("--json")) << name;

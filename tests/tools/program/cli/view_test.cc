@@ -103,10 +103,17 @@ TEST_F(View, KeepsWhatItHasNotMade) {
   const std::string before = bytes_at(folder_ / "stage.h5");
   const ChildResult seen = view("stage.yaml");
   EXPECT_EQ(seen.status, 2);
-  EXPECT_THAT(seen.err, HasSubstr("stage.h5 is there and not of this scene alone, but of slipbench sweep stage.yaml"));
+  EXPECT_THAT(seen.err, HasSubstr("stage.h5 is there and not one trial of this scene, but of slipbench sweep stage.yaml"));
   EXPECT_THAT(seen.err, HasSubstr("allowed: -o with another name, or slipbench view stage.h5"));
   EXPECT_EQ(bytes_at(folder_ / "stage.h5"), before);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "stage.html"));
+  // Nor several trials of a run.
+  ASSERT_EQ(
+      run_shell("rm stage.h5; slipbench run stage.yaml --trials 2 --set duration=2.1 -o stage.h5 --quiet", folder_ / "").status,
+      0);
+  const std::string two = bytes_at(folder_ / "stage.h5");
+  EXPECT_EQ(view("stage.yaml").status, 2);
+  EXPECT_EQ(bytes_at(folder_ / "stage.h5"), two);
 
   // Nor is a page replaced that is none of ours, and then nothing is simulated.
   std::ofstream(folder_ / "mine.html") << "mine";
