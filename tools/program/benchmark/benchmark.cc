@@ -146,6 +146,16 @@ Answer grasp_answer(const Seat& seat, Scene scene, std::size_t trial) {
 }
 
 // Seats each entrant before the first of the sensors that it can read, and says why the others have none.
+// The text with a file's name in place of its path, which differs between installations.
+std::string without_folder(std::string text, const std::string& file) {
+  const std::string name = std::filesystem::path(file).filename().string();
+  for (std::size_t at = file.empty() ? std::string::npos : text.find(file); at != std::string::npos;
+       at = text.find(file, at + name.size())) {
+    text.replace(at, file.size(), name);
+  }
+  return text;
+}
+
 void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const TrialRecord& first,
               const std::vector<std::size_t>& readers) {
   for (const Entrant* entrant : entrants) {
@@ -157,7 +167,7 @@ void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const T
         try {
           judge::replay(detector_for(seat, nullptr, ""), first.sensors, sensor, first.seed, first.trial);
         } catch (const InputError& error) {
-          if (why.empty()) why = error.what();
+          if (why.empty()) why = without_folder(error.what(), file_of(entrant->detector));
           continue;
         }
       }
@@ -178,6 +188,7 @@ void clear_seats(Board& board) {
     }
     std::size_t known = 0;
     for (const std::string& digest : board.digests) known += std::ranges::count(seat.entrant->sha256_seen, digest) > 0 ? 1U : 0U;
+    why = without_folder(why, file_of(seat.entrant->detector));
     if (known > 0) why = fmt::format("has learnt from {} of the {} trials", known, board.digests.size());
     if (!why.empty()) board.left_out.push_back({seat.entrant->name, why});
     return !why.empty();
@@ -557,7 +568,7 @@ Json parse_submission(const std::string& text, const std::string& name) {
   if (!json.is_object() || !json.contains(result_key) || !json.contains("asked") || !json.contains("protocol"))
     throw InputError(name + ": is no submission; allowed: what benchmark --submit writes");
   const Json& protocol = json.at("protocol");
-  if (!protocol.is_object() || protocol.value("name", "") != protocol_name)
+  if (!protocol.is_object() || !protocol.contains("name") || protocol.at("name") != protocol_name)
     throw InputError(fmt::format("{}: is of another protocol; allowed: {}", name, protocol_name));
   return json;
 }

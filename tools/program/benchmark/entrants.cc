@@ -51,16 +51,6 @@ std::string file_digest(const std::string& path) {
   return text_sha256(text);
 }
 
-// The file that a detector is made from; empty: it has none.
-std::string file_of(const DetectorScene& detector) {
-  const auto& values = detector.parameters.values();
-  if (values.contains("memories")) return hd::memories_folder(detector.parameters.path("memories"));
-  for (const char* key : {"model", "library"}) {
-    if (values.contains(key)) return detector.parameters.path(key);
-  }
-  return "";
-}
-
 std::vector<std::string> trials_seen(const DetectorScene& detector) {
   const std::unique_ptr<network::Engine> engine = judge::network_of(detector);
   if (engine == nullptr) return {};
@@ -111,6 +101,15 @@ std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::st
 }
 
 }  // namespace
+
+std::string file_of(const DetectorScene& detector) {
+  const auto& values = detector.parameters.values();
+  if (values.contains("memories")) return hd::memories_folder(detector.parameters.path("memories"));
+  for (const char* key : {"model", "library"}) {
+    if (values.contains(key)) return detector.parameters.path(key);
+  }
+  return "";
+}
 
 std::string kind_word(Kind kind) {
   switch (kind) {

@@ -55,6 +55,9 @@ std::vector<Missing> missing_entrants();
 std::vector<Entrant> control_entrants();
 Entrant oracle_entrant();
 
+// The file or folder that a detector is made from; empty: it has none.
+std::string file_of(const DetectorScene& detector);
+
 struct Teaching {
   std::string sensor;  // lessons of this type of sensor alone; empty: all
   std::size_t jobs = 0;

@@ -1,6 +1,7 @@
 #include "tools/program/calibrate/model.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -46,11 +47,22 @@ double own_place(const Trace& values, const FitKey& key) {
 Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<FitKey> keys, std::uint64_t seed)
     : catalogues_(&catalogues), keys_(std::move(keys)), seed_(seed) {
   check_keys(file, keys_);
-  SceneFile fitted = file;
+  // With the units that the bounds have: the scene refuses those of another quantity, and bounds beyond what it allows.
+  const auto planned = [&](double place) {
+    SceneFile fitted = file;
+    for (const FitKey& key : keys_) {
+      if (key.path != lag_key) fitted.apply({key.path, key.text(key.value(place), std::numeric_limits<double>::max_digits10)});
+    }
+    return TrialPlan(fitted, catalogues, 0, seed);
+  };
   for (const FitKey& key : keys_) {
-    if (key.path != lag_key) fitted.apply({key.path, format_number(key.value(0.5))});
+    if (key.path == lag_key && key.quantity != Quantity::time) {
+      throw InputError(
+          fmt::format("--fit lag: bounds of {} are no times; allowed: times with a unit, such as -5 ms", key.text(key.min)));
+    }
   }
-  const TrialPlan plan(fitted, catalogues, 0, seed);
+  for (const double bound : {0.0, 1.0}) static_cast<void>(planned(bound).trial(0));
+  const TrialPlan plan = planned(0.5);
   for (std::size_t trial = 0; trial < plan.size(); ++trial) {
     SceneFile one = file;
     one.apply({"sweep", "{trials: 1}"});
