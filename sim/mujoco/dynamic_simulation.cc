@@ -280,7 +280,7 @@ void DynamicSimulation::State::step_averaged() {
     const Pad& pad = pads[contacts[i].pad];
     const Field& field = pad.instance->fields()[contacts[i].field];
     const bool stands = pad.body == held;  // on a surface that does not move with what is held
-    if (springs_changed(field)) {
+    if (tick == 0 || springs_changed(field)) {
       added[i] = added_inertia(field, pad.instance->config().damping, dt);
       if (!stands) added[i] = in_held(pad, field, added[i]);
     }

@@ -103,7 +103,7 @@ struct DynamicSimulation::State {
   std::vector<int> fingers;                                               // bodies
   std::optional<HeldBodies> held_bodies;                                  // with implicit springs
   std::array<Vector6d, 2> carriages{Vector6d::Zero(), Vector6d::Zero()};  // accelerations of what the fingers' springs hang on
-  std::vector<Matrix6d> added{};    // by contact: by its springs, as what is held sees it, or what that stands on
+  std::vector<Matrix6d> added{};    // inertia by the springs of each contact, about what is held, or what that stands on
   bool limited = false;             // the fields' springs limit the step, and the limit is obeyed
   std::size_t touching_before = 0;  // elements, at the tick before
 

@@ -114,7 +114,6 @@ std::string export_vendor(const DatasetReader& reader, std::size_t trial, Output
       throw InputError(fmt::format("trial {}: no papillarray '{}'; allowed: {}", trial, asked, fmt::join(names, ", ")));
     }
   }
-  if (names.empty()) throw InputError(fmt::format("trial {}: no papillarray, and vendor-csv holds nothing else", trial));
   std::vector<SensorRecord> records;
   for (const std::string& name : names) {
     if (options.sensors.empty() || std::ranges::find(options.sensors, name) != options.sensors.end())
