@@ -22,6 +22,7 @@
 #include "tools/base/workers/child_process.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
+#include "tools/studies/kept_networks.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {
@@ -99,7 +100,8 @@ std::vector<Outcome> run_in_order(std::size_t count, const ReproduceOptions& opt
 
 // For networks, of which libtorch teaches one at a time in a process: does work 0 to count - 1, options.jobs at a time, each in a child process of
 // its own, and returns the results in this order, the same whatever options.jobs. `options.say` hears `subject(index)` and how many have begun
-// whenever the subject changes, and at each tenth. Call it while this process has no other thread. Throws what the work throws, and Interrupted.
+// whenever the subject changes, and at each tenth. What options.kept holds of them is not done again. Call it while this process has no other
+// thread. Throws what the work throws, and Interrupted.
 template <class Value>
 std::vector<std::vector<Value>> run_in_processes(std::size_t count, const ReproduceOptions& options,
                                                  const std::function<std::string(std::size_t)>& subject,
@@ -116,8 +118,25 @@ std::vector<std::vector<Value>> run_in_processes(std::size_t count, const Reprod
     if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
     return bytes;
   };
+  std::vector<std::string> said(count);
+  std::vector<std::size_t> left;
+  if (options.kept != nullptr) options.kept->begin_set();
+  for (std::size_t k = 0; k < count; ++k) {
+    if (const std::string* kept = options.kept != nullptr ? options.kept->find(k) : nullptr) {
+      said[k] = *kept;
+    } else {
+      left.push_back(k);
+    }
+  }
+  const auto keep = [&](std::size_t i, const std::string& bytes) {
+    said[left[i]] = bytes;
+    if (options.kept != nullptr) options.kept->keep(left[i], bytes);
+  };
+  slipbench::run_in_processes(
+      left.size(), jobs_of(options), [&](std::size_t i) { return sent(left[i]); }, [&](std::size_t i) { say(left[i]); },
+      InterruptGuard::flag(), keep);
   std::vector<std::vector<Value>> results;
-  for (const std::string& bytes : slipbench::run_in_processes(count, jobs_of(options), sent, say, InterruptGuard::flag())) {
+  for (const std::string& bytes : said) {
     std::vector<Value>& values = results.emplace_back(bytes.size() / sizeof(Value));
     if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -10,10 +11,12 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/base/dataset/encoder.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
+#include "tools/studies/kept_networks.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -49,16 +52,17 @@ int list_reproductions(bool json) {
 }
 
 // An option that this reproduction has no use for would be a misunderstanding.
-void check_options(const ReproduceOptions& options, const Reproduction& reproduction) {
-  const std::array<std::pair<const char*, bool>, 9> given{{{"--data", !options.data.empty()},
-                                                           {"--real", !options.real.empty()},
-                                                           {"--full", options.full},
-                                                           {"--seed", options.seed.has_value()},
-                                                           {"--jobs", options.jobs != 0},
-                                                           {"--synthesise", options.synthesise},
-                                                           {"--trials", options.trials != 0},
-                                                           {"--only", !options.only.empty()},
-                                                           {"--memories", !options.memories.empty()}}};
+void check_options(const ReproduceOptions& options, bool resume, const Reproduction& reproduction) {
+  const std::array<std::pair<const char*, bool>, 10> given{{{"--data", !options.data.empty()},
+                                                            {"--real", !options.real.empty()},
+                                                            {"--full", options.full},
+                                                            {"--seed", options.seed.has_value()},
+                                                            {"--jobs", options.jobs != 0},
+                                                            {"--resume", resume},
+                                                            {"--synthesise", options.synthesise},
+                                                            {"--trials", options.trials != 0},
+                                                            {"--only", !options.only.empty()},
+                                                            {"--memories", !options.memories.empty()}}};
   for (const auto& [name, there] : given) {
     const std::vector<std::string>& takes = reproduction.options;
     if (!there || std::find(takes.begin(), takes.end(), name) != takes.end()) continue;
@@ -67,11 +71,31 @@ void check_options(const ReproduceOptions& options, const Reproduction& reproduc
   }
 }
 
+bool takes_resume(const Reproduction& reproduction) {
+  return std::ranges::find(reproduction.options, "--resume") != reproduction.options.end();
+}
+
+// All that decides what the study's networks say.
+std::string identity_of(const ReproduceOptions& options, const Reproduction& reproduction) {
+  const auto content = [](const std::string& path) { return path.empty() ? "" : file_sha256(path); };
+  return nlohmann::ordered_json{{"name", reproduction.name},     {"data", content(options.data)},
+                                {"real", content(options.real)}, {"seed", options.seed.value_or(1)},
+                                {"full", options.full},          {"trials", options.trials},
+                                {"only", options.only},          {"program", file_sha256("/proc/self/exe")}}
+      .dump();
+}
+
+std::string kept_beside(const std::string& html_path) {
+  return html_path.substr(0, html_path.size() - std::string_view(".html").size()) + ".networks";
+}
+
 }  // namespace
 
 void ReproduceCommand::declare(Arguments& arguments) {
   arguments.about("reproduce", "Reproduce a table of a paper", R"(
-Without a name: what can be reproduced. With -o the table goes to FILE.html and all figures to FILE.json beside it.
+Without a name: what can be reproduced. With -o the table goes to FILE.html and all figures to FILE.json beside it. Studies that teach networks
+keep those that are done in FILE.networks until the page is written: where such a run was killed or interrupted, the same command with
+--resume goes on with them.
 
 Examples:
   slipbench reproduce
@@ -89,6 +113,7 @@ Examples:
                  "biotac-stability-slip: recordings that `slipbench import` has read; table3: of biotacsp-dos, else of bts3v2");
   arguments.number("--seed N", options.seed, "Seed of dataset, item memories and draws (default: 1)", 0);
   arguments.jobs(options.jobs);
+  arguments.flag("--resume", resume, "Go on with the networks that a killed or interrupted run of the same command has left");
   arguments.flag("--synthesise", options.synthesise, "Run the synthesis instead of reading its stored figures");
   arguments.flag("--quiet", quiet, "No progress");
 }
@@ -96,18 +121,29 @@ Examples:
 int ReproduceCommand::run() {
   if (name.empty() || name == "list") return list_reproductions(json);
   const Reproduction& reproduction = find_reproduction(name);
-  check_options(options, reproduction);
+  check_options(options, resume, reproduction);
   if (!output.empty()) check_result_target(output);
+  if (resume && output.empty()) throw InputError("reproduce: --resume goes on with what lies beside a page; allowed: with -o");
   options.say = [this](const std::string& what) { tell(what); };
+  std::optional<KeptNetworks> kept;
+  if (!output.empty() && takes_resume(reproduction)) {
+    kept.emplace(kept_beside(output), identity_of(options, reproduction), resume);
+    options.kept = &*kept;
+    if (kept->size() > 0) tell(fmt::format("{} networks of an earlier run are there", kept->size()));
+  }
   Result result;
   try {
     result = reproduction.run(options);
   } catch (const Interrupted&) {
-    say(stderr, "slipbench: interrupted; nothing is kept\n");
+    say(stderr, kept && kept->size() > 0
+                    ? fmt::format("slipbench: interrupted; {} networks are kept in {}; the same command with --resume goes on\n",
+                                  kept->size(), kept->path())
+                    : "slipbench: interrupted; nothing is kept\n");
     return exit_interrupted;
   }
   std::vector<std::string> files;
   if (!output.empty()) files = write_result(output, reproduction.name, result);
+  if (kept) kept->remove();
   if (json) {
     fmt::print("{}\n", result_json(reproduction.name, result).dump());
     return exit_good;

@@ -15,6 +15,7 @@ class ReproduceCommand final : public Command {
 
   std::string name;    // PAPER/TABLE; empty: list what there is
   std::string output;  // HTML file to write, and JSON beside it; empty: none
+  bool resume = false;
   ReproduceOptions options;
 };
 

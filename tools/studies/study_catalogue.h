@@ -12,6 +12,8 @@
 
 namespace slipbench::reproduce {
 
+class KeptNetworks;  // kept_networks.h
+
 struct ReproduceOptions {
   std::string data;                             // a dataset to use instead of a fresh one; empty: none
   std::string real;                             // a dataset of imported recordings that also judges; empty: none
@@ -22,6 +24,7 @@ struct ReproduceOptions {
   std::size_t trials = 0;                       // of each row; 0: as many as is usual
   std::vector<std::string> only;                // names of rows to keep; of an axis that none names, all
   std::string memories;                         // folder of the published classifier; empty: the source tree's
+  KeptNetworks* kept = nullptr;                 // where networks that are done are kept; null: nowhere
   std::function<void(const std::string&)> say;  // told what is being done; may be empty
 };
 

@@ -119,7 +119,8 @@ ChildEnd ChildProcess::end() {
 
 std::vector<std::string> run_in_processes(std::size_t count, std::size_t jobs,
                                           const std::function<std::string(std::size_t)>& work,
-                                          const std::function<void(std::size_t)>& begun, const std::atomic<bool>& interrupt) {
+                                          const std::function<void(std::size_t)>& begun, const std::atomic<bool>& interrupt,
+                                          const std::function<void(std::size_t, const std::string&)>& done) {
   struct Running {
     std::size_t index;
     ChildProcess child;
@@ -143,7 +144,9 @@ std::vector<std::string> run_in_processes(std::size_t count, std::size_t jobs,
       if (channels[i].revents == 0 || running[i].child.read()) {
         left.push_back(std::move(running[i]));
       } else {
-        results[running[i].index] = result_of(running[i].child);
+        const std::size_t index = running[i].index;
+        results[index] = result_of(running[i].child);
+        if (done) done(index, results[index]);
       }
     }
     running = std::move(left);

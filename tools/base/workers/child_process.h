@@ -46,10 +46,12 @@ class ChildProcess {
 };
 
 // Does work 0 to count - 1, up to `jobs` at a time, each in a child process of its own, and returns what each returned, in this order: whatever
-// `jobs`, each begins with the memory of this process as it is now. `begun` is told of the number of each work before it begins. Rethrows what
-// work threw: InputError as such, others as std::runtime_error; throws Interrupted once `interrupt` is set. No child outlives it.
+// `jobs`, each begins with the memory of this process as it is now. `begun` is told of the number of each work before it begins, `done` of each that
+// has ended, and of what it returned; it may be empty. Rethrows what work threw: InputError as such, others as std::runtime_error; throws
+// Interrupted once `interrupt` is set. No child outlives it.
 std::vector<std::string> run_in_processes(std::size_t count, std::size_t jobs,
                                           const std::function<std::string(std::size_t)>& work,
-                                          const std::function<void(std::size_t)>& begun, const std::atomic<bool>& interrupt);
+                                          const std::function<void(std::size_t)>& begun, const std::atomic<bool>& interrupt,
+                                          const std::function<void(std::size_t, const std::string&)>& done = {});
 
 }  // namespace slipbench
