@@ -16,7 +16,7 @@ with tempfile.TemporaryDirectory() as name:
         (folder / file).write_text(example, encoding="utf-8")
     # An example for a reader leaves the types of its own functions out; all that it uses of the package has them.
     own = ["--allow-untyped-defs", "--allow-untyped-decorators", "--allow-untyped-calls"]
-    examples = [*sorted(folder.glob("*.py")), *sorted((root / "tools/python/examples").glob("*.py"))]
+    examples = [*sorted(folder.glob("*.py")), *sorted((root / "tools/python/examples").glob("*.py")), root / "scenes/mujoco/robots/robots.py"]
     print([path.name for path in examples])
     ends = [subprocess.run([*strict, *own, *map(str, examples)], cwd=folder, check=False).returncode]
     # By name: the package of a build has links to the folders of all that it is built from.

@@ -78,6 +78,7 @@ class Reading:
     The channels of the sensor, such as `force` [N,3] N and `displacement` [N,3] m of a PapillArray, and with truth: `unit_state` [N] (0 detached,
     1 stick, 2 slip, 3 partial), `slip_velocity` [N,2] m/s, `slip_distance` [N] m, `margin` [N], `contact_force` [N,3] N, `state` and `state_micro` []
     (0 none, 1 non-slip, 2 incipient, 3 gross), `stuck_fraction` []. As all of MuJoCo's sensordata they are those before the last step.
+    `slip_velocity` and `contact_force` are in the contact plane, x and y along the touched surface, so that Coulomb's law holds where a pad leans.
 
     Attributes:
         units: of each value, by name: "N", "m/s", "1"

@@ -1,0 +1,183 @@
+"""robots_test.py FOLDER WithoutModels|Models: scenes/mujoco/robots. Models needs a clone of MuJoCo Menagerie, which the variable SLIPBENCH_MENAGERIE
+names, and ends with 77 where none of its models is there."""
+
+import contextlib
+import importlib.util
+import io
+import math
+import os
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import mujoco
+
+import slipbench.mujoco
+
+FOLDER = Path(sys.argv.pop(1))
+MENAGERIE = Path(os.environ.get("SLIPBENCH_MENAGERIE", "/nowhere"))
+HAS_IMPLICIT = hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
+described = importlib.util.spec_from_file_location("robots", FOLDER / "robots.py")
+robots = importlib.util.module_from_spec(described)
+described.loader.exec_module(robots)
+
+# What the example knows of a Panda: two coupled slides, the drive, the names.
+HAND = """<mujoco model="stand-in"><option integrator="implicitfast"/><worldbody><body name="hand" pos="0 0 0.5" quat="0 1 0 0">
+  <body name="left_finger" pos="0 0 0.06"><joint name="finger_joint1" type="slide" axis="0 1 0" damping="1"/>
+    <geom type="box" pos="0 0.005 0.04" size="0.01 0.005 0.02" mass="0.03"/></body>
+  <body name="right_finger" pos="0 0 0.06" quat="0 0 0 1"><joint name="finger_joint2" type="slide" axis="0 1 0" damping="1"/>
+    <geom type="box" pos="0 0.005 0.04" size="0.01 0.005 0.02" mass="0.03"/></body></body></worldbody>
+  <tendon><fixed name="split"><joint joint="finger_joint1" coef="0.5"/><joint joint="finger_joint2" coef="0.5"/></fixed></tendon>
+  <equality><joint joint1="finger_joint1" joint2="finger_joint2"/></equality>
+  <actuator><general name="actuator8" tendon="split" ctrlrange="0 255" gainprm="0.01568627451" biastype="affine" biasprm="0 -100 -10"/></actuator>
+  <keyframe><key name="home" qpos="0.04 0.04" ctrl="255"/></keyframe></mujoco>"""
+
+
+def run(*words):
+    """Exit status, what is printed, what is complained of."""
+    out, complaint = io.StringIO(), io.StringIO()
+    with mock.patch.object(sys, "argv", ["robots.py", *map(str, words)]), contextlib.redirect_stdout(out), contextlib.redirect_stderr(complaint):
+        try:
+            status = robots.main()
+        except SystemExit as end:
+            status = end.code
+    return status, out.getvalue(), complaint.getvalue()
+
+
+class Checks(unittest.TestCase):
+    def slips_by_the_law(self, figures, mass, rate):
+        """Each of two pads carries half of the weight; Coulomb's law lets go where mu N is less. The grip falls by `rate` [N/s]. What sticks last
+        are the two centre pillars, 650 N/m each: the box swings on them, and is late by half a swing at most. A reading is up to two steps old. A
+        face that leans by 1 degree carries 2e-4 less than the weight."""
+        law = mass * 9.81 / (2 * 0.5)
+        late = rate * (math.pi * math.sqrt(mass / (2 * 650)) + 2 * 0.002)
+        self.assertAlmostEqual(figures["m g / (2 mu) [N]"], law, places=12)
+        self.assertAlmostEqual(figures["the box slips at [N]"], law, delta=late + 2e-4 * law)
+        self.assertLess(late / law, 2e-3)  # what the page says
+        self.assertEqual(figures["other contacts of the box"], 0)
+
+    def drive_is_what_pads_feel(self, figures):
+        # Two slides that a tendon pulls with half its force each, at rest: only what still moves is left of the balance.
+        self.assertAlmostEqual(figures["normal force of the pads at rest [N]"], figures["force of the drive on a finger [N]"], delta=1e-4)
+        self.assertGreater(figures["force of the drive on a finger [N]"], 1.2)  # 100 N/m over 29.7 mm, halved, is 1.49 N; the pads open it further
+
+    def refuses(self, function, folder, text, **changes):
+        """attach_pad with those arguments changed; `excludes=False` takes back what it excluded."""
+        attach, excludes = slipbench.mujoco.attach_pad, changes.pop("excludes", True)
+
+        def changed(spec, *words, **named):
+            pad = attach(spec, *words, **{**named, **changes})
+            for exclude in [] if excludes else [e for e in spec.excludes if "object" in (e.bodyname1, e.bodyname2)]:
+                spec.delete(exclude)
+            return pad
+
+        with mock.patch.object(slipbench.mujoco, "attach_pad", changed), self.assertRaisesRegex((ValueError, mujoco.FatalError), text):
+            function(folder)
+
+
+class WithoutModels(Checks):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = Path(holder.name)
+
+    def write(self, file, text):
+        path = self.folder / file
+        path.parent.mkdir()
+        path.write_text(text, encoding="utf-8")
+
+    def test_wrong_words(self):
+        files = {"panda": "franka_emika_panda/panda.xml", "robotiq_2f85": "robotiq_2f85/2f85.xml", "leap_hand": "leap_hand/right_hand.xml"}
+        for robot, file in files.items():
+            status, out, complaint = run(self.folder, robot)
+            self.assertEqual((status, out), (2, ""))
+            self.assertEqual(complaint, f"error: {self.folder / file}: no such file; allowed: the folder of a clone of "
+                                        "github.com/google-deepmind/mujoco_menagerie\n")
+        status, _, complaint = run(self.folder, "shadow_hand")
+        self.assertEqual(status, 2)
+        self.assertRegex(complaint, "invalid choice: 'shadow_hand'.*panda.*robotiq_2f85.*leap_hand")
+
+    def test_a_model_of_another_make(self):
+        self.write("robotiq_2f85/2f85.xml", '<mujoco model="half"><worldbody><body name="base_mount"/></worldbody></mujoco>')
+        self.assertEqual(run(self.folder, "robotiq_2f85"),
+                         (2, "", "error: the model 'half' has no body 'left_pad'; allowed: the model as MuJoCo Menagerie has it\n"))
+        self.write("leap_hand/right_hand.xml", '<mujoco><worldbody><body><geom size="1"/></body></worldbody></mujoco>')
+        self.assertEqual(run(self.folder, "leap_hand")[::2], (2, "error: the LEAP hand has 1 tips and 0 joints; allowed: 4 and 16\n"))
+        self.write("franka_emika_panda/panda.xml", HAND.replace("<worldbody>", '<asset><mesh file="no.stl"/></asset><worldbody>'))
+        status, _, complaint = run(self.folder, "panda")
+        self.assertEqual(status, 2)
+        self.assertIn("no.stl", complaint)
+
+    def test_box_between_two_slides(self):
+        self.write("franka_emika_panda/panda.xml", HAND)
+        status, out, complaint = run(self.folder, "panda")
+        self.assertEqual((status, complaint), (0, ""))
+        figures = {line[:50].rstrip(): float(line[50:]) for line in out.splitlines()}
+        exact, _ = robots.panda(self.folder)
+        self.assertEqual(figures.keys(), exact.keys())
+        self.drive_is_what_pads_feel(exact)
+        self.slips_by_the_law(exact, 0.1, 0.05)
+
+    def test_mistakes(self):
+        self.write("franka_emika_panda/panda.xml", HAND)
+        self.refuses(robots.panda, self.folder, 'contact is possible .*<exclude body1="left_finger" body2="object"/>', excludes=False)
+        with mock.patch.object(robots, "JAW_SIDE", [1, 1, 0, 0]):
+            self.refuses(robots.panda, self.folder, "the site looks the wrong way")
+
+
+class Models(Checks):
+    def setUp(self):
+        folder = {"panda": "franka_emika_panda", "leap": "leap_hand", "2f85": "robotiq_2f85"}[self._testMethodName.split("_")[1]]
+        if not (MENAGERIE / folder).is_dir():
+            self.skipTest(f"SLIPBENCH_MENAGERIE names no folder with {folder}")
+
+    def test_panda(self):
+        figures, _ = robots.panda(MENAGERIE)
+        self.drive_is_what_pads_feel(figures)
+        self.slips_by_the_law(figures, 0.1, 0.05)
+
+    def test_panda_mistakes(self):
+        self.refuses(robots.panda, MENAGERIE, 'contact is possible .*<exclude body1="left_finger" body2="object"/>', excludes=False)
+        if HAS_IMPLICIT:  # else the example takes shorter steps
+            self.refuses(robots.panda, MENAGERIE, "the time step 2 ms is too long .* or solver='implicit'", solver="explicit")
+        with mock.patch.object(robots, "JAW_SIDE", [1, 1, 0, 0]):
+            self.refuses(robots.panda, MENAGERIE, "the site looks the wrong way")
+
+    def test_2f85(self):
+        figures, _ = robots.robotiq_2f85(MENAGERIE)
+        drive, pads = figures["work of drive, springs and weight [N m/rad]"], figures["work of the pads [N m/rad]"]
+        self.assertGreater(drive, 0.3)
+        # At rest they are each other's opposite. The example takes a pillar's force to act straight behind its tip, the field along the face's
+        # normal: a jaw that leans by 0.02 rad makes 22 um of 1.1 mm, at 6.3 N on each of two jaws that turn by 0.04 rad a rad of the drive.
+        self.assertAlmostEqual(-pads, drive, delta=2 * 6.3 * 0.02 * 1.1e-3 * 0.04)
+        self.slips_by_the_law(figures, 0.5, 0.1)
+
+    def test_2f85_mistakes(self):
+        # The jaw is welded to the follower and carries a silicone pad: three bodies on a side.
+        self.refuses(robots.robotiq_2f85, MENAGERIE, 'contact is possible .*<exclude body1="left_follower" body2="object"/>', excludes=False)
+
+    def test_leap_hand(self):
+        figures, _ = robots.leap_hand(MENAGERIE)
+        # Newton's second law of a bar at rest. An acceleration of 1 mm/s2 would be left of a swing: 0.1 mN of 100 g.
+        self.assertAlmostEqual(figures["weight of the bar [N]"], 0.981, places=12)
+        self.assertAlmostEqual(figures["sum of the pads' forces on it, upwards [N]"], 0.981, delta=1e-4)
+        self.assertLess(figures["sum, sideways [N]"], 1e-4)
+        self.assertEqual(figures["other contacts of the bar"], 0)
+        fingers = [figures[f"normal force of {name} [N]"] for name in ("index", "middle", "ring")]
+        # Asked for is 1 N. The servos give way to the bar: less in the older model, more in the newer.
+        self.assertTrue(all(0.7 < force < 1.3 for force in fingers), fingers)
+        self.assertAlmostEqual(figures["normal force of thumb [N]"], sum(fingers), delta=0.02)  # faces lean by up to 1 degree: the weight's share
+
+    def test_leap_hand_mistakes(self):
+        self.refuses(robots.leap_hand, MENAGERIE, "contact is possible .*, which moves with the pad", excludes=False)
+        if HAS_IMPLICIT:
+            self.refuses(robots.leap_hand, MENAGERIE, "the time step 2 ms is too long .* or solver='implicit'", solver="explicit")
+        with mock.patch.object(robots, "PALM_SIDE", [1, 0, -1, 0]):
+            self.refuses(robots.leap_hand, MENAGERIE, "the site looks the wrong way")
+
+
+if __name__ == "__main__":
+    result = unittest.main(exit=False).result
+    sys.exit(77 if len(result.skipped) == result.testsRun else not result.wasSuccessful())
