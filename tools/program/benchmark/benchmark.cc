@@ -1,14 +1,11 @@
 #include "tools/program/benchmark/benchmark.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -20,6 +17,7 @@
 #include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/scratch_folder.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
@@ -39,8 +37,6 @@
 namespace slipbench::benchmark {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::size_t most_groups = 6;
 constexpr std::uint64_t replay_seconds = 100'000;
 
@@ -54,27 +50,6 @@ judge::TruthRule rule_of(Track track) {
   }
   return {};
 }
-
-// A folder that goes with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "slipbench-benchmark-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw InputError(fmt::format("{}: cannot be made: {}", name, std::generic_category().message(errno)));
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code error;
-    fs::remove_all(path_, error);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 // How an entrant did in one trial; or why it could not be judged.
 struct Answer {
@@ -511,7 +486,7 @@ Json benchmark(const Options& options) {
   }
   for (Entrant& control : control_entrants()) entrants.push_back(std::move(control));
   check_names(entrants);
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   Taught taught;
   if (!asked.untaught) {
     taught =

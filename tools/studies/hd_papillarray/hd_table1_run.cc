@@ -1,8 +1,6 @@
 #include "tools/studies/hd_papillarray/hd_table1_run.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <utility>
 
 #include "sim/core/error.h"
@@ -99,15 +97,6 @@ std::vector<EncoderVariant> cause_variants() {
   add("stiff pillars (profile gripper)", [](EncoderVariant& v) { v.overrides = {{"sensors.pad.profile", "gripper"}}; });
   add("pillars slip as a whole (1 bristle)", [](EncoderVariant& v) { v.overrides = {{"sensors.pad.bristles", "1"}}; });
   return all;
-}
-
-DatasetFolder::DatasetFolder() : path_((std::filesystem::temp_directory_path() / "slipbench-XXXXXX").string()) {
-  if (::mkdtemp(path_.data()) == nullptr) throw InputError("cannot make a folder " + path_ + " for the dataset");
-}
-
-DatasetFolder::~DatasetFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
 }
 
 EncoderDraws EncoderAblation::run(const EncoderVariant& variant, EncoderDraws* by_frame) {
