@@ -80,7 +80,7 @@ const std::vector<Held>& held_out() {
 }
 
 const std::vector<Lesson>& lessons() {
-  static const std::vector<Lesson> all{{"papillarray_gru", "papillarray", "scenes/papillarray/hexapod.yaml", 0},
+  static const std::vector<Lesson> all{{"papillarray_gru", "papillarray", "scenes/benchmark/slip-1/learn_papillarray.yaml", 0},
                                        {"piezo_mlp", "piezo_skin", "scenes/piezo_skin/dataset.yaml", 100},
                                        {"piezo_fft_gru", "piezo_skin", "scenes/piezo_skin/dataset.yaml", 100},
                                        {"myrmex_net1", "myrmex", "scenes/myrmex/dataset.yaml", 0},

@@ -36,7 +36,7 @@ struct Held {
 const std::vector<Held>& held_out();
 
 // A network that learns as a part of the protocol, from a scene that shares no seed with those held out. The memories of gst_hd that ship have
-// learnt from hexapod.yaml.
+// learnt from learn_papillarray.yaml.
 struct Lesson {
   std::string recipe;  // of learn::recipes(), with its own number of steps
   std::string sensor;  // type
