@@ -44,7 +44,8 @@ TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
   ASSERT_EQ(plan.size(), 200u);
   std::map<std::string, int> kinds;
   std::set<double> compressions;
-  std::set<double> directions;
+  std::set<double> directions, speeds;
+  double friction = 0.0;  // mean logarithm
   for (std::size_t i = 0; i < plan.size(); ++i) {
     const Scene scene = plan.trial(i).scene;
     const Parameters& motion = scene.motion.parameters;
@@ -62,25 +63,31 @@ TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
       EXPECT_GE(motion.number("speed"), 0.0005);
       EXPECT_LE(motion.number("speed"), 0.016);
     }
-    // 16 mm/s at 9.9 mm is 92.6 deg/s.
-    EXPECT_LE(std::abs(motion.number("rotation")), 92.7 * degree);
-    // A stop trial halts 50 to 100 ms after the start; other turns brake late, to stay within what a hexapod can turn. Speeding up
-    // loses as much of the angle as braking adds, so the pad turns by rate x stop.
-    EXPECT_GE(motion.number("stop"), 0.050);
-    if (motion.number("stop") <= 0.100) ++kinds["stop"];
-    EXPECT_LE(std::abs(motion.number("rotation")) * std::min(motion.number("stop"), 2.0), 35.0 * degree);
-    for (const double tilt : motion.vector("tilt")) EXPECT_LE(std::abs(tilt), 3.0 * degree);
+    // What does not stop within 50 to 100 ms moves to the end, 2 s, and turns no further than a hexapod can.
+    const double stop = motion.number("stop");
+    if (std::isfinite(stop)) {
+      ++kinds["stop"];
+      EXPECT_DOUBLE_EQ(stop, motion.number("speed") <= 0.002 ? 0.100 : 0.050) << "trial " << i;
+    }
+    EXPECT_LE(std::abs(motion.number("rotation")) * 2.0, 30.001 * degree);
+    // One mounting.
+    EXPECT_DOUBLE_EQ(motion.vector("tilt")[0], -0.5 * degree);
+    EXPECT_DOUBLE_EQ(motion.vector("tilt")[1], 2.0 * degree);
     compressions.insert(motion.number("compression"));
     directions.insert(motion.number("direction"));
-    EXPECT_NE(scene.friction.static_coefficient, 0.5);
+    speeds.insert(motion.number("speed"));
+    friction += std::log(scene.friction.static_coefficient) / static_cast<double>(plan.size());
   }
-  // 10 kinds of 5 speeds x 4 compressions = 20 trials each: 4 translations, 3 rotations, 3 of both; 2 of the 10 stop.
-  EXPECT_EQ(kinds["translation"], 80);
-  EXPECT_EQ(kinds["rotation"], 60);
-  EXPECT_EQ(kinds["both"], 60);
+  // 10 blocks of 5 motions x 4 compressions = 20 trials each: 7 translations, of which 2 stop, a rotation, 2 of both.
+  EXPECT_EQ(kinds["translation"], 140);
+  EXPECT_EQ(kinds["rotation"], 20);
+  EXPECT_EQ(kinds["both"], 40);
   EXPECT_EQ(kinds["stop"], 40);
+  EXPECT_EQ(speeds, (std::set{0.0, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016}));
   EXPECT_EQ(compressions, (std::set{0.0006, 0.0009, 0.00105, 0.0013}));
   EXPECT_EQ(directions.size(), 200u) << "every trial draws its own direction";
+  // A tip slides at D_t/D_z = mu k_n/k_t: published are 1.45 to 1.9, whose middle is mu 0.907. The mean of 200 draws of 7 % has an error of 0.5 %.
+  EXPECT_NEAR(std::exp(friction), 0.5 * (1.45 + 1.9) * 0.65 / 1.2, 0.02);
 }
 
 // A fit of stiffness, friction and tilt takes presses at two depths, slides or turns in each, and a tilt that is written down.

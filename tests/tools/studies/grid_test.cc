@@ -16,7 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-constexpr const char* scene = "scenes/papillarray/hexapod.yaml";  // 200 trials, whose friction and tilt are drawn
+constexpr const char* scene = "scenes/papillarray/hexapod.yaml";  // 200 trials, whose friction is drawn
 
 const std::vector<GridCell> cells{
     {.name = "as it is", .scene = scene, .draws = 2},

@@ -8,13 +8,9 @@
 
 namespace slipbench::page {
 
-namespace {
-
 std::string json_path(const std::string& html_path) {
   return std::filesystem::path(html_path).replace_extension(".json").string();
 }
-
-}  // namespace
 
 void check_page_files(const std::string& html_path, const PageKind& kind) {
   if (!html_path.ends_with(".html")) {

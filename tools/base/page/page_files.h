@@ -16,6 +16,9 @@ struct PageKind {
   TextKind page, json;
 };
 
+// FILE.json of FILE.html.
+std::string json_path(const std::string& html_path);
+
 // Throws InputError when `html_path` does not end in .html, or when either file cannot be put there or holds something of another kind.
 void check_page_files(const std::string& html_path, const PageKind& kind);
 

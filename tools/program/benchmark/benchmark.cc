@@ -1,14 +1,11 @@
 #include "tools/program/benchmark/benchmark.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -16,10 +13,12 @@
 
 #include "sim/core/error.h"
 #include "sim/core/interrupted.h"
+#include "sim/core/quantity.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/scratch_folder.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
@@ -33,13 +32,12 @@
 #include "tools/program/judge/metrics.h"
 #include "tools/program/judge/replay.h"
 #include "tools/program/judge/truth.h"
+#include "tools/program/report/report_parameters.h"
 #include "tools/program/run/run_sweep.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::benchmark {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::size_t most_groups = 6;
 constexpr std::uint64_t replay_seconds = 100'000;
@@ -54,27 +52,6 @@ judge::TruthRule rule_of(Track track) {
   }
   return {};
 }
-
-// A folder that goes with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "slipbench-benchmark-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw InputError(fmt::format("{}: cannot be made: {}", name, std::generic_category().message(errno)));
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code error;
-    fs::remove_all(path_, error);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 // How an entrant did in one trial; or why it could not be judged.
 struct Answer {
@@ -106,18 +83,28 @@ struct Board {
   std::vector<bool> needed{};  // of each grasp: who never tightens drops the box
 };
 
-DetectorScene detector_for(const Seat& seat, const Scene* scene, const std::string& mover) {
-  DetectorScene detector = seat.entrant->knows_motion && scene != nullptr ? motion_known(*scene, mover) : seat.entrant->detector;
+DetectorScene told(const Entrant& entrant, const Held& held, const Scene& scene) {
+  switch (entrant.told) {
+    case Told::nothing: return entrant.detector;
+    case Told::clock: return control_of(held.clock, never);
+    case Told::motion: return motion_known(scene, held.mover);
+    case Told::motion_and_time: return motion_known_and(held.time, scene, held.mover);
+  }
+  return {};
+}
+
+// `scene`: of the trial at hand, one of `held`; both nullptr: a recording of a real sensor.
+DetectorScene detector_for(const Seat& seat, const Held* held, const Scene* scene) {
+  DetectorScene detector = scene == nullptr ? seat.entrant->detector : told(*seat.entrant, *held, *scene);
   detector.sensor = seat.sensor;
   return detector;
 }
 
-Answer recorded_answer(const Seat& seat, const Scene* scene, const std::string& mover, const TrialRecord& record,
-                       judge::TruthRule rule) {
+Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, judge::TruthRule rule) {
   Answer answer;
   try {
     const judge::Replayed replayed =
-        judge::replay(detector_for(seat, scene, mover), record.sensors, seat.sensor, record.seed, record.trial);
+        judge::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
     answer.judgement = judge::judged(record.trial, judge::truth_of(scene, record, record.sensors[seat.sensor], rule), replayed);
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", record.trial, error.what());
@@ -126,10 +113,10 @@ Answer recorded_answer(const Seat& seat, const Scene* scene, const std::string& 
 }
 
 // What its loop saw in a grasp.
-Answer grasp_answer(const Seat& seat, Scene scene, std::size_t trial) {
+Answer grasp_answer(const Seat& seat, const Held& held, Scene scene, std::size_t trial) {
   Answer answer;
   try {
-    scene.detector = detector_for(seat, &scene, "");
+    scene.detector = detector_for(seat, &held, &scene);
     const TrialRecord record = run_trial(scene, trial, Recording::full).record;
     const SensorRecord& sensor = record.sensors[seat.sensor];
     judge::Replayed seen;
@@ -165,7 +152,7 @@ void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const T
       const Seat seat{entrant, sensor, first.sensors[sensor].name};
       if (entrant->kind != Kind::oracle) {
         try {
-          judge::replay(detector_for(seat, nullptr, ""), first.sensors, sensor, first.seed, first.trial);
+          judge::replay(detector_for(seat, nullptr, nullptr), first.sensors, sensor, first.seed, first.trial);
         } catch (const InputError& error) {
           if (why.empty()) why = without_folder(error.what(), file_of(entrant->detector));
           continue;
@@ -247,19 +234,29 @@ Json row_json(const Board& board, const Seat& seat) {
   return row;
 }
 
-// A value that was swept, numbers in SI.
-std::string value_text(const Json& value) {
-  if (value.is_string()) return value.get<std::string>();
-  return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : value.dump();
+// A value that was swept, as a scene writes it: "2 mm/s".
+std::string value_text(const std::string& path, const Json& drawn) {
+  const Json plain = report::plain_value(path, drawn);
+  if (plain.contains("text")) return plain.at("text").get<std::string>();
+  const double value = plain.at("value").is_null() ? std::numeric_limits<double>::infinity() : plain.at("value").get<double>();
+  const std::string unit = plain.at("unit").get<std::string>();
+  return format_quantity(value, unit.empty() ? Quantity::none : quantity_of("1 " + unit));
 }
 
 // Scores by what the scene's grid varies: values that repeat and are no list or map.
 Json groups_json(const Board& board) {
-  std::map<std::string, std::map<std::string, std::vector<std::size_t>>> by;
+  using Groups =
+      std::vector<std::pair<std::string, std::vector<std::size_t>>>;  // in the order of the trials, which is the grid's
+  std::map<std::string, Groups> by;
   for (std::size_t k = 0; k < board.params.size(); ++k) {
     const Json params = Json::parse(board.params[k]);
     for (const auto& [path, value] : params.items()) {
-      if (value.is_primitive()) by[path][value_text(value)].push_back(k);
+      if (!value.is_primitive()) continue;
+      const std::string text = value_text(path, value);
+      Groups& groups = by[path];
+      auto group = std::ranges::find(groups, text, &Groups::value_type::first);
+      if (group == groups.end()) group = groups.insert(group, {text, {}});
+      group->second.push_back(k);
     }
   }
   Json json = Json::array();
@@ -369,7 +366,7 @@ Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, co
           const Scene scene = plan.trial(trials[k]).scene;
           Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
           for (const Seat& seat : board.seats)
-            judged.answers.push_back(recorded_answer(seat, &scene, held.mover, record, rule_of(held.track)));
+            judged.answers.push_back(recorded_answer(seat, &held, &scene, record, rule_of(held.track)));
           return judged;
         },
         [&board](Judged&& judged) {
@@ -387,7 +384,7 @@ Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, co
         trials.size() * seats, options,
         [&](std::size_t k) {
           const std::size_t trial = trials[k / seats];
-          return grasp_answer(board.seats[k % seats], plan.trial(trial).scene, trial);
+          return grasp_answer(board.seats[k % seats], held, plan.trial(trial).scene, trial);
         },
         [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
     const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
@@ -428,7 +425,8 @@ std::string transfer_text(const std::string& file, const std::vector<const Entra
     if (board.digests.empty()) seat_all(board, entrants, record, {0});
     board.digests.push_back(trial_identity(reader, number));
     digests += board.digests.back() + "\n";
-    for (Seat& seat : board.seats) seat.answers.push_back(recorded_answer(seat, nullptr, "", record, rule_of(Track::transfer)));
+    for (Seat& seat : board.seats)
+      seat.answers.push_back(recorded_answer(seat, nullptr, nullptr, record, rule_of(Track::transfer)));
   }
   check.finish();
   if (board.digests.empty()) throw InputError(file + ": holds no trial");
@@ -500,9 +498,9 @@ Asked parse_asked(const Json& json) {
 Json benchmark(const Options& options) {
   const Asked& asked = options.asked;
   check_sensor(asked.sensor);
-  register_control();
   std::vector<Entrant> entrants;
   for (const std::string& word : asked.detectors) entrants.push_back(given_entrant(word, asked.parameters));
+  register_control();  // the board's own, which a user cannot name
   for (Entrant& entrant : shipped_entrants()) {
     // The user's own words for it, parameters perhaps among them, stand beside it.
     const auto same = [&](const Entrant& one) { return one.name == entrant.name; };
@@ -511,7 +509,7 @@ Json benchmark(const Options& options) {
   }
   for (Entrant& control : control_entrants()) entrants.push_back(std::move(control));
   check_names(entrants);
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   Taught taught;
   if (!asked.untaught) {
     taught =
@@ -521,23 +519,24 @@ Json benchmark(const Options& options) {
   entrants.push_back(oracle_entrant());
   std::vector<Missing> missing = missing_entrants();
   missing.insert(missing.end(), taught.untaught.begin(), taught.untaught.end());
-  const auto entering = [&entrants](Track track, const std::string& sensor) {
+  // Into trials of simulations, or nullptr: of a real sensor.
+  const auto entering = [&entrants](const Held* held) {
     std::vector<const Entrant*> some;
     for (const Entrant& entrant : entrants) {
-      if (entrant.kind == Kind::oracle && track != Track::loop) continue;
-      if (track == Track::transfer && entrant.knows_motion) continue;
-      if (entrant.reads.empty() || sensor.empty() || entrant.reads == sensor) some.push_back(&entrant);
+      if (entrant.kind == Kind::oracle && (held == nullptr || held->track != Track::loop)) continue;
+      if (held == nullptr ? entrant.told != Told::nothing : !can_be_told(entrant, *held)) continue;
+      if (entrant.reads.empty() || held == nullptr || entrant.reads == held->sensor) some.push_back(&entrant);
     }
     return some;
   };
   const Catalogues catalogues = program_catalogues();
   // Real recordings first, since files are read by child processes, which want no threads beside them.
   Json transfer = Json::array();
-  for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(Track::transfer, ""), options));
+  for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(nullptr), options));
   Json sets = Json::array();
   for (const Held& held : held_out()) {
     if (!asked.sensor.empty() && held.sensor != asked.sensor) continue;
-    Json set = held_json(held, entering(held.track, held.sensor), options, catalogues);
+    Json set = held_json(held, entering(&held), options, catalogues);
     for (const Missing& one : missing) {
       if (one.sensor == held.sensor) set["left_out"].push_back({{"detector", one.name}, {"why", one.why}});
     }
@@ -570,6 +569,11 @@ Json parse_submission(const std::string& text, const std::string& name) {
   const Json& protocol = json.at("protocol");
   if (!protocol.is_object() || !protocol.contains("name") || protocol.at("name") != protocol_name)
     throw InputError(fmt::format("{}: is of another protocol; allowed: {}", name, protocol_name));
+  const std::string here = protocol_sha256();
+  const std::string there = protocol.contains("sha256") ? found(protocol.at("sha256")) : "nothing";
+  if (there != found(here))
+    throw InputError(fmt::format("{}: /protocol/sha256: {} in the file; allowed: {}, that of {} here", name, there, found(here),
+                                 protocol_name));
   return json;
 }
 

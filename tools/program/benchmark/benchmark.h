@@ -54,7 +54,7 @@ Asked parse_asked(const Json& json);
 
 // The bytes of a submission.
 std::string submission_text(const Json& result);
-// Throws InputError for a text that is no submission of this protocol.
+// Throws InputError for a text that is no submission of this protocol, by its name and its digest: nothing has to be computed to see that.
 Json parse_submission(const std::string& text, const std::string& name);
 
 // How a recomputed board, with the submission's own `machine` in the place of this one, differs from the submission's bytes:

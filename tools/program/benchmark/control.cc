@@ -71,4 +71,10 @@ DetectorScene motion_known(const Scene& scene, const std::string& mover) {
   return control_of(motion.number("start"), motion.number("start") + way_time(motion));
 }
 
+DetectorScene motion_known_and(double time, const Scene& scene, const std::string& mover) {
+  const DetectorScene known = motion_known(scene, mover);
+  const double from = known.parameters.number("from"), until = known.parameters.number("until");
+  return scene.grasp ? control_of(from, from + time) : control_of(from + time, until);
+}
+
 }  // namespace slipbench::benchmark

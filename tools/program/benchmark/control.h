@@ -23,4 +23,7 @@ DetectorScene control_of(double from, double until);
 // contact, until it stops. In a grasp from the lift on.
 DetectorScene motion_known(const Scene& scene, const std::string& mover);
 
+// The same with a time [s] beside it: in an open recording slip is said so much later; in a grasp for so long.
+DetectorScene motion_known_and(double time, const Scene& scene, const std::string& mover);
+
 }  // namespace slipbench::benchmark

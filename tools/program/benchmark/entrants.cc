@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -163,14 +164,18 @@ std::vector<Missing> missing_entrants() {
 }
 
 std::vector<Entrant> control_entrants() {
-  const auto control = [](const char* name, double from, bool knows_motion) {
-    return Entrant{.name = name,
-                   .kind = Kind::control,
-                   .detector = control_of(from, never),
-                   .knows_motion = knows_motion,
-                   .sha256 = text_sha256(name)};
+  const auto control = [](const char* name, double from, Told told) {
+    return Entrant{
+        .name = name, .kind = Kind::control, .detector = control_of(from, never), .told = told, .sha256 = text_sha256(name)};
   };
-  return {control("always slip", 0.0, false), control(never_slip, never, false), control("motion known", never, true)};
+  return {control("always slip", 0.0, Told::nothing), control(never_slip, never, Told::nothing),
+          control("clock", never, Told::clock), control("motion known", never, Told::motion),
+          control("motion known, timed", never, Told::motion_and_time)};
+}
+
+bool can_be_told(const Entrant& entrant, const Held& held) {
+  if (entrant.told == Told::clock) return !std::isnan(held.clock);
+  return entrant.told != Told::motion_and_time || !std::isnan(held.time);
 }
 
 Entrant oracle_entrant() {

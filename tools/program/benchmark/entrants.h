@@ -12,6 +12,7 @@
 #include "sim/scene/parser.h"
 #include "sim/scene/scene.h"
 #include "tools/base/page/json.h"
+#include "tools/program/benchmark/protocol.h"
 
 namespace slipbench::benchmark {
 
@@ -25,11 +26,19 @@ enum class Kind {
 // "shipped", ...
 std::string kind_word(Kind kind);
 
+// What a control is told of the trials that are judged (protocol.h).
+enum class Told {
+  nothing,
+  clock,            // Held::clock
+  motion,           // when each trial's motion begins and ends
+  motion_and_time,  // the same, and Held::time
+};
+
 struct Entrant {
   std::string name;  // "shear_rate", "my.onnx"
   Kind kind = Kind::shipped;
-  DetectorScene detector{};                // but for the sensor, and for the instants of a control that knows the motion
-  bool knows_motion = false;               // a control whose instants are each trial's own
+  DetectorScene detector{};  // but for the sensor, and for the instants of a control that is told them
+  Told told = Told::nothing;
   std::string reads{};                     // type of sensor that it learnt from; empty: whichever it can
   Json parameters = Json::object();        // that were set, as text
   std::string sha256{};                    // of what it is: type, parameters, files; of one that learns: of what it learns from
@@ -42,6 +51,9 @@ Entrant given_entrant(const std::string& word, const std::vector<Override>& para
 
 // The control that never says slip.
 inline constexpr const char* never_slip = "never slip";
+
+// Whether a control of the board can be told what it wants to know of these trials.
+bool can_be_told(const Entrant& entrant, const Held& held);
 
 // Someone who is not there, and why.
 struct Missing {

@@ -1,6 +1,7 @@
 #include "tools/program/benchmark/protocol.h"
 
 #include <filesystem>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -15,12 +16,31 @@ namespace {
 
 constexpr const char* folder = "scenes/benchmark/slip-1/";
 
-Held open_recordings(const std::string& sensor, std::vector<std::string> readers, std::string mover = "") {
-  return {Track::open, sensor, folder + ("open_" + sensor + ".yaml"), std::move(readers), std::move(mover)};
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+struct Controls {
+  double clock, time;  // s
+};
+
+Held open_recordings(const std::string& sensor, std::vector<std::string> readers, Controls controls, std::string mover = "") {
+  return {.track = Track::open,
+          .sensor = sensor,
+          .scene = folder + ("open_" + sensor + ".yaml"),
+          .readers = std::move(readers),
+          .mover = std::move(mover),
+          .clock = controls.clock,
+          .time = controls.time};
 }
 
+// All lifts begin at the same instant, so that a clock would know no less than who knows the motion.
 Held closed_loop(const std::string& sensor, std::vector<std::string> readers) {
-  return {Track::loop, sensor, folder + ("loop_" + sensor + ".yaml"), std::move(readers), ""};
+  return {.track = Track::loop,
+          .sensor = sensor,
+          .scene = folder + ("loop_" + sensor + ".yaml"),
+          .readers = std::move(readers),
+          .mover = "",
+          .clock = none,
+          .time = 0.16};
 }
 
 // The bytes of a scene, and of the model that it names.
@@ -46,11 +66,11 @@ std::string_view track_name(Track track) {
 }
 
 const std::vector<Held>& held_out() {
-  static const std::vector<Held> all{open_recordings("papillarray", {"pad", "slow"}),
-                                     open_recordings("piezo_skin", {"pad"}),
-                                     open_recordings("nib_pad", {"pad"}, "pull"),
-                                     open_recordings("myrmex", {"left"}, "apart"),
-                                     open_recordings("biotac_sp", {"pad"}),
+  static const std::vector<Held> all{open_recordings("papillarray", {"pad", "slow"}, {3.9, 0.14}),
+                                     open_recordings("piezo_skin", {"pad"}, {3.3, none}),
+                                     open_recordings("nib_pad", {"pad"}, {5.3, 2.05}, "pull"),
+                                     open_recordings("myrmex", {"left"}, {none, 5.3}, "apart"),
+                                     open_recordings("biotac_sp", {"pad"}, {3.4, 0.08}),
                                      closed_loop("papillarray", {"pad", "fast"}),
                                      closed_loop("piezo_skin", {"skin"}),
                                      closed_loop("nib_pad", {"skin"}),
@@ -60,7 +80,7 @@ const std::vector<Held>& held_out() {
 }
 
 const std::vector<Lesson>& lessons() {
-  static const std::vector<Lesson> all{{"papillarray_gru", "papillarray", "scenes/papillarray/hexapod.yaml", 0},
+  static const std::vector<Lesson> all{{"papillarray_gru", "papillarray", "scenes/benchmark/slip-1/learn_papillarray.yaml", 0},
                                        {"piezo_mlp", "piezo_skin", "scenes/piezo_skin/dataset.yaml", 100},
                                        {"piezo_fft_gru", "piezo_skin", "scenes/piezo_skin/dataset.yaml", 100},
                                        {"myrmex_net1", "myrmex", "scenes/myrmex/dataset.yaml", 0},
@@ -72,8 +92,8 @@ std::string protocol_sha256() {
   std::string text = fmt::format("{} {} {} {}\n", protocol_name, half_delay, alarm_limit, worst_force_ratio);
   std::set<std::string> scenes;
   for (const Held& held : held_out()) {
-    text += fmt::format("{} {} {} {} {}\n", track_name(held.track), held.sensor, held.scene, fmt::join(held.readers, ","),
-                        held.mover);
+    text += fmt::format("{} {} {} {} {} {} {}\n", track_name(held.track), held.sensor, held.scene, fmt::join(held.readers, ","),
+                        held.mover, held.clock, held.time);
     scenes.insert(held.scene);
   }
   for (const Lesson& lesson : lessons()) {

@@ -1,4 +1,4 @@
-// The rank score: what a detector is worth, and why nothing but seeing slip in time raises it.
+// The rank score: what a detector is worth. README.md says what raises it and what does not.
 #pragma once
 
 #include <span>
@@ -30,8 +30,7 @@ struct Score {
   double credit = 0.0;             // mean over the trials that have something to earn; 0 where none has
   double alarms_per_minute = 0.0;  // of time without true slip
   double said = 0.0;               // share of the samples without true slip that are called slip
-  // credit min(1, alarm_limit / alarms_per_minute) - said: -1 to 1. In a loop credit - said, since a false alarm has cost force there. README.md
-  // says what it cannot be bought with.
+  // credit min(1, alarm_limit / alarms_per_minute) - said: -1 to 1. In a loop credit - said, since a false alarm has cost force there.
   double value = 0.0;
 };
 Score score_of(std::span<const Part> parts, Track track);

@@ -1,6 +1,7 @@
 #include "tools/program/cli/benchmark_command.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -9,6 +10,7 @@
 #include "sim/core/error.h"
 #include "sim/core/interrupted.h"
 #include "tools/base/dataset/output_file.h"
+#include "tools/base/page/page_files.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/benchmark/board_page.h"
 #include "tools/program/cli/arguments.h"
@@ -27,13 +29,19 @@ std::string read_text(const std::string& path) {
   return text;
 }
 
+// Whether both paths lead to one file, whether it is there or not.
+bool same_file(const std::string& a, const std::string& b) {
+  const auto place = [](const std::string& path) { return std::filesystem::weakly_canonical(std::filesystem::absolute(path)); };
+  return place(a) == place(b);
+}
+
 }  // namespace
 
 void BenchmarkCommand::declare(Arguments& arguments) {
   arguments.about("benchmark", "Judge all slip detectors by one protocol", R"(
-Puts every detector on a board: those that ship, those that the protocol teaches, the negative controls (always slip, never slip, the
-motion known), and the DETECTORs given. The protocol slip-1 is fixed: recordings and grasps of scenes/benchmark/slip-1, which share no seed,
-material or object with what is learnt from, and a score that false alarms only lower (tools/program/benchmark/README.md).
+Puts every detector on a board: those that ship, those that the protocol teaches, the negative controls (always slip, never slip, a
+clock, the motion known, the motion known and timed), and the DETECTORs given. The protocol slip-1 is fixed: recordings and grasps of scenes/benchmark/slip-1, which share no seed,
+material or object with what is learnt from, and a score that false alarms lower (tools/program/benchmark/README.md).
 
 Three tracks: open recordings; closed loop, where a gripper tightens by what the detector says; transfer, with --real, where what was taught on
 simulations is judged on recordings of real sensors.
@@ -63,6 +71,10 @@ Examples:
                       asked.trials > 0 || asked.untaught || !output.empty() || !submission.empty();
     if (!verified.empty() && asks)
       throw InputError("benchmark: --verify takes what was asked from its file; allowed: it alone, and --jobs");
+    if (!output.empty() && !submission.empty() &&
+        (same_file(output, submission) || same_file(page::json_path(output), submission)))
+      throw InputError(
+          fmt::format("benchmark: --submit {}: --output {} writes that file; allowed: another name", submission, output));
     if (asked.detectors.empty() && !asked.parameters.empty())
       throw InputError("benchmark: --set is of the DETECTOR given, and none is; allowed: a DETECTOR, e.g. shear_rate");
   });

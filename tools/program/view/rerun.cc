@@ -22,6 +22,7 @@
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/scratch_folder.h"
 #include "tools/base/page/asset.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/export/export.h"
@@ -31,26 +32,6 @@ namespace slipbench {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A folder of our own for what Python reads, removed with its object.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    path_ = (fs::temp_directory_path() / "slipbench-rerun-XXXXXX").string();
-    if (::mkdtemp(path_.data()) == nullptr) throw InputError(fmt::format("cannot make {}: {}", path_, std::strerror(errno)));
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 // The user's Python with rerun.py, which is told of files on its stdin.
 class Python {
@@ -143,7 +124,7 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
   if (!follows && !fs::exists(path))
     throw InputError(fmt::format("view: {}: there is no such dataset, and no run writes it", path));
   const InterruptGuard guard("the viewer stays open");
-  const ScratchFolder folder;
+  const ScratchFolder folder;  // for what Python reads
   Python python(fs::path(path).filename().string(), options.save);
   RerunResult result;
   for (bool alive = true, runs = follows; alive && !InterruptGuard::flag();) {

@@ -7,20 +7,6 @@
 
 namespace slipbench::counts {
 
-// A folder that is empty at first and removed with its object. Throws InputError where it cannot be made.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 // A file's bytes; throws InputError where it cannot be read.
 std::string file_text(const std::filesystem::path& path);
 

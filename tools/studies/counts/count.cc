@@ -18,6 +18,7 @@
 #include "sim/core/error.h"
 #include "sim/core/own_library.h"
 #include "sim/scene/parser.h"
+#include "tools/base/dataset/scratch_folder.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
@@ -72,9 +73,9 @@ SceneCount count_scene(const std::string& valgrind, std::string_view scene, cons
       folder.path(), child_environment());
   if (status != 0) {
     throw InputError(
-        fmt::format("bench: {} under {} ended with {}: {}", scene, valgrind, status, last_words(folder.path() / "err")));
+        fmt::format("bench: {} under {} ended with {}: {}", scene, valgrind, status, last_words(folder.file("err"))));
   }
-  const InstructionProfile profile = parse_callgrind(file_text(folder.path() / "profile"), "profile of " + std::string(scene));
+  const InstructionProfile profile = parse_callgrind(file_text(folder.file("profile")), "profile of " + std::string(scene));
   if (profile.instructions == 0 || profile.steps == 0) {
     throw InputError(fmt::format(
         "bench: {} under {}: {} instructions in {} steps were counted inside run_trial; allowed: a program with its symbols, not stripped",
@@ -140,7 +141,7 @@ std::string instruction_set() {
 std::string valgrind_version(const std::string& valgrind) {
   const ScratchFolder folder;
   const int status = run_child({valgrind, "--version"}, folder.path(), child_environment());
-  std::string text = file_text(folder.path() / "out");
+  std::string text = file_text(folder.file("out"));
   while (text.ends_with('\n')) text.pop_back();
   constexpr std::string_view prefix = "valgrind-";
   if (status != 0 || !text.starts_with(prefix)) {

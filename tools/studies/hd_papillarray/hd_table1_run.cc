@@ -1,8 +1,6 @@
 #include "tools/studies/hd_papillarray/hd_table1_run.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <utility>
 
 #include "sim/core/error.h"
@@ -61,13 +59,13 @@ std::array<hd::Model, 4> ablation(const hd::Model& base) {
 
 std::vector<EncoderVariant> scatter_variants() {
   std::vector<EncoderVariant> all{
-      {"none", joined({no_friction_scatter, no_tilt})},
-      {"friction 10 %", no_tilt},
-      {"tilt 1 deg", no_friction_scatter},
-      {"friction 10 %, tilt 1 deg (hexapod.yaml)", {}},
-      {"friction 30 %, tilt 1 deg", {wide_friction}},
-      {"friction 10 %, tilt 2 deg", {wide_tilt_x, wide_tilt_y}},
-      {"friction 10 %, tilt 1 deg, preload 0.5 to 1.5 mm", wide_preload},
+      {"none, no tilt", joined({no_friction_scatter, no_tilt})},
+      {"friction 7 %, no tilt", no_tilt},
+      {"none, one tilt for all", no_friction_scatter},
+      {"friction 7 %, one tilt for all (hexapod.yaml)", {}},
+      {"friction 30 %, one tilt for all", {wide_friction}},
+      {"friction 7 %, tilt 2 deg", {wide_tilt_x, wide_tilt_y}},
+      {"friction 7 %, one tilt for all, preload 0.5 to 1.5 mm", wide_preload},
       {"friction 30 %, tilt 2 deg, preload 0.5 to 1.5 mm", joined({{wide_friction, wide_tilt_x, wide_tilt_y}, wide_preload})}};
   return all;
 }
@@ -99,15 +97,6 @@ std::vector<EncoderVariant> cause_variants() {
   add("stiff pillars (profile gripper)", [](EncoderVariant& v) { v.overrides = {{"sensors.pad.profile", "gripper"}}; });
   add("pillars slip as a whole (1 bristle)", [](EncoderVariant& v) { v.overrides = {{"sensors.pad.bristles", "1"}}; });
   return all;
-}
-
-DatasetFolder::DatasetFolder() : path_((std::filesystem::temp_directory_path() / "slipbench-XXXXXX").string()) {
-  if (::mkdtemp(path_.data()) == nullptr) throw InputError("cannot make a folder " + path_ + " for the dataset");
-}
-
-DatasetFolder::~DatasetFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
 }
 
 EncoderDraws EncoderAblation::run(const EncoderVariant& variant, EncoderDraws* by_frame) {

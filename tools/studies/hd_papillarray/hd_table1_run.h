@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/scene/parser.h"
+#include "tools/base/dataset/scratch_folder.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/train/train.h"
 #include "tools/studies/study_catalogue.h"
@@ -40,20 +41,6 @@ std::vector<EncoderVariant> scatter_variants();  // what differs between sequenc
 
 using EncoderDraws = std::array<std::vector<Evaluation>, 4>;  // of the four models
 
-// A folder for a dataset, which is removed with its object.
-class DatasetFolder {
- public:
-  DatasetFolder();
-  ~DatasetFolder();
-  DatasetFolder(const DatasetFolder&) = delete;
-  DatasetFolder& operator=(const DatasetFolder&) = delete;
-
-  [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
-};
-
 // Runs variants one after the other. A variant that needs no other dataset than the one before it takes that one's.
 class EncoderAblation {
  public:
@@ -73,7 +60,7 @@ class EncoderAblation {
   const ReproduceOptions& options_;
   std::uint64_t seed_;
   InterruptGuard guard_{"ending after the step at hand"};  // lets the folder be removed
-  DatasetFolder folder_;
+  ScratchFolder folder_;
   std::string path_;  // of the dataset at hand
   std::string key_;   // what made it
   SlipRule labels_{};

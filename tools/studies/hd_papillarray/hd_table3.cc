@@ -12,6 +12,7 @@
 
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
+#include "tools/base/dataset/scratch_folder.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -144,7 +145,7 @@ Result hd_table3(const ReproduceOptions& options) {
   static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
   const std::vector<GruRow> rows = chosen(gru_rows(), options.only);
   const InterruptGuard guard("ending after the step at hand");
-  const DatasetFolder folder;
+  const ScratchFolder folder;
   Result result;
   result.title = "The recurrent network on the published protocol";
   result.source =

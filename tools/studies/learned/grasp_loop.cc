@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/base/dataset/scratch_folder.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
@@ -17,7 +18,6 @@
 #include "tools/program/run/run_sweep.h"
 #include "tools/program/train/train.h"
 #include "tools/studies/grid.h"
-#include "tools/studies/hd_papillarray/hd_table1_run.h"
 
 namespace slipbench::reproduce {
 namespace grasp_loop {
@@ -208,7 +208,7 @@ ResultTable table_of(const Condition& condition, const std::vector<Loop>& rows, 
 
 Result learned_grasp_loop(const ReproduceOptions& options) {
   using namespace grasp_loop;
-  const DatasetFolder folder;
+  const ScratchFolder folder;
   const Files files{folder.file("grasp.onnx"), folder.file("piezo.onnx"), folder.file("myrmex.onnx"), folder.file("memories")};
   const std::vector<Loop> all = loops(files);
   check_only(options.only, names_of(all));

@@ -1,9 +1,12 @@
 // A part of the protocol, a trial or some of each scene: the whole takes minutes.
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,7 +17,14 @@
 #include "tools/program/benchmark/benchmark.h"
 #include "tools/program/benchmark/control.h"
 #include "tools/program/benchmark/protocol.h"
+#include "tools/program/benchmark/score.h"
 #include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/judge/metrics.h"
+#include "tools/program/judge/replay.h"
+#include "tools/program/judge/truth.h"
+#include "tools/program/run/run_sweep.h"
+#include "tools/program/run/run_trial.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -48,6 +58,9 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
       tracks[row.at("detector")].insert(set.at("track"));
     }
     for (const char* control : {"always slip", "never slip", "motion known"}) EXPECT_TRUE(here.contains(control)) << control;
+    const Held& held = *std::ranges::find(held_out(), set.at("scene").get<std::string>(), &Held::scene);
+    EXPECT_EQ(here.contains("clock"), !std::isnan(held.clock));
+    EXPECT_EQ(here.contains("motion known, timed"), !std::isnan(held.time));
     EXPECT_EQ(score(set, "never slip"), 0.0);
     // Whoever is behind all others is the one who always says slip.
     EXPECT_EQ(set.at("rows").back().at("detector"), "always slip");
@@ -68,6 +81,13 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
 TEST(Board, SameBytesAndFlipsLowerTheScore) {
   const Json one = board("papillarray", 2, 1);
   EXPECT_EQ(submission_text(one), submission_text(board("papillarray", 2, 2)));
+  // Trials 0 and 48 of the 96 have the first speed of the grid and its third.
+  const Json& by = one.at("sets").at(0).at("by");
+  const auto speeds = std::ranges::find_if(by, [](const Json& axis) { return axis.at("by") == "motion.speed"; });
+  ASSERT_NE(speeds, by.end());
+  std::vector<std::string> names;
+  for (const Json& group : speeds->at("groups")) names.push_back(group.at("name"));
+  EXPECT_EQ(names, (std::vector<std::string>{"0 m/s", "6 mm/s"}));
   std::map<std::string, double> before;
   for (const Json& set : one.at("sets")) {
     for (const char* detector : {"shear_rate", "stuck_fraction"})
@@ -83,6 +103,51 @@ TEST(Board, SameBytesAndFlipsLowerTheScore) {
         last = now;
       }
     }
+  }
+}
+
+using Trials = std::vector<std::pair<Scene, TrialRecord>>;
+
+Trials all_trials(const Held& held) {
+  const Catalogues catalogues = program_catalogues();
+  SweepOptions options;
+  options.scene_path = project_file(held.scene);
+  const ReadSweep read = read_sweep(options, catalogues);
+  Trials trials;
+  for (std::size_t k = 0; k < read.planned.plan.size(); ++k) {
+    const Scene scene = read.planned.plan.trial(k).scene;
+    trials.emplace_back(scene, run_trial(scene, k, Recording::full).record);
+  }
+  return trials;
+}
+
+// The score in open recordings of a detector that `detector` makes for each scene.
+double score_on(const Trials& trials, const std::function<DetectorScene(const Scene&)>& detector) {
+  std::vector<Part> parts;
+  for (const auto& [scene, record] : trials) {
+    const judge::Truth truth = judge::truth_of(&scene, record, record.sensors[0], judge::TruthRule::masked);
+    const judge::Replayed replayed = judge::replay(detector(scene), record.sensors, 0, record.seed, record.trial);
+    parts.push_back(recording_part(judge::judged(record.trial, truth, replayed)));
+  }
+  return score_of(parts, Track::open).value;
+}
+
+// What the controls are told scores better than a step more or less of it.
+TEST(Protocol, ControlsAreToldTheBest) {
+  constexpr double clock_step = 0.1, time_step = 0.02;  // s
+  register_control();
+  const Held& held = *std::ranges::find(held_out(), "biotac_sp", &Held::sensor);
+  const Trials trials = all_trials(held);
+  const auto clock = [&trials](double time) { return score_on(trials, [=](const Scene&) { return control_of(time, never); }); };
+  const auto timed = [&trials](double time) {
+    return score_on(trials, [=](const Scene& scene) { return motion_known_and(time, scene, ""); });
+  };
+  const double by_clock = clock(held.clock), by_time = timed(held.time);
+  EXPECT_GT(by_clock, 0.0) << "never to say slip would be better";
+  EXPECT_GT(by_time, by_clock) << "who knows when it moves knows more";
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_GT(by_clock, clock(held.clock + sign * clock_step)) << sign;
+    EXPECT_GT(by_time, timed(held.time + sign * time_step)) << sign;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -55,7 +56,30 @@ TEST_F(Submissions, AreRecomputedByteForByte) {
   const ChildResult changed = run_program_file({"benchmark", "--verify", file, "--quiet"});
   EXPECT_EQ(changed.status, 1);
   EXPECT_THAT(changed.out, HasSubstr("/protocol/alarms_per_minute: 9.0 in the file, 1.0 here"));
+
+  // Of another protocol by its digest, which is said without computing anything: no progress is told.
+  const std::string digest = Json::parse(text).at("protocol").at("sha256"), other(digest.rbegin(), digest.rend());
+  text.replace(text.find(digest), digest.size(), other);
+  std::ofstream(file) << text;
+  const ChildResult foreign = run_program_file({"benchmark", "--verify", file});
+  EXPECT_EQ(foreign.status, 2);
+  EXPECT_EQ(foreign.err,
+            fmt::format("slipbench: {}: /protocol/sha256: \"{}\" in the file; allowed: \"{}\", that of slip-1 here\n", file,
+                        other, digest));
 }
+
+#ifdef SLIPBENCH_WITH_NETWORKS
+// With biotac_lstm, which the protocol teaches.
+TEST_F(Submissions, WhatIsTaughtIsTheSameWithOneThreadAndWithTwo) {
+  for (const char* jobs : {"1", "2"}) {
+    const ChildResult made = run_program_file(
+        {"benchmark", "--sensor", "biotac_sp", "--trials", "1", "--quiet", "--jobs", jobs, "--submit", folder_ / jobs});
+    ASSERT_EQ(made.status, 0) << made.err;
+  }
+  EXPECT_THAT(text_of(folder_ / "1"), HasSubstr("\"biotac_lstm\""));
+  EXPECT_TRUE(text_of(folder_ / "1") == text_of(folder_ / "2"));
+}
+#endif
 
 // Two recordings of a slide, written and read as a real sensor's would be.
 TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
@@ -107,6 +131,21 @@ TEST_F(Submissions, WhatIsRefused) {
   };
   expect_refusal({"benchmark", "--sensor", "papilarray"}, "benchmark: no sensor 'papilarray'; did you mean 'papillarray'?");
   expect_refusal({"benchmark", "shear_rat", "--sensor", "myrmex"}, "no detector 'shear_rat'; did you mean 'shear_rate'?");
+  // The controls' own detector is the board's.
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"benchmark_control"},
+                                                {"benchmark_control", "--set", "from=1.9 s"},
+                                                {"shear_rate", "--set", "type=benchmark_control"}}) {
+    std::vector<std::string> all{"benchmark", "--sensor", "myrmex"};
+    all.insert(all.end(), words.begin(), words.end());
+    expect_refusal(all, "'benchmark_control'");
+    expect_refusal(all, "allowed: ");
+  }
+  // Both would write one file, however it is spelled.
+  for (const std::string& submission : {folder_ / "b.json", folder_ / "./b.json", folder_ / "b.html"}) {
+    expect_refusal({"benchmark", "-o", folder_ / "b.html", "--submit", submission},
+                   fmt::format("benchmark: --submit {}: --output {} writes that file; allowed: another name", submission,
+                               folder_ / "b.html"));
+  }
   expect_refusal({"benchmark", "--set", "flip=1"}, "--set is of the DETECTOR given, and none is");
   expect_refusal({"benchmark", "--verify", "a.json", "-o", "b.html"}, "--verify takes what was asked from its file");
   expect_refusal({"benchmark", "--verify", folder_ / "none.json"}, "none.json: cannot be read");

@@ -2,10 +2,7 @@
 
 import csv
 import gzip
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -13,19 +10,10 @@ import pandas
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-from made import SCENES, export, held, make
-
-ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
-del sys.argv[1:]
-KEPT = tempfile.TemporaryDirectory()
-unittest.addModuleCleanup(KEPT.cleanup)
-DATASETS = Path(KEPT.name)
+from _made import SCENES, ExportTest, export, held, make
 
 
-class Formats(unittest.TestCase):
-    def setUp(self):
-        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
-
+class Formats(ExportTest):
     def same(self, found, expected, what):
         self.assertEqual((found.dtype, found.shape), (expected.dtype, expected.shape), what)
         self.assertEqual(np.ascontiguousarray(found).tobytes(), np.ascontiguousarray(expected).tobytes(), what)
@@ -33,8 +21,8 @@ class Formats(unittest.TestCase):
     def test_npz_brings_every_array_back(self):
         for scene in SCENES:
             with self.subTest(scene=scene):
-                dataset = make(PROGRAM, ROOT, scene, DATASETS)
-                export(PROGRAM, dataset, self.folder / "out", "--format", "npz")
+                dataset = make(scene)
+                export(dataset, self.folder / "out", "--format", "npz")
                 with h5py.File(dataset) as file:
                     for name, demo in file["data"].items():
                         expected = {}
@@ -49,8 +37,8 @@ class Formats(unittest.TestCase):
     def test_robomimic_brings_the_latest_of_everything_back(self):
         for scene in SCENES:
             with self.subTest(scene=scene):
-                dataset = make(PROGRAM, ROOT, scene, DATASETS)
-                export(PROGRAM, dataset, self.folder / "out", "--format", "robomimic", "--compress")
+                dataset = make(scene)
+                export(dataset, self.folder / "out", "--format", "robomimic", "--compress")
                 with h5py.File(dataset) as file, h5py.File(self.folder / "out/robomimic.hdf5") as written:
                     self.assertEqual(set(written["data"]), set(file["data"]))
                     for name, demo in file["data"].items():
@@ -92,10 +80,10 @@ class Formats(unittest.TestCase):
 
     def test_a_rate_takes_the_same_rows_in_every_format(self):
         """SI of a nib_pad is read at a ninth of its rate, and begins later: it is held, and the rows begin with it."""
-        dataset = make(PROGRAM, ROOT, "nib_pad/linear.yaml", DATASETS)
+        dataset = make("nib_pad/linear.yaml")
         words = ("--rate", "100 Hz", "--trial", "1", "--sensors", "pad")
         for format in ("csv", "npz", "parquet", "mcap"):
-            export(PROGRAM, dataset, self.folder / format, "--format", format, *words)
+            export(dataset, self.folder / format, "--format", format, *words)
         with h5py.File(dataset) as file:
             sensor, labels = file["data/demo_1/sensors/pad"], file["data/demo_1/labels/pad"]
             own = {channel: sensor[f"{channel}_t"][:] for channel in ("si", "fl", "fr")}
@@ -132,10 +120,10 @@ class Formats(unittest.TestCase):
         self.assertEqual([one.state for _, one in messages["/labels/pad"]], list(state))
 
     def test_tables_can_be_compressed(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        dataset = make("papillarray/stage.yaml")
         for format in ("training-csv", "vendor-csv"):
-            export(PROGRAM, dataset, self.folder / "plain", "--format", format, "--trial", "0")
-            export(PROGRAM, dataset, self.folder / "packed", "--format", format, "--trial", "0", "--compress")
+            export(dataset, self.folder / "plain", "--format", format, "--trial", "0")
+            export(dataset, self.folder / "packed", "--format", format, "--trial", "0", "--compress")
         plain = {str(path.relative_to(self.folder / "plain")): path.read_bytes() for path in (self.folder / "plain").rglob("*.csv")}
         packed = {str(path.relative_to(self.folder / "packed")).removesuffix(".gz"): gzip.decompress(path.read_bytes())
                   for path in (self.folder / "packed").rglob("*.csv.gz")}
@@ -143,23 +131,23 @@ class Formats(unittest.TestCase):
         self.assertEqual(packed, plain)
 
     def test_what_a_layout_cannot_carry_is_refused_by_name(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        dataset = make("papillarray/stage.yaml")
         for format in ("csv", "npz", "parquet", "mcap", "vendor-csv"):
             with self.subTest(format=format):
-                _, told = export(PROGRAM, dataset, self.folder / "out", "--format", format, "--rate", "1001 Hz", status=2)
+                _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "1001 Hz", status=2)
                 self.assertIn("trial 0: a rate of 1001 Hz repeats samples of 'pad'; allowed: up to 1000 Hz, its own", told)
         for format, reason in (("training-csv", "1000 rows a second"), ("slip-csv", "100 rows a second"), ("myrmex-csv", "1000 images a second"),
                                ("grasp-csv", "a row a grasp")):
             with self.subTest(format=format):
-                _, told = export(PROGRAM, dataset, self.folder / "out", "--format", format, "--rate", "10 Hz", status=2)
+                _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "10 Hz", status=2)
                 self.assertIn(f"the layout of {format} has {reason}", told)
         for format in ("parquet", "mcap", "lerobot", "npz"):
-            _, told = export(PROGRAM, dataset, self.folder / "out", "--format", format, "--compress", status=2)
+            _, told = export(dataset, self.folder / "out", "--format", format, "--compress", status=2)
             self.assertIn(f"{format} is compressed as it is; allowed: --compress with csv", told)
         self.assertFalse((self.folder / "out").exists())
         (self.folder / "file").write_text("x")
         for format in ("csv", "robomimic", "parquet", "lerobot", "mcap"):
-            _, told = export(PROGRAM, dataset, self.folder / "file", "--format", format, status=2)
+            _, told = export(dataset, self.folder / "file", "--format", format, status=2)
             self.assertIn("file: File exists; allowed: a folder, or a new name in one that is there", told)
 
 

@@ -4,30 +4,24 @@ import os
 import resource
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 from pathlib import Path
 
-from made import contents, export
+from _made import PROGRAM, ROOT, ExportTest, contents, export
 
-ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
-del sys.argv[1:]
 FORMATS = ("lerobot", "mcap", "parquet")
 TRIALS = 30  # which take each format more than half a second, so that a signal comes in the midst
 
 
-class Interruption(unittest.TestCase):
+class Interruption(ExportTest):
     @classmethod
     def setUpClass(cls):
         folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         cls.dataset = str(folder / "many.h5")
         subprocess.run([PROGRAM, "sweep", str(ROOT / "scenes/papillarray/stage.yaml"), "--trials", str(TRIALS), "--set", "sweep={}", "-o", cls.dataset, "--quiet"],
                        check=True)
-
-    def setUp(self):
-        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def interrupt(self, format, number, out):
         """Sends the signal once something lies in `out`, and returns how the export ended and what it said."""
@@ -55,8 +49,8 @@ class Interruption(unittest.TestCase):
                 left = set(contents(out))
                 self.assertTrue(left)
                 self.assertEqual({name for name in left if ".partial" not in name}, set())
-                export(PROGRAM, self.dataset, out, "--format", format)
-                export(PROGRAM, self.dataset, whole, "--format", format)
+                export(self.dataset, out, "--format", format)
+                export(self.dataset, whole, "--format", format)
                 self.assertEqual(contents(out), contents(whole))
 
     def test_a_full_disk_is_told_and_leaves_nothing(self):
@@ -64,7 +58,7 @@ class Interruption(unittest.TestCase):
         for format in FORMATS:
             with self.subTest(format=format):
                 whole = self.folder / f"{format}-whole"
-                export(PROGRAM, self.dataset, whole, "--format", format, "--trial", "0")
+                export(self.dataset, whole, "--format", format, "--trial", "0")
                 limit = max(len(text) for text in contents(whole).values()) // 2
                 out = self.folder / format
                 done = subprocess.run([PROGRAM, "export", self.dataset, "--format", format, "-o", str(out)], capture_output=True, text=True, check=False,

@@ -4,23 +4,15 @@ real_lerobot_test.py asks lerobot itself.
 """
 
 import json
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pandas
 import pyarrow.parquet
 
-from made import SCENES, contents, export, held, make
+from _made import ROOT, SCENES, ExportTest, contents, export, held, make
 
-ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
-del sys.argv[1:]
-KEPT = tempfile.TemporaryDirectory()
-unittest.addModuleCleanup(KEPT.cleanup)
-DATASETS = Path(KEPT.name)
 
 COUNTS = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64", "task_index": "int64"}
 STATS = ["min", "max", "mean", "std", "count", "q01", "q10", "q50", "q90", "q99"]
@@ -61,10 +53,7 @@ def arrays(demo, sensors):
         yield f"control.{name}", demo["control/t"][:], demo["control"][name][:]
 
 
-class LeRobot(unittest.TestCase):
-    def setUp(self):
-        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
-
+class LeRobot(ExportTest):
     def check_layout(self, info, table, episodes, rate):
         """What ties the three together, whatever the sensors."""
         self.assertEqual((info["codebase_version"], info["fps"], info["video_path"], info["chunks_size"]), ("v3.0", rate, None, 1000))
@@ -89,9 +78,9 @@ class LeRobot(unittest.TestCase):
     def test_every_value_comes_back(self):
         for scene in SCENES:
             with self.subTest(scene=scene):
-                dataset = make(PROGRAM, ROOT, scene, DATASETS)
+                dataset = make(scene)
                 out = self.folder / scene.replace("/", "_")
-                export(PROGRAM, dataset, out, "--format", "lerobot")
+                export(dataset, out, "--format", "lerobot")
                 with h5py.File(dataset) as file:
                     rates = {}
                     for sensor, group in file["data/demo_0/sensors"].items():
@@ -133,8 +122,8 @@ class LeRobot(unittest.TestCase):
                                               np.concatenate([values_of(part, info, f"truth.{body}.velocity") for body in moving], axis=1))
 
     def test_statistics_are_those_of_numpy(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
-        export(PROGRAM, dataset, self.folder / "out", "--format", "lerobot")
+        dataset = make("papillarray/stage.yaml")
+        export(dataset, self.folder / "out", "--format", "lerobot")
         info, table, episodes = read(self.folder / "out/1000hz")
         told = json.loads((self.folder / "out/1000hz/meta/stats.json").read_text())
         self.assertEqual(set(told), set(info["features"]))
@@ -163,8 +152,8 @@ class LeRobot(unittest.TestCase):
             self.assertEqual(told[feature]["count"], [len(table)])
 
     def test_tasks_have_the_index_of_pandas(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
-        export(PROGRAM, dataset, self.folder / "out", "--format", "lerobot")
+        dataset = make("papillarray/stage.yaml")
+        export(dataset, self.folder / "out", "--format", "lerobot")
         tasks = pandas.read_parquet(self.folder / "out/1000hz/meta/tasks.parquet")
         _, _, episodes = read(self.folder / "out/1000hz")
         self.assertEqual((tasks.index.name, list(tasks.columns), list(tasks["task_index"])), ("task", ["task_index"], [0]))
@@ -173,20 +162,20 @@ class LeRobot(unittest.TestCase):
         self.assertEqual([list(names) for names in episodes["tasks"]], [list(tasks.index)] * 3)
 
     def test_two_runs_write_the_same_bytes_and_an_episode_is_a_row_group(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        dataset = make("papillarray/stage.yaml")
         out = self.folder / "out"
-        export(PROGRAM, dataset, out, "--format", "lerobot")
+        export(dataset, out, "--format", "lerobot")
         before = contents(out)
         self.assertEqual(pyarrow.parquet.ParquetFile(out / "1000hz/data/chunk-000/file-000.parquet").num_row_groups, 3)
         (out / "1000hz.partial/data").mkdir(parents=True)  # as a killed run leaves it
-        told, _ = export(PROGRAM, dataset, out, "--format", "lerobot", "--json")
+        told, _ = export(dataset, out, "--format", "lerobot", "--json")
         self.assertEqual(contents(out), before)
         self.assertEqual([path.name for path in out.iterdir()], ["1000hz"])
         self.assertEqual(json.loads(told)["files"], [str(out / name) for name in before])
 
     def test_a_rate_makes_one_dataset_and_labels_choose(self):
-        both = make(PROGRAM, ROOT, "grasp/two_skins.yaml", DATASETS)
-        export(PROGRAM, both, self.folder / "out", "--format", "lerobot", "--rate", "100 Hz", "--labels", "strict")
+        both = make("grasp/two_skins.yaml")
+        export(both, self.folder / "out", "--format", "lerobot", "--rate", "100 Hz", "--labels", "strict")
         info, table, episodes = read(self.folder / "out/100hz")
         self.check_layout(info, table, episodes, 100)
         with h5py.File(both) as file:
@@ -196,9 +185,9 @@ class LeRobot(unittest.TestCase):
                 self.assertEqual([name for name in info["features"] if name.startswith(f"labels.{sensor}.state")], [f"labels.{sensor}.state"])
 
     def test_what_cannot_be_is_refused_and_nothing_is_left(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        dataset = make("papillarray/stage.yaml")
         out = self.folder / "out"
-        _, told = export(PROGRAM, dataset, out, "--format", "lerobot", "--rate", "62.5 Hz", status=2)
+        _, told = export(dataset, out, "--format", "lerobot", "--rate", "62.5 Hz", status=2)
         self.assertIn("lerobot: pad at 62.5 Hz; allowed: a whole number, by --rate", told)
         self.assertFalse(out.exists())
         for name, message in (("1000hz", "is no LeRobot dataset of slipbench"), ("1000hz.partial", "is not what a killed export has left")):
@@ -206,7 +195,7 @@ class LeRobot(unittest.TestCase):
                 notes = self.folder / name[6:] / "out" / name / "notes.txt"
                 notes.parent.mkdir(parents=True)
                 notes.write_text("mine")
-                _, told = export(PROGRAM, dataset, notes.parent.parent, "--format", "lerobot", status=2)
+                _, told = export(dataset, notes.parent.parent, "--format", "lerobot", status=2)
                 self.assertIn(message, told)
                 self.assertEqual(contents(notes.parent.parent), {f"{name}/notes.txt": b"mine"})
 

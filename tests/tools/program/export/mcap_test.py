@@ -4,10 +4,7 @@ The first is the package mcap, whose records the writer uses, with Google's prot
 """
 
 import json
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -17,13 +14,8 @@ from mcap.records import Chunk
 from mcap.stream_reader import StreamReader
 from mcap_protobuf.decoder import DecoderFactory
 
-from made import SCENES, contents, export, make
+from _made import SCENES, ExportTest, contents, export, make
 
-ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
-del sys.argv[1:]
-KEPT = tempfile.TemporaryDirectory()
-unittest.addModuleCleanup(KEPT.cleanup)
-DATASETS = Path(KEPT.name)
 LAYOUT = "foxglove-layout.json"
 
 
@@ -55,10 +47,7 @@ def values(messages, name, dtype):
     return np.array([np.reshape(getattr(message, name), -1) for message in messages]).astype(dtype)
 
 
-class Mcap(unittest.TestCase):
-    def setUp(self):
-        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
-
+class Mcap(ExportTest):
     def same(self, found, expected, what):
         expected = expected.reshape(len(expected), -1)
         self.assertEqual(found.reshape(len(found), -1).shape, expected.shape, what)
@@ -144,9 +133,9 @@ class Mcap(unittest.TestCase):
     def test_every_value_comes_back(self):
         for scene in SCENES:
             with self.subTest(scene=scene):
-                dataset = make(PROGRAM, ROOT, scene, DATASETS)
+                dataset = make(scene)
                 out = self.folder / scene.replace("/", "_")
-                export(PROGRAM, dataset, out, "--format", "mcap")
+                export(dataset, out, "--format", "mcap")
                 with h5py.File(dataset) as file:
                     self.assertEqual(set(contents(out)), {LAYOUT, *(f"{name}.mcap" for name in file["data"])})
                     for name, demo in file["data"].items():
@@ -162,7 +151,7 @@ class Mcap(unittest.TestCase):
     def test_a_second_reader_finds_the_same_messages_by_the_indexes(self):
         for scene in ("grasp/two_skins.yaml", "myrmex/slip.yaml"):
             with self.subTest(scene=scene):
-                export(PROGRAM, make(PROGRAM, ROOT, scene, DATASETS), self.folder / "out", "--format", "mcap")
+                export(make(scene), self.folder / "out", "--format", "mcap")
                 path = self.folder / "out/demo_0.mcap"
                 with path.open("rb") as file:
                     expected = [(channel.topic, schema.name, message.log_time, message.data)
@@ -183,9 +172,9 @@ class Mcap(unittest.TestCase):
                         self.assertEqual(last, max(time for topic, _, time, _ in expected if topic == names[number][0]))
 
     def test_the_file_says_what_the_trial_was_and_is_compressed(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        dataset = make("papillarray/stage.yaml")
         out = self.folder / "out"
-        told, progress = export(PROGRAM, dataset, out, "--format", "mcap")
+        told, progress = export(dataset, out, "--format", "mcap")
         self.assertRegex(told, r"^written: 4 files, [\d.]+ [kM]B, in .*/out\n$")  # three trials and the layout
         self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
         with h5py.File(dataset) as file, (out / "demo_1.mcap").open("rb") as recording:
@@ -203,14 +192,14 @@ class Mcap(unittest.TestCase):
             chunks = [record for record in StreamReader(recording, emit_chunks=True).records if isinstance(record, Chunk)]
             self.assertEqual({chunk.compression for chunk in chunks}, {"zstd"})
         before = contents(out)
-        export(PROGRAM, dataset, out, "--format", "mcap")  # replaces what is its own
+        export(dataset, out, "--format", "mcap")  # replaces what is its own
         self.assertEqual(contents(out), before)
 
     def test_the_layout_shows_topics_that_are_there(self):
         for scene in SCENES:
             with self.subTest(scene=scene):
                 out = self.folder / scene.replace("/", "_")
-                export(PROGRAM, make(PROGRAM, ROOT, scene, DATASETS), out, "--format", "mcap", "--trial", "0")
+                export(make(scene), out, "--format", "mcap", "--trial", "0")
                 layout = json.loads((out / LAYOUT).read_text())
                 topics, _ = read(out / "demo_0.mcap")
 
@@ -228,8 +217,8 @@ class Mcap(unittest.TestCase):
                         self.assertGreater(len(value), int(index.rstrip("]"))) if index else self.assertNotIsInstance(value, (list, str))
 
     def test_the_options_choose(self):
-        both = make(PROGRAM, ROOT, "grasp/two_skins.yaml", DATASETS)
-        export(PROGRAM, both, self.folder / "out", "--format", "mcap", "--sensors", "skin", "--labels", "micro", "--trial", "1")
+        both = make("grasp/two_skins.yaml")
+        export(both, self.folder / "out", "--format", "mcap", "--sensors", "skin", "--labels", "micro", "--trial", "1")
         self.assertEqual(set(contents(self.folder / "out")), {LAYOUT, "demo_1.mcap"})
         topics, _ = read(self.folder / "out/demo_1.mcap")
         self.assertEqual(set(topics), {"/poses", "/velocities", "/control", "/sensors/skin", "/labels/skin", "/labels/skin/events"})
@@ -237,11 +226,11 @@ class Mcap(unittest.TestCase):
         self.assertEqual({name for name in fields if name.startswith("state")}, {"state_micro"})
 
     def test_nothing_but_its_own_is_replaced(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        dataset = make("papillarray/stage.yaml")
         out = self.folder / "out"
         out.mkdir()
         (out / "demo_1.mcap").write_text("my notes")
-        _, told = export(PROGRAM, dataset, out, "--format", "mcap", status=2)
+        _, told = export(dataset, out, "--format", "mcap", status=2)
         self.assertIn("demo_1.mcap: would be replaced and is not an MCAP file, or a layout for Foxglove; allowed: another folder", told)
         self.assertEqual(contents(out), {"demo_1.mcap": b"my notes"})
 

@@ -2,23 +2,15 @@
 
 import json
 import os
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pandas
 import pyarrow.parquet
 
-from made import SCENES, contents, export, make
+from _made import SCENES, ExportTest, contents, export, make
 
-ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
-del sys.argv[1:]
-KEPT = tempfile.TemporaryDirectory()
-unittest.addModuleCleanup(KEPT.cleanup)
-DATASETS = Path(KEPT.name)
 
 
 def same(found, expected, what):
@@ -60,17 +52,14 @@ def check_sensor(out, name, number, demo):
     return files
 
 
-class Parquet(unittest.TestCase):
-    def setUp(self):
-        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
-
+class Parquet(ExportTest):
     def test_every_value_comes_back(self):
         for scene in SCENES:
             with self.subTest(scene=scene):
-                dataset = make(PROGRAM, ROOT, scene, DATASETS)
+                dataset = make(scene)
                 out = self.folder / "out" / scene.replace("/", "_")
                 out.parent.mkdir(exist_ok=True)
-                export(PROGRAM, dataset, out, "--format", "parquet")
+                export(dataset, out, "--format", "parquet")
                 files = {"trials.parquet"}
                 with h5py.File(dataset) as file:
                     for name, demo in file["data"].items():
@@ -99,20 +88,20 @@ class Parquet(unittest.TestCase):
                         self.assertEqual(list(trials["first_slip_time_s"]), outcome)
 
     def test_two_runs_write_the_same_bytes_and_tell_how_much(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
-        told, progress = export(PROGRAM, dataset, self.folder / "a", "--format", "parquet")
+        dataset = make("papillarray/stage.yaml")
+        told, progress = export(dataset, self.folder / "a", "--format", "parquet")
         # Sensor, events, pad, surface, trials.
         self.assertRegex(told, r"^written: 5 files, [\d.]+ [kM]B, in .*/a\n$")
         self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
         before = contents(self.folder / "a")
-        told, progress = export(PROGRAM, dataset, self.folder / "a", "--format", "parquet", "--json")  # replaces what is its own
+        told, progress = export(dataset, self.folder / "a", "--format", "parquet", "--json")  # replaces what is its own
         self.assertEqual(sorted(json.loads(told)["files"]), sorted(str(self.folder / "a" / name) for name in before))
         self.assertEqual(progress, "")
         self.assertEqual(contents(self.folder / "a"), before)
 
     def test_rows_at_a_rate_are_the_latest_and_the_options_choose(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
-        export(PROGRAM, dataset, self.folder / "a", "--format", "parquet", "--rate", "300 Hz", "--labels", "micro", "--trial", "1")
+        dataset = make("papillarray/stage.yaml")
+        export(dataset, self.folder / "a", "--format", "parquet", "--rate", "300 Hz", "--labels", "micro", "--trial", "1")
         table = pandas.read_parquet(self.folder / "a/pad.parquet")
         self.assertEqual(set(table["trial"]), {1})
         self.assertEqual([name for name in table if name.startswith("label_state")], ["label_state_micro"])
@@ -124,20 +113,20 @@ class Parquet(unittest.TestCase):
             same(table[[f"P{k}_F{axis}" for k in range(9) for axis in "XYZ"]].to_numpy(), sensor["force"][:][rows].reshape(-1, 27), "force")
             same(table["label_state_micro"], labels["state_micro"][:][rows], "state_micro")
             members = [int(name.removeprefix("demo_")) for name in file["mask/train"].asstr()]
-        export(PROGRAM, dataset, self.folder / "b", "--format", "parquet", "--split", "train")
+        export(dataset, self.folder / "b", "--format", "parquet", "--split", "train")
         self.assertEqual(list(pandas.read_parquet(self.folder / "b/trials.parquet")["trial"]), members)
         self.assertLess(len(members), 3)
-        both = make(PROGRAM, ROOT, "grasp/two_skins.yaml", DATASETS)
+        both = make("grasp/two_skins.yaml")
         with h5py.File(both) as file:
             first, *others = sorted(file["data/demo_0/sensors"])
-        export(PROGRAM, both, self.folder / "c", "--format", "parquet", "--sensors", first)
+        export(both, self.folder / "c", "--format", "parquet", "--sensors", first)
         self.assertTrue((self.folder / f"c/{first}.parquet").exists())
         for other in others:
             self.assertFalse((self.folder / f"c/{other}.parquet").exists())
 
     def test_columns_have_units_and_floats_lie_byte_by_byte(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
-        export(PROGRAM, dataset, self.folder / "a", "--format", "parquet")
+        dataset = make("papillarray/stage.yaml")
+        export(dataset, self.folder / "a", "--format", "parquet")
         file = pyarrow.parquet.ParquetFile(self.folder / "a/pad.parquet")
         self.assertEqual(file.schema_arrow.field("P0_FX").metadata[b"unit"], b"N")
         self.assertEqual(file.num_row_groups, 3)  # one a trial
@@ -145,7 +134,7 @@ class Parquet(unittest.TestCase):
         self.assertEqual((column.compression, set(column.encodings)), ("ZSTD", {"BYTE_STREAM_SPLIT", "RLE"}))
 
     def test_what_cannot_be_is_refused_and_nothing_is_left(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        dataset = make("papillarray/stage.yaml")
         out = self.folder / "out"
         for words, message in (
             (["--rate", "0.1 Hz"], "trial 0: has fewer than two rows at 0.1 Hz; allowed: --rate with a higher rate"),
@@ -155,22 +144,22 @@ class Parquet(unittest.TestCase):
             (["--labels", "has_slipped"], "holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper"),
         ):
             with self.subTest(words=words):
-                _, told = export(PROGRAM, dataset, out, "--format", "parquet", *words, status=2)
+                _, told = export(dataset, out, "--format", "parquet", *words, status=2)
                 self.assertIn(message, told)
                 self.assertEqual(told.count("\n"), 1)
                 self.assertFalse(out.exists())
         out.mkdir()
         (out / "pad.parquet").write_text("my notes")
-        _, told = export(PROGRAM, dataset, out, "--format", "parquet", status=2)
+        _, told = export(dataset, out, "--format", "parquet", status=2)
         self.assertIn("pad.parquet: would be replaced and is not a Parquet file; allowed: another folder", told)
         self.assertEqual(contents(out), {"pad.parquet": b"my notes"})
 
     def test_a_python_without_arrow_says_how_to_install_it(self):
-        dataset = make(PROGRAM, ROOT, "papillarray/stage.yaml", DATASETS)
+        dataset = make("papillarray/stage.yaml")
         (self.folder / "pyarrow.py").write_text("raise ModuleNotFoundError('No module named pyarrow', name='pyarrow')\n")
         os.environ["PYTHONPATH"] = str(self.folder)
         self.addCleanup(os.environ.pop, "PYTHONPATH")
-        _, told = export(PROGRAM, dataset, self.folder / "out", "--format", "parquet", status=2)
+        _, told = export(dataset, self.folder / "out", "--format", "parquet", status=2)
         self.assertIn("needs the Python package pyarrow", told)
         self.assertIn("install it: tools/setup/setup.sh build python test-python", told)
         self.assertFalse((self.folder / "out").exists())

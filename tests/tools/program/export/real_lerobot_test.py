@@ -4,14 +4,12 @@ Skipped where lerobot cannot be imported: it wants torch with CUDA, larger than 
 """
 
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 
 import h5py
 import numpy as np
 
-from made import SCENES, export, held, make
+from _made import SCENES, ExportTest, export, held, make
 
 try:
     from lerobot.datasets.lerobot_dataset import LeRobotDataset
@@ -19,20 +17,14 @@ except ImportError as error:
     print(f"lerobot cannot be imported ({error}): skipped")
     sys.exit(77)
 
-ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
-del sys.argv[1:]
 
-
-class RealLeRobot(unittest.TestCase):
-    def setUp(self):
-        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
-
+class RealLeRobot(ExportTest):
     def test_every_sensor_comes_back_with_its_past(self):
         for scene in SCENES:
             with self.subTest(scene=scene):
-                dataset = make(PROGRAM, ROOT, scene, self.folder)
+                dataset = make(scene)
                 out = self.folder / scene.replace("/", "_")
-                export(PROGRAM, dataset, out, "--format", "lerobot")
+                export(dataset, out, "--format", "lerobot")
                 with h5py.File(dataset) as file:
                     order = [name for part in ("train", "valid", "test") for name in file[f"mask/{part}"].asstr()]
                     for folder in out.iterdir():

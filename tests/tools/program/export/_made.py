@@ -1,12 +1,22 @@
-"""Datasets of every sensor and of a grasp, and how the program exports them. For the tests of formats."""
+"""Datasets of every sensor and of a grasp, and how the program exports them. What the tests of formats begin with.
+
+Their arguments, the project's root and the program, are taken from sys.argv here.
+"""
 
 import json
 import os
 import subprocess
+import sys
+import tempfile
+import unittest
 from bisect import bisect_right
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 
+ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
+del sys.argv[1:]
 # Scene, and what shortens it. The first has three trials, each other two.
 SCENES = {
     "papillarray/stage.yaml": {"duration": "1.5 s", "motion.start": "1 s", "sweep": {"motion.speed": ["8 mm/s", "4 mm/s", "2 mm/s"]}},
@@ -18,20 +28,35 @@ SCENES = {
 }
 
 
-def make(program, root, scene, folder):
-    """Runs two or three trials of a scene, where `folder` has not got them, and returns the dataset's path."""
-    path = str(folder / (scene.replace("/", "_").removesuffix(".yaml") + ".h5"))
+class ExportTest(unittest.TestCase):
+    """Has a folder of its own, `self.folder`, for each test."""
+
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+
+@cache
+def datasets():
+    """A folder that is kept until the last test."""
+    folder = tempfile.TemporaryDirectory()
+    unittest.addModuleCleanup(folder.cleanup)
+    return folder.name
+
+
+def make(scene):
+    """Runs two or three trials of a scene, the first time that it is asked for, and returns the dataset's path."""
+    path = os.path.join(datasets(), scene.replace("/", "_").removesuffix(".yaml") + ".h5")
     if os.path.exists(path):
         return path
     sets = [word for key, value in SCENES[scene].items() for word in ("--set", f"{key}={json.dumps(value)}")]
     verb = ["sweep", "--trials", "1"] if "sweep" in SCENES[scene] else ["run", "--trials", "2"]
-    subprocess.run([program, *verb, str(root / "scenes" / scene), *sets, "-o", path, "--quiet"], check=True)
+    subprocess.run([PROGRAM, *verb, str(ROOT / "scenes" / scene), *sets, "-o", path, "--quiet"], check=True)
     return path
 
 
-def export(program, dataset, out, *words, status=0):
+def export(dataset, out, *words, status=0):
     """Exports a dataset; returns what stdout and stderr had."""
-    done = subprocess.run([program, "export", dataset, "-o", str(out), *words], capture_output=True, text=True, check=False)
+    done = subprocess.run([PROGRAM, "export", dataset, "-o", str(out), *words], capture_output=True, text=True, check=False)
     assert done.returncode == status, f"{words}: ended with {done.returncode}, expected {status}: {done.stderr}"
     return done.stdout, done.stderr
 
