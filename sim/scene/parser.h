@@ -19,6 +19,7 @@ namespace slipbench {
 struct Override {
   std::string path;   // dotted; a number selects an entry of a sequence: "motion.tilt.0"
   std::string value;  // YAML
+  std::string option = "--set";  // by which it was given, for messages
 };
 
 // A scene file as read, before its sweep is expanded. Cheap to copy.

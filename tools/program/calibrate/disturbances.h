@@ -31,6 +31,7 @@ struct Distance {
   Eigen::VectorXd gain;             // by column
   Eigen::MatrixXd offset;           // by recording and column
   double squared = 0.0;             // residual' residual
+  Eigen::Index compared = 0;        // how many of `residual`, the first ones, are of recordings
 };
 
 class Disturbances {
