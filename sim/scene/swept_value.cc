@@ -9,7 +9,8 @@ std::vector<std::string> swept_parts(const YamlNode& root, const std::string& pa
   const std::string rest = path.substr(path.find('.') + 1);
   const YamlNode* sweep = root.find("sweep");
   // The longest entry first, as there may be one for motion and one for motion.compression.
-  for (std::size_t dot = rest.rfind('.'); sweep != nullptr && dot != std::string::npos && dot > 0; dot = rest.rfind('.', dot - 1)) {
+  for (std::size_t dot = rest.rfind('.'); sweep != nullptr && dot != std::string::npos && dot > 0;
+       dot = rest.rfind('.', dot - 1)) {
     const YamlNode* entry = sweep->find(rest.substr(0, dot));
     if (entry == nullptr) continue;
     const std::vector<std::string> inside = split_path(rest.substr(dot + 1), {});

@@ -439,10 +439,11 @@ Result calibrate_groups(const Options& options, const SceneFile& file, std::uint
   for (const RawRecording& recording : recordings) names.push_back({{"name", recording.name}});
   Result result;
   result.json = begun(options, seed, std::move(parameters), correlations_json(model, solution), solution);
-  result.json.update({{"residual_over_scatter", std::sqrt(solution.distance.squared / static_cast<double>(solution.distance.compared))},
-                      {"groups", problem.json(solution)},
-                      {"starts", starts_json(model, solution)},
-                      {"recordings", std::move(names)}});
+  result.json.update(
+      {{"residual_over_scatter", std::sqrt(solution.distance.squared / static_cast<double>(solution.distance.compared))},
+       {"groups", problem.json(solution)},
+       {"starts", starts_json(model, solution)},
+       {"recordings", std::move(names)}});
   result.fitted = fitted_scene(file, options.keys, result.json);
   return result;
 }

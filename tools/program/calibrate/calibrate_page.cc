@@ -220,8 +220,8 @@ std::string group_drawing(const Json& one) {
   values.insert(values.end(), synthetic.begin(), synthetic.end());
   for (std::size_t unit = 0; unit < real.size(); ++unit) units.push_back(static_cast<double>(unit));
   const Axis across = axis_for(units, left, right), up = axis_for(values, foot, top);
-  const std::string shown = fmt::format("{} {} {} [{}]", text(one.at("channel")), text(one.at("component")), text(one.at("statistic")),
-                                        text(one.at("unit")));
+  const std::string shown = fmt::format("{} {} {} [{}]", text(one.at("channel")), text(one.at("component")),
+                                        text(one.at("statistic")), text(one.at("unit")));
   Svg svg = chart(shown, across, "unit", up);
   for (std::size_t unit = 0; unit < real.size(); ++unit) {
     svg.dot("s0", across.at(units[unit]), up.at(real[unit]), 2.5);
@@ -265,10 +265,12 @@ std::string calibration_page(const Json& result) {
       "How the squared residuals rise where a parameter is held elsewhere and the others follow. Dashed: 3.84, the end of a 95 % interval. "
       "Dot: the fit.");
   if (groups) {
-    body += section("Residuals", group_residuals_html(result),
-                    "How far the means of a group are apart, in their scatter; RMS over the units. Head: recordings / trials. Level: mean. Trend: second half "
-                    "less first. Times: how far means over so long step from one to the next, by logarithm. Much above 1 is an error of the model.");
-    body += section("Real and synthetic", groups_html(result), "Means over a group, by unit. Blue: recorded; orange: the fitted scene.");
+    body += section(
+        "Residuals", group_residuals_html(result),
+        "How far the means of a group are apart, in their scatter; RMS over the units. Head: recordings / trials. Level: mean. Trend: second half "
+        "less first. Times: how far means over so long step from one to the next, by logarithm. Much above 1 is an error of the model.");
+    body += section("Real and synthetic", groups_html(result),
+                    "Means over a group, by unit. Blue: recorded; orange: the fitted scene.");
     return page::compose_page({generator, std::filesystem::path(scene).filename().string() + " · slipbench calibrate"}, body);
   }
   body += section(

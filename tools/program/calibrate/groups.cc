@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -23,9 +24,10 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t sets = 8;           // simulated, each by a device of its own, for the scatter
-constexpr double least_band = 0.1;        // of the steps from sample to sample: rounding tells a smaller one
-constexpr Index least_blocks = 4;         // of a band
+constexpr std::size_t sets = 8;            // simulated, each by a device of its own, for the scatter
+constexpr double least_band = 0.1;         // of the steps from sample to sample: rounding tells a smaller one
+constexpr double refused = 1e12;           // the distance where nothing can be simulated
+constexpr Index least_blocks = 4;          // of a band
 constexpr double most_apart_rates = 0.02;  // of a sample's length, real against simulated
 
 std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number, const char* what) {
@@ -35,7 +37,8 @@ std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number, const char* what
 std::string label_of(const RawRecording& recording, const std::string& label) {
   const nlohmann::json params = nlohmann::json::parse(recording.params, nullptr, false);
   if (!params.is_object() || !params.contains(label))
-    throw InputError(fmt::format("{}: does not say its {}; allowed: recordings that are labelled with it", recording.name, label));
+    throw InputError(
+        fmt::format("{}: does not say its {}; allowed: recordings that are labelled with it", recording.name, label));
   const nlohmann::json& value = params.at(label);
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
@@ -43,8 +46,9 @@ std::string label_of(const RawRecording& recording, const std::string& label) {
 void check_cells(const Model& model, const Groups& groups) {
   const std::size_t cells = model.trials() / model.draws();
   if (cells != groups.values.size())
-    throw InputError(fmt::format("--groups: {} values, and the grid of the scene's sweep has {} cells; allowed: a value for each cell",
-                                 groups.values.size(), cells));
+    throw InputError(
+        fmt::format("--groups: {} values, and the grid of the scene's sweep has {} cells; allowed: a value for each cell",
+                    groups.values.size(), cells));
 }
 
 }  // namespace
@@ -63,7 +67,8 @@ Groups parse_groups(const std::string& text) {
   std::ranges::sort(sorted);
   const bool twice = std::ranges::adjacent_find(sorted) != sorted.end();
   if (groups.label.empty() || sorted.front().empty() || twice)
-    throw InputError(fmt::format("--groups is '{}'; allowed: LABEL=VALUE,VALUE,... with different values, as in class=n,e,s", text));
+    throw InputError(
+        fmt::format("--groups is '{}'; allowed: LABEL=VALUE,VALUE,... with different values, as in class=n,e,s", text));
   return groups;
 }
 
@@ -97,8 +102,8 @@ MatrixXd figures_of(const MatrixXd& samples, const RowVectorXd& floor) {
   return rows;
 }
 
-GroupProblem::GroupProblem(const Model* fitted, const Groups& groups, const std::vector<RawRecording>& recordings, const VectorXd& own,
-                           std::size_t threads, const std::atomic<bool>* stop)
+GroupProblem::GroupProblem(const Model* fitted, const Groups& groups, const std::vector<RawRecording>& recordings,
+                           const VectorXd& own, std::size_t threads, const std::atomic<bool>* stop)
     : Problem(fitted, threads, stop), groups_(groups) {
   check_cells(*model, groups_);
   lay_out(recordings, model->simulate_drawn(own, 0, model->seed(), model->seed(), interrupt));
@@ -130,8 +135,8 @@ void GroupProblem::lay_out(const std::vector<RawRecording>& recordings, const st
                                      format_quantity(simulated.step, Quantity::time)));
     }
     if (rows < least_blocks)
-      throw InputError(fmt::format("{}/{}: the shortest recording has {} samples; allowed: {} at least", place.sensor, place.channel,
-                                   rows, least_blocks));
+      throw InputError(fmt::format("{}/{}: the shortest recording has {} samples; allowed: {} at least", place.sensor,
+                                   place.channel, rows, least_blocks));
     rows_.push_back(static_cast<std::size_t>(rows));
     const auto add = [&](const std::string& name, const std::string& unit) {
       statistics_.push_back({c, name, unit, figures});
@@ -154,10 +159,12 @@ RowVectorXd GroupProblem::figures(const std::vector<SensorRecord>& sensors, Side
     const Samples samples = samples_of(sensors, side, place);
     const auto rows = static_cast<Index>(rows_[c]), width = samples.values.cols();
     if (samples.values.rows() < rows)
-      throw InputError(fmt::format("{}: {}/{} has {} samples and other trials {}; allowed: trials that last as long", name, place.sensor,
-                                   place.channel, samples.values.rows(), rows));
-    const MatrixXd found = figures_of(samples.values.bottomRows(rows), floor_.segment(static_cast<Index>(place.first), width).transpose());
-    for (Index k = 0; k < found.rows(); ++k) all.segment(static_cast<Index>(statistics_[statistic++].first), width) = found.row(k);
+      throw InputError(fmt::format("{}: {}/{} has {} samples and other trials {}; allowed: trials that last as long", name,
+                                   place.sensor, place.channel, samples.values.rows(), rows));
+    const MatrixXd found =
+        figures_of(samples.values.bottomRows(rows), floor_.segment(static_cast<Index>(place.first), width).transpose());
+    for (Index k = 0; k < found.rows(); ++k)
+      all.segment(static_cast<Index>(statistics_[statistic++].first), width) = found.row(k);
   }
   return all;
 }
@@ -178,11 +185,13 @@ void GroupProblem::read_real(const std::vector<RawRecording>& recordings) {
   }
   real_means_ = MatrixXd::Zero(static_cast<Index>(sizes_.size()), real_.cols());
   for (std::size_t r = 0; r < group_of_.size(); ++r)
-    real_means_.row(static_cast<Index>(group_of_[r])) += real_.row(static_cast<Index>(r)) / static_cast<double>(sizes_[group_of_[r]]);
+    real_means_.row(static_cast<Index>(group_of_[r])) +=
+        real_.row(static_cast<Index>(r)) / static_cast<double>(sizes_[group_of_[r]]);
   for (std::size_t g = 0; g < sizes_.size(); ++g) {
     if (sizes_[g] < 2)
-      throw InputError(fmt::format("calibrate: {} recordings whose {} is {}; allowed: two at least, which tell how far they scatter",
-                                   sizes_[g], groups_.label, groups_.values[g]));
+      throw InputError(
+          fmt::format("calibrate: {} recordings whose {} is {}; allowed: two at least, which tell how far they scatter",
+                      sizes_[g], groups_.label, groups_.values[g]));
   }
 }
 
@@ -200,9 +209,8 @@ void GroupProblem::learn_scatter(const VectorXd& own) {
       sets * model->trials(), std::min(jobs, sets * model->trials()),
       [&] {
         return [&](std::size_t task) {
-          const std::size_t trial = task % model->trials();
           const std::uint64_t seed = seed_of(model->seed(), task / model->trials(), "set");
-          return figures(model->simulate_drawn(own, trial, seed, seed, interrupt), Side::scene, fmt::format("trial {}", trial));
+          return trial_figures(own, task % model->trials(), seed, seed);
         };
       },
       interrupt);
@@ -215,10 +223,14 @@ void GroupProblem::learn_scatter(const VectorXd& own) {
   MatrixXd mean = MatrixXd::Zero(groups, figure_count);
   for (const Waves& set : simulated) {
     means.push_back(simulated_means(set));
+    if (!means.back().array().isFinite().all())
+      throw InputError(
+          "calibrate: with its own values the scene refuses all draws of a cell; allowed: one at least, see slipbench check");
     mean += means.back() / static_cast<double>(sets);
   }
   RowVectorXd of_sets = RowVectorXd::Zero(figure_count);
-  for (const MatrixXd& set : means) of_sets += (set - mean).cwiseAbs2().colwise().sum() / static_cast<double>((sets - 1) * sizes_.size());
+  for (const MatrixXd& set : means)
+    of_sets += (set - mean).cwiseAbs2().colwise().sum() / static_cast<double>((sets - 1) * sizes_.size());
 
   scatter_.resize(groups, figure_count);
   for (std::size_t g = 0; g < sizes_.size(); ++g)
@@ -239,24 +251,48 @@ void GroupProblem::learn_scatter(const VectorXd& own) {
   for (const MatrixXd& set : means) chance_.col(column++) = scaled((set - mean) / std::sqrt(static_cast<double>(sets - 1)));
 }
 
+RowVectorXd GroupProblem::trial_figures(const VectorXd& places, std::size_t trial, std::uint64_t seed,
+                                        std::uint64_t device) const {
+  std::vector<SensorRecord> sensors;
+  try {
+    sensors = model->simulate_drawn(places, trial, seed, device, interrupt);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const InputError&) {
+    return RowVectorXd::Constant(real_.cols(), std::numeric_limits<double>::quiet_NaN());
+  }
+  return figures(sensors, Side::scene, fmt::format("trial {}", trial));
+}
+
 MatrixXd GroupProblem::wave(const VectorXd& places, std::size_t trial) const {
   // Draws are always the same ones, and the repetitions of a cell by a device each: their mean is less of one device.
   const std::uint64_t device = seed_of(model->seed(), trial % model->draws(), "repetition");
-  return figures(model->simulate_drawn(places, trial, model->seed(), device, interrupt), Side::scene, fmt::format("trial {}", trial));
+  return trial_figures(places, trial, model->seed(), device);
 }
 
 MatrixXd GroupProblem::simulated_means(const Waves& simulated) const {
   MatrixXd means = MatrixXd::Zero(static_cast<Index>(sizes_.size()), real_.cols());
-  for (std::size_t trial = 0; trial < simulated.size(); ++trial)
-    means.row(static_cast<Index>(trial / model->draws())) += simulated[trial].row(0) / static_cast<double>(model->draws());
+  for (Index g = 0; g < means.rows(); ++g) {
+    double count = 0.0;
+    for (std::size_t draw = 0; draw < model->draws(); ++draw) {
+      const MatrixXd& row = simulated[static_cast<std::size_t>(g) * model->draws() + draw];
+      if (!row.array().isFinite().all()) continue;
+      means.row(g) += row.row(0);
+      ++count;
+    }
+    means.row(g) /= count;
+  }
   return means;
 }
 
 Distance GroupProblem::distance(const Waves& simulated) const {
   const MatrixXd away = real_means_ - simulated_means(simulated);
   Distance distance;
-  distance.residual = (scatter_.array() > 0.0).select(away.array() / scatter_.array(), 0.0).matrix().reshaped();
-  distance.squared = distance.residual.squaredNorm();
+  distance.possible = away.array().isFinite().all();
+  distance.residual = VectorXd::Zero(away.size());
+  if (distance.possible)
+    distance.residual = (scatter_.array() > 0.0).select(away.array() / scatter_.array(), 0.0).matrix().reshaped();
+  distance.squared = distance.possible ? distance.residual.squaredNorm() : refused;
   distance.compared = std::max<Index>(1, (scatter_.array() > 0.0).count());
   return distance;
 }
@@ -278,7 +314,8 @@ Json GroupProblem::json(const Solution& solution) const {
           real.push_back(std::stod(fmt::format("{:.5g}", real_means_(row, column))));
           synthetic.push_back(std::stod(fmt::format("{:.5g}", simulated(row, column))));
           const double sd = scatter_(row, column);
-          if (sd > 0.0) squares += std::pow((real_means_(row, column) - simulated(row, column)) / sd, 2) / static_cast<double>(place.units);
+          if (sd > 0.0)
+            squares += std::pow((real_means_(row, column) - simulated(row, column)) / sd, 2) / static_cast<double>(place.units);
         }
         group["statistics"].push_back({{"sensor", place.sensor},
                                        {"channel", place.channel},

@@ -61,7 +61,10 @@ class GroupProblem : public Problem {
  private:
   // A row: of each channel all values of its first figure, then all of its second.
   [[nodiscard]] Eigen::RowVectorXd figures(const std::vector<SensorRecord>& sensors, Side side, const std::string& name) const;
-  // A row a group.
+  // Of a simulated trial; not finite where the scene refuses what was drawn: such a trial is left out, as a sweep leaves it out.
+  [[nodiscard]] Eigen::RowVectorXd trial_figures(const Eigen::VectorXd& places, std::size_t trial, std::uint64_t seed,
+                                                 std::uint64_t device) const;
+  // A row a group; not finite where all its trials are left out.
   [[nodiscard]] Eigen::MatrixXd simulated_means(const Waves& simulated) const;
   void lay_out(const std::vector<RawRecording>& recordings, const std::vector<SensorRecord>& scene);
   void read_real(const std::vector<RawRecording>& recordings);
@@ -71,18 +74,18 @@ class GroupProblem : public Problem {
   Columns columns_;
   std::vector<std::size_t> rows_;  // by channel: how many samples, the last ones, are compared
   std::vector<Statistic> statistics_;
-  Eigen::VectorXd floor_;             // by column: a band below it is none
+  Eigen::VectorXd floor_;              // by column: a band below it is none
   std::vector<std::size_t> group_of_;  // of each real recording
   std::vector<std::size_t> sizes_;     // recordings of each group
-  Eigen::MatrixXd real_;              // figures, a row a recording
-  Eigen::MatrixXd real_means_;        // a row a group
-  Eigen::MatrixXd scatter_;           // sd of real less simulated means, a row a group; 0: not compared
-  Eigen::MatrixXd chance_;            // of the residual, independent columns: recordings, and simulated sets
+  Eigen::MatrixXd real_;               // figures, a row a recording
+  Eigen::MatrixXd real_means_;         // a row a group
+  Eigen::MatrixXd scatter_;            // sd of real less simulated means, a row a group; 0: not compared
+  Eigen::MatrixXd chance_;             // of the residual, independent columns: recordings, and simulated sets
 };
 
 // What a set simulated as one real session would be: all trials by one device. Their labels are the groups' values. Throws InputError where
 // these are not as many as cells.
-std::vector<RawRecording> drawn_session(const Model& model, const Groups& groups, const Eigen::VectorXd& places, std::uint64_t seed,
-                                        const std::atomic<bool>* interrupt);
+std::vector<RawRecording> drawn_session(const Model& model, const Groups& groups, const Eigen::VectorXd& places,
+                                        std::uint64_t seed, const std::atomic<bool>* interrupt);
 
 }  // namespace slipbench::calibrate

@@ -51,8 +51,9 @@ double own_place(const SceneFile& file, const Trace& values, const FitKey& key) 
       const double place = key.place(parse_quantity(node->text, quantity_of(node->text)));
       return place >= 0.0 && place <= 1.0 ? place : 0.5;
     } catch (const std::invalid_argument&) {
-      throw InputError(
-          fmt::format("--fit {}: the scene's sweep has no such number; allowed: one that it has, such as sweep.motion.tilt.0.mean", key.path));
+      throw InputError(fmt::format(
+          "--fit {}: the scene's sweep has no such number; allowed: one that it has, such as sweep.motion.tilt.0.mean",
+          key.path));
     }
   }
   const auto found = values.find(key.path);

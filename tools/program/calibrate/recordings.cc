@@ -231,8 +231,8 @@ void check_same_columns(const std::string& name, const Columns& columns, const s
     return list;
   };
   if (names(columns) == names(first)) return;
-  throw InputError(fmt::format("{}: holds {} and {} holds {}; allowed: recordings of one kind", name, fmt::join(names(columns), ", "),
-                               first_name, fmt::join(names(first), ", ")));
+  throw InputError(fmt::format("{}: holds {} and {} holds {}; allowed: recordings of one kind", name,
+                               fmt::join(names(columns), ", "), first_name, fmt::join(names(first), ", ")));
 }
 
 Samples samples_of(const std::vector<SensorRecord>& sensors, Side side, const ChannelPlace& place) {

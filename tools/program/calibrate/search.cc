@@ -151,7 +151,7 @@ class Searcher {
     return results;
   }
 
-  // Of the residuals by the places, from differences to both sides.
+  // Of the residuals by the places, from differences to both sides that are possible.
   MatrixXd jacobian(const VectorXd& at, const Waves& ideal) {
     const std::size_t recordings = model().recordings();
     std::vector<Task> tasks;
@@ -164,19 +164,21 @@ class Searcher {
       }
     }
     const std::vector<MatrixXd> found = simulated(tasks);
+    const VectorXd here = problem_.distance(ideal).residual;
     MatrixXd slopes;
     std::size_t task = 0;
     for (Index p = 0; p < at.size(); ++p) {
-      const double apart = std::min(at(p) + problem_.difference(), 1.0) - std::max(at(p) - problem_.difference(), 0.0);
       const std::size_t changed = model().recording_of(static_cast<std::size_t>(p)) ? 1 : recordings;
-      VectorXd slope;
+      VectorXd slope = VectorXd::Zero(here.size());
+      double apart = 0.0;
       for (const double side : {1.0, -1.0}) {
         Waves waves = ideal;
         for (std::size_t k = 0; k < changed; ++k, ++task) waves[tasks[task].recording] = found[task];
-        const VectorXd residual = problem_.distance(waves).residual;
-        if (slope.size() == 0) slope = VectorXd::Zero(residual.size());
-        slope += side / apart * residual;
+        const Distance distance = problem_.distance(waves);
+        slope += side * (distance.possible ? distance.residual : here);
+        if (distance.possible) apart += std::abs(std::clamp(at(p) + side * problem_.difference(), 0.0, 1.0) - at(p));
       }
+      if (apart > 0.0) slope /= apart;
       if (slopes.size() == 0) slopes.resize(slope.size(), at.size());
       slopes.col(p) = slope;
     }

@@ -20,7 +20,8 @@ struct Problem {
   std::size_t jobs = 1;
   const std::atomic<bool>* interrupt = nullptr;
 
-  Problem(const Model* fitted, std::size_t threads, const std::atomic<bool>* stop) : model(fitted), jobs(threads), interrupt(stop) {}
+  Problem(const Model* fitted, std::size_t threads, const std::atomic<bool>* stop)
+      : model(fitted), jobs(threads), interrupt(stop) {}
   Problem(const Problem&) = delete;
   Problem& operator=(const Problem&) = delete;
   virtual ~Problem() = default;

@@ -26,7 +26,8 @@ std::string command_text(const calibrate::Options& options, const std::vector<st
   std::string text = "slipbench calibrate " + shell_word(options.scene_path);
   for (const std::string& recording : options.recordings) text += " " + shell_word(recording);
   if (options.format != nullptr) text += " --format " + shell_word(format_name(*options.format));
-  if (options.groups) text += " --groups " + shell_word(fmt::format("{}={}", options.groups->label, fmt::join(options.groups->values, ",")));
+  if (options.groups)
+    text += " --groups " + shell_word(fmt::format("{}={}", options.groups->label, fmt::join(options.groups->values, ",")));
   for (const std::string& fit : fits) text += " --fit " + shell_word(fit);
   for (const Override& change : options.overrides) text += " --set " + shell_word(change.path + "=" + change.value);
   if (options.seed) text += fmt::format(" --seed {}", *options.seed);
@@ -61,9 +62,10 @@ std::string summary(const calibrate::Options& options, const Json& result, const
     }
   }
   const bool groups = options.groups.has_value();
-  return table.text(style) + fmt::format("residuals are {:.3g} times the {}\n",
-                                         result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
-                                         groups ? "scatter of recordings and devices" : "sensor's repeatability");
+  return table.text(style) +
+         fmt::format("residuals are {:.3g} times the {}\n",
+                     result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
+                     groups ? "scatter of recordings and devices" : "sensor's repeatability");
 }
 
 }  // namespace
@@ -98,7 +100,8 @@ Examples:
                   "What is fitted, e.g. 'friction.static: {min: 0.2, max: 1}'; several may follow");
   arguments.read("--format NAME", fmt::format("REAL are {}, see below", fmt::join(import_format_names(), " or ")),
                  [this](const std::string& name) { options.format = &import_format(name); });
-  arguments.read("--groups LABEL=VALUES", "Unknown motion: recordings by a label, a value for each cell of the grid, e.g. class=n,e,s",
+  arguments.read("--groups LABEL=VALUES",
+                 "Unknown motion: recordings by a label, a value for each cell of the grid, e.g. class=n,e,s",
                  [this](const std::string& text) { options.groups = calibrate::parse_groups(text); });
   arguments.flag("--synthetic-truth", options.synthetic_truth, "In place of REAL: recordings of drawn parameters");
   arguments.overrides(options.overrides, options.seed);

@@ -50,7 +50,8 @@ class Grouped : public slipbench::testing::FolderTest {
     return result;
   }
   // The scene's own trials as recordings.
-  Options with_recordings(const std::vector<std::string>& fits, const std::string& groups, const std::vector<Override>& overrides = {}) {
+  Options with_recordings(const std::vector<std::string>& fits, const std::string& groups,
+                          const std::vector<Override>& overrides = {}) {
     Options result = options(fits, groups);
     SweepOptions sweep;
     sweep.scene_path = result.scene_path;
@@ -138,16 +139,33 @@ TEST_F(Grouped, FrictionWithoutASlideIsNotDetermined) {
   EXPECT_FALSE(result.at("parameters").at(1).at("determined").get<bool>());
 }
 
+// A slide that begins at 0.48 s is refused where the press takes longer: of the upper bound's draws all are, of the recordings' none.
+TEST_F(Grouped, WhatTheSceneRefusesIsLeftOut) {
+  const Override early{"sweep.motion.1.start", "0.48 s"};
+  Options wanted = with_recordings({depth}, "motion.start=1.1,0.48", {early, {"sweep.motion.compression.mean", "0.8 mm"}});
+  wanted.overrides = {early, {"sweep.motion.compression.mean", "0.7 mm"}};
+  const Json result = calibrate(wanted, program_catalogues()).json;
+  EXPECT_NEAR(result.at("parameters").at(0).at("value").get<double>(), 0.8e-3, 0.17e-3);
+  // Where no draw of the scene's own values is possible, there is nothing to begin with.
+  wanted.overrides = {early, {"sweep.motion.compression.mean", "1.4 mm"}};
+  EXPECT_THAT(refusal(wanted), HasSubstr("the scene refuses all draws of a cell"));
+}
+
 TEST_F(Grouped, RefusesWhatDoesNotFit) {
-  EXPECT_THAT(refusal(options({depth}, "motion.start=1.1")), HasSubstr("--groups: 1 values, and the grid of the scene's sweep has 2 cells"));
+  EXPECT_THAT(refusal(options({depth}, "motion.start=1.1")),
+              HasSubstr("--groups: 1 values, and the grid of the scene's sweep has 2 cells"));
   EXPECT_THAT(refusal(options({"lag: {min: 0 ms, max: 5 ms}"})), HasSubstr("lag is a value of single recordings"));
-  EXPECT_THAT(refusal(options({"friction.scale: {min: 0.5, max: 1, each: true}"})), HasSubstr("friction.scale with each: true is a value"));
-  EXPECT_THAT(refusal(options({"sweep.motion.compression.maen: {min: 0.5 mm, max: 1 mm}"})), HasSubstr("sweep.motion.compression.maen"));
+  EXPECT_THAT(refusal(options({"friction.scale: {min: 0.5, max: 1, each: true}"})),
+              HasSubstr("friction.scale with each: true is a value"));
+  EXPECT_THAT(refusal(options({"sweep.motion.compression.maen: {min: 0.5 mm, max: 1 mm}"})),
+              HasSubstr("sweep.motion.compression.maen"));
   Options curves = options({depth});
   curves.groups.reset();
   EXPECT_THAT(refusal(curves), HasSubstr("sweep.motion.compression.mean is a value of all trials; allowed with --groups"));
-  EXPECT_THAT(refusal(with_recordings({depth}, "class=a,b")), HasSubstr("demo_0 of " + path("made.h5") + ": does not say its class"));
-  EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.5")), HasSubstr("its motion.start is '0.8'; allowed by --groups: 1.1, 0.5"));
+  EXPECT_THAT(refusal(with_recordings({depth}, "class=a,b")),
+              HasSubstr("demo_0 of " + path("made.h5") + ": does not say its class"));
+  EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.5")),
+              HasSubstr("its motion.start is '0.8'; allowed by --groups: 1.1, 0.5"));
   EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sweep.trials", "1"}})),
               HasSubstr("1 recordings whose motion.start is 1.1; allowed: two at least"));
   EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sensors.pad.rate", "100 Hz"}})),

@@ -378,12 +378,13 @@ TEST(Program, ControlCKeepsWhatIsFinished) {
 TEST(Program, ControlCOfCalibrateWritesNothing) {
   const TemporaryFolder folder;
   const ChildResult result = run_program_interrupted(
-      {"calibrate", SLIPBENCH_SOURCE_DIR "/scenes/papillarray/recordings.yaml", "--synthetic-truth", "--starts", "64", "--jobs", "2",
-       "--fit", "motion.tilt.0: {min: -2 deg, max: 2 deg}", "-o", folder / "fitted.yaml"},
+      {"calibrate", SLIPBENCH_SOURCE_DIR "/scenes/papillarray/recordings.yaml", "--synthetic-truth", "--starts", "64", "--jobs",
+       "2", "--fit", "motion.tilt.0: {min: -2 deg, max: 2 deg}", "-o", folder / "fitted.yaml"},
       "", SIGINT);
   EXPECT_EQ(result.status, 130);
   EXPECT_EQ(result.out, "");
-  EXPECT_EQ(result.err, "slipbench: stopping; nothing is kept; once more to stop at once\nslipbench: interrupted; nothing is written\n");
+  EXPECT_EQ(result.err,
+            "slipbench: stopping; nothing is kept; once more to stop at once\nslipbench: interrupted; nothing is written\n");
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }
 
