@@ -68,7 +68,7 @@ Svg chart(const std::string& title, const Axis& across, const std::string& acros
   }
   for (const double tick : up.ticks) {
     svg.line("mesh", left, up.at(tick), right, up.at(tick));
-    svg.text("small end", left - 5.0, up.at(tick) + 4.0, fmt::format("{:.3g}", tick));
+    svg.text("small end", left - 5.0, up.at(tick) + 4.0, fmt::format("{:.4g}", tick));
   }
   svg.text("small middle", 0.5 * (left + right), foot + 30.0, across_name);
   return svg;
@@ -256,10 +256,10 @@ std::string calibration_page(const Json& result) {
       generator, escape_html(scene), result.at("recordings").size(), result.at("seed").get<std::uint64_t>(),
       result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
       groups ? "scatter of recordings and devices" : "sensor's repeatability", escape_html(text(result.at("command"))));
-  body += section(
-      "Parameters", parameters_html(result),
-      "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them. Stiffness is as read: "
-      "the gains of a component have the mean 1 over its units.");
+  body +=
+      section("Parameters", parameters_html(result),
+              "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them." +
+                  std::string(groups ? "" : " Stiffness is as read: the gains of a component have the mean 1 over its units."));
   body += section(
       "Profiles", profiles_html(result),
       "How the squared residuals rise where a parameter is held elsewhere and the others follow. Dashed: 3.84, the end of a 95 % interval. "
