@@ -12,6 +12,7 @@
 #include "sim/core/error.h"
 #include "sim/core/regular_file.h"
 #include "sim/scene/sweep.h"
+#include "sim/scene/swept_value.h"
 
 namespace slipbench {
 namespace {
@@ -139,11 +140,11 @@ SceneFile SceneFile::from_text(std::string text, std::string name) {
 }
 
 void SceneFile::apply(const Override& change) {
-  const std::string source = "--set " + change.path + "=" + change.value;
+  const std::string source = change.option + " " + change.path + "=" + change.value;
   const YamlNode value = parse_yaml(change.value, source, false);
   std::vector<std::string> parts = split_path(change.path, value.origin);
   const bool sweeps = parts.front() == "sweep";
-  if (sweeps && parts.size() > 1) parts = {"sweep", change.path.substr(change.path.find('.') + 1)};
+  if (sweeps && parts.size() > 1) parts = swept_parts(*root_, change.path);
   YamlNode root = *root_;
   assign(place_at(root, parts, value.origin), value);
   root_ = std::make_shared<const YamlNode>(std::move(root));

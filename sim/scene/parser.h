@@ -17,8 +17,9 @@ namespace slipbench {
 
 // "motion.speed=8 mm/s" given on the command line; applied to the file before anything is checked.
 struct Override {
-  std::string path;   // dotted; a number selects an entry of a sequence: "motion.tilt.0"
-  std::string value;  // YAML
+  std::string path;              // dotted; a number selects an entry of a sequence: "motion.tilt.0"
+  std::string value;             // YAML
+  std::string option = "--set";  // by which it was given, for messages
 };
 
 // A scene file as read, before its sweep is expanded. Cheap to copy.

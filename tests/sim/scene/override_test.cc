@@ -49,6 +49,20 @@ TEST(Override, ReplacesAValue) {
   EXPECT_EQ(read({{"motion", "{start: 1 s}"}}).motion.parameters.number("speed"), 0.004) << "a map is replaced, not merged";
 }
 
+// A value that an entry of the sweep has: in an axis of maps, in a draw, whose name may begin as the axis does. What none has is an entry of its own.
+TEST(Override, ReachesIntoTheSweep) {
+  const Catalogues catalogues = test_catalogues();
+  const std::string text = std::string(base) +
+                           "sweep:\n  motion: [{speed: 2 mm/s}, {speed: 3 mm/s}]\n"
+                           "  motion.tilt.0: {draw: normal, mean: 0 deg, sd: 0}\n";
+  const TrialPlan plan(with({{"sweep.motion.1.speed", "9 mm/s"}, {"sweep.motion.tilt.0.mean", "0.5"}}, text), catalogues, 0, 1);
+  ASSERT_EQ(plan.size(), 2U);
+  EXPECT_EQ(plan.trial(0).scene.motion.parameters.number("speed"), 0.002);
+  EXPECT_EQ(plan.trial(1).scene.motion.parameters.number("speed"), 0.009);
+  EXPECT_EQ(plan.trial(1).scene.motion.parameters.vector("tilt")[0], 0.5);
+  EXPECT_EQ(TrialPlan(with({{"sweep.time_step", "[1 ms, 2 ms]"}}, text), catalogues, 0, 1).size(), 4U);
+}
+
 // What a comparison of settings writes before its own, whatever the scene says: nothing else of the scene may tell.
 TEST(Override, TakesKeysBackInEveryScene) {
   const Catalogues catalogues = test_catalogues();

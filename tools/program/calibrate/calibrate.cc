@@ -12,6 +12,7 @@
 #include "tools/program/calibrate/disturbances.h"
 #include "tools/program/calibrate/electronics_fit.h"
 #include "tools/program/calibrate/fitted_scene.h"
+#include "tools/program/calibrate/groups.h"
 #include "tools/program/calibrate/model.h"
 #include "tools/program/calibrate/recordings.h"
 #include "tools/program/calibrate/search.h"
@@ -58,9 +59,7 @@ Compared compared(const std::vector<RawRecording>& recordings, const std::vector
     if (recording.sensors.empty()) throw InputError(fmt::format("{}: holds no sensor; allowed: at least one", recording.name));
     Columns columns = shared_columns(recording, scene);
     if (result.real.empty()) result.columns = columns;
-    if (columns.count != result.columns.count)
-      throw InputError(fmt::format("{}: holds other channels than {}; allowed: recordings of one kind", recording.name,
-                                   recordings.front().name));
+    check_same_columns(recording.name, columns, recordings.front().name, result.columns);
     result.edges.push_back(bin_edges(recording, scene));
     const double shift = scene.front().time.front() - recording.sensors.front().time.front() + lag(r);
     result.real.push_back(bin_means(recording.sensors, Side::real, columns, result.edges.back(), shift));
@@ -110,8 +109,7 @@ Json interval_json(const FitKey& key, double place, const Known& known) {
   Json json{{"value", key.value(place)}, {"determined", known.determined}};
   json["low"] = known.determined ? key.value(std::max(0.0, place - half)) : key.min;
   json["high"] = known.determined ? key.value(std::min(1.0, place + half)) : key.max;
-  constexpr double edge = 0.005;
-  json["at_bound"] = known.determined && (place < edge || place > 1.0 - edge);
+  json["at_bound"] = at_lower_bound(place) || at_upper_bound(place);
   return json;
 }
 
@@ -326,14 +324,27 @@ SceneFile with_values(const SceneFile& file, const Model& model, const VectorXd&
   return fitted;
 }
 
-}  // namespace
+Truth drawn_truth(const Model& model, std::uint64_t seed) {
+  Truth truth{VectorXd(static_cast<Index>(model.parameters())), seed_for(seed, 0, "truth")};
+  RandomStream stream(seed, 1, "calibrate.truth");
+  for (double& place : truth.places) place = stream.uniform();
+  return truth;
+}
 
-Result calibrate(const Options& options, const Catalogues& catalogues) {
-  std::vector<RawRecording> recordings;
-  if (!options.synthetic_truth) recordings = read_recordings(options.recordings, options.format);
-  SceneFile file = SceneFile::load(options.scene_path);
-  for (const Override& change : options.overrides) file.apply(change);
-  const std::uint64_t seed = options.seed.value_or(read_seed(file.root()));
+// What every result begins with.
+Json begun(const Options& options, std::uint64_t seed, Json parameters, Json correlations, const Solution& solution) {
+  return {{result_key, 1},
+          {"scene", options.scene_path},
+          {"command", options.command},
+          {"seed", seed},
+          {"synthetic_truth", options.synthetic_truth},
+          {"parameters", std::move(parameters)},
+          {"correlations", std::move(correlations)},
+          {"cost", solution.cost}};
+}
+
+Result calibrate_curves(const Options& options, const SceneFile& file, std::uint64_t seed, std::vector<RawRecording> recordings,
+                        const Catalogues& catalogues) {
   std::vector<FitKey> of_curves, of_noise;
   for (const FitKey& key : options.keys) (of_electronics(key) ? of_noise : of_curves).push_back(key);
   check_noise_keys(of_curves, of_noise);
@@ -346,9 +357,7 @@ Result calibrate(const Options& options, const Catalogues& catalogues) {
   std::optional<Truth> truth;
   const VectorXd own = model.spread(Eigen::Map<const VectorXd>(model.own_places().data(), static_cast<Index>(of_curves.size())));
   if (options.synthetic_truth) {
-    truth = Truth{VectorXd(static_cast<Index>(all.parameters())), seed_for(seed, 0, "truth")};
-    RandomStream stream(seed, 1, "calibrate.truth");
-    for (double& place : truth->places) place = stream.uniform();
+    truth = drawn_truth(all, seed);
     recordings = drawn_recordings(all, *truth, options);
   }
   Compared data = compared(recordings, model.simulate(own, 0, Readings::ideal, seed, options.interrupt),
@@ -367,7 +376,10 @@ Result calibrate(const Options& options, const Catalogues& catalogues) {
     }
   }
 
-  const Problem problem{&model, &disturbances, data.edges, data.real, options.jobs, options.interrupt};
+  CurveProblem problem(&model, options.jobs, options.interrupt);
+  problem.disturbances = &disturbances;
+  problem.edges = data.edges;
+  problem.real = data.real;
   const Solution solution = search(problem, {options.starts, options.progress});
   std::vector<VectorXd> rough;
   for (std::size_t r = 0; r < model.recordings(); ++r)
@@ -395,20 +407,57 @@ Result calibrate(const Options& options, const Catalogues& catalogues) {
   }
 
   Result result;
-  result.json = {{result_key, 1},
-                 {"scene", options.scene_path},
-                 {"command", options.command},
-                 {"seed", seed},
-                 {"synthetic_truth", options.synthetic_truth},
-                 {"parameters", std::move(parameters)},
-                 {"correlations", correlations_json(model, solution)},
-                 {"cost", solution.cost},
-                 {"residual_over_repeatability", std::sqrt(solution.scale)},
-                 {"residuals", residuals_json(data, disturbances, solution, rms_over(rough))},
-                 {"starts", starts_json(model, solution)},
-                 {"recordings", recordings_json(recordings, data, solution)}};
+  result.json = begun(options, seed, std::move(parameters), correlations_json(model, solution), solution);
+  result.json.update({{"residual_over_repeatability", std::sqrt(solution.scale)},
+                      {"residuals", residuals_json(data, disturbances, solution, rms_over(rough))},
+                      {"starts", starts_json(model, solution)},
+                      {"recordings", recordings_json(recordings, data, solution)}});
   result.fitted = fitted_scene(file, options.keys, result.json);
   return result;
+}
+
+Result calibrate_groups(const Options& options, const SceneFile& file, std::uint64_t seed, std::vector<RawRecording> recordings,
+                        const Catalogues& catalogues) {
+  const Model model(file, catalogues, options.keys, seed, Trials::groups);
+  const auto keys = static_cast<Index>(options.keys.size());
+  const VectorXd own = Eigen::Map<const VectorXd>(model.own_places().data(), keys);
+  std::optional<Truth> truth;
+  if (options.synthetic_truth) {
+    truth = drawn_truth(model, seed);
+    recordings = drawn_session(model, *options.groups, truth->places, truth->seed, options.interrupt);
+  }
+  const GroupProblem problem(&model, *options.groups, recordings, own, options.jobs, options.interrupt);
+  const Solution solution = search(problem, {options.starts, options.progress});
+
+  Json parameters = Json::array();
+  for (Index k = 0; k < keys; ++k) {
+    const FitKey& key = options.keys[static_cast<std::size_t>(k)];
+    parameters.push_back(parameter_json(key, found_of(model, solution.places, solution.known, key.path),
+                                        truth ? std::vector<double>{truth->places(k)} : std::vector<double>{}));
+  }
+  Json names = Json::array();
+  for (const RawRecording& recording : recordings) names.push_back({{"name", recording.name}});
+  Result result;
+  result.json = begun(options, seed, std::move(parameters), correlations_json(model, solution), solution);
+  result.json.update(
+      {{"residual_over_scatter", std::sqrt(solution.distance.squared / static_cast<double>(solution.distance.compared))},
+       {"groups", problem.json(solution)},
+       {"starts", starts_json(model, solution)},
+       {"recordings", std::move(names)}});
+  result.fitted = fitted_scene(file, options.keys, result.json);
+  return result;
+}
+
+}  // namespace
+
+Result calibrate(const Options& options, const Catalogues& catalogues) {
+  std::vector<RawRecording> recordings;
+  if (!options.synthetic_truth) recordings = read_recordings(options.recordings, options.format);
+  SceneFile file = SceneFile::load(options.scene_path);
+  for (const Override& change : options.overrides) file.apply(change);
+  const std::uint64_t seed = options.seed.value_or(read_seed(file.root()));
+  const auto how = options.groups ? &calibrate_groups : &calibrate_curves;
+  return how(options, file, seed, std::move(recordings), catalogues);
 }
 
 bool recovers(const Json& result) {

@@ -13,6 +13,7 @@
 #include "sim/scene/parser.h"
 #include "tools/base/page/json.h"
 #include "tools/program/calibrate/fit_key.h"
+#include "tools/program/calibrate/groups.h"
 
 namespace slipbench {
 struct ImportFormat;
@@ -26,6 +27,7 @@ struct Options {
   std::vector<FitKey> keys;             // at least one
   std::vector<std::string> recordings;  // datasets, or sources of `format`
   const ImportFormat* format = nullptr;
+  std::optional<Groups> groups;  // the motion of a recording is unknown, and groups of them are compared; empty: curves in time
   bool synthetic_truth = false;  // recordings are simulated from parameters drawn between the bounds, in place of `recordings`
   std::optional<std::uint64_t> seed;  // empty: the scene's
   std::size_t starts = 4;

@@ -68,7 +68,7 @@ Svg chart(const std::string& title, const Axis& across, const std::string& acros
   }
   for (const double tick : up.ticks) {
     svg.line("mesh", left, up.at(tick), right, up.at(tick));
-    svg.text("small end", left - 5.0, up.at(tick) + 4.0, fmt::format("{:.3g}", tick));
+    svg.text("small end", left - 5.0, up.at(tick) + 4.0, fmt::format("{:.4g}", tick));
   }
   svg.text("small middle", 0.5 * (left + right), foot + 30.0, across_name);
   return svg;
@@ -195,6 +195,52 @@ std::string curves_html(const Json& result) {
   return html;
 }
 
+// A figure a row, a group a column: how far apart they are.
+std::string group_residuals_html(const Json& result) {
+  const Json& groups = result.at("groups");
+  std::vector<std::string> head{""};
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& group : groups) {
+    head.push_back(fmt::format("{} ({} / {})", text(group.at("name")), group.at("recordings").get<std::size_t>(),
+                               group.at("trials").get<std::size_t>()));
+    for (std::size_t k = 0; k < group.at("statistics").size(); ++k) {
+      const Json& one = group.at("statistics").at(k);
+      if (rows.size() <= k)
+        rows.push_back({fmt::format("{} {} {} {}", text(one.at("sensor")), text(one.at("channel")), text(one.at("component")),
+                                    text(one.at("statistic")))});
+      rows[k].push_back(fmt::format("{:.2f}", one.at("residual").get<double>()));
+    }
+  }
+  return page::table_html(head, rows);
+}
+
+std::string group_drawing(const Json& one) {
+  const auto real = one.at("real").get<std::vector<double>>(), synthetic = one.at("synthetic").get<std::vector<double>>();
+  std::vector<double> values = real, units;
+  values.insert(values.end(), synthetic.begin(), synthetic.end());
+  for (std::size_t unit = 0; unit < real.size(); ++unit) units.push_back(static_cast<double>(unit));
+  const Axis across = axis_for(units, left, right), up = axis_for(values, foot, top);
+  const std::string shown = fmt::format("{} {} {} [{}]", text(one.at("channel")), text(one.at("component")),
+                                        text(one.at("statistic")), text(one.at("unit")));
+  Svg svg = chart(shown, across, "unit", up);
+  for (std::size_t unit = 0; unit < real.size(); ++unit) {
+    svg.dot("s0", across.at(units[unit]), up.at(real[unit]), 2.5);
+    svg.dot("s1", across.at(units[unit]), up.at(synthetic[unit]), 2.5);
+  }
+  return svg.element(shown + ", real and synthetic");
+}
+
+std::string groups_html(const Json& result) {
+  std::string html;
+  const Json& groups = result.at("groups");
+  for (std::size_t g = 0; g < std::min(most_drawn, groups.size()); ++g) {
+    html += fmt::format("<h3>{}</h3>\n<div>", escape_html(text(groups.at(g).at("name"))));
+    for (const Json& one : groups.at(g).at("statistics")) html += group_drawing(one);
+    html += "</div>\n";
+  }
+  return html;
+}
+
 }  // namespace
 
 bool begins_as_calibration_page(std::string_view text) { return page::begins_as_page(text, generator); }
@@ -203,19 +249,30 @@ bool begins_as_fitted_scene(std::string_view text) { return text.starts_with(fit
 
 std::string calibration_page(const Json& result) {
   const std::string scene = text(result.at("scene"));
+  const bool groups = result.contains("groups");
   std::string body = fmt::format(
       "<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>{}</h1>\n<p class=\"note\">{} recordings, seed {}; residuals are {:.3g} times the "
-      "sensor's repeatability</p>\n<p class=\"note\"><code>{}</code></p></header>\n",
+      "{}</p>\n<p class=\"note\"><code>{}</code></p></header>\n",
       generator, escape_html(scene), result.at("recordings").size(), result.at("seed").get<std::uint64_t>(),
-      result.at("residual_over_repeatability").get<double>(), escape_html(text(result.at("command"))));
-  body += section(
-      "Parameters", parameters_html(result),
-      "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them. Stiffness is as read: "
-      "the gains of a component have the mean 1 over its units.");
+      result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
+      groups ? "scatter of recordings and devices" : "sensor's repeatability", escape_html(text(result.at("command"))));
+  body +=
+      section("Parameters", parameters_html(result),
+              "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them." +
+                  std::string(groups ? "" : " Stiffness is as read: the gains of a component have the mean 1 over its units."));
   body += section(
       "Profiles", profiles_html(result),
       "How the squared residuals rise where a parameter is held elsewhere and the others follow. Dashed: 3.84, the end of a 95 % interval. "
       "Dot: the fit.");
+  if (groups) {
+    body += section(
+        "Residuals", group_residuals_html(result),
+        "How far the means of a group are apart, in their scatter; RMS over the units. Head: recordings / trials. Level: mean. Trend: second half "
+        "less first. Times: how far means over so long step from one to the next, by logarithm. Much above 1 is an error of the model.");
+    body += section("Real and synthetic", groups_html(result),
+                    "Means over a group, by unit. Blue: recorded; orange: the fitted scene.");
+    return page::compose_page({generator, std::filesystem::path(scene).filename().string() + " · slipbench calibrate"}, body);
+  }
   body += section(
       "Residuals", residuals_html(result),
       "Repeatability: what the scene's own electronics leave where the model is exact. A residual well above it is an error of the model.");

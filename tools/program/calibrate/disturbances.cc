@@ -178,6 +178,7 @@ Distance distance_of(const Columns& columns, const Solved& fits, const Waves& re
     distance.group.push_back(group++);
   }
   distance.squared = distance.residual.squaredNorm();
+  distance.compared = entries;
   return distance;
 }
 

@@ -28,7 +28,7 @@ constexpr double least_variance = 1e-4;      // of a logarithm: 1 %
 
 class Sizes {
  public:
-  Sizes(const Model& model, const Problem& problem, const VectorXd& real) : model_(model), problem_(problem), real_(real) {
+  Sizes(const Model& model, const CurveProblem& problem, const VectorXd& real) : model_(model), problem_(problem), real_(real) {
     for (std::size_t d = 0; d < devices; ++d)
       seeds_.push_back(RandomStream(model.seed(), d, "calibrate.sizes").integer(std::uint64_t{1} << 62U));
   }
@@ -88,7 +88,7 @@ class Sizes {
   }
 
   const Model& model_;
-  const Problem& problem_;
+  const CurveProblem& problem_;
   const VectorXd& real_;
   std::vector<std::uint64_t> seeds_;
   VectorXd weight_;
@@ -156,7 +156,7 @@ VectorXd disturbance_sizes(const Columns& columns, const Waves& read, const Dist
   return Eigen::Map<const VectorXd>(sizes.data(), static_cast<Index>(sizes.size()));
 }
 
-ElectronicsFit fit_electronics(const Model& model, const Problem& problem, const VectorXd& sizes_of_real) {
+ElectronicsFit fit_electronics(const Model& model, const CurveProblem& problem, const VectorXd& sizes_of_real) {
   const VectorXd own = Eigen::Map<const VectorXd>(model.own_places().data(), static_cast<Index>(model.own_places().size()));
   Sizes sizes(model, problem, sizes_of_real);
   sizes.weigh(own);

@@ -27,6 +27,6 @@ struct ElectronicsFit {
 
 // The places at which simulated devices are disturbed as much as the real one: least squares of `sizes`, weighted by how much these differ from
 // one device to the next. `model`: of such keys alone, on the fitted scene. `problem`: whose recordings, edges and disturbances count.
-ElectronicsFit fit_electronics(const Model& model, const Problem& problem, const Eigen::VectorXd& sizes);
+ElectronicsFit fit_electronics(const Model& model, const CurveProblem& problem, const Eigen::VectorXd& sizes);
 
 }  // namespace slipbench::calibrate

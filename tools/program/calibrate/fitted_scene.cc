@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/quantity.h"
 #include "sim/scene/entry_reader.h"
 
 namespace slipbench::calibrate {
@@ -61,9 +62,10 @@ std::string block(const YamlNode& root) {
 
 std::string draw_of(const FitKey& key, const Json& parameter) {
   const double centre = parameter.at("value").get<double>(), sd = parameter.at("scatter").get<double>();
-  if (key.logarithmic) return fmt::format("{{draw: lognormal, median: {}, sd: {:.3g}}}", key.text(centre), sd);
-  return fmt::format("{{draw: normal, mean: {}, sd: {}, min: {}, max: {}}}", key.text(centre), key.text(sd), key.text(key.min),
-                     key.text(key.max));
+  const auto written = [&](double value) { return format_quantity(value, key.quantity); };
+  if (key.logarithmic) return fmt::format("{{draw: lognormal, median: {}, sd: {}}}", written(centre), format_number(sd));
+  return fmt::format("{{draw: normal, mean: {}, sd: {}, min: {}, max: {}}}", written(centre), written(sd), written(key.min),
+                     written(key.max));
 }
 
 }  // namespace
@@ -75,17 +77,20 @@ std::string fitted_scene(const SceneFile& file, const std::vector<FitKey>& keys,
     const FitKey& key = keys[k];
     const Json& parameter = result.at("parameters").at(k);
     const bool determined = parameter.at("determined").get<bool>();
+    const std::string bound = !key.each && parameter.at("at_bound").get<bool>() ? ", at its bound" : "";
     const std::string value = key.text(parameter.at("value").get<double>());
     if (!determined) {
-      head += fmt::format("# {}: not determined by these recordings\n", key.path);
+      head += fmt::format("# {}: not determined by these recordings{}\n", key.path, bound);
     } else if (key.each) {
       head += fmt::format("# {}: {} over the recordings\n", key.path, draw_of(key, parameter));
     } else {
-      head += fmt::format("# {}: {}, 95 % {} to {}\n", key.path, value, key.text(parameter.at("low").get<double>()),
-                          key.text(parameter.at("high").get<double>()));
+      head += fmt::format("# {}: {}, 95 % {} to {}{}\n", key.path, value, key.text(parameter.at("low").get<double>()),
+                          key.text(parameter.at("high").get<double>()), bound);
     }
     if (key.path == lag_key) continue;
-    fitted.apply(key.each ? Override{"sweep." + key.path, draw_of(key, parameter)} : Override{key.path, value});
+    // To the last digit: the scene simulates what was fitted, not what the head rounds.
+    fitted.apply(key.each ? Override{"sweep." + key.path, draw_of(key, parameter)}
+                          : Override{key.path, format_quantity(parameter.at("value").get<double>(), key.quantity)});
   }
   return head + block(fitted.root());
 }

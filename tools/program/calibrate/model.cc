@@ -1,7 +1,7 @@
 #include "tools/program/calibrate/model.h"
 
 #include <algorithm>
-#include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,18 +11,27 @@
 #include "sim/core/error.h"
 #include "sim/core/interrupted.h"
 #include "sim/scene/sweep.h"
+#include "sim/scene/swept_value.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::calibrate {
 namespace {
 
-void check_keys(const SceneFile& file, const std::vector<FitKey>& keys) {
+void check_keys(const SceneFile& file, const std::vector<FitKey>& keys, Trials kind) {
   std::vector<std::vector<std::string>> fitted;
   for (std::size_t k = 0; k < keys.size(); ++k) {
     if (std::ranges::find(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(k), keys[k].path, &FitKey::path) !=
         keys.begin() + static_cast<std::ptrdiff_t>(k))
       throw InputError(fmt::format("calibrate: {} is fitted twice; allowed: once", keys[k].path));
     fitted.push_back(split_path(keys[k].path, {}));
+    if (kind == Trials::groups && (keys[k].each || keys[k].path == lag_key))
+      throw InputError(fmt::format("calibrate: {} is a value of single recordings; allowed with --groups: a value of all",
+                                   keys[k].each ? keys[k].path + " with each: true" : keys[k].path));
+  }
+  if (kind == Trials::groups) return;
+  for (const FitKey& key : keys) {
+    if (key.path.starts_with("sweep."))
+      throw InputError(fmt::format("calibrate: {} is a value of all trials; allowed with --groups", key.path));
   }
   const Sweep sweep(file.root().find("sweep"), fitted);
   for (const SweptPath& swept : sweep.paths()) {
@@ -34,7 +43,19 @@ void check_keys(const SceneFile& file, const std::vector<FitKey>& keys) {
   }
 }
 
-double own_place(const Trace& values, const FitKey& key) {
+double own_place(const SceneFile& file, const Trace& values, const FitKey& key) {
+  if (key.path.starts_with("sweep.")) {
+    const YamlNode* node = node_at(file.root(), swept_parts(file.root(), key.path));
+    try {
+      if (node == nullptr || node->kind != YamlNode::Kind::scalar) throw std::invalid_argument("no number");
+      const double place = key.place(parse_quantity(node->text, quantity_of(node->text)));
+      return place >= 0.0 && place <= 1.0 ? place : 0.5;
+    } catch (const std::invalid_argument&) {
+      throw InputError(fmt::format(
+          "--fit {}: the scene's sweep has no such number; allowed: one that it has, such as sweep.motion.tilt.0.mean",
+          key.path));
+    }
+  }
   const auto found = values.find(key.path);
   if (found == values.end()) return 0.5;
   const nlohmann::json value = nlohmann::json::parse(found->second.json);
@@ -44,14 +65,14 @@ double own_place(const Trace& values, const FitKey& key) {
 
 }  // namespace
 
-Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<FitKey> keys, std::uint64_t seed)
+Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<FitKey> keys, std::uint64_t seed, Trials kind)
     : catalogues_(&catalogues), keys_(std::move(keys)), seed_(seed) {
-  check_keys(file, keys_);
+  check_keys(file, keys_, kind);
   // With the units that the bounds have: the scene refuses those of another quantity, and bounds beyond what it allows.
   const auto planned = [&](double place) {
     SceneFile fitted = file;
     for (const FitKey& key : keys_) {
-      if (key.path != lag_key) fitted.apply({key.path, key.text(key.value(place), std::numeric_limits<double>::max_digits10)});
+      if (key.path != lag_key) fitted.apply({key.path, format_quantity(key.value(place), key.quantity), "--fit"});
     }
     return TrialPlan(fitted, catalogues, 0, seed);
   };
@@ -63,16 +84,19 @@ Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<Fi
   }
   for (const double bound : {0.0, 1.0}) static_cast<void>(planned(bound).trial(0));
   const TrialPlan plan = planned(0.5);
-  for (std::size_t trial = 0; trial < plan.size(); ++trial) {
+  trials_ = plan.size();
+  draws_ = plan.draws();
+  for (std::size_t trial = 0; kind == Trials::recordings && trial < plan.size(); ++trial) {
     SceneFile one = file;
     one.apply({"sweep", "{trials: 1}"});
     for (const auto& [path, json] : plan.trial(trial).drawn) one.apply({path, json});
     files_.push_back(std::move(one));
   }
+  if (kind == Trials::groups) files_.push_back(file);
   Trace values;
   static_cast<void>(TrialPlan(files_.front(), catalogues, 1, seed).read(0, values));
-  for (const FitKey& key : keys_) own_.push_back(own_place(values, key));
-  recordings_ = files_.size();
+  for (const FitKey& key : keys_) own_.push_back(own_place(file, values, key));
+  recordings_ = trials_;
 }
 
 void Model::use_recordings(std::size_t count) {
@@ -125,16 +149,37 @@ double Model::lag(const Eigen::VectorXd& places, std::size_t recording) const {
   return 0.0;
 }
 
-std::vector<SensorRecord> Model::simulate(const Eigen::VectorXd& places, std::size_t recording, Readings readings,
-                                          std::uint64_t seed, const std::atomic<bool>* interrupt, std::size_t again) const {
-  SceneFile file = files_[trials() == 1 ? 0 : recording];
+std::string Model::apply(SceneFile& file, const Eigen::VectorXd& places, std::size_t recording) const {
   std::string values;
   for (std::size_t key = 0; key < keys_.size(); ++key) {
     if (keys_[key].path == lag_key) continue;
     const double fitted = value(places, key, recording);
-    file.apply({keys_[key].path, format_number(fitted)});
+    file.apply({keys_[key].path, format_quantity(fitted, keys_[key].quantity), "--fit"});
     values += fmt::format("{}{} = {}", values.empty() ? "" : ", ", keys_[key].path, keys_[key].text(fitted));
   }
+  return values;
+}
+
+std::vector<SensorRecord> Model::simulate_drawn(const Eigen::VectorXd& places, std::size_t trial, std::uint64_t seed,
+                                                std::uint64_t device, const std::atomic<bool>* interrupt) const {
+  SceneFile file = files_.front();
+  const std::string values = apply(file, places, trial);
+  try {
+    Scene scene = TrialPlan(file, *catalogues_, 0, seed).trial(trial).scene;
+    scene.seed = device;
+    scene.detector.reset();
+    return run_trial(scene, trial, Recording::full, max_record_bytes, interrupt).record.sensors;
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("calibrate: trial {} with {}: {}", trial, values, error.what()));
+  }
+}
+
+std::vector<SensorRecord> Model::simulate(const Eigen::VectorXd& places, std::size_t recording, Readings readings,
+                                          std::uint64_t seed, const std::atomic<bool>* interrupt, std::size_t again) const {
+  SceneFile file = files_[trials() == 1 ? 0 : recording];
+  const std::string values = apply(file, places, recording);
   try {
     Scene scene = parse_scene(file, *catalogues_);
     scene.seed = seed;

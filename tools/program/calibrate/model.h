@@ -23,15 +23,24 @@ enum class Readings {
   read,   // those that the scene says
 };
 
+// What a trial of the scene stands for.
+enum class Trials {
+  recordings,  // one recording each: what its sweep draws would be unknown
+  groups,      // a cell of the grid a group of recordings, of which the trials are draws
+};
+
 // The parameters are all keys in their order; a key with `each` stands there once for every recording, one after the other.
 class Model {
  public:
   // `file`: with what the command line sets. `catalogues` must outlive the model. Throws InputError for a scene that cannot be read, a key that the
   // scene does not have or takes no number, a sweep that draws what is not fitted, and two keys of the same path.
-  Model(const SceneFile& file, const Catalogues& catalogues, std::vector<FitKey> keys, std::uint64_t seed);
+  // With Trials::groups also for a key that single recordings have a value of.
+  Model(const SceneFile& file, const Catalogues& catalogues, std::vector<FitKey> keys, std::uint64_t seed,
+        Trials kind = Trials::recordings);
 
-  // Trials of the scene's sweep, of which recording r is trial r.
-  [[nodiscard]] std::size_t trials() const { return files_.size(); }
+  // Trials of the scene's sweep, of which recording r is trial r; and how many there are of each cell of its grid.
+  [[nodiscard]] std::size_t trials() const { return trials_; }
+  [[nodiscard]] std::size_t draws() const { return draws_; }
   // With one trial, of which all recordings are repetitions. Throws InputError where the scene has neither one trial nor `count`.
   void use_recordings(std::size_t count);
   [[nodiscard]] std::size_t recordings() const { return recordings_; }
@@ -54,6 +63,9 @@ class Model {
   [[nodiscard]] std::vector<SensorRecord> simulate(const Eigen::VectorXd& places, std::size_t recording, Readings readings,
                                                    std::uint64_t seed, const std::atomic<bool>* interrupt,
                                                    std::size_t again = 0) const;
+  // The same with Trials::groups, as the scene's electronics read it. `device`: of all random numbers but the sweep's draws, which are of `seed`.
+  [[nodiscard]] std::vector<SensorRecord> simulate_drawn(const Eigen::VectorXd& places, std::size_t trial, std::uint64_t seed,
+                                                         std::uint64_t device, const std::atomic<bool>* interrupt) const;
   // How much later than the scene's the recording's clock is [s].
   [[nodiscard]] double lag(const Eigen::VectorXd& places, std::size_t recording) const;
 
@@ -61,12 +73,15 @@ class Model {
 
  private:
   [[nodiscard]] double value(const Eigen::VectorXd& places, std::size_t key, std::size_t recording) const;
+  // Puts the values of a recording into the scene; returns them for messages.
+  std::string apply(SceneFile& file, const Eigen::VectorXd& places, std::size_t recording) const;
 
-  std::vector<SceneFile> files_;  // a trial each, without a sweep
+  std::vector<SceneFile> files_;  // a trial each, without a sweep; with Trials::groups one, with it
   const Catalogues* catalogues_;
   std::vector<FitKey> keys_;
   std::vector<double> own_;
   std::uint64_t seed_;
+  std::size_t trials_ = 1, draws_ = 1;
   std::size_t recordings_;
 };
 

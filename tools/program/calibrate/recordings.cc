@@ -66,6 +66,7 @@ std::string packed_dataset(const std::string& path) {
     reader.check_recorded(trial);
     const std::vector<std::string> names = reader.sensors(trial);
     bytes.put(trial);
+    bytes.put(reader.info(trial).params);
     bytes.put(names.size());
     for (const std::string& name : names) {
       const SensorRecord sensor = reader.read_sensor(trial, name);
@@ -90,6 +91,7 @@ std::vector<RawRecording> unpacked_dataset(const std::string& path) {
   std::vector<RawRecording> recordings;
   while (!bytes.at_end()) {
     RawRecording recording{.name = fmt::format("demo_{} of {}", bytes.take(), path), .sensors = {}};
+    recording.params = bytes.take_text();
     for (std::size_t sensors = bytes.take(); sensors > 0; --sensors) {
       SensorRecord sensor;
       sensor.name = bytes.take_text();
@@ -141,12 +143,13 @@ const SensorRecord& sensor_of(const std::vector<SensorRecord>& sensors, Side sid
 }
 
 // Which of the recorded sensors is the simulated one; the number of them: none.
-std::size_t recorded_of(const RawRecording& real, const SensorRecord& simulated) {
+std::size_t recorded_of(const RawRecording& real, const SensorRecord& simulated, const std::vector<SensorRecord>& scene) {
   const auto named = std::ranges::find(real.sensors, simulated.name, &SensorRecord::name);
   if (named != real.sensors.end()) return static_cast<std::size_t>(named - real.sensors.begin());
   std::size_t found = real.sensors.size();
   for (std::size_t s = 0; s < real.sensors.size(); ++s) {
     if (real.sensors[s].type != simulated.type) continue;
+    if (std::ranges::find(scene, real.sensors[s].name, &SensorRecord::name) != scene.end()) continue;  // it is that one
     if (found != real.sensors.size()) return real.sensors.size();
     found = s;
   }
@@ -173,7 +176,7 @@ std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths,
   std::vector<RawRecording> recordings;
   if (format != nullptr) {
     for_each_recording(paths, *format, [&](TrialRecord record, const std::string& source) {
-      recordings.push_back({source, std::move(record.sensors)});
+      recordings.push_back({source, std::move(record.sensors), std::move(record.params)});
     });
   } else {
     for (const std::string& path : paths) {
@@ -184,6 +187,7 @@ std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths,
       for (RawRecording& recording : unpacked_dataset(path)) recordings.push_back(std::move(recording));
     }
   }
+  if (recordings.empty()) throw InputError(fmt::format("{}: no recording; allowed: one at least", fmt::join(paths, ", ")));
   for (const RawRecording& recording : recordings) check_values(recording);
   return recordings;
 }
@@ -192,7 +196,7 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
   Columns columns;
   for (std::size_t s = 0; s < simulated.size(); ++s) {
     const SensorRecord& sensor = simulated[s];
-    const std::size_t recorded = recorded_of(real, sensor);
+    const std::size_t recorded = recorded_of(real, sensor, simulated);
     if (recorded == real.sensors.size()) continue;
     for (const SensorColumn& column : sensor.channels) {
       const SensorColumn* found = find_channel(real.sensors[recorded], column.name);
@@ -217,6 +221,29 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
                                  fmt::join(found, ", "), fmt::join(scene, ", ")));
   }
   return columns;
+}
+
+void check_same_columns(const std::string& name, const Columns& columns, const std::string& first_name, const Columns& first) {
+  // With the names the shapes are the same: both are the scene's.
+  const auto names = [](const Columns& of) {
+    std::vector<std::string> list;
+    for (const ChannelPlace& place : of.channels) list.push_back(place.sensor + "/" + place.channel);
+    return list;
+  };
+  if (names(columns) == names(first)) return;
+  throw InputError(fmt::format("{}: holds {} and {} holds {}; allowed: recordings of one kind", name,
+                               fmt::join(names(columns), ", "), first_name, fmt::join(names(first), ", ")));
+}
+
+Samples samples_of(const std::vector<SensorRecord>& sensors, Side side, const ChannelPlace& place) {
+  const SensorRecord& sensor = sensor_of(sensors, side, place);
+  const SensorColumn& column = *find_channel(sensor, place.channel);
+  const std::vector<double>& time = times_of(sensor, column);
+  using Rows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  const Rows rows(column.values.data(), static_cast<Eigen::Index>(time.size()),
+                  static_cast<Eigen::Index>(place.units * place.components));
+  const double steps = std::max(1.0, static_cast<double>(time.size()) - 1.0);
+  return {rows.cast<double>(), time.empty() ? 0.0 : (time.back() - time.front()) / steps};
 }
 
 std::vector<double> bin_edges(const RawRecording& real, const std::vector<SensorRecord>& simulated) {

@@ -19,10 +19,11 @@ namespace slipbench::calibrate {
 struct RawRecording {
   std::string name;  // for people: "logs/a.csv", "demo_3 of stage.h5"
   std::vector<SensorRecord> sensors;
+  std::string params = "{}";  // TrialRecord::params: what is known of it, such as its class
 };
 
 // `paths`: datasets, whose trials are recordings in their order; or with `format` sources as `slipbench import` takes them. Throws InputError
-// where they cannot be read and where a value is not finite. Call it before any thread is made (guarded.h).
+// where they cannot be read, where there is none and where a value is not finite. Call it before any thread is made (guarded.h).
 std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths, const ImportFormat* format);
 
 // One array of a sensor among the columns that are compared: units times components, a column each, components fastest.
@@ -50,13 +51,23 @@ struct Columns {
 // they share none, or where an array's shape differs.
 Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>& simulated);
 
+// Throws InputError with both recordings' names where they are not compared in the same arrays.
+void check_same_columns(const std::string& name, const Columns& columns, const std::string& first_name, const Columns& first);
+
+// Whose sensors are read: in a recording they may stand in another order than in the scene.
+enum class Side { real, scene };
+
+// The samples of an array: [T, units times components], and the mean time from one to the next [s].
+struct Samples {
+  Eigen::MatrixXd values;
+  double step = 0.0;
+};
+Samples samples_of(const std::vector<SensorRecord>& sensors, Side side, const ChannelPlace& place);
+
 // The ends of the stretches in which a recording is compared [s, of the scene's clock; the recording's first sample has the time of the first
 // simulated one]: all alike, as many as there are samples but no more than `most`.
 inline constexpr std::size_t most_bins = 200;
 std::vector<double> bin_edges(const RawRecording& real, const std::vector<SensorRecord>& simulated);
-
-// Whose sensors are read: in a recording they may stand in another order than in the scene.
-enum class Side { real, scene };
 
 // The mean of every column in every stretch, of the straight lines between samples: [bins, columns]. Before its first sample and after its last
 // one an array stands still. `shift`: what is added to the sensors' times [s].

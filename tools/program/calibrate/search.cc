@@ -26,12 +26,9 @@ using Eigen::VectorXd;
 // 1 over the variance of a place that may be anywhere between the bounds.
 constexpr double prior_weight = 12.0;
 
-// Evaluations of a start, in all recordings each, for one more than there are keys.
-constexpr std::size_t global_evaluations = 60, local_evaluations = 25;
-
 constexpr int most_steps = 8;
-constexpr double difference = 0.004;       // of the bounds, to either side
 constexpr double small_step = 1e-6;        // of the bounds: the fit has arrived
+constexpr double bound_width = 0.005;      // of the bounds
 constexpr double chi_square_of_95 = 3.84;  // with one degree of freedom
 
 // A profile reaches three times as far as the 95 % interval.
@@ -43,7 +40,7 @@ class Searcher {
   Searcher(const Problem& problem, const SearchOptions& options) : problem_(problem), options_(options) {
     const std::size_t keys = model().keys().size();
     const auto recordings = model().recordings();
-    of_ = options.starts * (global_evaluations + local_evaluations) * (keys + 1) * recordings +
+    of_ = options.starts * (problem.evaluations().global + problem.evaluations().local) * (keys + 1) * recordings +
           (std::size_t{4} * 2 * model().parameters() + profile_points * keys) * recordings;
   }
 
@@ -124,7 +121,7 @@ class Searcher {
     nlopt::srand(static_cast<unsigned long>(stream.integer(1U << 31U)));
     try {
       for (const auto& [algorithm, evaluations] :
-           {std::pair{nlopt::GN_CRS2_LM, global_evaluations}, {nlopt::LN_SBPLX, local_evaluations}}) {
+           {std::pair{nlopt::GN_CRS2_LM, problem_.evaluations().global}, {nlopt::LN_SBPLX, problem_.evaluations().local}}) {
         nlopt::opt optimiser(algorithm, keys);
         optimiser.set_lower_bounds(0.0);
         optimiser.set_upper_bounds(1.0);
@@ -154,32 +151,34 @@ class Searcher {
     return results;
   }
 
-  // Of the residuals by the places, from differences to both sides.
+  // Of the residuals by the places, from differences to both sides that are possible.
   MatrixXd jacobian(const VectorXd& at, const Waves& ideal) {
     const std::size_t recordings = model().recordings();
     std::vector<Task> tasks;
     for (Index p = 0; p < at.size(); ++p) {
       for (const double side : {1.0, -1.0}) {
         VectorXd places = at;
-        places(p) = std::clamp(at(p) + side * difference, 0.0, 1.0);
+        places(p) = std::clamp(at(p) + side * problem_.difference(), 0.0, 1.0);
         const std::optional<std::size_t> only = model().recording_of(static_cast<std::size_t>(p));
         for (std::size_t r = only.value_or(0); r < (only ? *only + 1 : recordings); ++r) tasks.push_back({places, r});
       }
     }
     const std::vector<MatrixXd> found = simulated(tasks);
+    const VectorXd here = problem_.distance(ideal).residual;
     MatrixXd slopes;
     std::size_t task = 0;
     for (Index p = 0; p < at.size(); ++p) {
-      const double apart = std::min(at(p) + difference, 1.0) - std::max(at(p) - difference, 0.0);
       const std::size_t changed = model().recording_of(static_cast<std::size_t>(p)) ? 1 : recordings;
-      VectorXd slope;
+      VectorXd slope = VectorXd::Zero(here.size());
+      double apart = 0.0;
       for (const double side : {1.0, -1.0}) {
         Waves waves = ideal;
         for (std::size_t k = 0; k < changed; ++k, ++task) waves[tasks[task].recording] = found[task];
-        const VectorXd residual = problem_.disturbances->distance(problem_.real, waves).residual;
-        if (slope.size() == 0) slope = VectorXd::Zero(residual.size());
-        slope += side / apart * residual;
+        const Distance distance = problem_.distance(waves);
+        slope += side * (distance.possible ? distance.residual : here);
+        if (distance.possible) apart += std::abs(std::clamp(at(p) + side * problem_.difference(), 0.0, 1.0) - at(p));
       }
+      if (apart > 0.0) slope /= apart;
       if (slopes.size() == 0) slopes.resize(slope.size(), at.size());
       slopes.col(p) = slope;
     }
@@ -194,7 +193,7 @@ class Searcher {
     solution.cost = problem_.cost(solution.ideal, at);
     double damping = 1e-3;
     for (int step = 0; step <= most_steps; ++step) {
-      solution.distance = problem_.disturbances->distance(problem_.real, solution.ideal);
+      solution.distance = problem_.distance(solution.ideal);
       slopes_ = jacobian(at, solution.ideal);
       if (step == most_steps) break;
       const MatrixXd curvature = slopes_.transpose() * slopes_ + prior_weight * MatrixXd::Identity(at.size(), at.size());
@@ -224,21 +223,16 @@ class Searcher {
   // What the residuals say of how well each parameter is known.
   void know(Solution& solution) {
     const Index count = solution.places.size();
-    Index entries = 0;
-    for (const MatrixXd& wave : problem_.real) entries += wave.size();
-    const VectorXd& residual = solution.distance.residual;
-    solution.scale = std::max(1.0, residual.head(entries).squaredNorm() / static_cast<double>(entries));
+    const Index entries = solution.distance.compared;
+    solution.scale = std::max(1.0, solution.distance.residual.head(entries).squaredNorm() / static_cast<double>(entries));
 
-    // Residuals of one column of a recording hang together (noise is red, and a model is wrong for a while), so their own sums tell how far the
-    // gradient scatters: the sandwich of Huber and White, with clusters. Where it is smaller than what independent residuals give, that counts.
+    // Residuals hang together, so how far the gradient scatters tells more than their number: the sandwich of Huber and White. Where it is smaller than
+    // what independent residuals give, that counts.
     const MatrixXd prior = prior_weight * MatrixXd::Identity(count, count);
     const MatrixXd inverse =
         (slopes_.transpose() * slopes_ / solution.scale + prior).llt().solve(MatrixXd::Identity(count, count));
-    const auto groups = static_cast<double>(solution.distance.group.back() + 1);
-    MatrixXd sums = MatrixXd::Zero(count, solution.distance.group.back() + 1);
-    for (Index i = 0; i < residual.size(); ++i)
-      sums.col(solution.distance.group[static_cast<std::size_t>(i)]) += residual(i) * slopes_.row(i).transpose();
-    const MatrixXd meat = sums * sums.transpose() * (groups / (groups - 1.0)) / (solution.scale * solution.scale) + prior;
+    const MatrixXd scores = problem_.scores(solution.distance, slopes_);
+    const MatrixXd meat = scores * scores.transpose() / (solution.scale * solution.scale) + prior;
     const MatrixXd sandwich = inverse * meat * inverse;
     const VectorXd wider = (sandwich.diagonal().array() / inverse.diagonal().array()).sqrt().max(1.0);
     solution.covariance = wider.asDiagonal() * inverse * wider.asDiagonal();
@@ -274,12 +268,13 @@ class Searcher {
     }
   }
 
-  // Whether a profile rises far enough on either side of the fit, where there is one.
+  // Whether a profile rises far enough on either side of the fit, where there is one: not beyond a bound.
   static bool rises(const Known& known, double place) {
     double below = 0.0, above = 0.0;
     for (const auto& [at, rise] : known.profile) (at < place ? below : above) = std::max(at < place ? below : above, rise);
     const double half = half_interval * known.sd;
-    return (below >= chi_square_of_95 || place < half) && (above >= chi_square_of_95 || place > 1.0 - half);
+    return (below >= chi_square_of_95 || place < half || at_lower_bound(place)) &&
+           (above >= chi_square_of_95 || place > 1.0 - half || at_upper_bound(place));
   }
 
   const Problem& problem_;
@@ -291,19 +286,32 @@ class Searcher {
 
 }  // namespace
 
-MatrixXd Problem::wave(const VectorXd& places, std::size_t recording) const {
+MatrixXd CurveProblem::wave(const VectorXd& places, std::size_t recording) const {
   const std::vector<SensorRecord> sensors = model->simulate(places, recording, Readings::ideal, model->seed(), interrupt);
   return bin_means(sensors, Side::scene, disturbances->columns(), edges[recording], model->lag(places, recording));
 }
 
-double Problem::cost(const Waves& ideal, const VectorXd& places) const {
-  double squared = disturbances->distance(real, ideal).squared;
+Distance CurveProblem::distance(const Waves& simulated) const { return disturbances->distance(real, simulated); }
+
+MatrixXd CurveProblem::scores(const Distance& distance, const MatrixXd& slopes) const {
+  const Index groups = distance.group.back() + 1;
+  MatrixXd sums = MatrixXd::Zero(slopes.cols(), groups);
+  for (Index i = 0; i < distance.residual.size(); ++i)
+    sums.col(distance.group[static_cast<std::size_t>(i)]) += distance.residual(i) * slopes.row(i).transpose();
+  return sums * std::sqrt(static_cast<double>(groups) / static_cast<double>(groups - 1));
+}
+
+double Problem::cost(const Waves& simulated, const VectorXd& places) const {
+  double squared = distance(simulated).squared;
   for (Index p = 0; p < places.size(); ++p) {
     const double away = places(p) - model->own_places()[model->key_of(static_cast<std::size_t>(p))];
     squared += prior_weight * away * away;
   }
   return squared;
 }
+
+bool at_lower_bound(double place) { return place < bound_width; }
+bool at_upper_bound(double place) { return place > 1.0 - bound_width; }
 
 Solution search(const Problem& problem, const SearchOptions& options) { return Searcher(problem, options).run(); }
 

@@ -16,18 +16,49 @@ namespace slipbench::calibrate {
 
 // Recordings, the scene that is to resemble them, and what tells how far it is.
 struct Problem {
-  const Model* model;
-  const Disturbances* disturbances;
-  std::vector<std::vector<double>> edges;  // of each recording, bin_edges()
-  Waves real;
+  const Model* model = nullptr;
   std::size_t jobs = 1;
   const std::atomic<bool>* interrupt = nullptr;
 
-  // What the scene reads in a recording.
-  [[nodiscard]] Eigen::MatrixXd wave(const Eigen::VectorXd& places, std::size_t recording) const;
+  Problem(const Model* fitted, std::size_t threads, const std::atomic<bool>* stop)
+      : model(fitted), jobs(threads), interrupt(stop) {}
+  Problem(const Problem&) = delete;
+  Problem& operator=(const Problem&) = delete;
+  virtual ~Problem() = default;
+
+  // What is compared of a simulated recording.
+  [[nodiscard]] virtual Eigen::MatrixXd wave(const Eigen::VectorXd& places, std::size_t recording) const = 0;
+  // How far simulated recordings are from the real ones.
+  [[nodiscard]] virtual Distance distance(const Waves& simulated) const = 0;
+  // How the gradient of Distance::squared/2 scatters by chance: columns of which each is independent of the others, and whose squares' sum is its
+  // covariance. `slopes`: of the residual by the places.
+  [[nodiscard]] virtual Eigen::MatrixXd scores(const Distance& distance, const Eigen::MatrixXd& slopes) const = 0;
+  // Half of the step of a slope, of the bounds.
+  [[nodiscard]] virtual double difference() const = 0;
+  // Evaluations of a start's global and local search, for one more than there are keys.
+  struct Evaluations {
+    std::size_t global, local;
+  };
+  [[nodiscard]] virtual Evaluations evaluations() const = 0;
+
   // Distance::squared, and what holds a parameter that the recordings say nothing of at the scene's own value: a Gaussian prior around it as wide as
   // the bounds, sd (max - min)/sqrt(12).
-  [[nodiscard]] double cost(const Waves& ideal, const Eigen::VectorXd& places) const;
+  [[nodiscard]] double cost(const Waves& simulated, const Eigen::VectorXd& places) const;
+};
+
+// Curves in time, without what the electronics may have done.
+struct CurveProblem : Problem {
+  const Disturbances* disturbances = nullptr;
+  std::vector<std::vector<double>> edges;  // of each recording, bin_edges()
+  Waves real;
+
+  using Problem::Problem;
+  [[nodiscard]] Eigen::MatrixXd wave(const Eigen::VectorXd& places, std::size_t recording) const override;
+  [[nodiscard]] Distance distance(const Waves& simulated) const override;
+  // Residuals of one column of a recording hang together: noise is red, and a model is wrong for a while.
+  [[nodiscard]] Eigen::MatrixXd scores(const Distance& distance, const Eigen::MatrixXd& slopes) const override;
+  [[nodiscard]] double difference() const override { return 0.004; }
+  [[nodiscard]] Evaluations evaluations() const override { return {60, 25}; }
 };
 
 struct SearchOptions {
@@ -70,5 +101,8 @@ Solution search(const Problem& problem, const SearchOptions& options);
 inline constexpr double half_interval = 1.96;
 // A parameter is determined where that half takes less of the bounds.
 inline constexpr double widest_known = 0.25;
+// Whether a place is at one of its bounds, which is then what ends the search and the interval.
+[[nodiscard]] bool at_lower_bound(double place);
+[[nodiscard]] bool at_upper_bound(double place);
 
 }  // namespace slipbench::calibrate

@@ -26,6 +26,8 @@ std::string command_text(const calibrate::Options& options, const std::vector<st
   std::string text = "slipbench calibrate " + shell_word(options.scene_path);
   for (const std::string& recording : options.recordings) text += " " + shell_word(recording);
   if (options.format != nullptr) text += " --format " + shell_word(format_name(*options.format));
+  if (options.groups)
+    text += " --groups " + shell_word(fmt::format("{}={}", options.groups->label, fmt::join(options.groups->values, ",")));
   for (const std::string& fit : fits) text += " --fit " + shell_word(fit);
   for (const Override& change : options.overrides) text += " --set " + shell_word(change.path + "=" + change.value);
   if (options.seed) text += fmt::format(" --seed {}", *options.seed);
@@ -43,11 +45,11 @@ std::string summary(const calibrate::Options& options, const Json& result, const
     const calibrate::FitKey& key = options.keys[k];
     const Json& parameter = result.at("parameters").at(k);
     const auto add = [&](const std::string& name, const Json& one) {
-      const bool known = one.at("determined").get<bool>();
+      const bool known = one.at("determined").get<bool>(), bound = one.at("at_bound").get<bool>();
       const auto shown = [&](const char* what) { return key.text(one.at(what).get<double>()); };
       std::vector<std::string> row{
           name, known ? shown("value") : "not determined",
-          known ? "+- " + key.text(half_width(one), 2) + (one.at("at_bound").get<bool>() ? ", at its bound" : "") : ""};
+          (known ? "+- " + key.text(half_width(one), 2) : "") + (bound ? known ? ", at its bound" : "at its bound" : "")};
       if (options.synthetic_truth)
         row.insert(row.end(), {shown("truth"), known ? key.text(one.at("error").get<double>(), 2) : ""});
       table.add(std::move(row));
@@ -59,8 +61,11 @@ std::string summary(const calibrate::Options& options, const Json& result, const
         add(fmt::format("{} of {}", key.path, r), parameter.at("by_recording").at(r));
     }
   }
-  return table.text(style) + fmt::format("residuals are {:.3g} times the sensor's repeatability\n",
-                                         result.at("residual_over_repeatability").get<double>());
+  const bool groups = options.groups.has_value();
+  return table.text(style) +
+         fmt::format("residuals are {:.3g} times the {}\n",
+                     result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
+                     groups ? "scatter of recordings and devices" : "sensor's repeatability");
 }
 
 }  // namespace
@@ -75,6 +80,9 @@ taken for the same instant; --fit 'lag: {{min: -50 ms, max: 50 ms}}' fits the di
   --fit 'KEY: {{min: .., max: ..}}'         a key of the scene between two bounds
   draw: log_uniform                       searched by its logarithm
   each: true                              a value for each recording; the fitted scene draws it with the scatter that was found
+
+--groups class=n,e,s compares recordings whose motion nobody knows: those whose label class is n belong to the first cell of the grid of the scene's sweep,
+and so on. Its trials are draws, and means over a group are compared. What the sweep draws can be fitted: sweep.motion.compression.median.
 
 -o writes the scene with the fitted values, and beside it FILE.html and FILE.json: intervals, profiles, residuals, real beside synthetic.
 --synthetic-truth simulates the recordings from values drawn between the bounds, with the scene's electronics, and shows how well it finds
@@ -92,6 +100,9 @@ Examples:
                   "What is fitted, e.g. 'friction.static: {min: 0.2, max: 1}'; several may follow");
   arguments.read("--format NAME", fmt::format("REAL are {}, see below", fmt::join(import_format_names(), " or ")),
                  [this](const std::string& name) { options.format = &import_format(name); });
+  arguments.read("--groups LABEL=VALUES",
+                 "Unknown motion: recordings by a label, a value for each cell of the grid, e.g. class=n,e,s",
+                 [this](const std::string& text) { options.groups = calibrate::parse_groups(text); });
   arguments.flag("--synthetic-truth", options.synthetic_truth, "In place of REAL: recordings of drawn parameters");
   arguments.overrides(options.overrides, options.seed);
   arguments.number("--starts N", options.starts, "Searches from different points, 1 to 64 (default: 4)", 1, 64);

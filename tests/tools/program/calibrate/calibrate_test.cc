@@ -1,5 +1,6 @@
 #include "tools/program/calibrate/calibrate.h"
 
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,7 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
+#include "sim/core/interrupted.h"
 #include "tests/tools/base/dataset/test_records.h"
+#include "tools/base/dataset/writer.h"
 #include "tools/program/calibrate/calibrate_page.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/export/export.h"
@@ -64,6 +67,15 @@ class Calibrated : public slipbench::testing::FolderTest {
   static double relative(const Json& result, const std::string& key) {
     return error(result, key) / of(result, key).at("truth").get<double>();
   }
+  // A dataset of the scene's trials.
+  std::string simulated_with(const std::vector<Override>& overrides) {
+    SweepOptions sweep;
+    sweep.scene_path = path("scene.yaml");
+    sweep.overrides = overrides;
+    sweep.output = path("made.h5");
+    run_sweep(sweep, program_catalogues(), {});
+    return sweep.output;
+  }
   std::string refusal(const Options& options) {
     try {
       fitted(options);
@@ -110,6 +122,25 @@ TEST_F(Calibrated, ALateClockIsFound) {
   EXPECT_NEAR(error(result, "motion.start"), 0.0, 2e-3);
 }
 
+// The recordings are of 5.5 N/mm and the bounds end before and after it: the best value is at the nearer one, and that is said. On its other side the
+// residuals rise, so the recordings do determine it.
+TEST_F(Calibrated, AValueAtItsBoundIsCalledSo) {
+  Options wanted = options({"sensors.pad.k_normal: {min: 6 N/mm, max: 10 N/mm}"},
+                           {{"sensors.pad.electronics", "ideal"}, {"sensors.pad.k_normal", "7 N/mm"}});
+  wanted.synthetic_truth = false;
+  wanted.recordings = {simulated_with({{"sensors.pad.k_normal", "5.5 N/mm"}, {"sensors.pad.electronics", "ideal"}})};
+  const Result low = calibrate(wanted, program_catalogues());
+  EXPECT_NEAR(of(low.json, "sensors.pad.k_normal").at("value").get<double>(), 6000.0, 0.005 * 4000.0);
+  EXPECT_TRUE(of(low.json, "sensors.pad.k_normal").at("at_bound").get<bool>());
+  EXPECT_TRUE(of(low.json, "sensors.pad.k_normal").at("determined").get<bool>());
+  EXPECT_THAT(low.fitted, HasSubstr(", at its bound"));
+  wanted.keys = parse_fit_keys("sensors.pad.k_normal: {min: 3 N/mm, max: 5 N/mm}");
+  const Json high = fitted(wanted);
+  EXPECT_NEAR(of(high, "sensors.pad.k_normal").at("value").get<double>(), 5000.0, 0.005 * 2000.0);
+  EXPECT_TRUE(of(high, "sensors.pad.k_normal").at("at_bound").get<bool>());
+  EXPECT_TRUE(of(high, "sensors.pad.k_normal").at("determined").get<bool>());
+}
+
 TEST_F(Calibrated, EachRecordingHasItsFriction) {
   const Options wanted = options({normal, "friction.scale: {min: 0.6, max: 1.4, each: true}"});
   const Result result = calibrate(wanted, program_catalogues());
@@ -146,11 +177,7 @@ TEST_F(Calibrated, ThreadsChangeNoByte) {
 // Logs of the vendor, written from simulated trials of 5.5 N/mm, whose first column counts microseconds from anywhere.
 TEST_F(Calibrated, LogsAreReadAndTheFittedSceneIsAScene) {
   Options wanted = options({normal});
-  SweepOptions sweep;
-  sweep.scene_path = wanted.scene_path;
-  sweep.overrides = {{"sensors.pad.k_normal", "5.5 N/mm"}, {"sensors.pad.electronics", "ideal"}};
-  sweep.output = path("made.h5");
-  run_sweep(sweep, program_catalogues(), {});
+  simulated_with({{"sensors.pad.k_normal", "5.5 N/mm"}, {"sensors.pad.electronics", "ideal"}});
   ExportOptions exported;
   exported.format = ExportFormat::vendor_csv;
   export_dataset(path("made.h5"), path("logs"), exported);
@@ -168,7 +195,8 @@ TEST_F(Calibrated, LogsAreReadAndTheFittedSceneIsAScene) {
   const std::vector<std::string> files = write_calibration(path("mine.yaml"), logs.fitted, logs.json);
   EXPECT_EQ(files, (std::vector<std::string>{path("mine.yaml"), path("mine.html"), path("mine.json")}));
   const Scene scene = parse_scene(SceneFile::load(path("mine.yaml")), program_catalogues());
-  EXPECT_NEAR(scene.sensors.front().parameters.number("k_normal"), 5500.0, 5.5);
+  // To the last digit what was fitted.
+  EXPECT_EQ(scene.sensors.front().parameters.number("k_normal"), of(logs.json, "sensors.pad.k_normal").at("value").get<double>());
   EXPECT_EQ(TrialPlan(SceneFile::load(path("mine.yaml")), program_catalogues(), 0, 5).size(), 4U);
   EXPECT_THAT(calibration_page(logs.json), HasSubstr("Real and synthetic"));
 }
@@ -176,7 +204,7 @@ TEST_F(Calibrated, LogsAreReadAndTheFittedSceneIsAScene) {
 TEST_F(Calibrated, RefusesWhatCannotBeFitted) {
   EXPECT_THAT(refusal(options({"sensors.pad.k_normla: {min: 1, max: 2}"})), HasSubstr("did you mean 'k_normal'?"));
   EXPECT_THAT(refusal(options({normal, normal})), HasSubstr("sensors.pad.k_normal is fitted twice"));
-  EXPECT_THAT(refusal(options({"friction.scale: {min: -2, max: 1}"})), HasSubstr("friction.scale"));
+  EXPECT_THAT(refusal(options({"friction.scale: {min: -2, max: 1}"})), ::testing::StartsWith("--fit friction.scale=-2: "));
   EXPECT_THAT(refusal(options({normal}, {{"sweep.motion.tilt.0", "{draw: uniform, min: 0 deg, max: 1 deg}"}})),
               HasSubstr("sweep.motion.tilt.0 is drawn at random"));
   EXPECT_THAT(refusal(options({"sensors.pad.electronics.0.noise.scale: {min: 0.5, max: 2}"})),
@@ -191,11 +219,30 @@ TEST_F(Calibrated, RefusesWhatCannotBeFitted) {
   wanted.recordings = {path("three.h5")};
   EXPECT_THAT(refusal(wanted),
               HasSubstr("3 recordings, and the scene's sweep has 4 trials; allowed: a trial for each recording"));
+  { DatasetWriter(path("none.h5"), {"1.2.3", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, 1).commit(); }
+  wanted.recordings = {path("none.h5")};
+  EXPECT_THAT(refusal(wanted), HasSubstr("none.h5: no recording; allowed: one at least"));
   wanted.recordings = {path("three.csv")};
   EXPECT_THAT(refusal(wanted), HasSubstr("three.csv: is no dataset; allowed: FILE.h5, or --format NAME"));
   EXPECT_THROW(check_calibration_target(path("mine.txt"), {}), InputError);
   std::ofstream(path("notes.yaml")) << "mine: 1\n";
   EXPECT_THROW(check_calibration_target(path("notes.yaml"), {}), InputError);
+}
+
+TEST_F(Calibrated, RecordingsHoldTheSameArrays) {
+  const Override one{"sweep", "{motion.direction: [0 deg]}"}, second{"sensors.other", "{type: papillarray, electronics: ideal}"};
+  Options wanted = options({normal}, {one, second});
+  wanted.synthetic_truth = false;
+  std::filesystem::rename(simulated_with({one, second}), path("both.h5"));
+  wanted.recordings = {path("both.h5"), simulated_with({one})};
+  EXPECT_THAT(refusal(wanted), AllOf(HasSubstr("allowed: recordings of one kind"), HasSubstr("other/force")));
+}
+
+TEST_F(Calibrated, IsInterrupted) {
+  Options wanted = options({normal});
+  const std::atomic<bool> interrupt = true;
+  wanted.interrupt = &interrupt;
+  EXPECT_THROW(fitted(wanted), Interrupted);
 }
 
 // A value that is missed by more than twice its interval is no recovery, unless it was not called determined.

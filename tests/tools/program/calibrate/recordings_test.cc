@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
 
 namespace slipbench::calibrate::recordings_test {
 namespace {
@@ -65,6 +66,26 @@ TEST(SharedColumns, AreThoseOfTheSameNameOrTheOnlyOneOfTheType) {
   real.channels.front().shape = {2};
   real.channels.front().values.resize(4);
   EXPECT_EQ(refusal(), "r: pad/value has [2] values a sample and the scene's sensor []; allowed: the same");
+}
+
+// As many values in arrays of other names, or of another sensor, are no recording of the same.
+TEST(SameColumns, AreToldByTheirNames) {
+  const SensorRecord pad = sensor_of({0.0, 1.0}, {0.0F, 0.0F});
+  SensorRecord other = pad;
+  other.channels.front().name = "current";
+  const auto refusal = [&] {
+    return slipbench::testing::message_of<InputError>([&] { check_same_columns("b", columns_of(other), "a", columns_of(pad)); });
+  };
+  EXPECT_EQ(refusal(), "b: holds pad/current and a holds pad/value; allowed: recordings of one kind");
+  other = pad;
+  other.name = "second";
+  EXPECT_EQ(refusal(), "b: holds second/value and a holds pad/value; allowed: recordings of one kind");
+  EXPECT_NO_THROW(check_same_columns("b", columns_of(pad), "a", columns_of(pad)));
+}
+
+TEST(ReadRecordings, AreOneAtLeast) {
+  EXPECT_EQ(slipbench::testing::message_of<InputError>([] { return read_recordings({}, nullptr); }),
+            ": no recording; allowed: one at least");
 }
 
 }  // namespace

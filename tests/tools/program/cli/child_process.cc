@@ -44,6 +44,14 @@ std::string file_text(const std::string& path) {
   return text.str();
 }
 
+// Whether a process has a handler for `signal`: Linux tells its mask as "SigCgt:\t0000000000000002".
+bool catches(pid_t child, int signal) {
+  const std::string status = file_text("/proc/" + std::to_string(child) + "/status");
+  const std::string name = "SigCgt:";
+  const std::size_t at = status.find(name);
+  return at != std::string::npos && (std::stoull(status.substr(at + name.size()), nullptr, 16) >> (signal - 1) & 1U) != 0;
+}
+
 pid_t start_into_files(const std::vector<std::string>& words, const std::string& out, const std::string& err) {
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
@@ -111,7 +119,8 @@ ChildResult run_program_terminal(const std::vector<std::string>& arguments, cons
 ChildResult run_program_interrupted(const std::vector<std::string>& arguments, const std::string& ready, int signal) {
   const TemporaryFolder folder;
   const pid_t child = start_into_files(program_with(arguments), folder / "out", folder / "err");
-  for (int waited_ms = 0; waited_ms < 20000 && !std::filesystem::exists(ready); waited_ms += 5) {
+  const auto is_ready = [&] { return ready.empty() ? catches(child, signal) : std::filesystem::exists(ready); };
+  for (int waited_ms = 0; waited_ms < 20000 && !is_ready(); waited_ms += 5) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   kill(child, signal);

@@ -374,5 +374,19 @@ TEST(Program, ControlCKeepsWhatIsFinished) {
   EXPECT_FALSE(std::filesystem::exists(dataset));
 }
 
+// A search of 64 starts takes minutes; the signal comes once the program catches it.
+TEST(Program, ControlCOfCalibrateWritesNothing) {
+  const TemporaryFolder folder;
+  const ChildResult result = run_program_interrupted(
+      {"calibrate", SLIPBENCH_SOURCE_DIR "/scenes/papillarray/recordings.yaml", "--synthetic-truth", "--starts", "64", "--jobs",
+       "2", "--fit", "motion.tilt.0: {min: -2 deg, max: 2 deg}", "-o", folder / "fitted.yaml"},
+      "", SIGINT);
+  EXPECT_EQ(result.status, 130);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(result.err,
+            "slipbench: stopping; nothing is kept; once more to stop at once\nslipbench: interrupted; nothing is written\n");
+  EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
+}
+
 }  // namespace
 }  // namespace slipbench

@@ -1,0 +1,176 @@
+#include "tools/program/calibrate/groups.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/core/error.h"
+#include "tests/tools/base/dataset/test_records.h"
+#include "tools/program/calibrate/calibrate.h"
+#include "tools/program/calibrate/calibrate_page.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/run/run_sweep.h"
+
+namespace slipbench::calibrate::groups_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Two groups of four: pressed alone, and slid. How deep is drawn for each.
+constexpr const char* scene_text = R"(slipbench: 1
+duration: 1.2 s
+time_step: 1 ms
+seed: 5
+surface: {material: acrylic}
+friction: {static: 0.5, kinetic: 0.5}
+motion: {kind: stage, compression: 1 mm, start: 0.8 s, speed: 4 mm/s}
+sensors:
+  pad: {type: papillarray, rate: 250 Hz, electronics: typical, profile: gripper}
+sweep:
+  motion: [{start: 1.1 s}, {start: 0.8 s}]
+  motion.compression: {draw: normal, mean: 1 mm, sd: 0.1 mm}
+  trials: 4
+)";
+constexpr const char* depth = "sweep.motion.compression.mean: {min: 0.6 mm, max: 1.4 mm}";
+
+class Grouped : public slipbench::testing::FolderTest {
+ protected:
+  Options options(const std::vector<std::string>& fits, const std::string& groups = "motion.start=1.1,0.8") {
+    Options result;
+    result.scene_path = path("scene.yaml");
+    std::ofstream(result.scene_path) << scene_text;
+    for (const std::string& fit : fits) result.keys.push_back(parse_fit_keys(fit).at(0));
+    result.groups = parse_groups(groups);
+    result.synthetic_truth = true;
+    result.starts = 1;
+    result.command = "slipbench calibrate scene.yaml";
+    return result;
+  }
+  // The scene's own trials as recordings.
+  Options with_recordings(const std::vector<std::string>& fits, const std::string& groups,
+                          const std::vector<Override>& overrides = {}) {
+    Options result = options(fits, groups);
+    SweepOptions sweep;
+    sweep.scene_path = result.scene_path;
+    sweep.overrides = overrides;
+    sweep.seed = 9;
+    sweep.output = path("made.h5");
+    run_sweep(sweep, program_catalogues(), {});
+    result.synthetic_truth = false;
+    result.recordings = {sweep.output};
+    return result;
+  }
+  static std::string refusal(const Options& options) {
+    return slipbench::testing::message_of<InputError>([&] { calibrate(options, program_catalogues()); });
+  }
+};
+
+// 0, 1, ... 7: the mean 3.5, the halves 4 apart, steps of 1 from sample to sample and of 2 between the means of two.
+TEST(Figures, OfAStraightLine) {
+  const Eigen::MatrixXd line = Eigen::VectorXd::LinSpaced(8, 0.0, 7.0);
+  const Eigen::MatrixXd figures = figures_of(line, Eigen::RowVectorXd::Zero(1));
+  ASSERT_EQ(figures.rows(), 4);
+  EXPECT_DOUBLE_EQ(figures(0, 0), 3.5);
+  EXPECT_DOUBLE_EQ(figures(1, 0), 4.0);
+  EXPECT_NEAR(figures(2, 0), std::log(std::sqrt(0.5)), 1e-12);
+  EXPECT_NEAR(figures(3, 0), std::log(2.0 * std::sqrt(0.5)), 1e-12);
+}
+
+// What goes up and down by 1 has no step between the means of two: there the floor is left.
+TEST(Figures, HaveAFloor) {
+  Eigen::MatrixXd saw(8, 1);
+  saw << 0, 1, 0, 1, 0, 1, 0, 1;
+  const Eigen::MatrixXd figures = figures_of(saw, Eigen::RowVectorXd::Constant(1, 0.01));
+  EXPECT_NEAR(figures(2, 0), 0.5 * std::log(0.5 + 1e-4), 1e-12);
+  EXPECT_NEAR(figures(3, 0), std::log(0.01), 1e-12);
+}
+
+TEST(ParsedGroups, AreALabelAndDifferentValues) {
+  const Groups groups = parse_groups("class=n,e,s");
+  EXPECT_EQ(groups.label, "class");
+  EXPECT_EQ(groups.values, (std::vector<std::string>{"n", "e", "s"}));
+  for (const char* wrong : {"class", "class=", "=n,e", "class=n,,e", "class=n,e,n"}) {
+    EXPECT_THAT(slipbench::testing::message_of<InputError>([&] { parse_groups(wrong); }),
+                HasSubstr("allowed: LABEL=VALUE,VALUE,... with different values"))
+        << wrong;
+  }
+}
+
+// The depths of eight recordings scatter by 0.1 mm and so do eight simulated ones: their means differ by 0.1 mm sqrt(2/8) = 0.05 mm. The device's common
+// gain is known to 9.3 %/sqrt(9) = 3 % of a force, so of 1 mm 0.03 mm. Three times both together: 0.17 mm. Friction is a ratio of forces of one device, the
+// gains of shear and of pressure each uncertain by 3 %: 4.4 %, three times 13 %.
+TEST_F(Grouped, DrawnParametersComeBack) {
+  const Options wanted = options({depth, "friction.scale: {min: 0.5, max: 1.5}"});
+  const Result result = calibrate(wanted, program_catalogues());
+  const Json &compression = result.json.at("parameters").at(0), &friction = result.json.at("parameters").at(1);
+  EXPECT_TRUE(compression.at("determined").get<bool>());
+  EXPECT_NEAR(compression.at("error").get<double>(), 0.0, 0.17e-3);
+  EXPECT_TRUE(friction.at("determined").get<bool>());
+  EXPECT_NEAR(friction.at("error").get<double>() / friction.at("truth").get<double>(), 0.0, 0.13);
+  EXPECT_TRUE(recovers(result.json));
+  // What chance leaves of differences that are divided by their scatter is 1. The figures hang together, and few recordings tell the scatter.
+  EXPECT_GT(result.json.at("residual_over_scatter").get<double>(), 0.4);
+  EXPECT_LT(result.json.at("residual_over_scatter").get<double>(), 2.0);
+  EXPECT_THAT(result.fitted, HasSubstr("motion.compression: {draw: normal, mean: "));
+  EXPECT_EQ(result.json.at("groups").size(), 2U);
+  EXPECT_THAT(calibration_page(result.json), HasSubstr("0.8 (4 / 4)"));
+}
+
+TEST_F(Grouped, ThreadsChangeNoByte) {
+  Options one = options({depth}), two = one;
+  one.starts = two.starts = 2;
+  two.jobs = 2;
+  const Result first = calibrate(one, program_catalogues()), second = calibrate(two, program_catalogues());
+  EXPECT_EQ(first.json.dump(), second.json.dump());
+  EXPECT_EQ(first.fitted, second.fitted);
+}
+
+// Nothing that slides: no recording tells the friction of the pad that is pressed alone.
+TEST_F(Grouped, FrictionWithoutASlideIsNotDetermined) {
+  Options wanted = with_recordings({depth, "friction.scale: {min: 0.5, max: 1.5}"}, "motion.start=1.1,1.15",
+                                   {{"sweep.motion.1.start", "1.15 s"}});
+  wanted.overrides = {{"sweep.motion.1.start", "1.15 s"}};
+  const Json result = calibrate(wanted, program_catalogues()).json;
+  EXPECT_TRUE(result.at("parameters").at(0).at("determined").get<bool>());
+  EXPECT_NEAR(result.at("parameters").at(0).at("value").get<double>(), 1e-3, 0.17e-3);
+  EXPECT_FALSE(result.at("parameters").at(1).at("determined").get<bool>());
+}
+
+// A slide that begins at 0.48 s is refused where the press takes longer: of the upper bound's draws all are, of the recordings' none.
+TEST_F(Grouped, WhatTheSceneRefusesIsLeftOut) {
+  const Override early{"sweep.motion.1.start", "0.48 s"};
+  Options wanted = with_recordings({depth}, "motion.start=1.1,0.48", {early, {"sweep.motion.compression.mean", "0.8 mm"}});
+  wanted.overrides = {early, {"sweep.motion.compression.mean", "0.7 mm"}};
+  const Json result = calibrate(wanted, program_catalogues()).json;
+  EXPECT_NEAR(result.at("parameters").at(0).at("value").get<double>(), 0.8e-3, 0.17e-3);
+  // Where no draw of the scene's own values is possible, there is nothing to begin with.
+  wanted.overrides = {early, {"sweep.motion.compression.mean", "1.4 mm"}};
+  EXPECT_THAT(refusal(wanted), HasSubstr("the scene refuses all draws of a cell"));
+}
+
+TEST_F(Grouped, RefusesWhatDoesNotFit) {
+  EXPECT_THAT(refusal(options({depth}, "motion.start=1.1")),
+              HasSubstr("--groups: 1 values, and the grid of the scene's sweep has 2 cells"));
+  EXPECT_THAT(refusal(options({"lag: {min: 0 ms, max: 5 ms}"})), HasSubstr("lag is a value of single recordings"));
+  EXPECT_THAT(refusal(options({"friction.scale: {min: 0.5, max: 1, each: true}"})),
+              HasSubstr("friction.scale with each: true is a value"));
+  EXPECT_THAT(refusal(options({"sweep.motion.compression.maen: {min: 0.5 mm, max: 1 mm}"})),
+              HasSubstr("sweep.motion.compression.maen"));
+  Options curves = options({depth});
+  curves.groups.reset();
+  EXPECT_THAT(refusal(curves), HasSubstr("sweep.motion.compression.mean is a value of all trials; allowed with --groups"));
+  EXPECT_THAT(refusal(with_recordings({depth}, "class=a,b")),
+              HasSubstr("demo_0 of " + path("made.h5") + ": does not say its class"));
+  EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.5")),
+              HasSubstr("its motion.start is '0.8'; allowed by --groups: 1.1, 0.5"));
+  EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sweep.trials", "1"}})),
+              HasSubstr("1 recordings whose motion.start is 1.1; allowed: two at least"));
+  EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sensors.pad.rate", "100 Hz"}})),
+              HasSubstr("has a sample every 10 ms and the scene's sensor every 4 ms; allowed: the same rate"));
+}
+
+}  // namespace
+}  // namespace slipbench::calibrate::groups_test
