@@ -3,12 +3,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <optional>
-#include <stdexcept>
 #include <string_view>
 #include <system_error>
 
@@ -36,7 +36,7 @@ std::string first_line(const std::string& of) {
 }
 
 [[noreturn]] void fail_to_write(const std::string& path) {
-  throw std::runtime_error(fmt::format("cannot write {}: {}", path, std::generic_category().message(errno)));
+  throw InputError(fmt::format("cannot write {}: {}", path, std::generic_category().message(errno)));
 }
 
 std::string bytes_of_file(int file, const std::string& path) {
@@ -45,7 +45,7 @@ std::string bytes_of_file(int file, const std::string& path) {
   std::string bytes(static_cast<std::size_t>(about.st_size), '\0');
   for (std::size_t at = 0; at < bytes.size();) {
     const ssize_t read = ::pread(file, bytes.data() + at, bytes.size() - at, static_cast<off_t>(at));
-    if (read <= 0) fail_to_write(path);
+    if (read <= 0) throw InputError(path + ": cannot be read");
     at += static_cast<std::size_t>(read);
   }
   return bytes;
@@ -68,14 +68,18 @@ struct KeptRecord {
 constexpr std::size_t head_bytes = 3 * sizeof(std::uint64_t);  // set, number, size
 constexpr std::size_t digest_bytes = std::tuple_size_v<Digest>;
 
-// The record at the beginning of the bytes, which it is taken off; none where it is not whole.
-std::optional<KeptRecord> take_record(std::string_view& bytes) {
+// The record at the beginning of the bytes, which it is taken off; none where it is not whole, as the last one of a run that was killed may be. Throws
+// InputError where what follows shows that it once was.
+std::optional<KeptRecord> take_record(std::string_view& bytes, const std::string& path) {
   std::array<std::uint64_t, 3> head{};
   if (bytes.size() < head_bytes + digest_bytes) return std::nullopt;
   std::memcpy(head.data(), bytes.data(), head_bytes);
   if (head[2] > bytes.size() - head_bytes - digest_bytes) return std::nullopt;
   const std::string_view body = bytes.substr(0, head_bytes + head[2]);
-  if (bytes.substr(body.size(), digest_bytes) != sha256_of(body)) return std::nullopt;
+  if (bytes.substr(body.size(), digest_bytes) != sha256_of(body)) {
+    if (body.size() + digest_bytes == bytes.size()) return std::nullopt;
+    throw InputError(path + ": is damaged before its last network; allowed: delete the file");
+  }
   bytes.remove_prefix(body.size() + digest_bytes);
   return KeptRecord{head[0], head[1], body.substr(head_bytes)};
 }
@@ -94,7 +98,7 @@ KeptNetworks::KeptNetworks(std::string path, const std::string& of, bool resume)
         path_));
   }
   left.remove_prefix(std::min(left.size(), line.size()));
-  while (const std::optional<KeptRecord> one = take_record(left)) said_[{one->set, one->index}] = one->said;
+  while (const std::optional<KeptRecord> one = take_record(left, path_)) said_[{one->set, one->index}] = one->said;
   if (!resume && !said_.empty()) {
     throw InputError(
         fmt::format("{} holds {} networks of a run that did not come to its end; allowed: --resume, or delete the file", path_,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -11,7 +12,9 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "sim/core/own_library.h"
 #include "tools/base/dataset/encoder.h"
+#include "tools/base/project/project_file.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/table.h"
@@ -71,17 +74,38 @@ void check_options(const ReproduceOptions& options, bool resume, const Reproduct
   }
 }
 
+constexpr const char* any_scene = "scenes/papillarray/stage.yaml";
+
 bool takes_resume(const Reproduction& reproduction) {
   return std::ranges::find(reproduction.options, "--resume") != reproduction.options.end();
 }
 
-// All that decides what the study's networks say.
+// Of every file below the folder: name and content.
+nlohmann::ordered_json contents_of(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  nlohmann::ordered_json contents;
+  for (const std::filesystem::path& file : files) contents[file.lexically_relative(folder).string()] = file_sha256(file.string());
+  return contents;
+}
+
+// All that decides what the study's networks say: the command, the data, the scenes that it simulates, and the program with the libraries that it loads.
 std::string identity_of(const ReproduceOptions& options, const Reproduction& reproduction) {
   const auto content = [](const std::string& path) { return path.empty() ? "" : file_sha256(path); };
-  return nlohmann::ordered_json{{"name", reproduction.name},     {"data", content(options.data)},
-                                {"real", content(options.real)}, {"seed", options.seed.value_or(1)},
-                                {"full", options.full},          {"trials", options.trials},
-                                {"only", options.only},          {"program", file_sha256("/proc/self/exe")}}
+  return nlohmann::ordered_json{
+      {"name", reproduction.name},
+      {"data", content(options.data)},
+      {"real", content(options.real)},
+      {"seed", options.seed.value_or(1)},
+      {"full", options.full},
+      {"trials", options.trials},
+      {"only", options.only},
+      {"program", file_sha256("/proc/self/exe")},
+      {"libraries", contents_of(own_path("../lib/slipbench"))},
+      {"scenes", contents_of(std::filesystem::path(project_file(any_scene)).parent_path().parent_path())}}
       .dump();
 }
 
@@ -130,6 +154,7 @@ int ReproduceCommand::run() {
     kept.emplace(kept_beside(output), identity_of(options, reproduction), resume);
     options.kept = &*kept;
     if (kept->size() > 0) tell(fmt::format("{} networks of an earlier run are there", kept->size()));
+    if (resume && kept->size() == 0) tell(fmt::format("no network of an earlier run is in {}: beginning anew", kept->path()));
   }
   Result result;
   try {

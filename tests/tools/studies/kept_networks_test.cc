@@ -1,7 +1,6 @@
 // What a study that was killed leaves of its networks, and what goes on with it.
 #include "tools/studies/kept_networks.h"
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 
@@ -10,6 +9,7 @@
 
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/studies/grid.h"
+#include "tools/studies/reproduce_command.h"
 
 namespace slipbench::reproduce::kept_networks_test {
 namespace {
@@ -29,6 +29,12 @@ class KeptNetworksTest : public ::testing::Test {
     for (const std::size_t index : indices) kept.keep(index, "network " + std::to_string(index));
   }
   [[nodiscard]] std::size_t kept_now() const { return open(true).size(); }
+
+  void change_byte(std::uintmax_t place) const {
+    std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(place));
+    file.put('?');
+  }
 
   const std::string path_ = ::testing::TempDir() + "/kept_networks_test.networks";
 };
@@ -66,11 +72,18 @@ TEST_F(KeptNetworksTest, AKilledRunLosesTheUnfinishedRecordAlone) {
     EXPECT_EQ(std::filesystem::file_size(path_), whole) << cut;
   }
   // One byte of the last record is another one: its digest tells.
-  std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
-  file.seekp(static_cast<std::streamoff>(whole) - 33);
-  file.put('?');
-  file.close();
+  change_byte(whole - 33);
   EXPECT_EQ(kept_now(), 2u);
+}
+
+TEST_F(KeptNetworksTest, DamageBeforeTheEndIsToldAndNothingIsThrownAway) {
+  keep({0, 1, 2});
+  const std::uintmax_t whole = std::filesystem::file_size(path_);
+  const std::uintmax_t record = 3 * 8 + std::string("network 0").size() + 32;
+  change_byte(whole - record - 33);  // the last byte that network 1 has said
+  EXPECT_THAT(message_of<InputError>([&] { open(true); }),
+              HasSubstr("is damaged before its last network; allowed: delete the file"));
+  EXPECT_EQ(std::filesystem::file_size(path_), whole);
 }
 
 TEST_F(KeptNetworksTest, WorkOfHoursIsNotOverwrittenAndNotTakenForAnother) {
@@ -112,6 +125,28 @@ TEST_F(KeptNetworksTest, AStudyGoesOnWithThem) {
   const auto only_what_is_left = [&](std::size_t k) { return k < 2 ? throw InputError("taught again") : square(k); };
   EXPECT_EQ(run_in_processes<std::int64_t>(4, options, name, only_what_is_left), all);
   EXPECT_EQ(kept.size(), 4u);
+}
+
+// Of the command: what cannot be gone on with is refused before anything is simulated.
+TEST(ReproduceResume, NeedsAPageAStudyThatTeachesNetworksAndItsOwnFile) {
+  ReproduceCommand command;
+  command.resume = true;
+  command.name = "piezo-fft-gru/table2";
+  EXPECT_THAT(message_of<InputError>([&] { command.run(); }), HasSubstr("allowed: with -o"));
+  command.name = "hd-papillarray/latency";
+  command.output = ::testing::TempDir() + "/resume.html";
+  EXPECT_THAT(message_of<InputError>([&] { command.run(); }), HasSubstr("does not take --resume"));
+  command.name = "piezo-fft-gru/table2";
+  const std::string kept = ::testing::TempDir() + "/resume.networks";
+  std::filesystem::remove(kept);
+  {
+    KeptNetworks other(kept, "another command", false);
+    other.begin_set();
+    other.keep(0, "said");
+  }
+  EXPECT_THAT(message_of<InputError>([&] { command.run(); }), HasSubstr("is of other options, data or another build"));
+  EXPECT_TRUE(std::filesystem::exists(kept));
+  std::filesystem::remove(kept);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ struct Held {
   std::vector<std::string> readers;  // the scene's names of the sensors that a detector may read; it gets the first that it can
   std::string mover;                 // the actuator that makes it slip; empty: the motion itself
   // What controls are told, which feel nothing: what scores best on these very trials, so that nothing of the kind scores better. NaN: never to say
-  // slip scores better than any. clock in steps of 100 ms; time in steps of 20 ms, below a second, else of 50 ms.
+  // slip scores better than any. The steps are those of the README.
   double clock;  // s after the start, from which the control `clock` says slip
   double
       time;  // s, for which the control `motion known, timed` waits after the motion begins; in a loop: for which it says slip from the lift on

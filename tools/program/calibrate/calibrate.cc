@@ -428,6 +428,9 @@ Result calibrate_groups(const Options& options, const SceneFile& file, std::uint
   }
   const GroupProblem problem(&model, *options.groups, recordings, own, options.jobs, options.interrupt);
   const Solution solution = search(problem, {options.starts, options.progress});
+  if (!solution.distance.possible)
+    throw InputError(
+        "calibrate: the scene refuses all draws of a cell wherever it was looked; allowed: bounds within which it runs");
 
   Json parameters = Json::array();
   for (Index k = 0; k < keys; ++k) {

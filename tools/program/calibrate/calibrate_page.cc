@@ -201,8 +201,9 @@ std::string group_residuals_html(const Json& result) {
   std::vector<std::string> head{""};
   std::vector<std::vector<std::string>> rows;
   for (const Json& group : groups) {
-    head.push_back(fmt::format("{} ({} / {})", text(group.at("name")), group.at("recordings").get<std::size_t>(),
-                               group.at("trials").get<std::size_t>()));
+    const auto refused = group.at("refused").get<std::size_t>();
+    head.push_back(fmt::format("{} ({} / {}{})", text(group.at("name")), group.at("recordings").get<std::size_t>(),
+                               group.at("trials").get<std::size_t>(), refused > 0 ? fmt::format(", {} refused", refused) : ""));
     for (std::size_t k = 0; k < group.at("statistics").size(); ++k) {
       const Json& one = group.at("statistics").at(k);
       if (rows.size() <= k)
@@ -238,6 +239,7 @@ std::string groups_html(const Json& result) {
     for (const Json& one : groups.at(g).at("statistics")) html += group_drawing(one);
     html += "</div>\n";
   }
+  if (groups.size() > most_drawn) html += fmt::format("<p>The first {} of {} groups are drawn.</p>\n", most_drawn, groups.size());
   return html;
 }
 
@@ -267,7 +269,7 @@ std::string calibration_page(const Json& result) {
   if (groups) {
     body += section(
         "Residuals", group_residuals_html(result),
-        "How far the means of a group are apart, in their scatter; RMS over the units. Head: recordings / trials. Level: mean. Trend: second half "
+        "How far the means of a group are apart, in their scatter; RMS over the units. Head: recordings / trials, and how many draws the scene refused. Level: mean. Trend: second half "
         "less first. Times: how far means over so long step from one to the next, by logarithm. Much above 1 is an error of the model.");
     body += section("Real and synthetic", groups_html(result),
                     "Means over a group, by unit. Blue: recorded; orange: the fitted scene.");

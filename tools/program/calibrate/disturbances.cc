@@ -179,6 +179,7 @@ Distance distance_of(const Columns& columns, const Solved& fits, const Waves& re
   }
   distance.squared = distance.residual.squaredNorm();
   distance.compared = entries;
+  distance.compared_squared = residual.squaredNorm();
   return distance;
 }
 

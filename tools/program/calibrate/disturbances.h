@@ -32,7 +32,8 @@ struct Distance {
   Eigen::MatrixXd offset;           // by recording and column
   double squared = 0.0;             // residual' residual
   bool possible = true;       // false: the scene refuses so much that there is nothing to compare; `squared` is then very large
-  Eigen::Index compared = 0;  // how many of `residual`, the first ones, are of recordings
+  Eigen::Index compared = 0;  // how many of `residual` are of recordings
+  double compared_squared = 0.0;  // sum of squares of those
 };
 
 class Disturbances {

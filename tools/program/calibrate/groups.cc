@@ -28,6 +28,7 @@ constexpr std::size_t sets = 8;            // simulated, each by a device of its
 constexpr double least_band = 0.1;         // of the steps from sample to sample: rounding tells a smaller one
 constexpr double refused = 1e12;           // the distance where nothing can be simulated
 constexpr Index least_blocks = 4;          // of a band
+constexpr const char* band_unit = "ln";    // bands are natural logarithms
 constexpr double most_apart_rates = 0.02;  // of a sample's length, real against simulated
 
 std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number, const char* what) {
@@ -49,6 +50,27 @@ void check_cells(const Model& model, const Groups& groups) {
     throw InputError(
         fmt::format("--groups: {} values, and the grid of the scene's sweep has {} cells; allowed: a value for each cell",
                     groups.values.size(), cells));
+}
+
+// What a trial reads; empty where the scene refuses what was drawn.
+std::optional<std::vector<SensorRecord>> possible_trial(const Model& model, const VectorXd& places, std::size_t trial,
+                                                        std::uint64_t seed, std::uint64_t device,
+                                                        const std::atomic<bool>* interrupt) {
+  try {
+    return model.simulate_drawn(places, trial, seed, device, interrupt);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+// The first trial that the scene does not refuse: it tells which arrays there are. Throws what the last one says where it refuses all.
+std::vector<SensorRecord> some_trial(const Model& model, const VectorXd& places, const std::atomic<bool>* interrupt) {
+  for (std::size_t trial = 0; trial + 1 < model.trials(); ++trial) {
+    if (auto sensors = possible_trial(model, places, trial, model.seed(), model.seed(), interrupt)) return std::move(*sensors);
+  }
+  return model.simulate_drawn(places, model.trials() - 1, model.seed(), model.seed(), interrupt);
 }
 
 }  // namespace
@@ -78,8 +100,8 @@ std::vector<RawRecording> drawn_session(const Model& model, const Groups& groups
   std::vector<RawRecording> recordings;
   for (std::size_t trial = 0; trial < model.trials(); ++trial) {
     const nlohmann::json params{{groups.label, groups.values.at(trial / model.draws())}};
-    recordings.push_back(
-        {fmt::format("synthetic {}", trial), model.simulate_drawn(places, trial, seed, seed, interrupt), params.dump()});
+    std::optional<std::vector<SensorRecord>> sensors = possible_trial(model, places, trial, seed, seed, interrupt);
+    if (sensors) recordings.push_back({fmt::format("synthetic {}", trial), std::move(*sensors), params.dump()});
   }
   return recordings;
 }
@@ -106,19 +128,22 @@ GroupProblem::GroupProblem(const Model* fitted, const Groups& groups, const std:
                            const VectorXd& own, std::size_t threads, const std::atomic<bool>* stop)
     : Problem(fitted, threads, stop), groups_(groups) {
   check_cells(*model, groups_);
-  lay_out(recordings, model->simulate_drawn(own, 0, model->seed(), model->seed(), interrupt));
+  if (recordings.empty())
+    throw InputError("calibrate: the scene refuses all draws of the truth; allowed: bounds within which it runs");
+  lay_out(recordings, some_trial(*model, own, interrupt));
   read_real(recordings);
   learn_scatter(own);
 }
 
 void GroupProblem::lay_out(const std::vector<RawRecording>& recordings, const std::vector<SensorRecord>& scene) {
   for (const RawRecording& recording : recordings) {
-    const Columns columns = shared_columns(recording, scene);
-    if (columns_.channels.empty()) columns_ = columns;
-    check_same_columns(recording.name, columns, recordings.front().name, columns_);
+    of_recording_.push_back(shared_columns(recording, scene));
+    if (columns_.channels.empty()) columns_ = of_recording_.back();
+    check_same_columns(recording.name, of_recording_.back(), recordings.front().name, columns_);
   }
   VectorXd squares = VectorXd::Zero(static_cast<Index>(columns_.count));
-  for (const RawRecording& recording : recordings) squares += roughness(recording.sensors, Side::real, columns_).cwiseAbs2();
+  for (std::size_t r = 0; r < recordings.size(); ++r)
+    squares += roughness(recordings[r].sensors, Side::real, of_recording_[r]).cwiseAbs2();
   floor_ = least_band * (squares / static_cast<double>(recordings.size())).cwiseSqrt();
 
   std::size_t figures = 0;
@@ -126,8 +151,9 @@ void GroupProblem::lay_out(const std::vector<RawRecording>& recordings, const st
     const ChannelPlace& place = columns_.channels[c];
     const Samples simulated = samples_of(scene, Side::scene, place);
     Index rows = simulated.values.rows();
-    for (const RawRecording& recording : recordings) {
-      const Samples real = samples_of(recording.sensors, Side::real, place);
+    for (std::size_t r = 0; r < recordings.size(); ++r) {
+      const RawRecording& recording = recordings[r];
+      const Samples real = samples_of(recording.sensors, Side::real, of_recording_[r].channels[c]);
       rows = std::min(rows, real.values.rows());
       if (!(std::abs(real.step - simulated.step) <= most_apart_rates * simulated.step))
         throw InputError(fmt::format("{}: {}/{} has a sample every {} and the scene's sensor every {}; allowed: the same rate",
@@ -146,16 +172,17 @@ void GroupProblem::lay_out(const std::vector<RawRecording>& recordings, const st
     add("trend", place.unit);
     double length = simulated.step;
     for (Index blocks = rows; blocks >= least_blocks; blocks /= 2, length *= 2.0)
-      add(fmt::format("{:.3g} ms", 1e3 * length), "ln");
+      add(fmt::format("{:.3g} ms", 1e3 * length), band_unit);
   }
 }
 
-RowVectorXd GroupProblem::figures(const std::vector<SensorRecord>& sensors, Side side, const std::string& name) const {
+RowVectorXd GroupProblem::figures(const std::vector<SensorRecord>& sensors, Side side, const Columns& columns,
+                                  const std::string& name) const {
   const std::size_t count = statistics_.back().first + columns_.channels.back().units * columns_.channels.back().components;
   RowVectorXd all(static_cast<Index>(count));
   std::size_t statistic = 0;
   for (std::size_t c = 0; c < columns_.channels.size(); ++c) {
-    const ChannelPlace& place = columns_.channels[c];
+    const ChannelPlace& place = columns.channels[c];
     const Samples samples = samples_of(sensors, side, place);
     const auto rows = static_cast<Index>(rows_[c]), width = samples.values.cols();
     if (samples.values.rows() < rows)
@@ -179,7 +206,7 @@ void GroupProblem::read_real(const std::vector<RawRecording>& recordings) {
                                    fmt::join(groups_.values, ", ")));
     group_of_.push_back(static_cast<std::size_t>(found - groups_.values.begin()));
     ++sizes_[group_of_.back()];
-    const RowVectorXd row = figures(recordings[r].sensors, Side::real, recordings[r].name);
+    const RowVectorXd row = figures(recordings[r].sensors, Side::real, of_recording_[r], recordings[r].name);
     if (r == 0) real_.resize(static_cast<Index>(recordings.size()), row.size());
     real_.row(static_cast<Index>(r)) = row;
   }
@@ -235,6 +262,13 @@ void GroupProblem::learn_scatter(const VectorXd& own) {
   scatter_.resize(groups, figure_count);
   for (std::size_t g = 0; g < sizes_.size(); ++g)
     scatter_.row(static_cast<Index>(g)) = (variance / static_cast<double>(sizes_[g]) + of_sets).cwiseSqrt();
+  // A value that no recording has moved has no bands.
+  for (const Statistic& statistic : statistics_) {
+    const ChannelPlace& place = columns_.channels[statistic.channel];
+    for (std::size_t v = 0; statistic.unit == band_unit && v < place.units * place.components; ++v) {
+      if (floor_(static_cast<Index>(place.first + v)) == 0.0) scatter_.col(static_cast<Index>(statistic.first + v)).setZero();
+    }
+  }
   const auto scaled = [&](const MatrixXd& away) {
     const MatrixXd share = (scatter_.array() > 0.0).select(away.array() / scatter_.array(), 0.0);
     return VectorXd(share.reshaped());
@@ -253,15 +287,9 @@ void GroupProblem::learn_scatter(const VectorXd& own) {
 
 RowVectorXd GroupProblem::trial_figures(const VectorXd& places, std::size_t trial, std::uint64_t seed,
                                         std::uint64_t device) const {
-  std::vector<SensorRecord> sensors;
-  try {
-    sensors = model->simulate_drawn(places, trial, seed, device, interrupt);
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const InputError&) {
-    return RowVectorXd::Constant(real_.cols(), std::numeric_limits<double>::quiet_NaN());
-  }
-  return figures(sensors, Side::scene, fmt::format("trial {}", trial));
+  const std::optional<std::vector<SensorRecord>> sensors = possible_trial(*model, places, trial, seed, device, interrupt);
+  if (!sensors) return RowVectorXd::Constant(real_.cols(), std::numeric_limits<double>::quiet_NaN());
+  return figures(*sensors, Side::scene, columns_, fmt::format("trial {}", trial));
 }
 
 MatrixXd GroupProblem::wave(const VectorXd& places, std::size_t trial) const {
@@ -270,17 +298,20 @@ MatrixXd GroupProblem::wave(const VectorXd& places, std::size_t trial) const {
   return trial_figures(places, trial, model->seed(), device);
 }
 
+std::vector<std::size_t> GroupProblem::possible_trials(const Waves& simulated, std::size_t group) const {
+  std::vector<std::size_t> trials;
+  for (std::size_t trial = group * model->draws(); trial < (group + 1) * model->draws(); ++trial) {
+    if (simulated[trial].array().isFinite().all()) trials.push_back(trial);
+  }
+  return trials;
+}
+
 MatrixXd GroupProblem::simulated_means(const Waves& simulated) const {
   MatrixXd means = MatrixXd::Zero(static_cast<Index>(sizes_.size()), real_.cols());
-  for (Index g = 0; g < means.rows(); ++g) {
-    double count = 0.0;
-    for (std::size_t draw = 0; draw < model->draws(); ++draw) {
-      const MatrixXd& row = simulated[static_cast<std::size_t>(g) * model->draws() + draw];
-      if (!row.array().isFinite().all()) continue;
-      means.row(g) += row.row(0);
-      ++count;
-    }
-    means.row(g) /= count;
+  for (std::size_t g = 0; g < sizes_.size(); ++g) {
+    const std::vector<std::size_t> trials = possible_trials(simulated, g);
+    for (const std::size_t trial : trials) means.row(static_cast<Index>(g)) += simulated[trial].row(0);
+    means.row(static_cast<Index>(g)) /= static_cast<double>(trials.size());
   }
   return means;
 }
@@ -294,6 +325,7 @@ Distance GroupProblem::distance(const Waves& simulated) const {
     distance.residual = (scatter_.array() > 0.0).select(away.array() / scatter_.array(), 0.0).matrix().reshaped();
   distance.squared = distance.possible ? distance.residual.squaredNorm() : refused;
   distance.compared = std::max<Index>(1, (scatter_.array() > 0.0).count());
+  distance.compared_squared = distance.residual.squaredNorm();
   return distance;
 }
 
@@ -303,7 +335,12 @@ Json GroupProblem::json(const Solution& solution) const {
   const MatrixXd simulated = simulated_means(solution.ideal);
   Json list = Json::array();
   for (std::size_t g = 0; g < sizes_.size(); ++g) {
-    Json group{{"name", groups_.values[g]}, {"recordings", sizes_[g]}, {"trials", model->draws()}, {"statistics", Json::array()}};
+    const std::size_t trials = possible_trials(solution.ideal, g).size();
+    Json group{{"name", groups_.values[g]},
+               {"recordings", sizes_[g]},
+               {"trials", trials},
+               {"refused", model->draws() - trials},
+               {"statistics", Json::array()}};
     for (const Statistic& statistic : statistics_) {
       const ChannelPlace& place = columns_.channels[statistic.channel];
       for (std::size_t k = 0; k < place.components; ++k) {

@@ -55,15 +55,18 @@ class GroupProblem : public Problem {
   // Fewer than of curves: means of draws are smooth and have few minima, and the steps of Levenberg and Marquardt go on from there.
   [[nodiscard]] Evaluations evaluations() const override { return {20, 10}; }
 
-  // Of each group its name, how many recordings and trials it has, and every figure of it, real and simulated.
+  // Of each group its name, how many recordings and trials it has, how many draws the scene has refused, and every figure of it, real and simulated.
   [[nodiscard]] Json json(const Solution& solution) const;
 
  private:
   // A row: of each channel all values of its first figure, then all of its second.
-  [[nodiscard]] Eigen::RowVectorXd figures(const std::vector<SensorRecord>& sensors, Side side, const std::string& name) const;
+  [[nodiscard]] Eigen::RowVectorXd figures(const std::vector<SensorRecord>& sensors, Side side, const Columns& columns,
+                                           const std::string& name) const;
   // Of a simulated trial; not finite where the scene refuses what was drawn: such a trial is left out, as a sweep leaves it out.
   [[nodiscard]] Eigen::RowVectorXd trial_figures(const Eigen::VectorXd& places, std::size_t trial, std::uint64_t seed,
                                                  std::uint64_t device) const;
+  // The trials of a group that the scene has not refused.
+  [[nodiscard]] std::vector<std::size_t> possible_trials(const Waves& simulated, std::size_t group) const;
   // A row a group; not finite where all its trials are left out.
   [[nodiscard]] Eigen::MatrixXd simulated_means(const Waves& simulated) const;
   void lay_out(const std::vector<RawRecording>& recordings, const std::vector<SensorRecord>& scene);
@@ -71,8 +74,9 @@ class GroupProblem : public Problem {
   void learn_scatter(const Eigen::VectorXd& own);
 
   Groups groups_;
-  Columns columns_;
-  std::vector<std::size_t> rows_;  // by channel: how many samples, the last ones, are compared
+  Columns columns_;                    // of the first recording, whose arrays all have
+  std::vector<Columns> of_recording_;  // the same arrays where each recording has them
+  std::vector<std::size_t> rows_;      // by channel: how many samples, the last ones, are compared
   std::vector<Statistic> statistics_;
   Eigen::VectorXd floor_;              // by column: a band below it is none
   std::vector<std::size_t> group_of_;  // of each real recording

@@ -147,6 +147,11 @@ std::size_t recorded_of(const RawRecording& real, const SensorRecord& simulated,
   const auto named = std::ranges::find(real.sensors, simulated.name, &SensorRecord::name);
   if (named != real.sensors.end()) return static_cast<std::size_t>(named - real.sensors.begin());
   std::size_t found = real.sensors.size();
+  const auto without_namesake = [&](const SensorRecord& sensor) {
+    return sensor.type == simulated.type &&
+           std::ranges::find(real.sensors, sensor.name, &SensorRecord::name) == real.sensors.end();
+  };
+  if (std::ranges::count_if(scene, without_namesake) > 1) return found;  // it may be the other one
   for (std::size_t s = 0; s < real.sensors.size(); ++s) {
     if (real.sensors[s].type != simulated.type) continue;
     if (std::ranges::find(scene, real.sensors[s].name, &SensorRecord::name) != scene.end()) continue;  // it is that one

@@ -224,7 +224,7 @@ class Searcher {
   void know(Solution& solution) {
     const Index count = solution.places.size();
     const Index entries = solution.distance.compared;
-    solution.scale = std::max(1.0, solution.distance.residual.head(entries).squaredNorm() / static_cast<double>(entries));
+    solution.scale = std::max(1.0, solution.distance.compared_squared / static_cast<double>(entries));
 
     // Residuals hang together, so how far the gradient scatters tells more than their number: the sandwich of Huber and White. Where it is smaller than
     // what independent residuals give, that counts.

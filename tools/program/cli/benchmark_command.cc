@@ -31,7 +31,11 @@ std::string read_text(const std::string& path) {
 
 // Whether both paths lead to one file, whether it is there or not.
 bool same_file(const std::string& a, const std::string& b) {
-  const auto place = [](const std::string& path) { return std::filesystem::weakly_canonical(std::filesystem::absolute(path)); };
+  const auto place = [](const std::string& path) {
+    std::error_code error;  // of a folder that may not be looked into: writing says it
+    const std::filesystem::path there = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+    return error ? std::filesystem::path(path).lexically_normal() : there;
+  };
   return place(a) == place(b);
 }
 

@@ -1,6 +1,7 @@
 #include "tools/program/calibrate/groups.h"
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -146,9 +147,38 @@ TEST_F(Grouped, WhatTheSceneRefusesIsLeftOut) {
   wanted.overrides = {early, {"sweep.motion.compression.mean", "0.7 mm"}};
   const Json result = calibrate(wanted, program_catalogues()).json;
   EXPECT_NEAR(result.at("parameters").at(0).at("value").get<double>(), 0.8e-3, 0.17e-3);
+  for (const Json& group : result.at("groups")) EXPECT_EQ(group.at("trials").get<int>() + group.at("refused").get<int>(), 4);
   // Where no draw of the scene's own values is possible, there is nothing to begin with.
   wanted.overrides = {early, {"sweep.motion.compression.mean", "1.4 mm"}};
   EXPECT_THAT(refusal(wanted), HasSubstr("the scene refuses all draws of a cell"));
+}
+
+// A sensor beside changes nothing of what the pad reads: with the recordings that have one, in front of the pad, the means are what they were.
+TEST_F(Grouped, ARecordingMayHaveOtherSensorsBeside) {
+  const std::string pad = "pad: {type: papillarray, rate: 250 Hz, electronics: typical, profile: gripper}";
+  const std::string another = "another: {type: papillarray, rate: 250 Hz, electronics: typical, profile: hexapod}";
+  with_recordings({depth}, "motion.start=1.1,0.8", {{"sensors", "{" + another + ", " + pad + "}"}});
+  std::filesystem::rename(path("made.h5"), path("beside.h5"));
+  Options wanted = with_recordings({depth}, "motion.start=1.1,0.8");
+  const auto real_means = [&] {
+    std::vector<Json> means;
+    const Json result = calibrate(wanted, program_catalogues()).json;
+    for (const Json& group : result.at("groups")) {
+      for (const Json& statistic : group.at("statistics")) means.push_back(statistic.at("real"));
+    }
+    return means;
+  };
+  const std::vector<Json> alone = real_means();
+  wanted.recordings.push_back(path("beside.h5"));
+  EXPECT_THAT(real_means(), ::testing::ElementsAreArray(alone));
+}
+
+// Of two sensors of a type that no recording names, one recorded sensor may be either.
+TEST_F(Grouped, OneRecordedSensorIsNotTakenForTwo) {
+  const std::string pad = ": {type: papillarray, rate: 250 Hz, electronics: typical, profile: gripper}";
+  Options wanted = with_recordings({depth}, "motion.start=1.1,0.8");
+  wanted.overrides = {{"sensors", "{left" + pad + ", right" + pad + "}"}};
+  EXPECT_THAT(refusal(wanted), HasSubstr("allowed: a sensor that both have"));
 }
 
 TEST_F(Grouped, RefusesWhatDoesNotFit) {
