@@ -94,7 +94,7 @@ KeptNetworks::KeptNetworks(std::string path, const std::string& of, bool resume)
     throw InputError(fmt::format("{} is there and holds no networks of a study; allowed: another name of -o", path_));
   if (resume && !bytes.empty() && !bytes.starts_with(line)) {
     throw InputError(fmt::format(
-        "{} is of other options, data or another build of the program; allowed: with --resume the same command again, or delete the file",
+        "{} is of other options, data, scenes or another build of the program; allowed: with --resume the same command again, or delete the file",
         path_));
   }
   left.remove_prefix(std::min(left.size(), line.size()));

@@ -80,9 +80,10 @@ bool takes_resume(const Reproduction& reproduction) {
   return std::ranges::find(reproduction.options, "--resume") != reproduction.options.end();
 }
 
-// Of every file below the folder: name and content.
+// Of every file below the folder: name and content; nothing where there is none.
 nlohmann::ordered_json contents_of(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
+  if (!std::filesystem::is_directory(folder)) return {};  // a program without libraries: what needs one says so
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file()) files.push_back(entry.path());
   }

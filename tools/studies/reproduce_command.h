@@ -13,9 +13,9 @@ class ReproduceCommand final : public Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
-  std::string name;    // PAPER/TABLE; empty: list what there is
-  std::string output;  // HTML file to write, and JSON beside it; empty: none
-  bool resume = false;
+  std::string name;     // PAPER/TABLE; empty: list what there is
+  std::string output;   // HTML file to write, and JSON beside it; empty: none
+  bool resume = false;  // go on with the networks that lie beside `output`
   ReproduceOptions options;
 };
 

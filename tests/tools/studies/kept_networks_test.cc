@@ -17,11 +17,8 @@ namespace {
 using slipbench::testing::message_of;
 using ::testing::HasSubstr;
 
-class KeptNetworksTest : public ::testing::Test {
+class KeptNetworksTest : public slipbench::testing::FolderTest {
  protected:
-  void SetUp() override { std::filesystem::remove(path_); }
-  void TearDown() override { std::filesystem::remove(path_); }
-
   KeptNetworks open(bool resume, const std::string& of = "table1 seed 1") const { return KeptNetworks(path_, of, resume); }
   void keep(std::initializer_list<std::size_t> indices) const {
     KeptNetworks kept = open(true);
@@ -36,7 +33,7 @@ class KeptNetworksTest : public ::testing::Test {
     file.put('?');
   }
 
-  const std::string path_ = ::testing::TempDir() + "/kept_networks_test.networks";
+  const std::string path_ = path("study.networks");
 };
 
 TEST_F(KeptNetworksTest, AreThereAgainBySetAndNumber) {
@@ -91,7 +88,8 @@ TEST_F(KeptNetworksTest, WorkOfHoursIsNotOverwrittenAndNotTakenForAnother) {
   EXPECT_THAT(message_of<InputError>([&] { open(false); }),
               HasSubstr("holds 1 networks of a run that did not come to its end; allowed: --resume"));
   EXPECT_THAT(message_of<InputError>([&] { open(false, "another"); }), HasSubstr("holds 1 networks"));
-  EXPECT_THAT(message_of<InputError>([&] { open(true, "another"); }), HasSubstr("is of other options, data or another build"));
+  EXPECT_THAT(message_of<InputError>([&] { open(true, "another"); }),
+              HasSubstr("is of other options, data, scenes or another build"));
   EXPECT_EQ(kept_now(), 1u);
   std::ofstream(path_) << "a text of the user\n";
   EXPECT_THAT(message_of<InputError>([&] { open(true); }), HasSubstr("holds no networks of a study"));
@@ -128,25 +126,18 @@ TEST_F(KeptNetworksTest, AStudyGoesOnWithThem) {
 }
 
 // Of the command: what cannot be gone on with is refused before anything is simulated.
-TEST(ReproduceResume, NeedsAPageAStudyThatTeachesNetworksAndItsOwnFile) {
+TEST_F(KeptNetworksTest, ResumeNeedsAPageAStudyThatTeachesNetworksAndItsOwnFile) {
   ReproduceCommand command;
   command.resume = true;
   command.name = "piezo-fft-gru/table2";
   EXPECT_THAT(message_of<InputError>([&] { command.run(); }), HasSubstr("allowed: with -o"));
   command.name = "hd-papillarray/latency";
-  command.output = ::testing::TempDir() + "/resume.html";
+  command.output = path("study.html");
   EXPECT_THAT(message_of<InputError>([&] { command.run(); }), HasSubstr("does not take --resume"));
   command.name = "piezo-fft-gru/table2";
-  const std::string kept = ::testing::TempDir() + "/resume.networks";
-  std::filesystem::remove(kept);
-  {
-    KeptNetworks other(kept, "another command", false);
-    other.begin_set();
-    other.keep(0, "said");
-  }
-  EXPECT_THAT(message_of<InputError>([&] { command.run(); }), HasSubstr("is of other options, data or another build"));
-  EXPECT_TRUE(std::filesystem::exists(kept));
-  std::filesystem::remove(kept);
+  keep({0});
+  EXPECT_THAT(message_of<InputError>([&] { command.run(); }), HasSubstr("is of other options, data, scenes or another build"));
+  EXPECT_EQ(kept_now(), 1u);
 }
 
 }  // namespace

@@ -44,8 +44,9 @@ bool same_file(const std::string& a, const std::string& b) {
 void BenchmarkCommand::declare(Arguments& arguments) {
   arguments.about("benchmark", "Judge all slip detectors by one protocol", R"(
 Puts every detector on a board: those that ship, those that the protocol teaches, the negative controls (always slip, never slip, a
-clock, the motion known, the motion known and timed), and the DETECTORs given. The protocol slip-1 is fixed: recordings and grasps of scenes/benchmark/slip-1, which share no seed,
-material or object with what is learnt from, and a score that false alarms lower (tools/program/benchmark/README.md).
+clock, the motion known, the motion known and timed), and the DETECTORs given. The protocol slip-1 is fixed: recordings and grasps
+of scenes/benchmark/slip-1, which share no seed, material or object with what is learnt from, and a score that false alarms lower
+(tools/program/benchmark/README.md).
 
 Three tracks: open recordings; closed loop, where a gripper tightens by what the detector says; transfer, with --real, where what was taught on
 simulations is judged on recordings of real sensors.
