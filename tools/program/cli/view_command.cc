@@ -118,6 +118,8 @@ int ViewCommand::run() {
   const std::string dataset = scene ? with_ending(page, ".h5") : subject;
   if (rerun && !output.empty()) check_text_target(output, {dataset}, {"recording of Rerun", &begins_as_rrd});
   if (scene) {
+    // Before minutes of simulation, not after them.
+    if (const int status = rerun ? status_of_rerun() : exit_good; status != exit_good) return status;
     // Trials that failed are no part of the page, and the others are worth a look.
     if (const int status = simulate(dataset); status != exit_good && status != exit_check_failed) return status;
   }

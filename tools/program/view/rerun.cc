@@ -117,6 +117,8 @@ std::optional<std::size_t> trial_in(const std::string& path, const std::optional
 
 bool begins_as_rrd(std::string_view text) { return text.starts_with("RRF"); }
 
+int status_of_rerun() { return Python("", "").wait(); }
+
 RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) {
   using namespace std::chrono_literals;
   const std::string growing = path + ".partial";  // the name of a dataset that is not whole yet (tools/base/dataset)

@@ -24,6 +24,10 @@ struct RerunResult {
 // comes. Throws InputError when there is no dataset, no such trial, no Python, or a trial without a recording.
 RerunResult show_in_rerun(const std::string& path, const RerunOptions& options);
 
+// Exit status of a Python that loads rerun-sdk and shows nothing: 0, or 2 where it has none, which it has said on stderr. Throws InputError
+// when there is no Python.
+int status_of_rerun();
+
 // Whether a file that begins so is a recording of Rerun.
 bool begins_as_rrd(std::string_view text);
 

@@ -117,11 +117,13 @@ class Rerun(unittest.TestCase):
     def test_says_how_to_get_it(self):
         self.use("raise ImportError")
         self.record()
-        done = self.run_program("view", "a.h5", "--rerun")
-        self.assertEqual(done.returncode, 2)
-        self.assertEqual(done.stderr, f"slipbench: view: --rerun needs rerun-sdk, which {sys.executable} has not; install it: "
-                                      f"{sys.executable} -m pip install rerun-sdk\n")
-        self.assertEqual(done.stdout, "")
+        for subject in ("a.h5", "scene.yaml"):
+            done = self.run_program("view", subject, "--rerun")
+            self.assertEqual(done.returncode, 2)
+            self.assertEqual(done.stderr, f"slipbench: view: --rerun needs rerun-sdk, which {sys.executable} has not; install it: "
+                                          f"{sys.executable} -m pip install rerun-sdk\n")
+            self.assertEqual(done.stdout, "")
+        self.assertFalse((self.folder / "scene.h5").exists(), "simulated before it looked for rerun-sdk")
 
     def test_refusals(self):
         self.use(STAND_IN)
