@@ -208,12 +208,12 @@ struct Frames::State {
 
 Frames::Frames(const Input& input, const std::string& type, double rate, std::span<const Channel> channels) {
   if (type != input.sensor) {
-    throw InputError("the network reads a " + quote(input.sensor) + ", not a " + quote(type) +
-                     "; allowed: " + quote(input.sensor));
+    throw InputError("the network reads a " + quote(input.sensor) + " by its metadata, this sensor is a " + quote(type) +
+                     "; allowed: a sensor of the former type, or metadata that name the latter");
   }
   if (!rate_fits(input, rate)) {
-    throw InputError("the network reads " + format_quantity(input.rate, Quantity::frequency) + ", not " +
-                     format_quantity(rate, Quantity::frequency) + "; allowed: the former, within 1 %");
+    throw InputError("the network reads a sensor of " + format_quantity(input.rate, Quantity::frequency) + ", this one has " +
+                     format_quantity(rate, Quantity::frequency) + "; allowed: the network's rate within 1 %");
   }
   state_ = std::make_unique<State>(input, channels);
 }

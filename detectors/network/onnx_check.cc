@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -98,6 +101,8 @@ class Checker {
   static bool is_onnx(const std::string& domain) { return domain.empty() || domain == "ai.onnx"; }
 
   void check(const onnx::AttributeProto& attribute) {
+    if (std::isnan(attribute.f()) || std::ranges::any_of(attribute.floats(), &is_nan<float>))
+      refuse("has nan for the attribute " + quote(attribute.name()) + "; allowed: numbers");
     if (attribute.has_t()) check(attribute.t());
     for (const onnx::TensorProto& tensor : attribute.tensors()) check(tensor);
     if (attribute.has_sparse_tensor() || attribute.sparse_tensors_size() != 0)
@@ -127,6 +132,49 @@ class Checker {
       refuse("has " + name + " of " + std::to_string(elements) + " elements, with the data of " + std::to_string(held) +
              "; allowed: one value an element");
     }
+    check_numbers(tensor);
+  }
+
+  // A layer may make a number of NaN: a ReLU gives 0, and the network would run. Infinities stay allowed: masks are made of them.
+  void check_numbers(const onnx::TensorProto& tensor) const {
+    using T = onnx::TensorProto;
+    const std::string& raw = tensor.raw_data();
+    const bool is_raw = tensor.has_raw_data();
+    bool nan = false;
+    switch (tensor.data_type()) {
+      case T::FLOAT:
+        nan = is_raw ? any_raw<float>(raw, &is_nan<float>) : std::ranges::any_of(tensor.float_data(), &is_nan<float>);
+        break;
+      case T::DOUBLE:
+        nan = is_raw ? any_raw<double>(raw, &is_nan<double>) : std::ranges::any_of(tensor.double_data(), &is_nan<double>);
+        break;
+      case T::FLOAT16:
+        nan = is_raw ? any_raw<std::uint16_t>(raw, &is_nan_half) : std::ranges::any_of(tensor.int32_data(), &is_nan_half);
+        break;
+      case T::BFLOAT16:
+        nan = is_raw ? any_raw<std::uint16_t>(raw, &is_nan_brain) : std::ranges::any_of(tensor.int32_data(), &is_nan_brain);
+        break;
+      default: break;
+    }
+    if (nan) refuse("has the tensor " + quote(tensor.name()) + " with nan in it; allowed: numbers");
+  }
+
+  template <class Number>
+  static bool is_nan(Number value) {
+    return std::isnan(value);
+  }
+  // All bits of the exponent, and some of the mantissa: of float16 five and ten, of bfloat16 eight and seven.
+  static bool is_nan_half(std::int32_t bits) { return (bits & 0x7C00) == 0x7C00 && (bits & 0x03FF) != 0; }
+  static bool is_nan_brain(std::int32_t bits) { return (bits & 0x7F80) == 0x7F80 && (bits & 0x007F) != 0; }
+
+  template <class Element, class Predicate>
+  static bool any_raw(const std::string& raw, Predicate predicate) {
+    for (std::size_t at = 0; at + sizeof(Element) <= raw.size(); at += sizeof(Element)) {
+      Element element{};
+      std::memcpy(&element, raw.data() + at, sizeof element);
+      if (predicate(element)) return true;
+    }
+    return false;
   }
 
   static std::size_t typed_elements(const onnx::TensorProto& tensor) {
@@ -159,11 +207,13 @@ Port port_of(const onnx::ValueInfoProto& value, const std::string& what, const C
   if (!value.type().has_tensor_type() || value.type().tensor_type().elem_type() != onnx::TensorProto::FLOAT) {
     checker.refuse("has the " + name + ", which is no tensor of float32; allowed: float32");
   }
-  Port port{.name = value.name(), .shape = {}};
+  Port port{.name = value.name(), .shape = {}, .open = false};
   if (!value.type().tensor_type().has_shape()) checker.refuse("has the " + name + " without a shape; allowed: one with a shape");
   std::size_t size = 1;
   for (const onnx::TensorShapeProto::Dimension& extent : value.type().tensor_type().shape().dim()) {
-    port.shape.push_back(extent.has_dim_value() && extent.dim_value() != -1 ? extent.dim_value() : 1);
+    const bool given = extent.has_dim_value() && extent.dim_value() != -1;
+    port.open = port.open || (!given && !port.shape.empty());
+    port.shape.push_back(given ? extent.dim_value() : 1);
     if (port.shape.back() < 1 || size > most_elements / static_cast<std::size_t>(port.shape.back())) {
       checker.refuse("has the " + name + " of an extent of " + std::to_string(port.shape.back()) + "; allowed: 1 or more, and " +
                      std::to_string(most_elements) + " elements in all");

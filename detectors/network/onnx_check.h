@@ -14,6 +14,7 @@ namespace slipbench::network {
 struct Port {
   std::string name;
   std::vector<std::int64_t> shape;  // 1 where the file leaves an extent open, as it does for the batch
+  bool open = false;                // the file leaves open another than the first, the batch's
 
   [[nodiscard]] std::size_t size() const;
 };

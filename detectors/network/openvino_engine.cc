@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <iterator>
 #include <map>
+#include <regex>
 #include <sstream>
 #include <utility>
 
@@ -32,7 +33,8 @@ using Digest = std::array<unsigned char, 32>;
 std::string bytes_of(const std::string& path) {
   check_regular_file(path, most_network_bytes);
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path + ": cannot be opened; allowed: an ONNX file");
+  if (!file)
+    throw InputError(path + ": cannot be opened; allowed: an ONNX file, in a scene by its path from the scene's own folder");
   std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (file.bad()) throw InputError(path + ": cannot be read");
   return bytes;
@@ -46,10 +48,12 @@ Digest digest_of(const std::string& bytes) {
   return digest;
 }
 
-// What OpenVINO says, less the places in its sources.
+// What OpenVINO says, less the places in its sources and its conditions.
 std::string reason_of(const std::exception& error) {
   constexpr std::size_t longest = 400;
-  std::istringstream lines(error.what());
+  static const std::regex conditions(
+      "Model wasn't fully converted\\. Failed operations detailed log:\\s*|Check '[^'\\n]*' failed at [^ \\n]*:\\s*");
+  std::istringstream lines(std::regex_replace(error.what(), conditions, ""));
   std::string text;
   for (std::string line; std::getline(lines, line);) {
     const auto begins = [&](const char* word) { return line.starts_with(word); };
@@ -167,7 +171,14 @@ Network compiled(const std::string& bytes, const std::string& path) {
   };
   fix(network.about.input);
   for (const Port& state : network.about.states) fix(state);
-  model->reshape(shapes);
+  try {
+    model->reshape(shapes);
+  } catch (const std::exception& error) {
+    if (!network.about.input.open) throw;
+    throw InputError(path + ": the extents that " + quote(network.about.input.name) +
+                     " leaves open, that of time too, are taken as 1, and then OpenVINO does not take it: " + reason_of(error) +
+                     "; allowed: an input exported with its length");
+  }
   double work = 0.0;
   check_sizes(*model, path, work);
   // One thread, f32 and no pinning: the same bits whatever else runs. Small numbers stay, as everywhere else in the program.

@@ -152,11 +152,11 @@ TEST(NetworkDetector, SaysAtTheModelWhatIsWrong) {
   EXPECT_THAT(refusal(parameters("none"), papillarray()), HasSubstr("detector.model: no network is named"));
   EXPECT_THAT(refusal(parameters("/nowhere.onnx"), papillarray()), HasSubstr("detector.model: /nowhere.onnx: cannot be opened"));
   EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), papillarray(500.0)),
-              HasSubstr("mlp13.onnx: the network reads 1 kHz, not 500 Hz"));
+              HasSubstr("mlp13.onnx: the network reads a sensor of 1 kHz, this one has 500 Hz"));
   FrameSource other = papillarray();
   other.type = "biotac_sp";
   EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), other),
-              HasSubstr("mlp13.onnx: the network reads a 'papillarray', not a 'biotac_sp'"));
+              HasSubstr("mlp13.onnx: the network reads a 'papillarray' by its metadata, this sensor is a 'biotac_sp'"));
 }
 
 }  // namespace

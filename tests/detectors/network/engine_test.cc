@@ -302,6 +302,51 @@ TEST(Engine, RefusesTensorsThatAreNotWhatTheySay) {
               HasSubstr("has the tensor 'W1' of data type 8; allowed: numbers and flags"));
 }
 
+// A weight of nan need not be heard: behind it a ReLU says 0. The bits are those of the formats, lowest byte first.
+TEST(Engine, RefusesWeightsThatAreNoNumbers) {
+  using onnx::TensorProto;
+  struct Case {
+    TensorProto::DataType type;
+    std::string nan, infinity;
+  };
+  const std::vector<Case> cases{
+      {TensorProto::FLOAT, std::string("\x01\0\x80\x7f", 4), std::string("\0\0\x80\x7f", 4)},
+      {TensorProto::DOUBLE, std::string("\x01\0\0\0\0\0\xf0\x7f", 8), std::string("\0\0\0\0\0\0\xf0\x7f", 8)},
+      {TensorProto::FLOAT16, std::string("\x01\xfc", 2), std::string("\0\xfc", 2)},
+      {TensorProto::BFLOAT16, std::string("\xc0\xff", 2), std::string("\x80\xff", 2)}};
+  for (const Case& one : cases) {
+    const auto with = [&](const std::string& bytes) {
+      return refusal_of("mlp13.onnx", [&](onnx::ModelProto& m) { add_scalar(m, "mask", one.type, bytes); });
+    };
+    EXPECT_THAT(with(one.nan), HasSubstr("has the tensor 'mask' with nan in it; allowed: numbers")) << one.type;
+    EXPECT_EQ(with(one.infinity), "taken") << one.type;
+  }
+  const auto typed = [](onnx::ModelProto& m) {
+    TensorProto* const tensor = m.mutable_graph()->mutable_initializer(0);
+    tensor->clear_raw_data();
+    for (std::size_t i = 0; i < 24; ++i) tensor->add_float_data(i == 23 ? std::numeric_limits<float>::quiet_NaN() : 1.0F);
+  };
+  EXPECT_THAT(refusal_of("mlp13.onnx", typed), HasSubstr("has the tensor 'W1' with nan in it"));
+  const auto attribute = [](onnx::ModelProto& m) {
+    onnx::AttributeProto* const alpha = m.mutable_graph()->mutable_node(2)->add_attribute();
+    alpha->set_name("alpha");
+    alpha->set_type(onnx::AttributeProto::FLOAT);
+    alpha->set_f(std::numeric_limits<float>::quiet_NaN());
+  };
+  EXPECT_THAT(refusal_of("mlp13.onnx", attribute), HasSubstr("has nan for the attribute 'alpha'; allowed: numbers"));
+}
+
+// Two frames of three values are what mlp13.onnx is made for; where it leaves the two open, one is taken.
+TEST(Engine, SaysThatAnOpenTimeIsTakenAsOne) {
+  const auto open = [](onnx::ModelProto& m) {
+    m.mutable_graph()->mutable_input(0)->mutable_type()->mutable_tensor_type()->mutable_shape()->mutable_dim(1)->set_dim_param(
+        "t");
+  };
+  EXPECT_THAT(refusal_of("mlp13.onnx", open),
+              ::testing::AllOf(HasSubstr("the extents that 'frames' leaves open, that of time too, are taken as 1"),
+                               HasSubstr("allowed: an input exported with its length"), ::testing::Not(HasSubstr("Check '"))));
+}
+
 TEST(Engine, RefusesInputsAndOutputsThatTheDescriptionDoesNotSay) {
   using onnx::ModelProto;
   EXPECT_THAT(refusal_of("gru21.onnx", [](ModelProto& m) { describe(m, "[{\"input\": \"h\", \"output\": \"h_next\"}]", "[]"); }),

@@ -267,8 +267,9 @@ TEST(Frames, TakeARateWithinOnePerCent) {
 
 TEST(Frames, SayWhatDoesNotFitTheSensor) {
   const Input good = input_of({{"force", {0}}});
-  EXPECT_THAT(refusal(good, "biotac"), HasSubstr("reads a 'papillarray', not a 'biotac'"));
-  EXPECT_THAT(refusal(good, "papillarray", 500.0), HasSubstr("reads 1 kHz, not 500 Hz; allowed: the former, within 1 %"));
+  EXPECT_THAT(refusal(good, "biotac"), HasSubstr("reads a 'papillarray' by its metadata, this sensor is a 'biotac'"));
+  EXPECT_THAT(refusal(good, "papillarray", 500.0),
+              HasSubstr("reads a sensor of 1 kHz, this one has 500 Hz; allowed: the network's rate within 1 %"));
   EXPECT_THAT(refusal(good, "papillarray", 989.0), HasSubstr("reads 1 kHz, not 989 Hz"));
   EXPECT_THAT(refusal(good, "papillarray", 1011.0), HasSubstr("reads 1 kHz, not 1011 Hz"));
   EXPECT_THAT(refusal(input_of({{"forces", {}}})), HasSubstr("reads the channel 'forces'; did you mean 'force'?"));

@@ -102,6 +102,7 @@ TEST(BiotacTables, RefuseWhatCannotBe) {
     EXPECT_THAT(message_of<InputError>(run), HasSubstr("allowed: --data alone")) << name;
   }
   options.trials = 0;
+  options.data.clear();
   options.real = "nowhere.h5";
   for (const char* name : {"table1", "fig12", "table2", "table3"}) {
     const auto run = [&] { find_reproduction(std::string("biotac-stability-slip/") + name).run(options); };

@@ -9,6 +9,7 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/program/import/sources.h"
 #include "tools/studies/biotac/biotac_stability.h"
 
 namespace slipbench::reproduce::biotac_recordings_test {
@@ -17,6 +18,8 @@ namespace {
 using namespace biotac;
 using learn::masked;
 using slipbench::testing::message_of;
+using slipbench::testing::slide_header;
+using slipbench::testing::slide_row;
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -176,6 +179,23 @@ TEST(Folds, KeepAnObjectTogether) {
   EXPECT_EQ(folds[1], folds[4]);
   EXPECT_EQ(folds[0] + folds[1] + folds[3], 0U + 1U + 2U);  // one each
   EXPECT_THAT(message_of<InputError>([&] { folds_by_object(objects, 4, 1); }), HasSubstr("3 objects make no 4 folds"));
+}
+
+class ImportedTouches : public slipbench::testing::ImportTest {};
+
+// Two files of three rows: what they are is their set's word, and they are never what was simulated.
+TEST_F(ImportedTouches, AreByTheirOwnLabelsAndNoSyntheticOnes) {
+  for (const char* name : {"n/case1.csv", "t/pen2.csv"})
+    source(std::string("set/") + name, slide_header() + slide_row(0) + slide_row(1) + slide_row(2));
+  run({path("set")}, "biotacsp-dos");
+  const std::vector<Touch> touches = read_touches(path("out.h5"), {});
+  ASSERT_EQ(touches.size(), 2U);
+  EXPECT_THAT(touches[0].label, ElementsAre(1, 1, 1));
+  EXPECT_THAT(touches[1].label, ElementsAre(0, 0, 0));
+  EXPECT_THAT(
+      message_of<InputError>([&] { check_simulated(path("out.h5")); }),
+      HasSubstr("out.h5: reproduce --data needs the truth, which it does not hold (none: imported from biotacsp-dos); allowed: "
+                "--real, which takes imported recordings"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "sim/core/error.h"
 #include "tools/program/cli/table.h"
+#include "tools/program/judge/evaluate.h"
 #include "tools/program/judge/metrics.h"
 
 namespace slipbench {
@@ -108,6 +109,7 @@ std::string eval_text(const Json& result, const Style& style) {
       printable(sensor.at("name").get<std::string>()), printable(sensor.at("type").get<std::string>()),
       result.at("labels").get<std::string>(), count("trials"), count("frames")));
   text += "\n";
+  if (const std::string note = judge::truth_note(result); !note.empty()) text += fmt::format("  {}\n", printable(note));
   if (const std::size_t left_out = result.at("left_out").size(); left_out > 0) {
     text += fmt::format("  {} trials on which it was trained are left out; --all judges them too\n", left_out);
   }

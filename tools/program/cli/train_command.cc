@@ -175,9 +175,9 @@ void TrainCommand::read_network() {
 
 int TrainCommand::run() { return training ? train_network() : train_hd(); }
 
-std::string TrainCommand::eval_options() const {
+std::string TrainCommand::eval_options(const std::vector<std::string>& sensors) const {
   std::string words;
-  if (!training->sensor.empty()) words += " --sensor " + shell_word(training->sensor);
+  if (!training->sensor.empty() || sensors.size() > 1) words += " --sensor " + shell_word(sensors.front());
   return words + " --labels " + std::string(hd::name_of(learn::label_words, training->recipe.labels));
 }
 
@@ -222,7 +222,7 @@ int TrainCommand::train_network() {
           fmt::format("{}, labels {}", training->recipe.name, hd::name_of(learn::label_words, training->recipe.labels))),
       table.text(style), summary.learnt, summary.validated, one_decimal(summary.validation), summary.judged, summary.frames,
       summary.parameters, summary.steps, summary.threshold, style.good("written:"), training->output, style.dim("next:"),
-      training->output, training->dataset + eval_options());
+      training->output, training->dataset + eval_options(summary.sensors));
   return exit_good;
 }
 

@@ -26,8 +26,8 @@ class TrainCommand final : public Command {
   void read_network();
   int train_hd();
   int train_network();
-  // What `eval` is to be told to judge the network by what it was taught.
-  [[nodiscard]] std::string eval_options() const;
+  // What `eval` is to be told to judge the network by what it was taught: one of the sensors that it learnt from, and the labels.
+  [[nodiscard]] std::string eval_options(const std::vector<std::string>& sensors) const;
 
   // As given; empty: was not.
   std::string recipe_;

@@ -286,6 +286,8 @@ std::string eval_page(const Json& result, const std::string& html_path) {
       generator, escape_html(type), escape_html(dataset), escape_html(result.at("sensor").at("name").get<std::string>()),
       escape_html(result.at("sensor").at("type").get<std::string>()), escape_html(result.at("labels").get<std::string>()),
       count("trials"), count("frames"), escape_html(result.at("command").get<std::string>()));
+  if (const std::string note = truth_note(result); !note.empty())
+    body += fmt::format("<p class=\"note\">{}</p>\n", escape_html(note));
   body += headline(all);
   const std::size_t left_out = result.at("left_out").size();
   body += section(

@@ -406,6 +406,7 @@ std::string evaluated(const Options& options) {
                {"dataset", options.dataset},
                {"sensor", trials.front().sensor},
                {"labels", label_rule_name(options.labels)},
+               {"truth", reader.header().truth},
                {"split", options.split.empty() ? "all" : options.split},
                {"left_out", left_out},
                {"all", summary_json(summarised(judgements))},
@@ -431,6 +432,12 @@ TruthRule learnt_labels(const std::string& trained) {
     throw InputError(fmt::format("the detector's metadata: trained.labels: {}; judge by another with --labels", error.what()));
   }
   throw InputError("the detector's metadata: trained.labels is no name of a rule; judge by one with --labels");
+}
+
+std::string truth_note(const Json& result) {
+  const auto truth = result.at("truth").get<std::string>();
+  return truth.empty() ? truth
+                       : fmt::format("truth {}: where a name here says true, it is the label of the recordings' own set", truth);
 }
 
 Json evaluate(const Options& options) {

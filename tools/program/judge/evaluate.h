@@ -30,6 +30,7 @@ inline constexpr const char* result_key = "slipbench_eval";
 
 // The result, which --json prints and the page shows; its first key is result_key: 1.
 //   detector {type, parameters}, dataset, sensor {name, type, rate_hz}, labels, split
+//   truth          empty; of imported recordings "none: imported from bts3v2": what is judged by, then, is the set's own label
 //   left_out       trials that the detector was trained on, which are not judged
 //   all            summary_json() of the trials judged
 //   by             [{by, groups: [{name, ...summary_json()}]}]: material, object, speed (octaves), and mask, where no trial is left out; of those
@@ -46,5 +47,8 @@ inline constexpr const char* result_key = "slipbench_eval";
 // Times in s. Throws InputError, naming file and trial: no whole dataset, outcomes alone, no such sensor or split, what replay() and truth_of()
 // refuse. Reads in a child process (tools/base/dataset/guarded.h), in which the detector runs too.
 Json evaluate(const Options& options);
+
+// What a reader of a result must know where `truth` is not empty; empty where it is.
+std::string truth_note(const Json& result);
 
 }  // namespace slipbench::judge

@@ -125,14 +125,14 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
 
 // The class of every sample.
 std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecord& sensor, LabelRule rule, ClassRule classes) {
+  const std::vector<std::uint8_t>& states = states_of(sensor, rule);
   std::vector<std::uint8_t> labels;
   if (classes == ClassRule::direction) {
-    labels.assign(sensor.time.size(), direction_of(record.params));
-    for (std::size_t row = 0; row < sensor.labels.state_micro.size(); ++row)
-      if (sensor.labels.state_micro[row] == static_cast<std::uint8_t>(PadState::no_contact)) labels[row] = masked;
+    const std::uint8_t told = direction_of(record.params);
+    for (const std::uint8_t state : states)
+      labels.push_back(state == static_cast<std::uint8_t>(PadState::no_contact) ? masked : told);
     return labels;
   }
-  const std::vector<std::uint8_t>& states = states_of(sensor, rule);
   bool slipped = false;          // in this contact
   std::uint8_t latest = masked;  // class of its latest slip
   for (std::size_t row = 0; row < states.size(); ++row) {

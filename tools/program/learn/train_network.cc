@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -272,6 +273,9 @@ NetworkSummary train_network(const NetworkTraining& training, const std::functio
   summary.learnt = trials_of(learning).size();
   summary.validated = trials_of(validating).size();
   summary.judged = trials_of(judging).size();
+  std::set<std::string> sensors;
+  for (const Example& example : examples.all) sensors.insert(example.sensor);
+  summary.sensors.assign(sensors.begin(), sensors.end());
   for (const FrameSequence& sequence : learnt) summary.frames += sequence.label.size();
   summary.parameters = parameter_count(recipe.network);
   summary.threshold = description.threshold = best_threshold(on_validation, description.classes);

@@ -197,11 +197,26 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
   return evaluations;
 }
 
+namespace {
+
+// Throws InputError where no answer can be wrong.
+void check_classes(const std::string& dataset, SlipRule labels, std::span<const Sample> samples) {
+  const auto hold = static_cast<std::size_t>(
+      std::ranges::count_if(samples, [](const Sample& sample) { return sample.label == PadState::non_slip; }));
+  if (hold != 0 && hold != samples.size()) return;
+  throw InputError(
+      fmt::format("{}: of the frames in contact {} are non-slip and {} slip by the labels {}; allowed: frames of both", dataset,
+                  hold, samples.size() - hold, slip_rule_name(labels)));
+}
+
+}  // namespace
+
 TrainSummary train_dataset(const TrainOptions& options) {
   hd::check_save_target(options.output);
   hd::SavedModel saved{options.model, options.quantiser, {}, hd::generate(options.model, options.seed)};
   const TrainingData data = read_sequences(options.dataset, options.sequences);
   const std::vector<Sample> samples = encode_dataset(options.dataset, saved, data.sequences, options.jobs);
+  check_classes(options.dataset, options.sequences.labels, samples);
   TrainSummary summary;
   summary.sequences = data.sequences.size();
   summary.samples = samples.size();

@@ -40,8 +40,9 @@ Touch touch_of(learn::Example example) {
   return {std::move(example.frames.features), std::move(example.frames.label), std::move(example.object)};
 }
 
-learn::ExampleOptions touch_options() {
+learn::ExampleOptions touch_options(learn::LabelRule labels) {
   learn::ExampleOptions how;
+  how.labels = labels;
   how.input = learn::find_recipe("biotac_lstm").input;
   how.classes = learn::ClassRule::direction;
   return how;
@@ -133,7 +134,15 @@ Grasp grasp_of(const TrialRecord& record) {
   return grasp;
 }
 
-std::vector<Grasp> read_grasps(const std::string& path) {
+void check_simulated(const std::string& path) {
+  guarded(path, [&] {
+    DatasetReader(path).check_truth("reproduce --data", "--real, which takes imported recordings");
+    return std::string();
+  });
+}
+
+std::vector<Grasp> read_grasps(const std::string& path, const ReproduceOptions& options) {
+  if (options.say) options.say(fmt::format("reading {}", path));
   std::vector<Grasp> grasps;
   for (const Json& one : Json::parse(guarded(path, [&] { return packed_grasps(path); })))
     grasps.push_back(
@@ -163,9 +172,12 @@ learn::FoldExample as_graph(const Grasp& grasp) {
   return example;
 }
 
-std::vector<Touch> read_touches(const std::string& path) {
+std::vector<Touch> read_touches(const std::string& path, const ReproduceOptions& options) {
+  if (options.say) options.say(fmt::format("reading {}", path));
   std::vector<Touch> touches;
-  for (learn::Example& example : learn::read_examples(path, touch_options()).all) {
+  const std::string truth = guarded(path, [&] { return DatasetReader(path).header().truth; });
+  const learn::LabelRule labels = truth.empty() ? learn::LabelRule::micro : learn::LabelRule::paper;  // imported: their set's own
+  for (learn::Example& example : learn::read_examples(path, touch_options(labels)).all) {
     if (example.object.empty())
       throw InputError(
           fmt::format("{}: trial {} names no object; allowed: recordings of {}, or of BioTacSP-DoS as `slipbench import "
@@ -183,11 +195,12 @@ std::vector<Touch> run_touches(const char* scene, std::size_t draws, const Repro
                       .scene = scene,
                       .overrides = {{"sweep.sensors.pad.device_number", Json(numbers).dump()}},
                       .draws = draws};
-  return run_grid<Touch>({cell}, options,
-                         [](const GridTrial& trial) {
-                           const TrialRecord record = trial.record();
-                           return touch_of(learn::example_of(record, record.sensors.front(), touch_options()));
-                         })
+  return run_grid<Touch>(
+             {cell}, options,
+             [](const GridTrial& trial) {
+               const TrialRecord record = trial.record();
+               return touch_of(learn::example_of(record, record.sensors.front(), touch_options(learn::LabelRule::micro)));
+             })
       .front();
 }
 

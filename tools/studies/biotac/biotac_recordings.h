@@ -40,8 +40,11 @@ struct Grasp {
 // before hold.from. Throws InputError where it is neither.
 Grasp grasp_of(const TrialRecord& record);
 
-// Those of a dataset, read in a child process. Throws InputError, naming the file.
-std::vector<Grasp> read_grasps(const std::string& path);
+// Throws InputError where the recordings of --data are imported: they would stand in the tables as synthetic.
+void check_simulated(const std::string& path);
+
+// Those of a dataset, read in a child process. `options`: whom it tells. Throws InputError, naming the file.
+std::vector<Grasp> read_grasps(const std::string& path, const ReproduceOptions& options);
 // Those of grasp.yaml: `draws` of each of its nine cells, 0: as many as it says. Throws as run_grid.
 std::vector<Grasp> run_grasps(std::size_t draws, const ReproduceOptions& options);
 
@@ -62,8 +65,9 @@ inline constexpr const char* slip_scene = "scenes/biotac_sp/slip.yaml";
 inline constexpr const char* random_site_scene = "scenes/biotac_sp/slip_random_site.yaml";
 inline constexpr std::size_t devices = 3;  // fingers that a synthetic set is made with
 
-// Those of a dataset, imported from BioTacSP-DoS or of one of the scenes above. Throws InputError, naming the file.
-std::vector<Touch> read_touches(const std::string& path);
+// Those of a dataset, imported from BioTacSP-DoS or of one of the scenes above. `options`: whom it tells. Throws InputError, naming
+// the file.
+std::vector<Touch> read_touches(const std::string& path, const ReproduceOptions& options);
 // Those of a scene: `draws` of each of its cells with each of `devices` fingers. Throws as run_grid.
 std::vector<Touch> run_touches(const char* scene, std::size_t draws, const ReproduceOptions& options);
 

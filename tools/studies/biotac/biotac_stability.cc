@@ -85,13 +85,14 @@ Set set_of(const std::vector<Grasp>& grasps, const StabilityNetwork& network, Fo
 GraspSets grasps_for(const ReproduceOptions& options, const std::function<bool(const Grasp&)>& kept) {
   if (!options.data.empty() && options.trials != 0)
     throw InputError("reproduce: --trials is for grasps that are made; allowed: --data alone");
+  if (!options.data.empty()) check_simulated(options.data);
   GraspSets sets;
-  if (!options.real.empty()) sets.real = read_grasps(options.real);
+  if (!options.real.empty()) sets.real = read_grasps(options.real, options);
   sets.synthetic = options.data.empty() ? run_grasps(options.trials != 0 ? options.trials
                                                      : options.full      ? published_draws
                                                                          : 0,
                                                      options)
-                                        : read_grasps(options.data);
+                                        : read_grasps(options.data, options);
   for (std::vector<Grasp>* grasps : {&sets.real, &sets.synthetic})
     std::erase_if(*grasps, [&](const Grasp& one) { return !kept(one); });
   return sets;

@@ -112,12 +112,13 @@ Result biotac_table3(const ReproduceOptions& options) {
   check_only(options.only, names);
   if (!options.data.empty() && options.trials != 0)
     throw InputError("reproduce: --trials is for recordings that are made; allowed: --data alone");
+  if (!options.data.empty()) check_simulated(options.data);
   Lessons lessons(options);
   const std::size_t draws = options.trials != 0 ? options.trials : options.full ? published_touches : usual_draws;
   std::vector<Touch> real;
-  if (!options.real.empty()) real = read_touches(options.real);
-  const std::vector<Touch> synthetic =
-                               options.data.empty() ? run_touches(slip_scene, draws, options) : read_touches(options.data),
+  if (!options.real.empty()) real = read_touches(options.real, options);
+  const std::vector<Touch> synthetic = options.data.empty() ? run_touches(slip_scene, draws, options)
+                                                            : read_touches(options.data, options),
                            random_site = run_touches(random_site_scene, draws, options);
 
   struct Row {

@@ -144,6 +144,18 @@ TEST_F(Evaluated, RefusesWhatItCannotJudge) {
   EXPECT_THAT(refusal(options(file)), HasSubstr("data.h5"));
 }
 
+// Of imported recordings there is no truth, whatever the names of the figures say.
+TEST_F(Evaluated, SaysThatThereIsNoTruth) {
+  Json result = evaluate(options(dataset()));
+  result["command"] = "slipbench eval";
+  EXPECT_EQ(truth_note(result), "");
+  EXPECT_THAT(eval_page(result, path("page.html")), Not(HasSubstr("imported")));
+  result["truth"] = "none: imported from bts3v2";
+  EXPECT_EQ(truth_note(result),
+            "truth none: imported from bts3v2: where a name here says true, it is the label of the recordings' own set");
+  EXPECT_THAT(eval_page(result, path("page.html")), HasSubstr("<p class=\"note\">truth none: imported from bts3v2"));
+}
+
 TEST_F(Evaluated, PageShowsTextAsText) {
   Json result = evaluate(options(dataset()));
   result["command"] = "slipbench eval <script>";

@@ -145,6 +145,8 @@ TEST(Example, HasTheDirectionOfItsMotion) {
   ExampleOptions options;
   options.input = find_recipe("piezo_fft_gru").input;
   options.classes = ClassRule::direction;
+  EXPECT_THAT(message_of<InputError>([&] { example_of(imported, sensor, options); }), HasSubstr("allowed: --labels paper"));
+  options.labels = LabelRule::paper;
   EXPECT_THAT(example_of(imported, sensor, options).frames.label, ElementsAre(5, 5, 5));
   EXPECT_EQ(example_of(imported, sensor, options).object, R"(object="pen")");
 }

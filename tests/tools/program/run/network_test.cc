@@ -84,7 +84,7 @@ TEST(NetworkInTrial, AModelOfAnotherSensorIsRefusedAtItsKey) {
     ADD_FAILURE() << "taken";
   } catch (const SceneValueError& error) {
     EXPECT_EQ(error.path(), "detector.model");
-    EXPECT_THAT(error.what(), HasSubstr("the network reads a 'papillarray', not a 'piezo_skin'"));
+    EXPECT_THAT(error.what(), HasSubstr("the network reads a 'papillarray' by its metadata, this sensor is a 'piezo_skin'"));
   }
 }
 

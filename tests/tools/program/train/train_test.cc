@@ -225,12 +225,18 @@ TEST_F(TrainTest, SaysThatTheWindowIsLongerThanTheSequences) {
               HasSubstr("data.h5: a window of 1000 frames is longer than the sequences; allowed: up to 40, the last frame"));
   training.model.window = 41;
   EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }), HasSubstr("a window of 41 frames is longer"));
+  // The last frame of each of the 24, 0.19 s after the slide began: all of them slip.
   training.model.window = 40;
-  EXPECT_THAT(message_of<InputError>([&] {
-                train_dataset(training);
-                throw InputError("taken");
-              }),
-              "taken");
+  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }),
+              HasSubstr("of the frames in contact 0 are non-slip and 24 slip by the labels paper"));
+}
+
+// A pad that is pressed on and never moved does not slip: any answer of "non-slip" would be right.
+TEST_F(TrainTest, RefusesDataWithoutASlip) {
+  TrainOptions training = options(dataset({{"sweep.motion.speed", "[0 mm/s]"}}), "memories", 1);
+  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }),
+              HasSubstr("non-slip and 0 slip by the labels paper; allowed: frames of both"));
+  EXPECT_FALSE(std::filesystem::exists(path("memories")));
 }
 
 TEST_F(TrainTest, TeachesThePublishedCoresBundle) {
