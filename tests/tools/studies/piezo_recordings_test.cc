@@ -86,6 +86,23 @@ TEST_F(PiezoRecordings, SayWhichMotorsRun) {
               ElementsAre(FloatNear(4e-3F, 1e-8F), FloatNear(4e-3F, 1e-8F), FloatNear(24e-3F, 1e-8F)));
 }
 
+// At 0.89 s the tip stands still: it is pressed on by then (0.6 mm at 0.7 mm/s), and slides from 0.9 s on or later. What runs is another motor.
+TEST_F(PiezoRecordings, OtherMotorsRunOnlyWhereTheyAreAskedFor) {
+  ReproduceOptions options;
+  options.seed = 1;
+  const auto running = [&](Motors motors) {
+    std::size_t count = 0;
+    for (const PiezoRecording& one : run_recordings({2.0}, 30, {signal_at_100_hz()}, options, motors)) {
+      if (one.motors_only) continue;
+      const auto frame = std::ranges::lower_bound(one.time, 0.89) - one.time.begin() - 1;
+      if (one.motors.at(static_cast<std::size_t>(frame)) > 0.0F) ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(running(Motors::of_the_tip), 0U);
+  EXPECT_GT(running(Motors::others_too), 0U);
+}
+
 TEST_F(PiezoRecordings, SurviveTheirBytes) {
   const std::vector<network::Input> inputs{published_spectra(), spectra_of(0.0, 5000.0)};
   const PiezoRecording first = make_recording(skin_record(0, true, R"({"effects": 3})"), inputs);

@@ -50,7 +50,8 @@ StudySize size_of(const ReproduceOptions& options, std::size_t usual);
 
 // Those of --data, or run at these levels. Throws InputError where too few of them slip for the folds.
 std::vector<PiezoRecording> recordings_for(const ReproduceOptions& options, const StudySize& size,
-                                           const std::vector<double>& levels, const std::vector<network::Input>& inputs);
+                                           const std::vector<double>& levels, const std::vector<network::Input>& inputs,
+                                           Motors motors = Motors::others_too);
 
 inline constexpr double bench_level = 2.0;  // of the motors, in dataset.yaml
 

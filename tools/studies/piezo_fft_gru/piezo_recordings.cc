@@ -182,12 +182,17 @@ std::vector<PiezoRecording> unpack(const std::string& bytes) {
 }
 
 std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, std::size_t recordings,
-                                           const std::vector<network::Input>& inputs, const ReproduceOptions& options) {
+                                           const std::vector<network::Input>& inputs, const ReproduceOptions& options,
+                                           Motors motors) {
   const std::string swept = fmt::format("[{}]", fmt::join(levels, ", "));
-  const GridCell cell{.name = "recordings",
-                      .scene = piezo_bench_scene,
-                      .overrides = {{std::string("sweep.") + level_path, swept}},
-                      .draws = recordings / 2};
+  GridCell cell{.name = "recordings",
+                .scene = piezo_bench_scene,
+                .overrides = {{std::string("sweep.") + level_path, swept}},
+                .draws = recordings / 2};
+  if (motors == Motors::of_the_tip) {
+    cell.name += ", no motor but the tip's";
+    cell.overrides.push_back({"sweep.motion.idle_speed", "[0 mm/s]"});
+  }
   return run_grid<PiezoRecording>({cell}, options, [&](const GridTrial& trial) { return make_recording(trial.record(), inputs); })
       .front();
 }

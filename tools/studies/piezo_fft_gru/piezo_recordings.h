@@ -48,10 +48,14 @@ network::Input published_spectra();
 network::Input spectra_of(double low, double high);
 network::Input signal_at_100_hz();
 
+// Which motors run: in half of the scene's recordings one that does not move the tip, or in none.
+enum class Motors { others_too, of_the_tip };
+
 // Runs the published bench, scenes/piezo_skin/dataset.yaml, at each level: `recordings` of them, half with a slip and half of
 // motors alone. Throws InputError, Interrupted.
 std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, std::size_t recordings,
-                                           const std::vector<network::Input>& inputs, const ReproduceOptions& options);
+                                           const std::vector<network::Input>& inputs, const ReproduceOptions& options,
+                                           Motors motors = Motors::others_too);
 
 // The same from a dataset, whose levels are those that it swept. Throws InputError.
 std::vector<PiezoRecording> read_recordings(const std::string& path, const std::vector<network::Input>& inputs);
