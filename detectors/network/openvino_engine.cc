@@ -7,8 +7,8 @@
 #include <initializer_list>
 #include <iterator>
 #include <map>
-#include <regex>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include <openssl/evp.h>
@@ -48,16 +48,27 @@ Digest digest_of(const std::string& bytes) {
   return digest;
 }
 
+// Without each "Check 'CONDITION' failed at FILE:LINE:".
+std::string without_conditions(std::string text) {
+  constexpr std::string_view check = "Check '", failed = "' failed at ";
+  for (std::size_t begin = text.find(check); begin != std::string::npos; begin = text.find(check, begin)) {
+    const std::size_t place = text.find(failed, begin);
+    if (place == std::string::npos) break;
+    const std::size_t line = text.find(':', place), end = text.find(':', line == std::string::npos ? line : line + 1);
+    text.erase(begin, end == std::string::npos ? end : end + 1 - begin);
+  }
+  return text;
+}
+
 // What OpenVINO says, less the places in its sources and its conditions.
 std::string reason_of(const std::exception& error) {
   constexpr std::size_t longest = 400;
-  static const std::regex conditions(
-      "Model wasn't fully converted\\. Failed operations detailed log:\\s*|Check '[^'\\n]*' failed at [^ \\n]*:\\s*");
-  std::istringstream lines(std::regex_replace(error.what(), conditions, ""));
+  std::istringstream lines(without_conditions(error.what()));
   std::string text;
   for (std::string line; std::getline(lines, line);) {
     const auto begins = [&](const char* word) { return line.starts_with(word); };
     if (line.empty() || begins("Exception from ") || begins("Check '") || begins("FrontEnd API ") || begins("Summary:")) continue;
+    if (begins("Model wasn't fully converted.")) continue;
     if (begins("To facilitate ")) continue;
     text += (text.empty() ? "" : " ") + line;
   }
