@@ -48,14 +48,15 @@ Digest digest_of(const std::string& bytes) {
   return digest;
 }
 
-// Without each "Check 'CONDITION' failed at FILE:LINE:".
+// Without each "Check 'CONDITION' failed at FILE:LINE:", and the white space behind it.
 std::string without_conditions(std::string text) {
   constexpr std::string_view check = "Check '", failed = "' failed at ";
   for (std::size_t begin = text.find(check); begin != std::string::npos; begin = text.find(check, begin)) {
     const std::size_t place = text.find(failed, begin);
     if (place == std::string::npos) break;
     const std::size_t line = text.find(':', place), end = text.find(':', line == std::string::npos ? line : line + 1);
-    text.erase(begin, end == std::string::npos ? end : end + 1 - begin);
+    const std::size_t next = end == std::string::npos ? end : text.find_first_not_of(" \n", end + 1);
+    text.erase(begin, next == std::string::npos ? next : next - begin);
   }
   return text;
 }
@@ -187,8 +188,8 @@ Network compiled(const std::string& bytes, const std::string& path) {
   } catch (const std::exception& error) {
     if (!network.about.input.open) throw;
     throw InputError(path + ": the extents that " + quote(network.about.input.name) +
-                     " leaves open, that of time too, are taken as 1, and then OpenVINO does not take it: " + reason_of(error) +
-                     "; allowed: an input exported with its length");
+                     " leaves open are taken as 1, and then OpenVINO does not take it: " + reason_of(error) +
+                     "; allowed: an input exported with its extents");
   }
   double work = 0.0;
   check_sizes(*model, path, work);

@@ -176,9 +176,8 @@ void TrainCommand::read_network() {
 int TrainCommand::run() { return training ? train_network() : train_hd(); }
 
 std::string TrainCommand::eval_options(const std::vector<std::string>& sensors) const {
-  std::string words;
-  if (!training->sensor.empty() || sensors.size() > 1) words += " --sensor " + shell_word(sensors.front());
-  return words + " --labels " + std::string(hd::name_of(learn::label_words, training->recipe.labels));
+  return " --sensor " + shell_word(sensors.front()) + " --labels " +
+         std::string(hd::name_of(learn::label_words, training->recipe.labels));
 }
 
 int TrainCommand::train_network() {
@@ -222,7 +221,7 @@ int TrainCommand::train_network() {
           fmt::format("{}, labels {}", training->recipe.name, hd::name_of(learn::label_words, training->recipe.labels))),
       table.text(style), summary.learnt, summary.validated, one_decimal(summary.validation), summary.judged, summary.frames,
       summary.parameters, summary.steps, summary.threshold, style.good("written:"), training->output, style.dim("next:"),
-      training->output, training->dataset + eval_options(summary.sensors));
+      shell_word(training->output), shell_word(training->dataset) + eval_options(summary.sensors));
   return exit_good;
 }
 
@@ -234,12 +233,14 @@ int TrainCommand::train_hd() {
   }
   const Style style = style_for(stdout);
   const Evaluation sum = pooled(std::span(summary.by_sequence).subspan(1));
-  fmt::print("{}\n{}\n{}\n{}{}\n{} {}\n{} slipbench eval {} {} --labels {}\n",
+  const std::string& sensor = options.sequences.sensor;
+  fmt::print("{}\n{}\n{}\n{}{}\n{} {}\n{} slipbench eval {} {}{} --labels {}\n",
              style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(options.model),
                                        slip_rule_name(options.sequences.labels), summary.sequences, summary.samples)),
              draws_text(summary, style), style.heading("by sequence, the tests of the five draws together"),
              delays_text(sum.delays), confusion_text(sum.all, style), style.good("written:"), options.output, style.dim("next:"),
-             options.output, options.dataset, slip_rule_name(options.sequences.labels));
+             shell_word(options.output), shell_word(options.dataset), sensor.empty() ? sensor : " --sensor " + shell_word(sensor),
+             slip_rule_name(options.sequences.labels));
   return exit_good;
 }
 

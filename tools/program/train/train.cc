@@ -199,7 +199,7 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
 
 namespace {
 
-// Throws InputError where no answer can be wrong.
+// Throws InputError where one constant answer is always right.
 void check_classes(const std::string& dataset, SlipRule labels, std::span<const Sample> samples) {
   const auto hold = static_cast<std::size_t>(
       std::ranges::count_if(samples, [](const Sample& sample) { return sample.label == PadState::non_slip; }));

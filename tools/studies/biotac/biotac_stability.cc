@@ -82,7 +82,7 @@ Set set_of(const std::vector<Grasp>& grasps, const StabilityNetwork& network, Fo
   return set;
 }
 
-GraspSets grasps_for(const ReproduceOptions& options, const std::function<bool(const Grasp&)>& kept) {
+GraspSets grasps_for(const ReproduceOptions& options, std::size_t usual, const std::function<bool(const Grasp&)>& kept) {
   if (!options.data.empty() && options.trials != 0)
     throw InputError("reproduce: --trials is for grasps that are made; allowed: --data alone");
   if (!options.data.empty()) check_simulated(options.data);
@@ -90,7 +90,7 @@ GraspSets grasps_for(const ReproduceOptions& options, const std::function<bool(c
   if (!options.real.empty()) sets.real = read_grasps(options.real, options);
   sets.synthetic = options.data.empty() ? run_grasps(options.trials != 0 ? options.trials
                                                      : options.full      ? published_draws
-                                                                         : 0,
+                                                                         : usual,
                                                      options)
                                         : read_grasps(options.data, options);
   for (std::vector<Grasp>* grasps : {&sets.real, &sets.synthetic})

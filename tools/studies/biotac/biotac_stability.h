@@ -38,10 +38,11 @@ Set set_of(const std::vector<Grasp>& grasps, const StabilityNetwork& network, Fo
 struct GraspSets {
   std::vector<Grasp> real, synthetic;  // real: empty without --real
 };
-// Those that the options name, or fresh ones; `kept`: those that the study is about. Throws InputError and Interrupted, and InputError where
+// Those that the options name, or fresh ones: `usual` draws of each of nine cells, 0: as many as the scene says. `kept`: those that the study is about. Throws InputError and Interrupted, and InputError where
 // --trials and --data are both given.
 GraspSets grasps_for(
-    const ReproduceOptions& options, const std::function<bool(const Grasp&)>& kept = [](const Grasp&) { return true; });
+    const ReproduceOptions& options, std::size_t usual = 0,
+    const std::function<bool(const Grasp&)>& kept = [](const Grasp&) { return true; });
 
 // A table in which networks are compared on all data that there are, five folds by sample and five by object: a row begins with the cells that stand
 // beside its network here. Figures, setup and the remark about --real are filled in.

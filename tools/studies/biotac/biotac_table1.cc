@@ -9,7 +9,7 @@ namespace slipbench::reproduce {
 Result biotac_table1(const ReproduceOptions& options) {
   using namespace biotac;
   constexpr std::array<const char*, 3> published{"90.9 +- 1.5", "89.6 +- 1.7", "89.7 +- 1.3"};
-  const GraspSets grasps = grasps_for(options, [](const Grasp& grasp) { return std::string(palms[grasp.palm].text) != "45"; });
+  const GraspSets grasps = grasps_for(options, 0, [](const Grasp& grasp) { return std::string(palms[grasp.palm].text) != "45"; });
   std::vector<std::pair<StabilityNetwork, std::vector<std::string>>> networks;
   for (std::size_t i = 0; i < published.size(); ++i) {
     const learn::biotac::ImageLayout& layout = learn::biotac::image_layouts().at(i);

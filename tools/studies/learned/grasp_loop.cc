@@ -29,7 +29,7 @@ constexpr std::size_t judged_trials = 100;   // of each row
 constexpr std::size_t default_grasps = 150;  // of each of the two controllers of learn_scene
 constexpr std::uint64_t other_seed = 76;     // added to that of the grasps learnt from: the loop's devices and boxes are others
 constexpr std::size_t piezo_steps = 600;
-constexpr std::size_t memory_window = 3;  // frames: with more of them gst_hd is later (README.md)
+constexpr std::size_t memory_window = 3;  // frames: with one gst_hd loses more boxes, with five no force is saved (README.md)
 
 // The pad as the scenes have it, and sensors that feel the same contact.
 std::string pad_and(const std::vector<std::string>& others) {

@@ -120,9 +120,8 @@ StudySize size_of(const ReproduceOptions& options, std::size_t usual) {
 std::vector<PiezoRecording> recordings_for(const ReproduceOptions& options, const StudySize& size,
                                            const std::vector<double>& levels, const std::vector<network::Input>& inputs,
                                            Motors motors) {
-  std::vector<PiezoRecording> recordings = options.data.empty()
-                                               ? run_recordings(levels, size.recordings, inputs, options, motors)
-                                               : read_recordings(options.data, inputs);
+  std::vector<PiezoRecording> recordings = options.data.empty() ? run_recordings(levels, size.recordings, inputs, options, motors)
+                                                                : read_recordings(options.data, inputs);
   check_folds(recordings);
   return recordings;
 }

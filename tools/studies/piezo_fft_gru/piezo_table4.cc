@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/error.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
@@ -59,6 +60,9 @@ std::vector<std::string> cells_of(const Point& point, const Validations& validat
 Result piezo_table4(const ReproduceOptions& options) {
   const StudySize size = size_of(options, usual_level_recordings);
   check_only(options.only, {gru_32_tip().name, gru_32().name, mlp_32().name});
+  if (!options.data.empty() && std::ranges::find(options.only, gru_32_tip().name) != options.only.end()) {
+    throw InputError(fmt::format("reproduce: --only {} needs recordings of its own; allowed: without --data", gru_32_tip().name));
+  }
   const std::map<double, std::vector<PiezoRecording>> levels =
       by_level(recordings_for(options, size, all_levels(), {published_spectra()}));
   const auto bench = levels.contains(bench_level) ? levels.find(bench_level) : levels.begin();
@@ -123,7 +127,8 @@ Result piezo_table4(const ReproduceOptions& options) {
   if (!options.full) result.setup.emplace_back("By the true label it learns at one level; at all with `--full`.");
   result.remarks = {
       "The paper's tip is moved by the motors that make the noise, as here; how loud they were is not printed, and the curve shows what it decides.",
-      "In half of the recordings with contact a motor that does not move the tip runs, so a network that learns slip alone has heard motors at rest of the tip, too. The first rows are without it."};
+      "In half of the recordings with contact a motor that does not move the tip runs, so a network that learns slip alone has heard motors at rest of the tip, too."};
+  if (!tip.empty()) result.remarks.back() += " The row \"no motor but the tip's\" is without it.";
   return result;
 }
 

@@ -132,7 +132,9 @@ TEST_F(ImportedFiles, AreJudgedByTheirOwnLabels) {
     const ChildResult judged =
         run_program_file({"eval", format.network, file, "--labels", "paper", "--sensor", format.sensor, "--json"});
     ASSERT_EQ(judged.status, 0) << format.name << ": " << judged.err;
-    const auto all = nlohmann::json::parse(judged.out)["all"];
+    const auto result = nlohmann::json::parse(judged.out);
+    EXPECT_EQ(result["truth"], "none: imported from " + format.name);
+    const auto& all = result["all"];
     EXPECT_EQ(all["trials"], 2) << format.name;
     EXPECT_EQ(all["slipping"], 1) << format.name;
   }

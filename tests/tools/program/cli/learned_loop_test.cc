@@ -1,5 +1,8 @@
 // From simulated grasps to a detector that grips: every command of the chain, run as a user does.
+#include <iterator>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -55,6 +58,21 @@ TEST_F(LearnedLoop, NetworkFromSweepToGrip) {
   EXPECT_GT(lift["all"]["figures"]["balanced_slip_accuracy"]["value"], 0.6);  // 0.5 where it always does
   EXPECT_TRUE(lift["loop"]["same"]);  // the classes that the loop saw are those that eval finds
   EXPECT_EQ(lift["loop"]["detector"], "network");
+}
+
+// Of two sensors one is learnt from: `eval` has to be told which.
+TEST_F(LearnedLoop, TheNextCommandThatIsNamedRuns) {
+  said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
+        "sensors={pad: {type: papillarray, rate: 100 Hz}, fast: {type: papillarray, rate: 250 Hz, follows: pad}}", "--set",
+        "detector={type: truth, sensor: pad}"});
+  const std::string text = said({"train", grasps_, "--recipe", "grasp_gru", "--steps", "5", "-o", folder_ / "grasp.onnx"});
+  const std::string before = "next: slipbench ";
+  const std::size_t at = text.find(before);
+  ASSERT_NE(at, std::string::npos) << text;
+  std::istringstream line(text.substr(at + before.size(), text.find('\n', at) - at - before.size()));
+  const std::vector<std::string> words{std::istream_iterator<std::string>(line), {}};
+  EXPECT_THAT(words, ::testing::ElementsAre("eval", folder_ / "grasp.onnx", grasps_, "--sensor", "pad", "--labels", "micro"));
+  said(words);
 }
 
 TEST_F(LearnedLoop, MemoriesFromSweepToGrip) {
