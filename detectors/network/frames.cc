@@ -209,7 +209,7 @@ struct Frames::State {
 Frames::Frames(const Input& input, const std::string& type, double rate, std::span<const Channel> channels) {
   if (type != input.sensor) {
     throw InputError("the network reads a " + quote(input.sensor) + " by its metadata, this sensor is a " + quote(type) +
-                     "; allowed: a sensor of the former type, or metadata that name the latter");
+                     "; allowed: the same in both");
   }
   if (!rate_fits(input, rate)) {
     throw InputError("the network reads a sensor of " + format_quantity(input.rate, Quantity::frequency) + ", this one has " +

@@ -68,7 +68,7 @@ std::string reason_of(const std::exception& error) {
   std::string text;
   for (std::string line; std::getline(lines, line);) {
     const auto begins = [&](const char* word) { return line.starts_with(word); };
-    if (line.empty() || begins("Exception from ") || begins("Check '") || begins("FrontEnd API ") || begins("Summary:")) continue;
+    if (line.empty() || begins("Exception from ") || begins("FrontEnd API ") || begins("Summary:")) continue;
     if (begins("Model wasn't fully converted.")) continue;
     if (begins("To facilitate ")) continue;
     text += (text.empty() ? "" : " ") + line;

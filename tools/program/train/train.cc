@@ -104,6 +104,16 @@ std::size_t longest_contact(std::span<const Sequence> sequences) {
   return longest;
 }
 
+// Throws InputError where one constant answer is always right.
+void check_classes(const std::string& dataset, SlipRule labels, std::span<const Sample> samples) {
+  const auto hold = static_cast<std::size_t>(
+      std::ranges::count_if(samples, [](const Sample& sample) { return sample.label == PadState::non_slip; }));
+  if (hold != 0 && hold != samples.size()) return;
+  throw InputError(
+      fmt::format("{}: of the frames in contact {} are non-slip and {} slip by the labels {}; allowed: frames of both", dataset,
+                  hold, samples.size() - hold, slip_rule_name(labels)));
+}
+
 // The samples of a dataset that has some.
 std::vector<Sample> encode_dataset(const std::string& dataset, const hd::SavedModel& saved, std::span<const Sequence> sequences,
                                    std::size_t jobs) {
@@ -196,20 +206,6 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
   }
   return evaluations;
 }
-
-namespace {
-
-// Throws InputError where one constant answer is always right.
-void check_classes(const std::string& dataset, SlipRule labels, std::span<const Sample> samples) {
-  const auto hold = static_cast<std::size_t>(
-      std::ranges::count_if(samples, [](const Sample& sample) { return sample.label == PadState::non_slip; }));
-  if (hold != 0 && hold != samples.size()) return;
-  throw InputError(
-      fmt::format("{}: of the frames in contact {} are non-slip and {} slip by the labels {}; allowed: frames of both", dataset,
-                  hold, samples.size() - hold, slip_rule_name(labels)));
-}
-
-}  // namespace
 
 TrainSummary train_dataset(const TrainOptions& options) {
   hd::check_save_target(options.output);

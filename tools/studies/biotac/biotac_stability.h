@@ -38,8 +38,8 @@ Set set_of(const std::vector<Grasp>& grasps, const StabilityNetwork& network, Fo
 struct GraspSets {
   std::vector<Grasp> real, synthetic;  // real: empty without --real
 };
-// Those that the options name, or fresh ones: `usual` draws of each of nine cells, 0: as many as the scene says. `kept`: those that the study is about. Throws InputError and Interrupted, and InputError where
-// --trials and --data are both given.
+// Those that the options name, or fresh ones: `usual` draws of each of nine cells, 0: as many as the scene says. `kept`: those that the
+// study is about. Throws InputError and Interrupted, and InputError where --trials and --data are both given or --data is imported.
 GraspSets grasps_for(
     const ReproduceOptions& options, std::size_t usual = 0,
     const std::function<bool(const Grasp&)>& kept = [](const Grasp&) { return true; });

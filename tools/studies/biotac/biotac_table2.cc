@@ -11,8 +11,8 @@ namespace slipbench::reproduce {
 namespace biotac {
 namespace {
 
-constexpr std::size_t table2_draws =
-    306;  // twice the scene's: 1,100 grasps to learn from are too few for the paper's networks (README.md)
+// Twice the scene's: 1,100 grasps to learn from are too few for the paper's networks (README.md).
+constexpr std::size_t table2_draws = 306;
 
 struct Lesson2 {
   StabilityNetwork network;

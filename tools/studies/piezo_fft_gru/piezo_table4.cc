@@ -34,7 +34,7 @@ std::map<double, std::vector<PiezoRecording>> by_level(std::vector<PiezoRecordin
   return levels;
 }
 
-// As the paper's bench is taken to be: no other motor runs. Named in --only.
+// As the paper's bench is taken to be: no motor runs but those that move the tip.
 NetworkRow gru_32_tip() {
   NetworkRow row = gru_32();
   row.name = "gru_32_tip";
