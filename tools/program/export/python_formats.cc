@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -92,12 +93,19 @@ void start_python_export(const std::string& dataset_path, const std::string& out
   const char* const others = std::getenv("PYTHONPATH");
   ::setenv("PYTHONPATH", others == nullptr ? python.folder.c_str() : (python.folder + ":" + others).c_str(), 1);
   std::fflush(nullptr);
+  // Held back until Python can note them (tools/python/slipbench/_export/interrupt.py): it takes a while to start.
+  sigset_t signals, before;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(SIG_BLOCK, &signals, &before);
   // -P: no package of the folder where the user stands. -B: nothing is written beside the package.
   std::array<std::string, 6> words{python.program, "-P", "-B", "-m", "slipbench._export", request.dump()};
   std::array<char*, 7> pointers{};
   std::ranges::transform(words, pointers.begin(), [](std::string& word) { return word.data(); });
   ::execv(python.program.c_str(), pointers.data());
-  throw InputError(fmt::format("--format {}: cannot start {}: {}; install it: {}", format, python.program, std::strerror(errno),
+  const int reason = errno;
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  throw InputError(fmt::format("--format {}: cannot start {}: {}; install it: {}", format, python.program, std::strerror(reason),
                                python.install));
 }
 

@@ -2,23 +2,17 @@
 
 import importlib
 import json
-import signal
 import sys
 
 from slipbench import InputError, open as open_dataset
+from slipbench._export.interrupt import Interrupt, Interrupted
 from slipbench._export.request import Progress, Request, tell
-
-
-def _end(*_: object) -> None:
-    raise KeyboardInterrupt  # so that nothing half-written is left
 
 
 def main(text: str) -> int:
     """Writes what the request asks for; returns the exit status."""
     request = Request(**json.loads(text))
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, _end)
-    progress = Progress(request)
+    progress = Progress(request, Interrupt())
     try:
         writer = importlib.import_module(f"slipbench._export.{request.format}")
         with open_dataset(request.dataset) as data:
@@ -31,7 +25,7 @@ def main(text: str) -> int:
         message = str(error)
     except OSError as error:
         message = f"{error.filename or request.out}: cannot be written: {error.strerror or error}"
-    except KeyboardInterrupt:
+    except Interrupted:
         progress.clear()
         return 130
     progress.clear()

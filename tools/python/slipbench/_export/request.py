@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from slipbench import Dataset, InputError
+from slipbench._export.interrupt import Interrupt
 
 LINE_PERIOD = 5.0  # s, between lines where nobody watches
 BAR_PERIOD = 0.1  # s, between redraws
@@ -76,13 +77,15 @@ def make_folder(folder: Path) -> bool:
 class Progress:
     """A bar on a terminal, plain lines elsewhere; on stderr. After the first trial it tells how much there will be, or that there is no room."""
 
-    def __init__(self, request: Request) -> None:
+    def __init__(self, request: Request, interrupt: Interrupt) -> None:
+        self._interrupt = interrupt
         self._total, self._out, self._quiet = len(request.trials), request.out, request.json
         self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
         self._start = self._drawn = time.monotonic()
 
     def update(self, done: int, written: int) -> None:
-        """`done` trials are `written` bytes."""
+        """`done` trials are `written` bytes. Raises Interrupted once a signal has asked to end."""
+        self._interrupt.check()
         if done == 1:
             expected, free = written * self._total, shutil.disk_usage(self._out).free
             if expected - written > free:
