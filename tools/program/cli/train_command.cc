@@ -233,13 +233,12 @@ int TrainCommand::train_hd() {
   }
   const Style style = style_for(stdout);
   const Evaluation sum = pooled(std::span(summary.by_sequence).subspan(1));
-  const std::string& sensor = options.sequences.sensor;
-  fmt::print("{}\n{}\n{}\n{}{}\n{} {}\n{} slipbench eval {} {}{} --labels {}\n",
+  fmt::print("{}\n{}\n{}\n{}{}\n{} {}\n{} slipbench eval {} {} --sensor {} --labels {}\n",
              style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(options.model),
                                        slip_rule_name(options.sequences.labels), summary.sequences, summary.samples)),
              draws_text(summary, style), style.heading("by sequence, the tests of the five draws together"),
              delays_text(sum.delays), confusion_text(sum.all, style), style.good("written:"), options.output, style.dim("next:"),
-             shell_word(options.output), shell_word(options.dataset), sensor.empty() ? sensor : " --sensor " + shell_word(sensor),
+             shell_word(options.output), shell_word(options.dataset), shell_word(summary.sensor),
              slip_rule_name(options.sequences.labels));
   return exit_good;
 }

@@ -141,6 +141,7 @@ std::string scatter(const Json& result, const char* key, double scale, const std
   for (const Json& trial : result.at("trials")) {
     const std::string detection = trial.at("detection").get<std::string>();
     if (trial.at(key).is_null() || (detection != "seen" && detection != "missed")) continue;
+    if (detection == "seen" && trial.at("delay_s").is_null()) continue;  // of one sample, which has no delay
     const double x = scale * trial.at(key).get<double>();
     if (decades && !(x > 0.0)) continue;  // a pad at rest has no place on decades; its delay is in the histogram
     dots.push_back({x, std::nullopt});
@@ -255,6 +256,7 @@ std::string link_path(const std::filesystem::path& path) {
   return link;
 }
 
+// Recordings without a truth have no report that could be opened.
 std::string worst_html(const Json& result, const std::string& html_path) {
   namespace fs = std::filesystem;
   const std::string dataset = result.at("dataset").get<std::string>();
@@ -263,9 +265,13 @@ std::string worst_html(const Json& result, const std::string& html_path) {
   std::string html = "<ul class=\"plain\">\n";
   for (const Json& worst : result.at("worst")) {
     const auto trial = worst.at("trial").get<std::size_t>();
+    const std::string why = escape_html(worst.at("why").get<std::string>());
+    if (!truth_note(result).empty()) {
+      html += fmt::format("<li>trial {}: {}</li>\n", trial, why);
+      continue;
+    }
     html += fmt::format("<li><a href=\"{}#trial-{}\">trial {}</a>: {} · <code>slipbench report {} --trial {}</code></li>\n",
-                        escape_html(link), trial, trial, escape_html(worst.at("why").get<std::string>()),
-                        escape_html(shell_word(dataset)), trial);
+                        escape_html(link), trial, trial, why, escape_html(shell_word(dataset)), trial);
   }
   return html + "</ul>\n";
 }
@@ -302,7 +308,7 @@ std::string eval_page(const Json& result, const std::string& html_path) {
   for (const Json& by : result.at("by")) body += section("By " + by.at("by").get<std::string>(), groups_html(by));
   if (!result.at("worst").empty()) {
     body += section("Look first at", worst_html(result, html_path),
-                    "A link opens the dataset's report, once its command has made it.");
+                    truth_note(result).empty() ? "A link opens the dataset's report, once its command has made it." : "");
   }
   return page::compose_page({generator, type + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"},
                             body);

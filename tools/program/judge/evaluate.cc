@@ -332,7 +332,8 @@ Json worst_json(const std::vector<Judged>& trials) {
   const auto add = [&](Detection detection, const std::function<double(const Judgement&)>& badness, const auto& why) {
     std::vector<const Judgement*> found;
     for (const Judged& trial : trials) {
-      if (trial.judgement.detection == detection) found.push_back(&trial.judgement);
+      const Judgement& one = trial.judgement;
+      if (one.detection == detection && !std::isnan(badness(one))) found.push_back(&one);  // one sample has no delay
     }
     std::ranges::stable_sort(found, std::greater{}, [&badness](const Judgement* one) { return badness(*one); });
     if (found.size() > worst_of_a_kind) found.resize(worst_of_a_kind);

@@ -146,7 +146,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
       const bool new_here = row == 0 || replayed.seen_since[row] > truth.time[row - 1];
       result.alarm_time = new_here ? replayed.seen_since[row] : time;
     }
-    if (!judges) continue;
+    if (!judges || rows == 1) continue;
     if (state == PadState::non_slip) {
       result.stick_time += truth.period;
       result.stick_alarms += begins ? 1U : 0U;
@@ -162,7 +162,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
   }
   settle_detection(outcome, !std::isnan(truth.first_slip));
   result.detection = *outcome.detection;
-  if (result.detection == Detection::seen) result.delay = result.alarm_time - truth.first_slip;
+  if (result.detection == Detection::seen && rows > 1) result.delay = result.alarm_time - truth.first_slip;
   return result;
 }
 

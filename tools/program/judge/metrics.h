@@ -27,12 +27,13 @@ struct Judgement {
   Detection detection = Detection::quiet;
   double slip_time = std::numeric_limits<double>::quiet_NaN();   // s, true; NaN: none to be judged by
   double alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, the first that counts; NaN: none
-  double delay = std::numeric_limits<double>::quiet_NaN();       // s, of Detection::seen alone
+  double delay = std::numeric_limits<double>::quiet_NaN();  // s, of Detection::seen alone, where the trial has several samples
   // An alarm is false where slip begins to be seen while the pad truly sticks, or touches nothing.
   std::size_t stick_alarms = 0, air_alarms = 0;
-  double stick_time = 0.0, air_time = 0.0;  // s, for which the pad sticks, or touches nothing, and alarms count
-  double stuck_error = 0.0;                 // sum over stuck_frames of |estimated - true| stuck fraction
-  std::size_t stuck_frames = 0;             // samples with an estimate of it, in contact
+  // s, for which the pad sticks, or touches nothing, and alarms count. A trial of one sample lasts no time.
+  double stick_time = 0.0, air_time = 0.0;
+  double stuck_error = 0.0;      // sum over stuck_frames of |estimated - true| stuck fraction
+  std::size_t stuck_frames = 0;  // samples with an estimate of it, in contact
   // Probabilities of slip, one an estimate, of samples that truly slip and of those that do not.
   std::vector<double> positives, negatives;
 };

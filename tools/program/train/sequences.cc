@@ -159,10 +159,16 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
   if (reader.trials().empty()) throw InputError(dataset_path + ": holds no trial");
   reader.check_truth("the hyperdimensional detector, trained on motions that are known,");
   Packed packed;
-  packed.put_all(std::vector<char>(reader.header().command.begin(), reader.header().command.end()));
+  const auto subject_of = [&reader](std::size_t trial) {
+    return fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
+  };
+  const std::size_t first = reader.trials().front();
+  for (const std::string& text : {reader.header().command, chosen_sensor(reader, first, options.sensor, subject_of(first))}) {
+    packed.put_all(std::vector<char>(text.begin(), text.end()));
+  }
   ContentCheck check(reader);
   for (const std::size_t trial : reader.trials()) {
-    const std::string subject = fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
+    const std::string subject = subject_of(trial);
     const std::string sensor = chosen_sensor(reader, trial, options.sensor, subject);
     const TrialRecord record = reader.read_trial(trial);
     check.add(trial);
@@ -179,9 +185,12 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
 
 TrainingData read_sequences(const std::string& dataset_path, const SequenceOptions& options) {
   Packed packed(guarded(dataset_path, [&] { return packed_sequences(dataset_path, options); }));
-  std::vector<char> command;
-  packed.take_all(command);
-  TrainingData data{{command.begin(), command.end()}, {}};
+  TrainingData data;
+  for (std::string* const text : {&data.command, &data.sensor}) {
+    std::vector<char> taken;
+    packed.take_all(taken);
+    text->assign(taken.begin(), taken.end());
+  }
   while (!packed.at_end()) {
     Sequence& sequence = data.sequences.emplace_back();
     for_each_member(

@@ -33,6 +33,7 @@ struct Sequence {
 
 struct TrainingData {
   std::string command;  // that made the dataset
+  std::string sensor;   // of its first trial
   std::vector<Sequence> sequences;
 };
 

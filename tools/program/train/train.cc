@@ -215,6 +215,7 @@ TrainSummary train_dataset(const TrainOptions& options) {
   check_classes(options.dataset, options.sequences.labels, samples);
   TrainSummary summary;
   summary.sequences = data.sequences.size();
+  summary.sensor = data.sensor;
   summary.samples = samples.size();
   for (const Split split : {Split::by_sequence, Split::by_frame}) {
     (split == Split::by_sequence ? summary.by_sequence : summary.by_frame) =

@@ -84,6 +84,7 @@ struct TrainSummary {
   std::size_t samples = 0;
   std::vector<Evaluation> by_sequence;  // one a draw
   std::vector<Evaluation> by_frame;
+  std::string sensor;   // of the first trial
   std::string trained;  // what model.txt says of the training
 };
 

@@ -60,18 +60,33 @@ TEST_F(LearnedLoop, NetworkFromSweepToGrip) {
   EXPECT_EQ(lift["loop"]["detector"], "network");
 }
 
+// The words of the command that a text names as the next one.
+std::vector<std::string> next_command(const std::string& text) {
+  const std::string before = "next: slipbench ";
+  const std::size_t at = text.find(before);
+  if (at == std::string::npos) return {};
+  std::istringstream line(text.substr(at + before.size(), text.find('\n', at) - at - before.size()));
+  return {std::istream_iterator<std::string>(line), {}};
+}
+
 // Of two sensors one is learnt from: `eval` has to be told which.
 TEST_F(LearnedLoop, TheNextCommandThatIsNamedRuns) {
   said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
         "sensors={pad: {type: papillarray, rate: 100 Hz}, fast: {type: papillarray, rate: 250 Hz, follows: pad}}", "--set",
         "detector={type: truth, sensor: pad}"});
   const std::string text = said({"train", grasps_, "--recipe", "grasp_gru", "--steps", "5", "-o", folder_ / "grasp.onnx"});
-  const std::string before = "next: slipbench ";
-  const std::size_t at = text.find(before);
-  ASSERT_NE(at, std::string::npos) << text;
-  std::istringstream line(text.substr(at + before.size(), text.find('\n', at) - at - before.size()));
-  const std::vector<std::string> words{std::istream_iterator<std::string>(line), {}};
+  const std::vector<std::string> words = next_command(text);
   EXPECT_THAT(words, ::testing::ElementsAre("eval", folder_ / "grasp.onnx", grasps_, "--sensor", "pad", "--labels", "micro"));
+  said(words);
+}
+
+// gst_hd learns from the only PapillArray, without being told, and `eval` finds two sensors that it could be asked about.
+TEST_F(LearnedLoop, TheNextCommandOfMemoriesRuns) {
+  said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
+        "sensors={skin: {type: piezo_skin, follows: pad}, pad: {type: papillarray, rate: 100 Hz}}", "--set",
+        "detector={type: truth, sensor: pad}"});
+  const std::vector<std::string> words = next_command(said({"train", grasps_, "--labels", "micro", "-o", folder_ / "memories"}));
+  EXPECT_THAT(words, ::testing::ElementsAre("eval", folder_ / "memories", grasps_, "--sensor", "pad", "--labels", "micro"));
   said(words);
 }
 

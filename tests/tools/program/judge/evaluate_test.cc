@@ -16,6 +16,7 @@ namespace slipbench::judge::evaluate_test {
 namespace {
 
 using ::slipbench::testing::SmallDatasetTest;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -149,11 +150,12 @@ TEST_F(Evaluated, SaysThatThereIsNoTruth) {
   Json result = evaluate(options(dataset()));
   result["command"] = "slipbench eval";
   EXPECT_EQ(truth_note(result), "");
-  EXPECT_THAT(eval_page(result, path("page.html")), Not(HasSubstr("imported")));
+  EXPECT_THAT(eval_page(result, path("page.html")), AllOf(Not(HasSubstr("imported")), HasSubstr("slipbench report ")));
   result["truth"] = "none: imported from bts3v2";
   EXPECT_EQ(truth_note(result),
             "truth none: imported from bts3v2: where a name here says true, it is the label of the recordings' own set");
-  EXPECT_THAT(eval_page(result, path("page.html")), HasSubstr("<p class=\"note\">truth none: imported from bts3v2"));
+  EXPECT_THAT(eval_page(result, path("page.html")), AllOf(HasSubstr("<p class=\"note\">truth none: imported from bts3v2"),
+                                                          HasSubstr("<li>trial "), Not(HasSubstr("slipbench report "))));
 }
 
 TEST_F(Evaluated, PageShowsTextAsText) {

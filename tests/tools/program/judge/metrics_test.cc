@@ -102,6 +102,24 @@ TEST(Judged, AnAlarmThatLastsIntoTheLiftIsOneFromThereOn) {
   EXPECT_NEAR(result.stick_time, 0.5, 1e-12) << "samples 3, 4, 5, 8 and 9";
 }
 
+// A recording of one sample, as BTS3v2's, lasts no time: alarms a minute and a delay would be those of its nominal rate.
+TEST(Judged, OneSampleHasNeitherADelayNorTime) {
+  Truth one;
+  one.time = {0.0};
+  one.period = 0.01;
+  one.state = {stick};
+  const Judgement held = judged(0, one, seen({all}));
+  EXPECT_EQ(held.detection, Detection::false_alarm);
+  EXPECT_EQ(held.frames[1][3], 1U);
+  EXPECT_EQ(held.stick_time, 0.0);
+  EXPECT_EQ(held.stick_alarms, 0U);
+  one.state = {all};
+  one.first_slip = one.any_slip = 0.0;
+  const Judgement slipped = judged(0, one, seen({all}));
+  EXPECT_EQ(slipped.detection, Detection::seen);
+  EXPECT_TRUE(std::isnan(slipped.delay));
+}
+
 TEST(Judged, ProbabilitiesAndStuckFractions) {
   Replayed replayed = seen(std::vector<PadState>(10, stick));
   replayed.probability[2] = 0.1;

@@ -32,6 +32,7 @@ TEST_F(SequencesTest, TakesEveryTenthSample) {
   const TrainingData data = read_sequences(file, {});
   const DatasetReader reader(file);
   EXPECT_EQ(data.command, reader.header().command);
+  EXPECT_EQ(data.sensor, "pad");
   ASSERT_EQ(data.sequences.size(), 24U);
   const Sequence& sequence = data.sequences[3];
   const SensorRecord pad = reader.read_sensor(3, "pad");
