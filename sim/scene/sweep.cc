@@ -32,7 +32,7 @@ const std::vector<DrawKind>& draw_kinds() {
   static const std::vector<DrawKind> kinds{
       {"choice", Draw::Kind::choice, {"values"}, {}},
       {"log_uniform", Draw::Kind::log_uniform, {"min", "max"}, {}},
-      {"lognormal", Draw::Kind::lognormal, {"median", "sd"}, {}},
+      {"lognormal", Draw::Kind::lognormal, {"median", "sd"}, {"min", "max"}},
       {"normal", Draw::Kind::normal, {"mean", "sd"}, {"min", "max"}},
       {"uniform", Draw::Kind::uniform, {"min", "max"}, {}},
   };

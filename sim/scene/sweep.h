@@ -17,7 +17,7 @@ namespace slipbench {
 //   uniform      min + (max - min) u
 //   log_uniform  exp of a uniform draw from ln min to ln max
 //   normal       mean + sd z, drawn again until it is within [min, max] where these are given
-//   lognormal    median exp(sd z)
+//   lognormal    median exp(sd z), likewise
 //   choice       one of `values`, all equally likely
 struct Draw {
   enum class Kind { uniform, log_uniform, normal, lognormal, choice };

@@ -241,6 +241,18 @@ TEST_F(SweepTest, ATruncatedNormalDrawStaysWithinItsBounds) {
   EXPECT_NEAR(sum / n, mean, 5 * 1.5 / std::sqrt(12.0 * n));
 }
 
+// Half of a normal distribution, z >= 0, has the mean sqrt(2 / pi) and the variance 1 - 2 / pi.
+TEST_F(SweepTest, ATruncatedLognormalDrawStaysWithinItsBounds) {
+  const TrialPlan cut = plan("sweep: {motion.compression: {draw: lognormal, median: 2 mm, sd: 0.1, min: 2 mm, max: 1 m}}\n", n);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double value = cut.trial(i).scene.motion.parameters.number("compression");
+    ASSERT_GE(value, 0.002);
+    sum += std::log(value / 0.002) / 0.1;
+  }
+  EXPECT_NEAR(sum / n, std::sqrt(2 / std::numbers::pi), 5 * std::sqrt((1 - 2 / std::numbers::pi) / n));
+}
+
 TEST_F(SweepTest, AChoiceTakesEveryValueEquallyOften) {
   const TrialPlan choice =
       plan("sweep: {surface: {draw: choice, values: [{material: ptfe}, {material: felt, shape: cylinder}]}}\n", n);

@@ -146,7 +146,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
       const bool new_here = row == 0 || replayed.seen_since[row] > truth.time[row - 1];
       result.alarm_time = new_here ? replayed.seen_since[row] : time;
     }
-    if (!judges || rows == 1) continue;
+    if (!judges || rows == 1) continue;  // one sample lasts no time: its period is the nominal rate's
     if (state == PadState::non_slip) {
       result.stick_time += truth.period;
       result.stick_alarms += begins ? 1U : 0U;

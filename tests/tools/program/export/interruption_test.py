@@ -1,11 +1,13 @@
 """The formats that Python writes: a signal and a full disk leave no half-written file under its name. Arguments: the project's root, the program."""
 
 import fcntl
+import json
 import os
 import re
 import resource
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -18,6 +20,22 @@ TRIALS = 3  # the export tells after the first what the others take
 NOTICE = "slipbench: stopping after this trial; once more to stop at once\n"
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
+# Arguments: the format, the request. Writes it as if a signal came after the last trial.
+AFTER_THE_LAST = """
+import importlib, json, signal, sys
+from slipbench import open
+from slipbench._export.interrupt import Interrupt, Interrupted
+from slipbench._export.request import Progress, Request
+request = Request(**json.loads(sys.argv[2]))
+progress = Progress(request, Interrupt())
+progress.update = lambda done, written: signal.raise_signal(signal.SIGINT) if done == len(request.trials) else None
+try:
+    with open(request.dataset) as data:
+        importlib.import_module("slipbench._export." + sys.argv[1]).write(data, request, progress)
+except Interrupted:
+    print("interrupted")
+"""
+
 
 class Interruption(ExportTest):
     @classmethod
@@ -27,21 +45,24 @@ class Interruption(ExportTest):
         subprocess.run([PROGRAM, "sweep", str(ROOT / "scenes/papillarray/stage.yaml"), "--trials", str(TRIALS), "--set", "sweep={}", "-o", cls.dataset, "--quiet"],
                        check=True)
 
-    def interrupt(self, format, out, *steps):
-        """Sends each step's signal once what it waits for holds of the process and `out`; returns how the export ended and what it said.
+    def interrupt(self, format, out, holds, *numbers, ignored=()):
+        """Sends the signals once `holds` of the process and `out`; where the second is the first again, then until the process ends.
 
-        Its stderr is a full pipe until then: it waits with the line that follows the first trial, however slow this process is.
+        The export's stderr is a full pipe until then, so that it waits with the line that follows the first trial, however slow this process is.
+        Returns how it ended and what it said, without that line.
         """
         read_end, write_end = os.pipe()
         os.write(write_end, b" " * fcntl.fcntl(write_end, fcntl.F_SETPIPE_SZ, 4096))
-        process = subprocess.Popen([PROGRAM, "export", self.dataset, "--format", format, "-o", str(out)], stderr=write_end, stdout=subprocess.DEVNULL)
+        process = subprocess.Popen([PROGRAM, "export", self.dataset, "--format", format, "-o", str(out)], stderr=write_end, stdout=subprocess.DEVNULL,
+                                   preexec_fn=lambda: [signal.signal(number, signal.SIG_IGN) for number in ignored])
         os.close(write_end)
-        for number, holds in steps:
-            while process.poll() is None and not holds(process.pid, out):
-                time.sleep(0.01)
+        wait_for(lambda: process.poll() is not None or holds(process.pid, out), process)
+        for number in numbers:
             process.send_signal(number)
+        if numbers[1:] == numbers[:1]:  # two of one signal may be taken for one
+            wait_for(lambda: process.send_signal(numbers[0]) or process.poll() is not None, process)
         with os.fdopen(read_end) as told:
-            text = told.read().lstrip()
+            text = re.sub(f"^{TRIALS} trials, about .*\n", "", told.read().lstrip(), flags=re.MULTILINE)
         return process.wait(timeout=60), text
 
     def test_a_signal_leaves_nothing(self):
@@ -49,23 +70,45 @@ class Interruption(ExportTest):
             for number in SIGNALS:
                 with self.subTest(format=format, signal=number.name):
                     out = self.folder / f"{format}-{number.name}"
-                    status, told = self.interrupt(format, out, (number, has_written))
+                    status, told = self.interrupt(format, out, has_written, number)
                     self.assertEqual((status, out.exists()), (130, False), told)
                     self.assertEqual(told, NOTICE)
 
     def test_a_signal_while_python_starts_leaves_nothing(self):
-        status, told = self.interrupt("parquet", self.folder / "out", (signal.SIGINT, is_python))
+        status, told = self.interrupt("parquet", self.folder / "out", is_python, signal.SIGINT)
         self.assertEqual((status, (self.folder / "out").exists(), told), (130, False, NOTICE))
 
     def test_the_second_signal_ends_at_once(self):
-        status, _ = self.interrupt("parquet", self.folder / "out", (signal.SIGINT, has_written), (signal.SIGINT, catches_no_interrupt))
-        self.assertEqual(status, -signal.SIGINT)
+        for numbers in ((signal.SIGINT, signal.SIGINT), (signal.SIGTERM, signal.SIGINT), (signal.SIGHUP, signal.SIGTERM)):
+            for holds in (has_written, is_python):
+                with self.subTest(signals=numbers, holds=holds.__name__):
+                    out = self.folder / "-".join([holds.__name__, *(number.name for number in numbers)])
+                    status, told = self.interrupt("parquet", out, holds, *numbers)
+                    self.assertIn(status, [-number for number in numbers])
+                    self.assertNotIn("Traceback", told)
+
+    def test_an_ignored_signal_stays_ignored(self):
+        for number in SIGNALS:
+            with self.subTest(signal=number.name):
+                status, told = self.interrupt("parquet", self.folder / number.name, has_written, number, ignored=[number])
+                self.assertEqual((status, told), (0, ""))
+
+    def test_a_signal_after_the_last_trial_leaves_nothing(self):
+        """From the moment on at which the files get their names they are kept."""
+        request = {"dataset": self.dataset, "trials": [0], "sensors": ["pad"], "rate": None, "labels": None, "json": False, "install": ""}
+        for format in FORMATS:
+            with self.subTest(format=format):
+                out = self.folder / format
+                words = [format, json.dumps(request | {"format": format, "out": str(out)})]
+                done = subprocess.run([sys.executable, "-P", "-c", AFTER_THE_LAST, *words], capture_output=True, text=True, check=False,
+                                      env=os.environ | {"PYTHONPATH": str(Path(PROGRAM).parents[1] / "python")})
+                self.assertEqual((done.returncode, done.stdout, out.exists()), (0, "interrupted\n", False), done.stderr)
 
     def test_a_killed_export_leaves_nothing_under_its_name_and_the_next_one_goes_through(self):
         for format in FORMATS:
             with self.subTest(format=format):
                 out, whole = self.folder / format, self.folder / f"{format}-whole"
-                self.assertEqual(self.interrupt(format, out, (signal.SIGKILL, has_written))[0], -signal.SIGKILL)
+                self.assertEqual(self.interrupt(format, out, has_written, signal.SIGKILL)[0], -signal.SIGKILL)
                 left = set(contents(out))
                 self.assertTrue(left)
                 self.assertEqual({name for name in left if ".partial" not in name}, set())
@@ -88,18 +131,22 @@ class Interruption(ExportTest):
                 self.assertNotIn("Traceback", done.stderr)
 
 
+def wait_for(condition, process):
+    """Ends the process where the condition does not come."""
+    last = time.monotonic() + 120
+    while not condition():
+        if time.monotonic() > last:
+            process.kill()
+            raise AssertionError("the export came to nothing in two minutes")
+        time.sleep(0.01)
+
+
 def has_written(_, out):
     return any(files for _, _, files in os.walk(out))
 
 
 def is_python(pid, _):
     return b"slipbench._export" in Path(f"/proc/{pid}/cmdline").read_bytes()
-
-
-def catches_no_interrupt(pid, _):
-    """SigCgt is a mask, with signal 1 as its lowest bit."""
-    caught = re.search(r"^SigCgt:\s*(\w+)$", Path(f"/proc/{pid}/status").read_text(encoding="ascii"), re.MULTILINE)
-    return not int(caught[1], 16) >> (signal.SIGINT - 1) & 1
 
 
 if __name__ == "__main__":

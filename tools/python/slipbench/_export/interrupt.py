@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 
@@ -28,9 +29,10 @@ class Interrupt:
         if self._asked:
             raise Interrupted
 
-    def _note(self, *_: object) -> None:
+    def _note(self, number: int, _: object) -> None:
+        signal.signal(number, signal.SIG_DFL)
+        if self._asked:
+            signal.raise_signal(number)  # another signal came first; this one's action is the default again
         self._asked = True
-        for number in SIGNALS:
-            if signal.getsignal(number) != signal.SIG_IGN:
-                signal.signal(number, signal.SIG_DFL)
-        os.write(2, (("\r\033[K" if os.isatty(2) else "") + NOTICE).encode())
+        with contextlib.suppress(OSError):  # nothing can be done where stderr cannot be written
+            os.write(2, (("\r\033[K" if os.isatty(2) else "") + NOTICE).encode())

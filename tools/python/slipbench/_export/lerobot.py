@@ -294,6 +294,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
             progress.update(done, sum(writer.bytes + writer.bytes_of_file() for writer in writers.values()))
         for rate, writer in writers.items():
             writer.finish(splits)
+        progress.check()
         for rate, partial in partials.items():
             _publish(partial, targets[rate])
         made = False

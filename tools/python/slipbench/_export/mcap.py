@@ -338,4 +338,5 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
                 _write_messages(file, topics, library, about)
             written += os.path.getsize(path)
             progress.update(done, written)
+        progress.check()
         return output.publish()

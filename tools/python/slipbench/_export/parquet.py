@@ -136,4 +136,5 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
             files.close()
         table = _trials_table(data, request)
         pq.write_table(table, output.path("trials.parquet"), compression="zstd")
+        progress.check()
         return output.publish()

@@ -32,7 +32,7 @@ class Request:
         sensors: names; every trial has them
         rate: Hz, of the rows; None: each sensor's own
         labels: rule of the pad's state, "strict", "micro" or "paper"; None: by all three
-        json: whether stdout is to have one JSON object and stderr nothing
+        json: whether stdout is to have one JSON object and stderr no progress
         install: the command that installs what the formats need
     """
 
@@ -83,9 +83,13 @@ class Progress:
         self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
         self._start = self._drawn = time.monotonic()
 
+    def check(self) -> None:
+        """Raises Interrupted once a signal has asked to end. Called before the files get their names: from then on they are kept."""
+        self._interrupt.check()
+
     def update(self, done: int, written: int) -> None:
         """`done` trials are `written` bytes. Raises Interrupted once a signal has asked to end."""
-        self._interrupt.check()
+        self.check()
         if done == 1:
             expected, free = written * self._total, shutil.disk_usage(self._out).free
             if expected - written > free:
