@@ -83,7 +83,7 @@ TEST_F(LearnedLoop, TheNextCommandThatIsNamedRuns) {
 // gst_hd learns from the only PapillArray, without being told, and `eval` finds two sensors that it could be asked about.
 TEST_F(LearnedLoop, TheNextCommandOfMemoriesRuns) {
   said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
-        "sensors={skin: {type: piezo_skin, follows: pad}, pad: {type: papillarray, rate: 100 Hz}}", "--set",
+        "sensors={pad: {type: papillarray, rate: 100 Hz}, skin: {type: piezo_skin, follows: pad}}", "--set",
         "detector={type: truth, sensor: pad}"});
   const std::vector<std::string> words = next_command(said({"train", grasps_, "--labels", "micro", "-o", folder_ / "memories"}));
   EXPECT_THAT(words, ::testing::ElementsAre("eval", folder_ / "memories", grasps_, "--sensor", "pad", "--labels", "micro"));
