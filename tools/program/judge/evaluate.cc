@@ -333,7 +333,7 @@ Json worst_json(const std::vector<Judged>& trials) {
     std::vector<const Judgement*> found;
     for (const Judged& trial : trials) {
       const Judgement& one = trial.judgement;
-      if (one.detection == detection && !std::isnan(badness(one))) found.push_back(&one);  // NaN: seen, in the only sample
+      if (one.detection == detection && !std::isnan(badness(one))) found.push_back(&one);  // NaN: no delay, of one sample
     }
     std::ranges::stable_sort(found, std::greater{}, [&badness](const Judgement* one) { return badness(*one); });
     if (found.size() > worst_of_a_kind) found.resize(worst_of_a_kind);

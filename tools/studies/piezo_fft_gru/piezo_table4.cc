@@ -127,7 +127,7 @@ Result piezo_table4(const ReproduceOptions& options) {
   if (!options.full) result.setup.emplace_back("By the true label it learns at one level; at all with `--full`.");
   result.remarks = {
       "The paper's tip is moved by the motors that make the noise, as here; how loud they were is not printed, and the curve shows what it decides.",
-      "In half of the recordings with contact a motor that does not move the tip runs, so a network that learns slip alone has heard motors at rest of the tip, too."};
+      "In half of the recordings with contact a motor that does not move the tip runs, so a network that learns slip alone has heard motors without a slip, too."};
   if (!tip.empty()) result.remarks.back() += " The row \"no motor but the tip's\" is without it.";
   return result;
 }
