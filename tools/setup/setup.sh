@@ -13,7 +13,10 @@ venv=$root/build/venv
 
 say() { printf 'slipbench: %s\n' "$*" >&2; }
 
-packages_of() { awk -v set="$1" '$1 == set { print $2 }' "$here/packages.txt"; }
+# The release of Debian, such as 12.
+release() { sed -n 's/^VERSION_ID="\{0,1\}\([^"]*\).*/\1/p' /etc/os-release; }
+
+packages_of() { awk -v set="$1" -v here="$1@$(release)" '$1 == set || $1 == here { print $2 }' "$here/packages.txt"; }
 
 # The packages of a set that are not installed, on one line.
 missing_of() {
@@ -27,7 +30,7 @@ missing_of() {
 
 check_debian() {
   command -v dpkg-query >/dev/null && return
-  say "no dpkg here: set-up knows Debian 12. See tools/setup/packages.txt for what to install, then build with cmake --preset release."
+  say "no dpkg here: set-up knows Debian 12 and 13. See tools/setup/packages.txt for what to install, then build with cmake --preset release."
   exit 2
 }
 

@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# Runs a command as a newcomer's machine would: in a bare Debian, with nothing installed but apt and certificates, in a fresh clone of this tree's
+# HEAD. `./slipbench demo` there shows what packages.txt lacks, which no machine shows on which something was ever installed.
+#   tools/setup/bare_debian.sh [-r bookworm|trixie] [-d FOLDER] COMMAND...
+# -r: the release; default bookworm, Debian 12. -d: keeps the system and the clone in FOLDER, for further commands; without it both go at the end.
+# Needs root and Debian's mmdebstrap; exits with 3 where no such system can be made. The system is a chroot of 150 MB, made in 20 s.
+set -euo pipefail
+
+usage() { sed -n '2,7s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+no_system() { printf 'slipbench: no bare Debian can be made here: %s\n' "$1" >&2; exit 3; }
+
+release=bookworm
+folder=""
+while getopts r:d: option; do
+  case $option in
+    r) release=$OPTARG ;;
+    d) folder=$OPTARG ;;
+    *) usage ;;
+  esac
+done
+shift $((OPTIND - 1))
+[[ $# -gt 0 && $release =~ ^(bookworm|trixie)$ ]] || usage
+
+[[ $(id -u) == 0 ]] || no_system "not root"
+command -v mmdebstrap >/dev/null || no_system "no mmdebstrap; get it with: apt-get install --yes mmdebstrap"
+keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+[[ -e $keyring ]] || no_system "no $keyring; get it with: apt-get install --yes debian-archive-keyring"
+
+tree=$(git -C "$(dirname "${BASH_SOURCE[0]}")" rev-parse --show-toplevel)
+base=$folder
+[[ -n $base ]] || base=$(mktemp -d)
+mkdir -p "$base"
+base=$(realpath "$base")
+root=$base/root
+# In a mount namespace of its own: what is mounted goes with this process, however it ends, before anything is removed.
+if [[ -z ${SLIPBENCH_BARE_DEBIAN:-} ]]; then
+  status=0
+  SLIPBENCH_BARE_DEBIAN=1 unshare --mount --propagation private "${BASH_SOURCE[0]}" -r "$release" -d "$base" "$@" || status=$?
+  [[ -n $folder ]] || rm -rf --one-file-system "$base"
+  exit "$status"
+fi
+
+# This machine's mirror, proxies and certificates: how packages are reached is no part of what is tried.
+if [[ ! -d $root/tree ]]; then
+  rm -rf --one-file-system "$root"
+  mkdir "$root"
+  mirror=$(apt-get indextargets --format '$(REPO_URI)' 2>/dev/null | grep -m 1 '/debian/*$' || echo http://deb.debian.org/debian)
+  mmdebstrap --quiet --variant=apt --include=ca-certificates "$release" "$root" \
+    "deb [signed-by=$keyring] $mirror $release main" "deb [signed-by=$keyring] $mirror $release-updates main" \
+    "deb [signed-by=$keyring] ${mirror%/}-security $release-security main"
+  for setting in /etc/apt/apt.conf.d /etc/apt/preferences.d /etc/pip.conf /etc/hosts /etc/resolv.conf /usr/local/share/ca-certificates /etc/ssl/certs \
+                 ${PIP_FIND_LINKS:-}; do
+    [[ ! -e $setting ]] || { mkdir -p "$root$(dirname "$setting")"; cp -aLrT "$setting" "$root$setting"; }
+  done
+  git clone --quiet "$tree" "$root/tree.part"
+  mv "$root/tree.part" "$root/tree"
+fi
+mount -t proc proc "$root/proc"
+mount --rbind /sys "$root/sys"
+mount --rbind /dev "$root/dev"
+settings=()
+while IFS= read -r -d '' pair; do settings+=("$pair"); done \
+  < <(env -0 | grep -zE '^(CI|PIP_[A-Z_]*|SSL_CERT_[A-Z]*|REQUESTS_CA_BUNDLE|(https?|no)_proxy|(HTTPS?|NO)_PROXY)=' || true)
+# shellcheck disable=SC2016  # the words are expanded in there
+chroot "$root" /usr/bin/env -i "${settings[@]}" HOME=/root TERM="${TERM:-dumb}" LANG=C.UTF-8 \
+  PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin sh -c 'cd /tree && exec "$@"' sh "$@"
