@@ -50,7 +50,10 @@ if [[ ! -d $root/tree ]]; then
     "deb [signed-by=$keyring] ${mirror%/}-security $release-security main"
   for setting in /etc/apt/apt.conf.d /etc/apt/preferences.d /etc/pip.conf /etc/hosts /etc/resolv.conf /usr/local/share/ca-certificates /etc/ssl/certs \
                  ${PIP_FIND_LINKS:-}; do
-    [[ ! -e $setting ]] || { mkdir -p "$root$(dirname "$setting")"; cp -aLrT "$setting" "$root$setting"; }
+    [[ -e $setting ]] || continue
+    rm -rf "${root:?}$setting"
+    mkdir -p "$(dirname "$root$setting")"
+    cp -aL "$setting" "$root$setting"
   done
   git clone --quiet "$tree" "$root/tree.part"
   mv "$root/tree.part" "$root/tree"
