@@ -5,6 +5,8 @@ find_package(fmt REQUIRED)                         # fmt::fmt
 find_package(nlohmann_json REQUIRED)               # nlohmann_json::nlohmann_json
 find_package(CLI11 REQUIRED)                       # CLI11::CLI11
 find_package(HDF5 REQUIRED COMPONENTS C)           # hdf5::hdf5
+# Its interface of 1.10, Debian 12's, which 1.14 has too.
+set_property(TARGET hdf5::hdf5 APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS H5_USE_110_API)
 find_package(libdeflate REQUIRED)                  # libdeflate::libdeflate
 find_package(LibArchive REQUIRED)                  # LibArchive::LibArchive
 find_package(FFTW3 REQUIRED)                       # FFTW3::fftw3

@@ -14,8 +14,11 @@ LIMIT_S = 120  # for one answer
 
 
 def program():
-    """The browser's path; None where there is none."""
-    return next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+    """The browser's path."""
+    found = [path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))]
+    if not found:
+        raise FileNotFoundError("no Chromium here; get it with: tools/setup/setup.sh test")
+    return found[0]
 
 
 class Chromium:

@@ -3,7 +3,7 @@
 usage: slurm_test.py SLIPBENCH ROUNDS
 
 Each round: an array of 8 shards; one task is killed in the middle with SIGKILL and queued again, slurmd is stopped and started, one shard runs
-twice at once. Slurm and munge are Debian's, with their own folder, ports and socket. Ends with 77 where they are missing.
+twice at once. Slurm and munge are Debian's, with their own folder, ports and socket. Ends with 77 where it is not root.
 """
 
 import os
@@ -17,8 +17,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from sweep_folder import SHARDS, SweepFolder, wait_for
-
-NEEDED = ("slurmctld", "slurmd", "sbatch", "scontrol", "squeue", "munged")
 
 CONFIGURATION = """ClusterName=slipbench
 SlurmctldHost={host}(127.0.0.1)
@@ -134,9 +132,8 @@ def do_round(slurm, sweep, beside, name):
 
 
 def main(program, rounds):
-    missing = [name for name in NEEDED if not shutil.which(name)]
-    if missing or os.geteuid() != 0:
-        print(f"skipped: {'not found: ' + ', '.join(missing) if missing else 'Slurm wants root'}; tools/setup/setup.sh all gets the packages")
+    if os.geteuid() != 0:
+        print("skipped: Slurm wants root")
         return 77
     with tempfile.TemporaryDirectory() as folder:
         slurm_folder = Path(folder, "slurm")

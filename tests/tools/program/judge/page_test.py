@@ -1,15 +1,15 @@
 """The page of `slipbench eval` in a browser: it draws without a script, keeps to its policy, and loads nothing.
 
-    page_test.py PROGRAM
-
-Without Chromium it exits with 77: the test is skipped."""
+    page_test.py PROGRAM"""
 
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "base/page"))
+import chromium  # noqa: E402
 
 # Slides of half a second at two speeds and several frictions.
 SCENE = """slipbench: 1
@@ -33,10 +33,7 @@ def browse(browser, page, *options):
 
 def main():
     program = sys.argv[1]
-    browser = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
-    if browser is None:
-        print("no Chromium")
-        return 77
+    browser = chromium.program()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "scene.yaml").write_text(SCENE)

@@ -1,18 +1,18 @@
 """Pages as a browser shows them: pixels of every kind of sensor's picture, where a page opens, and what its policy forbids.
 
-    check_pages.py PROGRAM
-
-Without Chromium it exits with 77: the test is skipped."""
+    check_pages.py PROGRAM"""
 
 import json
 import re
-import shutil
 import struct
 import subprocess
 import sys
 import tempfile
 import zlib
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "base/page"))
+import chromium  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[4]
 SCENES = ROOT / "scenes"
@@ -197,10 +197,7 @@ class Pages:
 
 
 def main():
-    browser = shutil.which("chromium") or shutil.which("google-chrome")
-    if browser is None:
-        print("no Chromium here")
-        return 77
+    browser = chromium.program()
     with tempfile.TemporaryDirectory() as folder:
         pages = Pages(sys.argv[1], browser, Path(folder))
         for sensor, (compression, parts) in SENSORS.items():

@@ -1,0 +1,70 @@
+"""Everything that the build looks for is found, and tools/setup/packages.txt names the package that it comes from. Without this, a package that
+others bring along, or without which a part is left out, could go missing from the list unseen. Arguments: the project's root, the build folder.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import unittest
+from pathlib import Path
+
+ROOT, BUILD = (Path(word) for word in sys.argv[1:3])
+del sys.argv[1:]
+
+# Called by scripts and tests, which CMake does not look for.
+PROGRAMS = ("c++", "chromium", "cmake", "git", "ninja", "shellcheck", "valgrind")
+# Packages whose names hold a version, which Debian's own defaults bring.
+BY_DEFAULT = {r"g\+\+-\d+": "g++", r"libpython3\.\d+-dev": "python3-dev"}
+# What CMake's own module for HDF5 looks for beside the library.
+NOT_OURS = re.compile(r"HDF5_(?!C_LIBRARY_hdf5$).*")
+# Of no Debian package, or looked for without a name in the cache.
+NO_PACKAGE = {"MuJoCo", "OpenVINO", "Python", "Python3", "Threads"}
+
+
+def named():
+    release = re.search(r'^VERSION_ID="?([^"\n]*)', Path("/etc/os-release").read_text(encoding="utf-8"), re.MULTILINE)[1]
+    lines = (ROOT / "tools/setup/packages.txt").read_text(encoding="utf-8").splitlines()
+    return {words[1] for line in lines if (words := line.split()) and re.fullmatch(rf"(build|test|all)(@{re.escape(release)})?", words[0])}
+
+
+def sought():
+    """What our own CMake files look for: packages, programs, libraries."""
+    texts = [path.read_text(encoding="utf-8") for pattern in ("cmake/*.cmake", "**/CMakeLists.txt") for path in ROOT.glob(pattern)
+             if not path.is_relative_to(ROOT / "build")]
+    return set(re.findall(r"find_(?:package|program|library|path|file)\((\w[\w-]*)", "\n".join(texts))) - NO_PACKAGE
+
+
+def places():
+    """{what is looked for: its files and folders in the cache of CMake}"""
+    entries = re.findall(r"^([\w-]+):(?:FILEPATH|PATH)=(/.*)", (BUILD / "CMakeCache.txt").read_text(encoding="utf-8"), re.MULTILINE)
+    found = {name: [path for key, path in entries if not NOT_OURS.fullmatch(key) and f"{key}_".lower().startswith(f"{name}_".lower())]
+             for name in sought()}
+    found |= {name: [shutil.which(name) or name] for name in PROGRAMS} | {"Python.h": [f"{sysconfig.get_path('include')}/Python.h"]}
+    return {name: [path for path in paths if Path(path).exists()] for name, paths in found.items()}
+
+
+def packages_of(path):
+    """The Debian packages that a file, or a folder of one package alone, comes from."""
+    listed = ""
+    for place in (path, os.path.realpath(path)):  # the second for a program that update-alternatives has put there
+        listed = listed or subprocess.run(["dpkg-query", "--search", place], capture_output=True, text=True, check=False).stdout
+    owners = {re.sub(r":.*", "", owner) for owner in re.findall(r"^([^,\s]+): /", listed, re.MULTILINE)}
+    return {next((brings for name, brings in BY_DEFAULT.items() if re.fullmatch(name, owner)), owner) for owner in owners}
+
+
+@unittest.skipUnless(shutil.which("dpkg-query"), "no Debian")
+class PackagesTest(unittest.TestCase):
+    def test_nothing_is_left_out(self):
+        self.assertEqual([name for name, found in places().items() if not found], [])
+
+    def test_each_package_is_named(self):
+        known = named()
+        missing = {f"{name}: {package}" for name, found in places().items() for path in found for package in packages_of(path) - known}
+        self.assertEqual(sorted(missing), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
