@@ -44,6 +44,7 @@ fi
 if [[ ! -d $root/tree ]]; then
   rm -rf --one-file-system "$root"
   mkdir "$root"
+  # shellcheck disable=SC2016  # apt-get's own words
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 2>/dev/null | grep -m 1 '/debian/*$' || echo http://deb.debian.org/debian)
   mmdebstrap --quiet --variant=apt --include=ca-certificates "$release" "$root" \
     "deb [signed-by=$keyring] $mirror $release main" "deb [signed-by=$keyring] $mirror $release-updates main" \
