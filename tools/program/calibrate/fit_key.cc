@@ -22,7 +22,7 @@ bool chosen(const YamlNode& map, const char* key, const std::string& path, std::
   const YamlNode* node = map.find(key);
   if (node == nullptr) return false;
   const std::string where = path + "." + key;
-  const std::string& text = scalar_text(*node, where, fmt::format("{} or {}", no, yes));
+  const std::string text = scalar_text(*node, where, fmt::format("{} or {}", no, yes));
   if (text != no && text != yes) fail(node->origin, fmt::format("{} is {}; allowed: {} or {}", where, quote(text), no, yes));
   return text == yes;
 }
@@ -36,7 +36,7 @@ FitKey read_fit_key(const YamlNode& node) {
     const YamlNode* found = node.find(name);
     if (found == nullptr) fail(node.origin, fmt::format("no key '{}' in {}; allowed: {{min: .., max: ..}}", name, key.path));
     const std::string where = key.path + "." + name;
-    const std::string& text = scalar_text(*found, where, "a number");
+    const std::string text = scalar_text(*found, where, "a number");
     try {
       const Quantity quantity = quantity_of(text);
       if (key.quantity != Quantity::none && quantity != Quantity::none && quantity != key.quantity)

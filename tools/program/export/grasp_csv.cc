@@ -26,7 +26,7 @@ std::string header() {
   return text + '\n';
 }
 
-const BodyRecord& body_of(const TrialRecord& record, const std::string& name) {
+const BodyRecord& body_of(const TrialRecord& record, std::string_view name) {
   const auto found = std::ranges::find(record.bodies, name, &BodyRecord::name);
   if (found == record.bodies.end()) {
     throw InputError(fmt::format("trial {}: has no truth/{}", record.trial, name));
