@@ -182,6 +182,10 @@ struct CrashSafeDriver {
   static hid_t id() {
     static const H5FD_class_t driver = [] {
       H5FD_class_t made{};
+#ifdef H5FD_CLASS_VERSION  // HDF5 1.14
+      made.version = H5FD_CLASS_VERSION;
+      made.value = H5_VFD_MAX;
+#endif
       made.name = "slipbench_crash_safe";
       made.maxaddr = std::numeric_limits<off_t>::max();
       made.fc_degree = H5F_CLOSE_WEAK;
