@@ -80,10 +80,15 @@ set(SLIPBENCH_OPENVINO_VERSION 2026.4.1)
 find_package(OpenVINO ${SLIPBENCH_OPENVINO_VERSION} EXACT QUIET)  # openvino::runtime
 find_package(Protobuf QUIET)                       # protobuf::libprotobuf, which ONNX's own configuration names and does not find
 if(Protobuf_FOUND)
-  find_package(ONNX QUIET)                         # onnx_proto
+  find_package(ONNX QUIET)                         # ONNX::onnx, ONNX::onnx_proto; Debian 12's has no namespace
+  foreach(library onnx onnx_proto)
+    if(TARGET ${library} AND NOT TARGET ONNX::${library})
+      add_library(ONNX::${library} ALIAS ${library})
+    endif()
+  endforeach()
 endif()
 # OpenVINO loads a library of its own in a way (RTLD_DEEPBIND) for which sanitizers end a program.
-if(OpenVINO_FOUND AND TARGET onnx_proto AND NOT SLIPBENCH_SANITIZE)
+if(OpenVINO_FOUND AND TARGET ONNX::onnx_proto AND NOT SLIPBENCH_SANITIZE)
   set(SLIPBENCH_WITH_OPENVINO TRUE)
 else()
   set(SLIPBENCH_WITH_OPENVINO FALSE)
