@@ -5,7 +5,6 @@ others bring along, or without which a part is left out, could go missing from t
 import os
 import re
 import shutil
-import subprocess
 import sys
 import sysconfig
 import unittest
@@ -14,6 +13,7 @@ from pathlib import Path
 ROOT, BUILD = (Path(word) for word in sys.argv[1:3])
 del sys.argv[1:]
 
+INSTALLED = Path("/var/lib/dpkg/info")
 # Called by scripts and tests, which CMake does not look for.
 PROGRAMS = ("c++", "chromium", "cmake", "git", "ninja", "shellcheck", "valgrind")
 # Packages whose names hold a version, which Debian's own defaults bring.
@@ -46,23 +46,30 @@ def places():
     return {name: [path for path in paths if Path(path).exists()] for name, paths in found.items()}
 
 
-def packages_of(path):
-    """The Debian packages that a file, or a folder of one package alone, comes from."""
-    listed = ""
-    for place in (path, os.path.realpath(path)):  # the second for a program that update-alternatives has put there
-        listed = listed or subprocess.run(["dpkg-query", "--search", place], capture_output=True, text=True, check=False).stdout
-    owners = {re.sub(r":.*", "", owner) for owner in re.findall(r"^([^,\s]+): /", listed, re.MULTILINE)}
-    return {next((brings for name, brings in BY_DEFAULT.items() if re.fullmatch(name, owner)), owner) for owner in owners}
+def owners():
+    """{file or folder: the Debian packages that it comes from}, of files and folders that one package alone has"""
+    found = {}
+    for listing in INSTALLED.glob("*.list"):
+        package = listing.stem.split(":")[0]
+        package = next((brings for name, brings in BY_DEFAULT.items() if re.fullmatch(name, package)), package)
+        for path in listing.read_text(encoding="utf-8").splitlines():
+            found.setdefault(path, set()).add(package)
+    return {path: packages for path, packages in found.items() if len(packages) == 1}
 
 
-@unittest.skipUnless(shutil.which("dpkg-query"), "no Debian")
+@unittest.skipUnless(INSTALLED.is_dir(), "no Debian")
 class PackagesTest(unittest.TestCase):
     def test_nothing_is_left_out(self):
         self.assertEqual([name for name, found in places().items() if not found], [])
 
     def test_each_package_is_named(self):
-        known = named()
-        missing = {f"{name}: {package}" for name, found in places().items() for path in found for package in packages_of(path) - known}
+        known, owner = named(), owners()
+        missing = set()
+        for name, found in places().items():
+            for path in found:
+                # The second is that of a program which update-alternatives has put there.
+                packages = owner.get(path) or owner.get(os.path.realpath(path)) or set()
+                missing.update(f"{name}: {package}" for package in packages - known)
         self.assertEqual(sorted(missing), [])
 
 

@@ -19,7 +19,7 @@ struct Wanted {
   std::map<std::string, double> changes;
 };
 
-inline const EffectKind& kind_named(const std::string& name) {
+inline const EffectKind& kind_named(std::string_view name) {
   const auto& effects = effect_catalogue();
   return *std::find_if(effects.begin(), effects.end(), [&](const EffectKind& kind) { return kind.about.name == name; });
 }

@@ -32,7 +32,7 @@ struct Recipe {
 // All, by paper. To add one: a file in tools/program/learn/recipes and its line in recipe_catalogue.cc.
 const std::vector<Recipe>& recipes();
 // Throws InputError for an unknown name, with the nearest one.
-const Recipe& find_recipe(const std::string& name);
+const Recipe& find_recipe(std::string_view name);
 
 // The layers in words: "GRU 32, GRU 32, linear 2".
 std::string layers_text(const Layers& layers);

@@ -42,7 +42,7 @@ const std::vector<Recipe>& recipes() {
   return all;
 }
 
-const Recipe& find_recipe(const std::string& name) {
+const Recipe& find_recipe(std::string_view name) {
   const auto found = std::ranges::find(recipes(), name, &Recipe::name);
   if (found != recipes().end()) return *found;
   std::vector<std::string> names{"gst_hd"};

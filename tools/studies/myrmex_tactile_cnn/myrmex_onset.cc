@@ -137,9 +137,9 @@ double contact_end(const SensorRecord& left, const SensorRecord& right, const Co
   return end;
 }
 
-const SensorRecord& bench_sensor(const TrialRecord& record, const std::string& name) {
+const SensorRecord& bench_sensor(const TrialRecord& record, std::string_view name) {
   const auto found = std::ranges::find(record.sensors, name, &SensorRecord::name);
-  if (found == record.sensors.end()) throw std::logic_error("scenes/myrmex/dataset.yaml has no sensor " + name);
+  if (found == record.sensors.end()) throw std::logic_error("scenes/myrmex/dataset.yaml has no sensor " + std::string(name));
   return *found;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/scene/scene.h"
@@ -15,7 +16,7 @@ namespace slipbench::reproduce {
 inline constexpr double bench_settled = 2.0, bench_apart = 2.5;
 
 // A sensor of that scene. Throws std::logic_error where the record has none of that name.
-const SensorRecord& bench_sensor(const TrialRecord& record, const std::string& name);
+const SensorRecord& bench_sensor(const TrialRecord& record, std::string_view name);
 // "cylinder", "remote" or "glass", by the shape.
 std::string object_name(const BodyScene& body);
 // Whether its centre of mass lies 5 mm or more to the side of the grip, so that it turns when it slips.
