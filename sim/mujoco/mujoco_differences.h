@@ -27,8 +27,8 @@ inline bool meet_mujoco() {
   if (mj_version() == mjVERSION_HEADER) return true;
   const auto part = [](int size) { return std::to_string(mjVERSION_HEADER / size % 1000); };
   // No mju_error: it may jump over the loader that is running a library's constructors, which would then stay locked.
-  mju_warning("slipbench.field is for MuJoCo %s.%s.%s and not for %s, the one that is loaded: it stays unknown", part(1000000).c_str(),
-              part(1000).c_str(), part(1).c_str(), mj_versionString());
+  mju_warning("slipbench.field is for MuJoCo %s.%s.%s and not for %s, the one that is loaded: it stays unknown",
+              part(1000000).c_str(), part(1000).c_str(), part(1).c_str(), mj_versionString());
   return false;
 #endif
 }
@@ -50,7 +50,8 @@ inline void full_inertia(const mjModel* m, const mjData* d, mjtNum* to) {
 // Element k of a scene's geoms, whose size differs.
 inline mjvGeom* geom_of(mjvScene* scene, int k) {
 #ifdef SLIPBENCH_ANY_MUJOCO
-  return reinterpret_cast<mjvGeom*>(reinterpret_cast<char*>(scene->geoms) + k * any_mujoco::number(any_mujoco::geom_bytes_number));
+  return reinterpret_cast<mjvGeom*>(reinterpret_cast<char*>(scene->geoms) +
+                                    k * any_mujoco::number(any_mujoco::geom_bytes_number));
 #else
   return scene->geoms + k;
 #endif
@@ -64,13 +65,10 @@ inline bool has_metric() { return mj_version() >= 3017000; }
 inline bool metric_is_on(const mjData* d) { return has_metric() && d->efm_active != 0; }
 
 // Adds the velocity's share of the rows to the force, as MuJoCo does after its PASSIVE callbacks.
-inline void shift_by_metric(const mjModel* m, mjData* d) {
-  mj_effShift(m, d);
-}
+inline void shift_by_metric(const mjModel* m, mjData* d) { mj_effShift(m, d); }
 
 // Appends rows to the metric: indices [n, contact, columns...], values [scale, force, values...], packed. False when the arena is full.
-inline bool append_to_metric(mjData* d, const std::vector<int>& more_indices,
-                             const std::vector<mjtNum>& more_values) {
+inline bool append_to_metric(mjData* d, const std::vector<int>& more_indices, const std::vector<mjtNum>& more_values) {
   const auto before = static_cast<std::size_t>(d->nefmcon), total = before + more_indices.size();
   auto* indices = static_cast<int*>(mj_arenaAllocByte(d, total * sizeof(int), alignof(int)));
   auto* values = static_cast<mjtNum*>(mj_arenaAllocByte(d, total * sizeof(mjtNum), alignof(mjtNum)));

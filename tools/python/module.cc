@@ -34,7 +34,8 @@ NB_MODULE(_core, module) {
   module.def("plugin_build", [](const std::string& version) {
     std::string build = slipbench::plugin_build(version);
     if (!build.empty()) return build;
-    throw slipbench::InputError("MuJoCo " + version + " has no build of the plugin; allowed: " + slipbench::plugin_versions_text(version));
+    throw slipbench::InputError("MuJoCo " + version +
+                                " has no build of the plugin; allowed: " + slipbench::plugin_versions_text(version));
   });
   slipbench::python::bind_trial(module);
   slipbench::python::bind_own_parts(module);

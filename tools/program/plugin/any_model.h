@@ -33,7 +33,9 @@ class Member {
   Member() = delete;
   Member(const Member&) = delete;
   Member& operator=(const Member&) = delete;
-  operator T&() const { return *reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) + static_cast<std::uintptr_t>(places[row])); }
+  operator T&() const {
+    return *reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) + static_cast<std::uintptr_t>(places[row]));
+  }
   T& operator=(T value) { return static_cast<T&>(*this) = value; }
   T& operator|=(T value) { return static_cast<T&>(*this) |= value; }
 };
@@ -47,7 +49,8 @@ class Count {
   Count& operator=(const Count&) = delete;
   operator std::int64_t() const {
     const auto place = reinterpret_cast<std::uintptr_t>(this) + static_cast<std::uintptr_t>(places[row]);
-    return places[count_bytes_number] == sizeof(int) ? *reinterpret_cast<const int*>(place) : *reinterpret_cast<const std::int64_t*>(place);
+    return places[count_bytes_number] == sizeof(int) ? *reinterpret_cast<const int*>(place)
+                                                     : *reinterpret_cast<const std::int64_t*>(place);
   }
   std::int64_t operator=(int value) {
     const auto place = reinterpret_cast<std::uintptr_t>(this) + static_cast<std::uintptr_t>(places[row]);
@@ -58,19 +61,17 @@ class Count {
 
 }  // namespace slipbench::any_mujoco
 
-#define SLIPBENCH_COUNT(type, name, ...) [[no_unique_address]] slipbench::any_mujoco::Count<slipbench::any_mujoco::row_##name> name;
-#define SLIPBENCH_MEMBER(type, name, ...) [[no_unique_address]] slipbench::any_mujoco::Member<type, slipbench::any_mujoco::row_##name> name;
+#define SLIPBENCH_COUNT(type, name, ...) \
+  [[no_unique_address]] slipbench::any_mujoco::Count<slipbench::any_mujoco::row_##name> name;
+#define SLIPBENCH_MEMBER(type, name, ...) \
+  [[no_unique_address]] slipbench::any_mujoco::Member<type, slipbench::any_mujoco::row_##name> name;
 
 struct mjModel_ {
   SLIPBENCH_COUNT_MEMBERS(SLIPBENCH_COUNT)
   SLIPBENCH_MODEL_MEMBERS(SLIPBENCH_MEMBER)
-  [[no_unique_address]] struct Option {
-    SLIPBENCH_OPTION_MEMBERS(SLIPBENCH_MEMBER)
-  } opt;
+  [[no_unique_address]] struct Option { SLIPBENCH_OPTION_MEMBERS(SLIPBENCH_MEMBER) } opt;
   [[no_unique_address]] struct Visual {
-    [[no_unique_address]] struct Map {
-      SLIPBENCH_FORCE_MEMBERS(SLIPBENCH_MEMBER)
-    } map;
+    [[no_unique_address]] struct Map { SLIPBENCH_FORCE_MEMBERS(SLIPBENCH_MEMBER) } map;
   } vis;
 };
 typedef struct mjModel_ mjModel;

@@ -2,8 +2,7 @@
 #include <iterator>
 #include <string_view>
 
-#include <mujoco/mujoco.h>
-
+#include "sim/mujoco/mujoco_differences.h"
 #include "tools/program/plugin/loaded_mujocos.h"
 
 namespace slipbench::any_mujoco {
@@ -43,8 +42,8 @@ bool choose() {
 #undef SLIPBENCH_FIND
     return true;
   }
-  warn(nullptr, "slipbench.field: this build is for MuJoCo " + std::string(releases[0]) + " to " + std::string(*std::rbegin(releases)) +
-                    ", loaded is:" + (others.empty() ? " none" : others));
+  warn(nullptr, "slipbench.field: this build is for MuJoCo " + std::string(releases[0]) + " to " +
+                    std::string(*std::rbegin(releases)) + ", loaded is:" + (others.empty() ? " none" : others));
   return false;
 }
 

@@ -20,7 +20,8 @@ void load_build_for(const std::string& file) {
   if (version.empty()) return warn(mujoco, "slipbench.field: " + file + " does not say which MuJoCo it is");
   const std::string build = plugin_build(version);
   if (build.empty()) {
-    warn(mujoco, "slipbench.field: MuJoCo " + version + " is loaded: the plugin stays unknown. Allowed: " + plugin_versions_text(version));
+    warn(mujoco, "slipbench.field: MuJoCo " + version +
+                     " is loaded: the plugin stays unknown. Allowed: " + plugin_versions_text(version));
   } else if (::dlopen((own_folder() / build).c_str(), RTLD_NOW | RTLD_LOCAL) == nullptr) {
     warn(mujoco, std::string("slipbench.field: ") + ::dlerror());
   }

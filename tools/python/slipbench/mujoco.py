@@ -194,6 +194,9 @@ def attach_pad(spec: Any, site: Any, touch: Any, *, pad: str | Mapping[str, Any]
 
     Raises InputError for what is not in the spec or not possible in this MuJoCo; other mistakes are errors of `spec.compile()`.
     """
+    if not hasattr(spec, "activate_plugin"):
+        raise InputError(f"attach_pad() needs an MjSpec that takes plugins, which MuJoCo {_mujoco.__version__} lacks; allowed: MuJoCo 3.3.2 or newer, or the "
+                         "pads in the model's XML")
     site_name = site if isinstance(site, str) else _name(site, "site")
     if isinstance(site, str) and spec.site(site) is None:
         raise InputError(f"no site {site!r} in the spec; allowed: {', '.join(s.name for s in spec.sites if s.name)}")
