@@ -19,7 +19,7 @@ env = gymnasium.make("slipbench/GraspLift-v0")
 env.reset(seed=1)
 done = False
 while not done:
-    _, _, terminated, truncated, info = env.step([6.0])
+    _, _, terminated, truncated, info = env.step(-0.4)
     done = terminated or truncated
 print(info["outcome"]["dropped"], info["outcome"]["max_grip_force_N"])
 """
@@ -63,7 +63,7 @@ def install():
     if "<html" not in Path("hexapod.html").read_text(encoding="utf-8")[:200]:
         sys.exit("report wrote no page")
     refused = run(program, "train", "hexapod.h5", "--recipe", "papillarray_gru", "--steps", "1", "-o", "small.onnx", status=2)
-    if "libtorch" not in refused or len(refused.strip().splitlines()) != 1:
+    if "allowed: a slipbench built with the packages libtorch-dev" not in refused.splitlines()[-1]:
         sys.exit(f"train without libtorch says: {refused}")
     run(*pip, f"{WHEEL}[gym,pandas,render]")
     return figures
