@@ -39,32 +39,10 @@ if(NOT SLIPBENCH_WITH_MUJOCO)
   message(STATUS "MuJoCo ${SLIPBENCH_MUJOCO_VERSION} not found: sim/mujoco is left out. Get it with: tools/setup/setup.sh python")
 endif()
 
-# Further versions of MuJoCo for which the plugin is built: those of build/mujoco/VERSION (tools/setup/setup.sh mujoco-VERSION) and, for
-# `pip install`, the one in the environment, if tools/setup/requirements-mujoco.in lists it. mujoco::mujoco_VERSION. Sanitizers, fuzzers and
-# clang-tidy read the same sources once.
+# Further versions of MuJoCo in which the plugin is tried: those of build/mujoco/VERSION (tools/setup/setup.sh mujoco-VERSION).
 set(SLIPBENCH_OTHER_MUJOCOS "")
-if(SLIPBENCH_WITH_MUJOCO AND NOT SLIPBENCH_SANITIZE AND (SLIPBENCH_TESTS OR SKBUILD))
-  file(GLOB roots ${PROJECT_SOURCE_DIR}/build/mujoco/*/mujoco)
-  if(SKBUILD)
-    find_package(Python 3.11 REQUIRED COMPONENTS Interpreter)
-    execute_process(COMMAND ${Python_EXECUTABLE} -c "import sysconfig; print(sysconfig.get_path('platlib'))" OUTPUT_VARIABLE platlib
-      OUTPUT_STRIP_TRAILING_WHITESPACE)
-    list(APPEND roots ${platlib}/mujoco)
-  endif()
-  file(STRINGS ${PROJECT_SOURCE_DIR}/tools/setup/requirements-mujoco.in supported REGEX "^mujoco")
-  list(TRANSFORM supported REPLACE ".*==" "")
-  foreach(root IN LISTS roots)
-    file(GLOB library ${root}/libmujoco.so.*)
-    string(REGEX REPLACE ".*libmujoco[.]so[.]" "" version "${library}")
-    if(library AND version IN_LIST supported AND NOT TARGET mujoco::mujoco_${version})
-      add_library(mujoco::mujoco_${version} SHARED IMPORTED)
-      set_target_properties(mujoco::mujoco_${version} PROPERTIES
-        IMPORTED_LOCATION ${library}
-        IMPORTED_SONAME libmujoco.so.${version}
-        INTERFACE_INCLUDE_DIRECTORIES ${root}/include)
-      list(APPEND SLIPBENCH_OTHER_MUJOCOS ${version})
-    endif()
-  endforeach()
+if(SLIPBENCH_WITH_MUJOCO AND NOT SLIPBENCH_SANITIZE)
+  file(GLOB SLIPBENCH_OTHER_MUJOCOS RELATIVE ${PROJECT_SOURCE_DIR}/build/mujoco ${PROJECT_SOURCE_DIR}/build/mujoco/*.*.*[0-9])
 endif()
 
 # libtorch teaches the networks of tools/program/learn. Without it everything else is built.

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/mujoco/mujoco_call.h"
+#include "sim/mujoco/mujoco_differences.h"
 #include "sim/mujoco/plugin_interface.h"
 #include "sim/mujoco/register_plugin.h"
 
@@ -130,12 +131,6 @@ void visualize(const mjModel* model, mjData* data, const mjvOption* /*option*/, 
   report_errors([&] { slot_in(data, instance)->pad.draw(model, data, scene); });
 }
 
-// 4000001 is 4.0.1, and in older ones 337 is 3.3.7.
-std::string header_version() {
-  constexpr int part = mjVERSION_HEADER < 10000 ? 10 : 1000;
-  return fmt::format("{}.{}.{}", mjVERSION_HEADER / (part * part), mjVERSION_HEADER / part % part, mjVERSION_HEADER % part);
-}
-
 void register_as(const char* name) {
   mjpPlugin plugin;
   mjp_defaultPlugin(&plugin);
@@ -159,12 +154,7 @@ void register_as(const char* name) {
 }  // namespace
 
 void register_field_plugin(PadCatalogue pads) {
-  if (mj_version() != mjVERSION_HEADER) {
-    // No mju_error: it may jump over the loader that is running a library's constructors, which would then stay locked.
-    mju_warning("slipbench.field is for MuJoCo %s and not for %s, the one that is loaded: it stays unknown",
-                header_version().c_str(), mj_versionString());
-    return;
-  }
+  if (!meet_mujoco()) return;
   catalogue() = std::move(pads);
   if (mjp_getPlugin(field_plugin_name, nullptr) == nullptr) register_as(field_plugin_name);
 }

@@ -96,12 +96,12 @@ std::string body_name(const mjModel* m, int body) {
 }  // namespace
 
 std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads) {
-  if (!has_metric) {
+  if (!has_metric()) {
     return std::string("needs the integrator discrete, which MuJoCo ") + mj_versionString() +
            " lacks: use 3.17.0 or newer, or the explicit solver";
   }
   std::vector<std::string> missing;
-  if (!is_discrete(m)) missing.emplace_back("integrator=\"discrete\"");
+  if (m->opt.integrator != mjINT_DISCRETE) missing.emplace_back("integrator=\"discrete\"");
   if (m->opt.noslip_iterations != 0) missing.emplace_back("noslip_iterations=\"0\" (the noslip solver does not see the pads)");
   if (m->opt.iterations < implicit_iterations) {
     missing.push_back("iterations=\"" + std::to_string(implicit_iterations) + "\" or more, found " +
@@ -129,7 +129,7 @@ std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pa
   };
   const std::unique_ptr<mjModel, Freed> copy(mj_copyModel(nullptr, m));
   copy->nplugin = 0;  // the fields themselves are plugins
-  std::fill_n(copy->actuator_plugin, actuator_count(copy.get()), -1);
+  std::fill_n(&copy->actuator_plugin[0], static_cast<Index>(copy->nactuator), -1);
   copy->opt.disableflags |= mjDSBL_CONSTRAINT;  // MuJoCo's short cuts past the metric are those without constraints
   const std::unique_ptr<mjData, Freed> data(mj_makeData(copy.get()));
   mjData* d = data.get();

@@ -378,7 +378,7 @@ void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
         config_.name, format_quantity(std::stod(fmt::format("{:.3g}", step_)), Quantity::time),
         format_quantity(std::stod(fmt::format("{:.3g}", sample_time_)), Quantity::time)));
   }
-  constexpr int no_passive_forces = mjDSBL_SPRING | mjDSBL_DAMPER;
+  const int no_passive_forces = mjDSBL_SPRING | mjDSBL_DAMPER;
   if ((model->opt.disableflags & no_passive_forces) == no_passive_forces) {
     throw InputError(fmt::format(
         "plugin '{}': the flags spring and damper are both disabled, so that MuJoCo leaves out every passive force, the pad's too; allowed: at most one of them",
@@ -635,7 +635,7 @@ void PadInstance::draw(const mjModel* model, mjData* data, mjvScene* scene) {
   const double radius = model->site_size[3 * config_.site];
   const double scale = metres_per_newton * model->vis.map.force / default_force_scale;
   const auto next_geom = [scene]() -> mjvGeom* {
-    return scene->ngeom < scene->maxgeom ? &scene->geoms[scene->ngeom++] : nullptr;
+    return scene->ngeom < scene->maxgeom ? geom_of(scene, scene->ngeom++) : nullptr;
   };
   for (Field& field : fields_) field.view_from_pad();
   for (std::size_t i = 0; i < fields_.front().size(); ++i) {

@@ -66,16 +66,6 @@ launch list
 [[ $status == 7 ]] || fail "a second call runs"
 [[ $(grep -vc build "$work/tree/calls") == 1 && $(grep -c build "$work/tree/calls") == 2 ]] || fail "configured once, built twice"
 
-# The plugin for another MuJoCo: its wheel by its hash, then its build; a version that nobody knows goes to the program.
-launch plugin-path --mujoco 3.8.1
-[[ $(tail -n 1 "$work/pip") == *" --require-hashes --only-binary :all: --no-deps --target $work/tree/build/mujoco/3.8.1.part "* ]] || fail "one wheel, alone"
-[[ $(<"$work/tree/build/mujoco/3.8.1.txt") == "mujoco==3.8.1 "*sha256* && $(<"$work/tree/build/mujoco/3.8.1.txt") != *3.17* ]] || fail "of one version"
-grep -q 'slipbench_plugin_3.8.1' "$work/tree/calls" || fail "the build for it is made"
-launch plugin-path --mujoco 3.8.2
-grep -q 'slipbench_plugin_3.8.2' "$work/tree/calls" && fail "no build for an unknown version"
-[[ $(<"$work/stdout") == "<$work/elsewhere><plugin-path><--mujoco><3.8.2>" ]] || fail "the program refuses it"
-echo configured >"$work/tree/calls"
-
 # A change of the presets, or a package that came by another way, is configured for.
 touch -d '+1 minute' "$work/tree/CMakePresets.json"
 launch list

@@ -2,8 +2,12 @@
 
 #include <exception>
 
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
 #include "sim/core/error.h"
 #include "sim/core/interrupted.h"
+#include "tools/program/plugin/plugin_builds.h"
 
 namespace nb = nanobind;
 
@@ -26,6 +30,13 @@ NB_MODULE(_core, module) {
     }
   });
   module.attr("version") = SLIPBENCH_VERSION;
+  module.def("plugin_versions", &slipbench::plugin_versions);
+  module.def("plugin_build", [](const std::string& version) {
+    std::string build = slipbench::plugin_build(version);
+    if (!build.empty()) return build;
+    throw slipbench::InputError("MuJoCo " + version +
+                                " has no build of the plugin; allowed: " + slipbench::plugin_versions_text(version));
+  });
   slipbench::python::bind_trial(module);
   slipbench::python::bind_own_parts(module);
   slipbench::python::bind_scene(module);

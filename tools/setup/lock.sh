@@ -18,7 +18,7 @@ trap 'rm -rf "$work"' EXIT
 python3 -m venv "$work"
 "$work/bin/pip" install --quiet --require-hashes --only-binary :all: --requirement requirements-lock.txt
 # In this order: requirements-test.in takes requirements.txt as given.
-for set in requirements requirements-test requirements-lock; do
+for set in requirements requirements-test requirements-lock requirements-wheel; do
   "$work/bin/pip-compile" --quiet --generate-hashes --allow-unsafe --strip-extras --no-emit-index-url "$@" \
     --output-file "$set.txt" "$set.in"
 done

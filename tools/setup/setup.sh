@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs what the project needs: setup.sh SET..., where a SET is `build`, `test` or `all` (Debian packages of packages.txt), `python` or
 # `test-python` (PyPI packages of requirements.txt and requirements-test.txt, into the virtual environment build/venv: wheels whose SHA-256 stands
-# there, and nothing else), `mujoco-VERSION` (that version of requirements-mujoco.txt, into build/mujoco/VERSION, for which the plugin is then
-# built, too) or `mujoco` (all of them). Does nothing where all is there; touches build/installed where it installed something, so that the launcher
+# there, and nothing else), `mujoco-VERSION` (that version of requirements-mujoco.txt, into build/mujoco/VERSION, in which the plugin is
+# then tried) `mujoco` (all of them) or `wheel` (requirements-wheel.txt, into build/wheel/tools). Does nothing where all is there; touches build/installed where it installed something, so that the launcher
 # configures anew.
 # setup.sh rights SET...: installs nothing; where Debian packages are missing, lets sudo ask for its password, or says what root is to run.
 set -euo pipefail
@@ -100,6 +100,16 @@ install_mujoco() {
 }
 known_mujocos() { sed -n 's/^mujoco.*==//p' "$here/requirements-mujoco.in"; }
 
+# What tools/python/build_wheels.py needs, into build/wheel/tools: no part of the environment that tests run in.
+install_wheel_tools() {
+  [[ ! -d $root/build/wheel/tools ]] || return 0
+  say "installing into build/wheel/tools: $(sed -n 's/^\([^# ]*==[^ ]*\).*/\1/p' "$here/requirements-wheel.txt" | tr '\n' ' ')"
+  rm -rf "$root/build/wheel/tools.part"
+  "$venv/bin/pip" install --disable-pip-version-check --progress-bar off --require-hashes --only-binary :all: --target "$root/build/wheel/tools.part" \
+    --requirement "$here/requirements-wheel.txt"
+  mv "$root/build/wheel/tools.part" "$root/build/wheel/tools"
+}
+
 if [[ ${1:-} == rights ]]; then
   shift
   check_debian
@@ -115,10 +125,11 @@ for set in "$@"; do
     build | test | all) install_debian "$set" ;;
     python) install_python "$here/requirements.txt" ;;
     test-python) install_python "$here/requirements-test.txt" ;;
+    wheel) install_wheel_tools ;;
     mujoco) for version in $(known_mujocos); do install_mujoco "$version"; done ;;
     mujoco-*) install_mujoco "${set#mujoco-}" ;;
     *)
-      say "unknown set '$set'; allowed: build, test, all, python, test-python, mujoco, mujoco-VERSION"
+      say "unknown set '$set'; allowed: build, test, all, python, test-python, wheel, mujoco, mujoco-VERSION"
       exit 2
       ;;
   esac

@@ -1,5 +1,6 @@
 """plugin_versions_test.py ROOT LIBRARY PINNED [VERSION...]: one path for every MuJoCo, and what the versions agree on."""
 
+import importlib.util
 import os
 import re
 import shutil
@@ -59,15 +60,25 @@ class Versions(unittest.TestCase):
             for name in ("heights", "readings"):
                 np.testing.assert_allclose(found["4.0.0"][name], found[PINNED][name], rtol=0, atol=1e-9)
 
-    def test_without_a_build_both_versions_are_named(self):
+    def test_an_unknown_version_is_refused_with_the_nearest(self):
+        """A copy of the pinned MuJoCo, of which every "4.0.1" is made "3.9.9"."""
+        with tempfile.TemporaryDirectory() as folder:
+            package = Path(next(iter(importlib.util.find_spec("mujoco").submodule_search_locations)))
+            shutil.copytree(package, Path(folder) / "mujoco", ignore=shutil.ignore_patterns("include", "plugin"))
+            library = Path(folder) / "mujoco" / f"libmujoco.so.{PINNED}"
+            library.write_bytes(library.read_bytes().replace(f"\0{PINNED}\0".encode(), b"\x003.9.9\0"))
+            code = "import mujoco, sys; mujoco.mj_loadPluginLibrary(sys.argv[1]); mujoco.MjModel.from_xml_path(sys.argv[2])"
+            result = python("none", f"import sys; sys.path.insert(0, {folder!r}); {code}", LIBRARY, ROOT / "scenes/mujoco/hold.xml", cwd=folder)
+        self.assertRegex(result.stdout + result.stderr, "slipbench.field: MuJoCo 3.9.9 is loaded: the plugin stays unknown. Allowed: 3.3.0, .*; the nearest is 3.9.0")
+        self.assertIn("slipbench.field not found", result.stderr)
+
+    def test_the_table_is_that_of_the_headers(self):
+        folders = [f"{version}={ROOT / 'build/mujoco' / version}" for version in OTHERS]
+        command = [sys.executable, ROOT / "tools/program/plugin/layouts.py", "--check"]
+        subprocess.run([*command, *folders], check=True)
         for version in OTHERS[:1]:
-            with tempfile.TemporaryDirectory() as folder:
-                alone = shutil.copy(LIBRARY, folder)
-                shutil.copy(LIBRARY.with_name(f"libslipbench_mujoco-{PINNED}.so"), folder)
-                code = "import mujoco, sys; mujoco.mj_loadPluginLibrary(sys.argv[1]); mujoco.MjModel.from_xml_path(sys.argv[2])"
-                result = python(version, code, alone, ROOT / "scenes/mujoco/hold.xml", cwd=folder)
-            self.assertIn(f"slipbench.field: MuJoCo {version} is loaded, and the plugin is built for {PINNED}: it stays unknown", result.stdout + result.stderr)
-            self.assertIn("slipbench.field not found", result.stderr)
+            other = subprocess.run([*command, f"3.12.0={ROOT / 'build/mujoco' / version}"], capture_output=True, text=True)
+            self.assertRegex(other.stderr, r"3\.12\.0: nbody is \d+, and mujoco_layouts.h says 48")
 
 
 if __name__ == "__main__":

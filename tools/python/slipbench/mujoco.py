@@ -1,7 +1,7 @@
 """Pads in any MuJoCo model. Importing this loads the plugin `slipbench.field` into the package `mujoco`.
 
-`attach_pad()` puts a pad on a site of an MjSpec, `Pad.read()` reads it by name, `max_timestep()` says how long a step may be. There is a build of the
-plugin for each of several versions of MuJoCo (`builds()`); in any other the import raises `InputError`, which names both.
+`attach_pad()` puts a pad on a site of an MjSpec, `Pad.read()` reads it by name, `max_timestep()` says how long a step may be. It works in the
+versions of MuJoCo that `builds()` names; in any other the import raises `InputError`, which names the nearest.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from slipbench.bin import _core
 from slipbench.bin._core import InputError
 
 try:
@@ -32,19 +33,13 @@ _numbers = itertools.count(1)
 
 
 def builds() -> list[str]:
-    """Versions of MuJoCo for which this slipbench has a build of the plugin."""
-    return sorted(file.name.removeprefix("libslipbench_mujoco-").removesuffix(".so") for file in _FOLDER.glob("libslipbench_mujoco-*.so"))
+    """Versions of MuJoCo in which this slipbench's plugin works, oldest first."""
+    return list(_core.plugin_versions())
 
 
 def plugin_path(version: str | None = None) -> str:
     """The library of the plugin for a version of MuJoCo; default: that of the package `mujoco`. Raises InputError where there is no build."""
-    wanted = version or _mujoco.__version__
-    path = _FOLDER / f"libslipbench_mujoco-{wanted}.so"
-    if not path.exists():
-        raise InputError(f"MuJoCo {wanted} has no build of the plugin in this slipbench, which has those for {', '.join(builds()) or 'none'}; "
-                         f"allowed: pip install one of these, or install slipbench anew beside this MuJoCo (`./slipbench plugin-path --mujoco {wanted}` "
-                         "says whether it is supported)")
-    return str(path)
+    return str(_FOLDER / _core.plugin_build(version or _mujoco.__version__))
 
 
 def load() -> None:
@@ -199,6 +194,9 @@ def attach_pad(spec: Any, site: Any, touch: Any, *, pad: str | Mapping[str, Any]
 
     Raises InputError for what is not in the spec or not possible in this MuJoCo; other mistakes are errors of `spec.compile()`.
     """
+    if not hasattr(spec, "activate_plugin"):
+        raise InputError(f"attach_pad() needs an MjSpec that takes plugins, which MuJoCo {_mujoco.__version__} lacks; allowed: MuJoCo 3.3.2 or newer, or the "
+                         "pads in the model's XML")
     site_name = site if isinstance(site, str) else _name(site, "site")
     if isinstance(site, str) and spec.site(site) is None:
         raise InputError(f"no site {site!r} in the spec; allowed: {', '.join(s.name for s in spec.sites if s.name)}")
@@ -273,7 +271,7 @@ def complete(spec: Any) -> None:
 
 
 def _need_discrete() -> Any:
-    if not hasattr(_mujoco.mjtIntegrator, "mjINT_DISCRETE"):
+    if _mujoco.mj_version() < 3017000:
         raise InputError(f"solver='implicit' needs the integrator discrete, which MuJoCo {_mujoco.__version__} lacks; allowed: MuJoCo 3.17.0 or newer, "
                          "or solver='explicit'")
     return _mujoco.mjtIntegrator.mjINT_DISCRETE

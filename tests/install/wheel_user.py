@@ -1,0 +1,84 @@
+"""wheel_user.py ROOT [WHEEL]: what a user of the wheel does first; with WHEEL installs it. ROOT is read for its texts alone. The last line that is printed
+is JSON: `said`, what each of Python's lines printed and digests of trials, and `figures`. Fails where a step does."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT, WHEEL = Path(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else None
+# What acts at random, or where the renderer is asked for.
+RANDOM = ("grasp.py", "grasps.py")
+EPISODE = """
+import gymnasium, slipbench.gym
+env = gymnasium.make("slipbench/GraspLift-v0")
+env.reset(seed=1)
+done = False
+while not done:
+    _, _, terminated, truncated, info = env.step(-0.4)
+    done = terminated or truncated
+print(info["outcome"]["dropped"], info["outcome"]["max_grip_force_N"])
+"""
+DIGESTS = """
+import slipbench
+for name in ("papillarray/stage.yaml", "papillarray/hexapod.yaml", "grasp/lift.yaml", "myrmex/slip.yaml", "bodies/held_box.yaml"):
+    print(name, slipbench.Scene.load(name).run().sha256)
+"""
+NEWER = """
+import slipbench.mujoco
+try: slipbench.mujoco.plugin_path("3.18.0")
+except slipbench.InputError as error: print(error)
+"""
+
+
+def run(*command, status=0, **more):
+    done = subprocess.run(command, capture_output=True, text=True, check=False, **more)
+    if done.returncode != status:
+        sys.exit(f"{' '.join(command)}: exit status {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout + (done.stderr if status else "")
+
+
+def timed(*command):
+    start = time.monotonic()
+    run(*command)
+    return time.monotonic() - start
+
+
+def install():
+    pip = (sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
+    figures = {"install_s": timed(*pip, WHEEL)}
+    # The best of five, without what Python itself takes: the machine has others to serve.
+    bare, imported = (min(timed(sys.executable, "-c", code) for _ in range(5)) for code in ("pass", "import slipbench"))
+    figures["import_s"] = imported - bare
+    program = str(Path(sys.executable).with_name("slipbench"))
+    scene = run(sys.executable, "-c", "import slipbench; print(slipbench.scenes())").strip() + "/papillarray/hexapod.yaml"
+    run(program, "sweep", scene, "-o", "hexapod.h5")
+    run(sys.executable, "-m", "slipbench", "report", "hexapod.h5", "-o", "hexapod.html")
+    if "<html" not in Path("hexapod.html").read_text(encoding="utf-8")[:200]:
+        sys.exit("report wrote no page")
+    refused = run(program, "train", "hexapod.h5", "--recipe", "papillarray_gru", "--steps", "1", "-o", "small.onnx", status=2)
+    if "allowed: a slipbench built with the packages libtorch-dev" not in refused.splitlines()[-1]:
+        sys.exit(f"train without libtorch says: {refused}")
+    run(*pip, f"{WHEEL}[gym,pandas,render]")
+    return figures
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        figures = install() if WHEEL else {}
+        said = {"episode": run(sys.executable, "-c", EPISODE), "digests": run(sys.executable, "-c", DIGESTS), "newer": run(sys.executable, "-c", NEWER)}
+        for name, code in re.findall(r"```python (\S+\.py)\n(.*?)```", (ROOT / "tools/python/README.md").read_text(encoding="utf-8"), re.DOTALL):
+            Path(name).write_text(code, encoding="utf-8")
+            printed = run(sys.executable, name)
+            if name not in RANDOM:
+                said[name] = printed
+    print(json.dumps({"said": said, "figures": figures}))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,113 @@
+"""build_wheels.py [-o FOLDER]: the wheels of the package `slipbench` that need nothing of the system but glibc 2.36: one for Python 3.11, one for 3.12 and later.
+Writes them to FOLDER, default build/wheel, from build/release, with the libraries that it needs and their licences inside. Needs what
+`./slipbench test` installs, and tools/setup/setup.sh wheel. Debian 12 has no Python newer than 3.11: headers of Debian 13's are fetched."""
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+WORK = ROOT / "build/wheel"
+BUILD = ROOT / "build/release"
+TOOLS = WORK / "tools"
+ABI3_HEADERS = "libpython3.13-dev"
+# What others bring: glibc and GCC's libraries as every manylinux has them, OpenVINO by its own package, MuJoCo in the folder where it is looked for.
+NOT_INSIDE = ("libopenvino.so.*", "libmujoco.so.*")
+
+
+def run(*command, **more):
+    environment = {**os.environ, "PYTHONPATH": str(TOOLS), "PATH": f"{TOOLS / 'bin'}:{os.environ['PATH']}", **more.pop("env", {})}
+    return subprocess.run([str(word) for word in command], check=True, text=True, env=environment, **more)
+
+
+def said(*command, **more):
+    return run(*command, capture_output=True, **more).stdout
+
+
+def fetch_headers():
+    """Python 3.13's from Debian 13, by a set of apt's folders of their own, into build/wheel/headers."""
+    folder = WORK / "headers"
+    if folder.exists():
+        return
+    apt = WORK / "apt"
+    shutil.rmtree(apt, ignore_errors=True)
+    for name in ("lists/partial", "cache/archives/partial"):
+        (apt / name).mkdir(parents=True)
+    (apt / "status").touch()
+    mirrors = said("apt-get", "indextargets", "--format", "$(REPO_URI)").split()
+    mirror = next((mirror for mirror in mirrors if mirror.rstrip("/").endswith("/debian")), "http://deb.debian.org/debian")
+    (apt / "sources.list").write_text(f"deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] {mirror} trixie main\n", encoding="utf-8")
+    options = [f"-oDir::Etc::sourcelist={apt}/sources.list", "-oDir::Etc::sourceparts=-", f"-oDir::State::lists={apt}/lists",
+               f"-oDir::State::status={apt}/status", f"-oDir::Cache={apt}/cache", "-oAPT::Sandbox::User="]
+    run("apt-get", *options, "-qq", "update")
+    run("apt-get", *options, "-qq", "download", ABI3_HEADERS, cwd=apt)
+    run("dpkg", "-x", next(apt.glob("*.deb")), folder)
+
+
+def stage(folder):
+    """The package below `folder`, with all but its module."""
+    package = folder / "slipbench"
+    shutil.copytree(ROOT / "tools/python/slipbench", package, ignore=shutil.ignore_patterns("__pycache__"))
+    run("cmake", "--install", BUILD, "--component", "python", "--prefix", package, stdout=subprocess.DEVNULL)
+    for module in (package / "bin").glob("_core*.so"):
+        module.unlink()
+    run("patchelf", "--set-rpath", "$ORIGIN/../../../openvino/libs", package / "lib/slipbench/libslipbench_network.so")
+    made = said(sys.executable, "-c", "import sys; from scikit_build_core.build import prepare_metadata_for_build_wheel as prepare; "
+                "print(prepare(sys.argv[1]))", folder, cwd=ROOT)
+    return package, folder / made.split()[-1]
+
+
+def carry_licences(files, info):
+    """Debian's copyright file of every library of the system that `files` load."""
+    folder = info / "licenses"
+    folder.mkdir(exist_ok=True)
+    loaded = {os.path.realpath(path) for file in files for path in re.findall(r"=> (/\S+)", said("ldd", file))}
+    # By their names: dpkg knows some below /lib, which is /usr/lib.
+    for line in said("dpkg-query", "--search", *(f"*/{Path(path).name}" for path in sorted(loaded) if path.startswith("/usr/"))).splitlines():
+        name = line.split(":")[0]
+        shutil.copy(f"/usr/share/doc/{name}/copyright", folder / f"{name}.txt")
+    for name in ("LICENSE", "NOTICE.md"):
+        shutil.copy(ROOT / name, folder)
+
+
+def make(out, module, tag):
+    folder = WORK / tag
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    package, info = stage(folder)
+    shutil.copy(module, package / "bin")
+    run("patchelf", "--set-rpath", "$ORIGIN/../lib/slipbench/mujoco", package / "bin" / module.name)
+    carry_licences([module, *(BUILD / "lib/slipbench").glob("libslipbench_[cn]*.so")], info)
+    text = re.sub(r"Tag: .*", f"Tag: {tag}-linux_x86_64", (info / "WHEEL").read_text(encoding="utf-8"))
+    (info / "WHEEL").write_text(text, encoding="utf-8")
+    (folder / "raw").mkdir()
+    tree = folder / "tree"
+    tree.mkdir()
+    for part in (package, info):
+        part.rename(tree / part.name)
+    run(sys.executable, "-m", "wheel", "pack", tree, "--dest-dir", folder / "raw", stdout=subprocess.DEVNULL)
+    excluded = [word for name in NOT_INSIDE for word in ("--exclude", name)]
+    run(sys.executable, "-m", "auditwheel", "repair", "--plat", "manylinux_2_36_x86_64", *excluded, "--wheel-dir", out, *(folder / "raw").glob("*.whl"))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("-o", dest="out", type=Path, default=WORK, help="where the wheels are written")
+    out = parser.parse_args().out.resolve()
+    if not TOOLS.exists():
+        sys.exit("build_wheels.py: auditwheel is not there; get it with: tools/setup/setup.sh wheel")
+    fetch_headers()
+    run("cmake", "--preset", "release", cwd=ROOT, stdout=subprocess.DEVNULL)
+    run("cmake", "--build", "--preset", "release", "--target", "slipbench_python", "slipbench_python_stub", "slipbench_python_abi3", cwd=ROOT)
+    make(out, next((BUILD / "bin").glob("_core.cpython-311-*.so")), "cp311-cp311")
+    make(out, BUILD / "abi3/_core.abi3.so", "cp312-abi3")
+    for wheel in sorted(out.glob("slipbench-*.whl")):
+        print(f"{wheel} {wheel.stat().st_size / 1e6:.1f} MB")
+
+
+if __name__ == "__main__":
+    main()
