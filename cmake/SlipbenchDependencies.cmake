@@ -39,10 +39,17 @@ if(NOT SLIPBENCH_WITH_MUJOCO)
   message(STATUS "MuJoCo ${SLIPBENCH_MUJOCO_VERSION} not found: sim/mujoco is left out. Get it with: tools/setup/setup.sh python")
 endif()
 
-# Further versions of MuJoCo in which the plugin is tried: those of build/mujoco/VERSION (tools/setup/setup.sh mujoco-VERSION).
+# Further versions of MuJoCo in which the plugin is tried: those of build/mujoco/VERSION (tools/setup/setup.sh mujoco-VERSION). A box is held in all,
+# and the tests of the plugin and of its Python run in some.
 set(SLIPBENCH_OTHER_MUJOCOS "")
+set(SLIPBENCH_SOME_MUJOCOS "")
 if(SLIPBENCH_WITH_MUJOCO AND NOT SLIPBENCH_SANITIZE)
   file(GLOB SLIPBENCH_OTHER_MUJOCOS RELATIVE ${PROJECT_SOURCE_DIR}/build/mujoco ${PROJECT_SOURCE_DIR}/build/mujoco/*.*.*[0-9])
+  foreach(version 3.3.7 3.8.1 3.17.0 4.0.0)
+    if(version IN_LIST SLIPBENCH_OTHER_MUJOCOS)
+      list(APPEND SLIPBENCH_SOME_MUJOCOS ${version})
+    endif()
+  endforeach()
 endif()
 
 # libtorch teaches the networks of tools/program/learn. Without it everything else is built.
