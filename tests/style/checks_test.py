@@ -184,6 +184,15 @@ class ChecksTest(PlantedViolation):
         self.plant("sim/core/README.md", "# sim/core\n")
         self.assert_found("readmes", "sim/core/README.md", '<img src="gone.png">\n', "[text](where)")
 
+    def test_long_door(self):
+        self.assert_found("readmes", "README.md", "# a\n" * 151, "151 lines")
+
+    def test_wide_door(self):
+        wide = "a " * 70
+        self.plant("sim/core/README.md", wide)
+        allowed = f"| {wide} |\n```\n{wide}\n```\n![{wide}](sim/core/README.md)\n"
+        self.assert_found("readmes", "README.md", f"{allowed}{wide}\n", ":6:", "140 columns")
+
     def test_commands_of_a_text(self):
         text = ("```yaml a.yaml\nslipbench: 1\n```\n```sh\n./slipbench run a.yaml \\\n  -o a.h5   # writes\nls\n```\n"
                 "```sh no-run\n./slipbench demo\n```\n")

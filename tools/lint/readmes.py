@@ -7,6 +7,8 @@
 
 A block of commands is one of ```sh; `commands()` collects its lines, which start with one of PROGRAMS, and tests/style runs them.
 The block ```sh no-run is not run. A fence stands at the line's begin. A block whose first line names a file, as ```yaml first.yaml, is what that file holds.
+
+README.md of the root, the door, has at most DOOR_LINES lines of at most DOOR_COLUMNS; rows of tables, code and lines that are one link may be longer.
 """
 
 import fnmatch
@@ -18,6 +20,8 @@ from tree import main, project_files
 
 SOURCES = (".h", ".cc", ".py", ".sh", ".cmake", ".txt", ".js", ".css", ".sv", ".yaml")
 CODE = (".h", ".cc", ".py", ".js", ".yaml", ".sv", ".sh", ".cmake")
+DOOR = Path("README.md")
+DOOR_LINES, DOOR_COLUMNS = 150, 120
 HISTORY = "CHANGELOG.md"  # names what was there at its time
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 CODE_SPAN = re.compile(r"`([^`]+)`")
@@ -163,6 +167,16 @@ def check_text(root, tree, path, text):
         yield f"{path}: a command for a reader begins with ./slipbench and stands in a block ```sh: {command[0].strip()}"
 
 
+def check_size(path, text):
+    """Whether the door is short."""
+    lines = text.splitlines()
+    if len(lines) > DOOR_LINES:
+        yield f"{path}: {len(lines)} lines; allowed: {DOOR_LINES}"
+    for number, line in enumerate(FENCE.sub(lambda block: "\n" * block[0].count("\n"), text).splitlines(), 1):
+        if len(line) > DOOR_COLUMNS and not line.startswith("|") and not re.fullmatch(r"\S+|[-*]? *!?\[[^\]]*\]\(\S+\)", line):
+            yield f"{path}:{number}: {len(line)} columns; allowed: {DOOR_COLUMNS}"
+
+
 def check(root):
     files = set(project_files(root))
     for folder in sorted({path.parent for path in files if path.suffix in SOURCES and path.parent != Path(".")}):
@@ -171,6 +185,8 @@ def check(root):
     tree = Tree(root)
     for path, text in texts(root):
         yield from check_text(root, tree, path, text)
+        if path == DOOR:
+            yield from check_size(path, text)
 
 
 if __name__ == "__main__":

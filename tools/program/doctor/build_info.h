@@ -7,7 +7,7 @@
 namespace slipbench {
 
 struct BuildInfo {
-  std::string_view version;     // "0.1.0"
+  std::string_view version;     // "0.2.0"
   std::string_view commit;      // git commit, "-dirty" where files were changed, "unknown" outside a checkout
   std::string_view compiler;    // "GNU 12.2.0"
   std::string_view build_type;  // "Release"

@@ -1,0 +1,198 @@
+"""Draws the pictures of GALLERY.md: one run of a scene of each folder. Argument: where they go, default: this folder.
+
+Needs the package slipbench and matplotlib: PYTHONPATH=build/release/python build/venv/bin/python scenes/gallery.py
+"""
+
+import sys
+from pathlib import Path
+
+import matplotlib
+import mujoco
+import numpy as np
+import slipbench
+import slipbench.mujoco
+from matplotlib import pyplot as plt
+from matplotlib.colors import ListedColormap
+from PIL import Image
+
+SCENES = Path(__file__).resolve().parent
+STATES = ("no contact", "sticks", "slips", "slips in part")  # of a unit
+PAD_STATES = ("no contact", "all stick", "some slip", "all slip")
+COLOURS = ("#dde1e6", "#2f6fb0", "#d1495b", "#edae49")
+PAD_COLOURS = ("#dde1e6", "#2f6fb0", "#edae49", "#d1495b")
+
+
+def explain(picture, names, colours):
+    picture.legend([plt.Rectangle((0, 0), 1, 1, color=colour) for colour in colours], names, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+
+
+def figure(title):
+    """A place for the pad on the left, one for the reading on the right, a strip for the truth below it."""
+    picture = plt.figure(figsize=(7, 3), dpi=100, layout="constrained")
+    picture.suptitle(title, fontsize=10)
+    explain(picture, STATES, COLOURS)
+    grid = picture.add_gridspec(2, 2, width_ratios=(1, 2), height_ratios=(4, 1))
+    reading = picture.add_subplot(grid[0, 1])
+    shares = picture.add_subplot(grid[1, 1], sharex=reading)
+    reading.tick_params(labelbottom=False)
+    return picture, picture.add_subplot(grid[:, 0]), reading, shares
+
+
+def draw_units(axes, places, states, size):
+    """The pad's units at their places in mm."""
+    axes.scatter(*(1000 * places.T), c=[COLOURS[state] for state in states], s=size, edgecolors="#5b6470", linewidths=0.6)
+    axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
+    axes.margins(0.2)
+
+
+def draw_shares(axes, time, states):
+    """The share of units in each state over time."""
+    axes.stackplot(time, *[(states == state).mean(axis=1) for state in (1, 3, 2, 0)], colors=[COLOURS[state] for state in (1, 3, 2, 0)])
+    axes.set(xlabel="time (s)", ylabel="units", ylim=(0, 1), yticks=(0, 1), xlim=(time[0], time[-1]))
+
+
+def mixed(states):
+    """The sample at which units differ most."""
+    return int(np.argmax(np.minimum((states == 1).sum(axis=1), ((states == 2) | (states == 3)).sum(axis=1))))
+
+
+def mark(axes, time, words):
+    axes.axvline(time, color="#d1495b", linewidth=1.2)
+    axes.annotate(words, (time, 0.96), xycoords=("data", "axes fraction"), xytext=(-4, 0), textcoords="offset points", ha="right", va="top",
+                  fontsize=8, color="#d1495b", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1})
+
+
+def trial_picture(title, scene, sensor, draw_reading, *, draw_pad=None, trial=0):
+    record = slipbench.Scene.load(SCENES / scene).run(trial=trial)
+    pad = record.sensors[sensor]
+    states = pad.labels.unit_state
+    at = mixed(states)
+    picture, left, reading, shares = figure(f"{title} ({scene})")
+    if draw_pad:
+        draw_pad(left, pad, at)
+    else:
+        draw_units(left, pad.labels.unit_positions, states[at], 3000 / len(states[at]))
+        left.set_title(f"pad at {pad.time[at]:.2f} s", fontsize=9)
+    draw_reading(reading, record, pad)
+    mark(reading, record.outcome.get("judged_slip_time_s") or record.outcome["first_slip_time_s"], "slip begins")
+    draw_shares(shares, pad.time, states)
+    return picture
+
+
+def tangential(axes, _, pad):
+    axes.plot(pad.time, np.linalg.norm(pad.labels.force[:, :, :2], axis=2), linewidth=1)
+    axes.set_ylabel("tangential force\nof a pillar (N)")
+
+
+def whole(axes, _, pad):
+    axes.plot(pad.time, np.linalg.norm(pad.labels.force[:, :, :2].sum(axis=1), axis=1))
+    axes.set_ylabel("tangential force (N)")
+
+
+def counts(channel, words):
+    def draw(axes, _, pad):
+        time = pad.channel_time.get(channel, pad.time)
+        values = pad.channels[channel].reshape(len(time), -1)
+        axes.plot(time, values[:, np.argsort(-np.ptp(values, axis=0))[:6]], linewidth=0.8)
+        axes.set_ylabel(f"{words} (counts)")
+    return draw
+
+
+def image(axes, pad, at):
+    shown = axes.imshow(pad.channels["taxels"][at], cmap="viridis", origin="lower")
+    axes.set_title(f"taxels at {pad.time[at]:.2f} s", fontsize=9)
+    axes.figure.colorbar(shown, ax=axes, shrink=0.7, label="counts", location="bottom")
+
+
+def closer(axes, pad, _):
+    onset = pad.labels.onset_time[0]
+    chosen = abs(pad.time - onset) < 0.03
+    axes.plot(1000 * (pad.time[chosen] - onset), pad.channels["signal"][chosen, 0], linewidth=0.8)
+    axes.axvline(0, color="#d1495b", linewidth=1.2)
+    axes.set(xlabel="time after slip (ms)", ylabel="signal (counts)")
+
+
+def grip(axes, record, _):
+    axes.plot(record.control.time, record.control.grip_force, label="grip force (N)")
+    box = record.bodies["box"]
+    axes.plot(box["time"], 100 * (box["pose"][:, 2] - box["pose"][0, 2]), label="height (cm)")
+    axes.legend(fontsize=8, loc="center right")
+
+
+def speed(axes, record, pad):
+    body = record.bodies[pad.name]
+    axes.plot(body["time"], np.linalg.norm(body["velocity"][:, :2], axis=1))
+    axes.set_ylabel("speed (m/s)")
+
+
+def benchmark():
+    """The truth of one recording of each sensor."""
+    picture, axes = plt.subplots(5, figsize=(7, 3), dpi=100, layout="constrained")
+    picture.suptitle("What slip detectors are judged by: the truth of one recording a sensor (benchmark/slip-1)", fontsize=10)
+    for axis, (name, trial) in zip(axes, {"papillarray": 4, "nib_pad": 5, "piezo_skin": 6, "myrmex": 1, "biotac_sp": 5}.items(), strict=True):
+        pad = next(iter(slipbench.Scene.load(SCENES / f"benchmark/slip-1/open_{name}.yaml").run(trial=trial).sensors.values()))
+        axis.imshow(pad.labels.state[None], aspect="auto", cmap=ListedColormap(PAD_COLOURS), vmin=0, vmax=3, interpolation="nearest",
+                    extent=(pad.time[0], pad.time[-1], 0, 1))
+        axis.set_yticks([])
+        axis.set_ylabel(name, rotation=0, ha="right", va="center", fontsize=9)
+        axis.tick_params(labelsize=7)
+    axes[-1].set_xlabel("time (s)")
+    explain(picture, PAD_STATES, PAD_COLOURS)
+    return picture
+
+
+def plain_mujoco():
+    """hold.xml in the package mujoco: the fingers let go slowly."""
+    model = mujoco.MjModel.from_xml_path(str(SCENES / "mujoco/hold.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("grasped").id)
+    pad = slipbench.mujoco.pads(model)["left"]
+    time, forces, states = [], [], []
+    while data.time < 1.5:
+        data.ctrl[:] = 4.0 - 3.2 * max(0.0, data.time - 0.5)
+        mujoco.mj_step(model, data)
+        read = pad.read(data)
+        time.append(data.time), forces.append(np.array(read.force)), states.append(np.array(read.unit_state, dtype=int).ravel())
+    time, forces, states = np.array(time), np.array(forces), np.array(states)
+    at = mixed(states)
+    places = 0.007 * np.stack(np.meshgrid((1, 0, -1), (1, 0, -1)), axis=-1).reshape(-1, 2)
+    picture, left, reading, shares = figure("Two pads in plain MuJoCo let a box slip (mujoco/hold.xml)")
+    draw_units(left, places, states[at], 330)
+    left.set_title(f"left pad at {time[at]:.2f} s", fontsize=9)
+    reading.plot(time, forces[:, :, 2].sum(axis=1), label="normal force (N)")
+    reading.plot(time, np.linalg.norm(forces[:, :, :2].sum(axis=1), axis=1), label="tangential force (N)")
+    reading.legend(fontsize=8, loc="center left")
+    mark(reading, time[np.argmax((states == 2).any(axis=1))], "slip begins")
+    draw_shares(shares, time, states)
+    return picture
+
+
+PICTURES = {
+    "benchmark": benchmark,
+
+    "biotac_sp": lambda: trial_picture("BioTac SP slides and turns", "biotac_sp/slip.yaml", "pad", counts("electrodes", "six electrodes")),
+    "bodies": lambda: trial_picture("A block on a pad comes to rest", "bodies/sliding_block.yaml", "sole", speed),
+    "grasp": lambda: trial_picture("A gripper lifts a box", "grasp/lift.yaml", "pad", grip),
+    "mujoco": plain_mujoco,
+    "myrmex": lambda: trial_picture("Two arms let an object slip", "myrmex/slip.yaml", "left", whole, draw_pad=image),
+    "nib_pad": lambda: trial_picture("A plate turns under a nib pad", "nib_pad/rotational.yaml", "pad", counts("fr", "two clusters of nibs")),
+    "papillarray": lambda: trial_picture("Press and slide of nine pillars", "papillarray/stage.yaml", "pad", tangential),
+    "piezo_skin": lambda: trial_picture("A tip slides over a piezoelectric skin", "piezo_skin/slide.yaml", "pad", counts("signal", "signal"),
+                                        draw_pad=closer),
+}
+
+
+def main(folder):
+    matplotlib.use("Agg")
+    for name, draw in PICTURES.items():
+        place = folder / name / "gallery.png"
+        place.parent.mkdir(parents=True, exist_ok=True)
+        picture = draw()
+        picture.canvas.draw()
+        Image.fromarray(np.asarray(picture.canvas.buffer_rgba())).convert("RGB").quantize(96).save(place, optimize=True)
+        plt.close(picture)
+        print(place)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else SCENES)
