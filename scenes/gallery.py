@@ -23,7 +23,8 @@ PAD_COLOURS = ("#dde1e6", "#2f6fb0", "#edae49", "#d1495b")
 
 
 def explain(picture, names, colours):
-    picture.legend([plt.Rectangle((0, 0), 1, 1, color=colour) for colour in colours], names, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    patches = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in colours]
+    picture.legend(patches, names, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
 
 
 def figure(title):
