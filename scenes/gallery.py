@@ -23,7 +23,8 @@ PAD_COLOURS = ("#dde1e6", "#2f6fb0", "#edae49", "#d1495b")
 
 
 def explain(picture, names, colours):
-    picture.legend([plt.Rectangle((0, 0), 1, 1, color=colour) for colour in colours], names, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    patches = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in colours]
+    picture.legend(patches, names, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
 
 
 def figure(title):
@@ -86,7 +87,7 @@ def tangential(axes, _, pad):
 
 def whole(axes, _, pad):
     axes.plot(pad.time, np.linalg.norm(pad.labels.force[:, :, :2].sum(axis=1), axis=1))
-    axes.set_ylabel("tangential force (N)")
+    axes.set_ylabel("tangential\nforce (N)")
 
 
 def counts(channel, words):
@@ -94,14 +95,14 @@ def counts(channel, words):
         time = pad.channel_time.get(channel, pad.time)
         values = pad.channels[channel].reshape(len(time), -1)
         axes.plot(time, values[:, np.argsort(-np.ptp(values, axis=0))[:6]], linewidth=0.8)
-        axes.set_ylabel(f"{words} (counts)")
+        axes.set_ylabel(f"{words}\n(counts)")
     return draw
 
 
 def image(axes, pad, at):
     shown = axes.imshow(pad.channels["taxels"][at], cmap="viridis", origin="lower")
     axes.set_title(f"taxels at {pad.time[at]:.2f} s", fontsize=9)
-    axes.figure.colorbar(shown, ax=axes, shrink=0.7, label="counts", location="bottom")
+    axes.figure.colorbar(shown, ax=axes, shrink=0.6, label="counts")
 
 
 def closer(axes, pad, _):
@@ -175,7 +176,7 @@ PICTURES = {
     "grasp": lambda: trial_picture("A gripper lifts a box", "grasp/lift.yaml", "pad", grip),
     "mujoco": plain_mujoco,
     "myrmex": lambda: trial_picture("Two arms let an object slip", "myrmex/slip.yaml", "left", whole, draw_pad=image),
-    "nib_pad": lambda: trial_picture("A plate turns under a nib pad", "nib_pad/rotational.yaml", "pad", counts("fr", "two clusters of nibs")),
+    "nib_pad": lambda: trial_picture("A plate turns under a nib pad", "nib_pad/rotational.yaml", "pad", counts("fr", "two clusters")),
     "papillarray": lambda: trial_picture("Press and slide of nine pillars", "papillarray/stage.yaml", "pad", tangential),
     "piezo_skin": lambda: trial_picture("A tip slides over a piezoelectric skin", "piezo_skin/slide.yaml", "pad", counts("signal", "signal"),
                                         draw_pad=closer),
@@ -189,7 +190,7 @@ def main(folder):
         place.parent.mkdir(parents=True, exist_ok=True)
         picture = draw()
         picture.canvas.draw()
-        Image.fromarray(np.asarray(picture.canvas.buffer_rgba())).convert("RGB").quantize(96).save(place, optimize=True)
+        Image.fromarray(np.asarray(picture.canvas.buffer_rgba())).convert("RGB").quantize(256).save(place, optimize=True)
         plt.close(picture)
         print(place)
 
