@@ -17,7 +17,7 @@ INSTALLED = Path("/var/lib/dpkg/info")
 # Called by scripts and tests, which CMake does not look for.
 PROGRAMS = ("c++", "chromium", "cmake", "git", "ninja", "shellcheck", "valgrind")
 # Packages whose names hold a version, which Debian's own defaults bring.
-BY_DEFAULT = {r"g\+\+-\d+": "g++", r"libpython3\.\d+-dev": "python3-dev"}
+BY_DEFAULT = {r"g\+\+-\d+.*": "g++", r"libpython3\.\d+-dev": "python3-dev"}
 # What CMake's own module for HDF5 looks for beside the library.
 NOT_OURS = re.compile(r"HDF5_(?!C_LIBRARY_hdf5$).*")
 # Of no Debian package, or looked for without a name in the cache.

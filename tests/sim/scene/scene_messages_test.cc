@@ -41,6 +41,11 @@ class Refusal : public testing::TestWithParam<Case> {};
 
 TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().message) << GetParam().text; }
 
+// yaml-cpp 0.8 names the anchor, too.
+TEST(Yaml, AnAliasWithoutAnAnchorIsRefused) {
+  EXPECT_THAT(answer(head + "seed: 1\nmotion: *a\n"), testing::StartsWith("s.yaml:4: not valid YAML: the referenced anchor is not defined"));
+}
+
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
 
 const std::string scene_keys =
@@ -73,7 +78,6 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"DuplicateNestedKey", head + "motion:\n  speed: 1\n  gap: 1\n  speed: 2\n",
              "s.yaml:6: duplicate key 'speed', first at s.yaml:4"},
         Case{"Anchor", head + "motion: &a {speed: 1}\n", "s.yaml:3: anchors ('&name') are not allowed"},
-        Case{"Alias", head + "seed: 1\nmotion: *a\n", "s.yaml:4: not valid YAML: the referenced anchor is not defined"},
         Case{"Tag", head + "seed: !!int 1\n", "s.yaml:3: tags ('!name') are not allowed"},
         Case{"MergeKey", head + "motion: {<<: {speed: 1}}\n", "s.yaml:3: merge keys ('<<') are not allowed"},
         Case{"MapAsKey", head + "? {a: b}\n: 1\n", "s.yaml:3: a key that is not text; are all brackets closed?"},
