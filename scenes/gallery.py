@@ -58,8 +58,10 @@ def mixed(states):
 
 def mark(axes, time, words):
     axes.axvline(time, color="#d1495b", linewidth=1.2)
-    axes.annotate(words, (time, 0.96), xycoords=("data", "axes fraction"), xytext=(-4, 0), textcoords="offset points", ha="right", va="top",
-                  fontsize=8, color="#d1495b", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1})
+    begin, end = axes.dataLim.intervalx
+    room = time - begin > (end - begin) / 4  # for the words, left of the line
+    axes.annotate(words, (time, 0.96), xycoords=("data", "axes fraction"), xytext=(-4 if room else 4, 0), textcoords="offset points",
+                  ha="right" if room else "left", va="top", fontsize=8, color="#d1495b", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1})
 
 
 def trial_picture(title, scene, sensor, draw_reading, *, draw_pad=None, trial=0):
@@ -86,7 +88,7 @@ def tangential(axes, _, pad):
 
 def whole(axes, _, pad):
     axes.plot(pad.time, np.linalg.norm(pad.labels.force[:, :, :2].sum(axis=1), axis=1))
-    axes.set_ylabel("tangential force (N)")
+    axes.set_ylabel("tangential\nforce (N)")
 
 
 def counts(channel, words):
@@ -94,14 +96,14 @@ def counts(channel, words):
         time = pad.channel_time.get(channel, pad.time)
         values = pad.channels[channel].reshape(len(time), -1)
         axes.plot(time, values[:, np.argsort(-np.ptp(values, axis=0))[:6]], linewidth=0.8)
-        axes.set_ylabel(f"{words} (counts)")
+        axes.set_ylabel(f"{words}\n(counts)")
     return draw
 
 
 def image(axes, pad, at):
     shown = axes.imshow(pad.channels["taxels"][at], cmap="viridis", origin="lower")
     axes.set_title(f"taxels at {pad.time[at]:.2f} s", fontsize=9)
-    axes.figure.colorbar(shown, ax=axes, shrink=0.7, label="counts", location="bottom")
+    axes.figure.colorbar(shown, ax=axes, shrink=0.5, label="counts")
 
 
 def closer(axes, pad, _):
@@ -169,13 +171,12 @@ def plain_mujoco():
 
 PICTURES = {
     "benchmark": benchmark,
-
     "biotac_sp": lambda: trial_picture("BioTac SP slides and turns", "biotac_sp/slip.yaml", "pad", counts("electrodes", "six electrodes")),
     "bodies": lambda: trial_picture("A block on a pad comes to rest", "bodies/sliding_block.yaml", "sole", speed),
     "grasp": lambda: trial_picture("A gripper lifts a box", "grasp/lift.yaml", "pad", grip),
     "mujoco": plain_mujoco,
     "myrmex": lambda: trial_picture("Two arms let an object slip", "myrmex/slip.yaml", "left", whole, draw_pad=image),
-    "nib_pad": lambda: trial_picture("A plate turns under a nib pad", "nib_pad/rotational.yaml", "pad", counts("fr", "two clusters of nibs")),
+    "nib_pad": lambda: trial_picture("A plate turns under a nib pad", "nib_pad/rotational.yaml", "pad", counts("fr", "two clusters")),
     "papillarray": lambda: trial_picture("Press and slide of nine pillars", "papillarray/stage.yaml", "pad", tangential),
     "piezo_skin": lambda: trial_picture("A tip slides over a piezoelectric skin", "piezo_skin/slide.yaml", "pad", counts("signal", "signal"),
                                         draw_pad=closer),
