@@ -23,7 +23,8 @@ PAD_COLOURS = ("#dde1e6", "#2f6fb0", "#edae49", "#d1495b")
 
 
 def explain(picture, names, colours):
-    picture.legend([plt.Rectangle((0, 0), 1, 1, color=colour) for colour in colours], names, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    patches = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in colours]
+    picture.legend(patches, names, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
 
 
 def figure(title):
@@ -103,7 +104,7 @@ def counts(channel, words):
 def image(axes, pad, at):
     shown = axes.imshow(pad.channels["taxels"][at], cmap="viridis", origin="lower")
     axes.set_title(f"taxels at {pad.time[at]:.2f} s", fontsize=9)
-    axes.figure.colorbar(shown, ax=axes, shrink=0.5, label="counts")
+    axes.figure.colorbar(shown, ax=axes, shrink=0.6, label="counts")
 
 
 def closer(axes, pad, _):
@@ -190,7 +191,7 @@ def main(folder):
         place.parent.mkdir(parents=True, exist_ok=True)
         picture = draw()
         picture.canvas.draw()
-        Image.fromarray(np.asarray(picture.canvas.buffer_rgba())).convert("RGB").quantize(96).save(place, optimize=True)
+        Image.fromarray(np.asarray(picture.canvas.buffer_rgba())).convert("RGB").quantize(256).save(place, optimize=True)
         plt.close(picture)
         print(place)
 
