@@ -59,8 +59,10 @@ def mixed(states):
 
 def mark(axes, time, words):
     axes.axvline(time, color="#d1495b", linewidth=1.2)
-    axes.annotate(words, (time, 0.96), xycoords=("data", "axes fraction"), xytext=(-4, 0), textcoords="offset points", ha="right", va="top",
-                  fontsize=8, color="#d1495b", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1})
+    begin, end = axes.dataLim.intervalx
+    room = time - begin > (end - begin) / 4  # for the words, left of the line
+    axes.annotate(words, (time, 0.96), xycoords=("data", "axes fraction"), xytext=(-4 if room else 4, 0), textcoords="offset points",
+                  ha="right" if room else "left", va="top", fontsize=8, color="#d1495b", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1})
 
 
 def trial_picture(title, scene, sensor, draw_reading, *, draw_pad=None, trial=0):
@@ -170,7 +172,6 @@ def plain_mujoco():
 
 PICTURES = {
     "benchmark": benchmark,
-
     "biotac_sp": lambda: trial_picture("BioTac SP slides and turns", "biotac_sp/slip.yaml", "pad", counts("electrodes", "six electrodes")),
     "bodies": lambda: trial_picture("A block on a pad comes to rest", "bodies/sliding_block.yaml", "sole", speed),
     "grasp": lambda: trial_picture("A gripper lifts a box", "grasp/lift.yaml", "pad", grip),
