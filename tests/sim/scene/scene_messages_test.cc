@@ -1,4 +1,5 @@
 // What a scene that is wrong is answered: every message names the place, what was found, what is allowed and the nearest name.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -43,7 +44,8 @@ TEST_P(Refusal, HasItsMessage) { EXPECT_EQ(answer(GetParam().text), GetParam().m
 
 // yaml-cpp 0.8 names the anchor, too.
 TEST(Yaml, AnAliasWithoutAnAnchorIsRefused) {
-  EXPECT_THAT(answer(head + "seed: 1\nmotion: *a\n"), testing::StartsWith("s.yaml:4: not valid YAML: the referenced anchor is not defined"));
+  EXPECT_THAT(answer(head + "seed: 1\nmotion: *a\n"),
+              testing::StartsWith("s.yaml:4: not valid YAML: the referenced anchor is not defined"));
 }
 
 std::string case_name(const testing::TestParamInfo<Case>& info) { return info.param.name; }
