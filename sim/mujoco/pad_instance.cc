@@ -389,10 +389,10 @@ void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
         "plugin '{}': the flag sleep is enabled, and MuJoCo does not see that a pad joins two bodies: one that sleeps would stay where it is when the other lets go; allowed: sleep off",
         config_.name));
   }
-  if (model->opt.timestep != step_) {
+  if (const double step = model->opt.timestep; step != step_) {
     throw InputError(
         fmt::format("plugin '{}': the time step has changed from {:.9g} s to {:.9g} s; allowed: mj_makeData after the change",
-                    config_.name, step_, model->opt.timestep));
+                    config_.name, step_, step));
   }
 }
 
