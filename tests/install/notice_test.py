@@ -7,7 +7,6 @@ import platform
 import re
 import subprocess
 import sys
-import sysconfig
 import unittest
 from functools import cache
 from pathlib import Path
@@ -68,7 +67,7 @@ def compiled_in():
                 files.add(path)
     # Python's headers are Debian's, or those of another Python that the module is built for.
     packages = {"libpython3-dev"}
-    files = {path for path in files if not path.startswith(sysconfig.get_path("include"))}
+    files = {path for path in files if not re.search(r"/python3\.\d+/", path)}
     for listing in Path("/var/lib/dpkg/info").glob("*.list"):
         if not files.isdisjoint(listing.read_text(encoding="utf-8").splitlines()):
             packages.add(listing.stem.split(":")[0])
