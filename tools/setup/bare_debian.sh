@@ -6,7 +6,7 @@
 # Needs root and Debian's mmdebstrap; exits with 3 where no such system can be made. The system is a chroot of 150 MB, made in 20 s.
 set -euo pipefail
 
-usage() { sed -n '2,7s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+usage() { printf 'slipbench: %s\n' "$1" >&2; sed -n '2,7s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 no_system() { printf 'slipbench: no bare Debian can be made here: %s\n' "$1" >&2; exit 3; }
 
 release=bookworm
@@ -15,11 +15,12 @@ while getopts r:d: option; do
   case $option in
     r) release=$OPTARG ;;
     d) folder=$OPTARG ;;
-    *) usage ;;
+    *) usage "allowed: -r, -d" ;;
   esac
 done
 shift $((OPTIND - 1))
-[[ $# -gt 0 && $release =~ ^(bookworm|trixie)$ ]] || usage
+[[ $release =~ ^(bookworm|trixie)$ ]] || usage "-r $release; allowed: bookworm, trixie"
+[[ $# -gt 0 ]] || usage "no command; allowed: one, with its words"
 
 [[ $(id -u) == 0 ]] || no_system "not root"
 command -v mmdebstrap >/dev/null || no_system "no mmdebstrap; get it with: apt-get install --yes mmdebstrap"
@@ -34,10 +35,9 @@ base=$(realpath "$base")
 root=$base/root
 # In a mount namespace of its own: what is mounted goes with this process, however it ends, before anything is removed.
 if [[ -z ${SLIPBENCH_BARE_DEBIAN:-} ]]; then
-  status=0
-  SLIPBENCH_BARE_DEBIAN=1 unshare --mount --propagation private "${BASH_SOURCE[0]}" -r "$release" -d "$base" "$@" || status=$?
-  [[ -n $folder ]] || rm -rf --one-file-system "$base"
-  exit "$status"
+  [[ -n $folder ]] || trap 'rm -rf --one-file-system "$base"' EXIT
+  SLIPBENCH_BARE_DEBIAN=1 unshare --mount --propagation private "${BASH_SOURCE[0]}" -r "$release" -d "$base" "$@"
+  exit
 fi
 
 # This machine's mirror, proxies and certificates: how packages are reached is no part of what is tried.
