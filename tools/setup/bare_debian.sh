@@ -59,6 +59,7 @@ if [[ ! -d $root/tree ]]; then
   git clone --quiet "$tree" "$root/tree.part"
   mv "$root/tree.part" "$root/tree"
 fi
+mount --bind "$root" "$root"  # a mount of its own, as unshare asks of a root: a system can be made inside of this one, too
 mount -t proc proc "$root/proc"
 mount --rbind /sys "$root/sys"
 mount --rbind /dev "$root/dev"
