@@ -203,15 +203,22 @@ std::string named(const SweptPath& swept) { return "sweep." + (swept.parts.empty
                          (swept.parts.empty() ? "of the whole value" : swept.path + "=... as a whole"));
 }
 
-// Takes the key at `path` out of a map of an axis.
-void erase_inside(YamlNode& value, std::span<const std::string> path, const SweptPath& swept) {
-  if (value.kind != YamlNode::Kind::map) refuse_inside(swept);
-  if (path.size() == 1) {
-    std::erase_if(value.children, [&](const YamlNode& child) { return child.key == path.front(); });
-  } else if (YamlNode* child = value.find(path.front())) {
-    erase_inside(*child, path.subspan(1), swept);
-  }
+// Both were typed, and neither is nearer to what its user means.
+[[noreturn]] void refuse_both(const SweptPath& swept) {
+  fail(swept.origin, named(swept) + " sweeps what the command line fixes, too; allowed: one of the two");
 }
+
+// Takes the key at `path` out of a map of an axis; returns whether it was there.
+bool erase_inside(YamlNode& value, std::span<const std::string> path, const SweptPath& swept) {
+  if (value.kind != YamlNode::Kind::map) refuse_inside(swept);
+  if (path.size() == 1)
+    return std::erase_if(value.children, [&](const YamlNode& child) { return child.key == path.front(); }) > 0;
+  YamlNode* child = value.find(path.front());
+  return child != nullptr && erase_inside(*child, path.subspan(1), swept);
+}
+
+// What the command line gives has no line.
+bool is_typed(const YamlNode& node) { return node.origin.line == 0 || std::ranges::any_of(node.children, is_typed); }
 
 void collect(const YamlNode& value, const std::string& path, std::vector<std::string>& leaves) {
   if (value.kind != YamlNode::Kind::map) {
@@ -280,7 +287,8 @@ void Sweep::read_trials(const YamlNode& node) {
 
 // Maps that are merged into the scene itself: values of several sections that go together.
 void Sweep::read_scenes(const YamlNode& node) {
-  SweptPath swept{.path = "", .parts = {}, .origin = node.key_origin, .values = {}, .draw = std::nullopt};
+  SweptPath swept{
+      .path = "", .parts = {}, .origin = node.key_origin, .values = {}, .draw = std::nullopt, .typed = is_typed(node)};
   if (node.kind == YamlNode::Kind::sequence) swept.values = values_of(node, "sweep.scene");
   if (node.kind == YamlNode::Kind::map) {
     swept.draw = DrawReader(node, "sweep.scene").read(swept.values);
@@ -304,7 +312,8 @@ void Sweep::read_path(const YamlNode& node) {
                   .parts = split_path(node.key, node.key_origin),
                   .origin = node.key_origin,
                   .values = {},
-                  .draw = std::nullopt};
+                  .draw = std::nullopt,
+                  .typed = is_typed(node)};
   if (is_fixed(swept.parts.front())) refuse_fixed(node);
   const std::string where = "sweep." + node.key;
   if (node.kind == YamlNode::Kind::sequence) {
@@ -320,12 +329,15 @@ void Sweep::read_path(const YamlNode& node) {
 
 void Sweep::drop_overridden(const std::vector<std::vector<std::string>>& overridden) {
   for (const std::vector<std::string>& fixed : overridden) {
-    std::erase_if(paths_, [&](const SweptPath& swept) { return starts_with(swept.parts, fixed); });
+    std::erase_if(paths_, [&](const SweptPath& swept) { return starts_with(swept.parts, fixed) && !swept.typed; });
     for (SweptPath& swept : paths_) {
       if (!starts_with(fixed, swept.parts)) continue;
+      if (fixed == swept.parts) refuse_both(swept);
       // A key inside an axis of maps is fixed: every map loses it.
       const auto inside = std::span(fixed).subspan(swept.parts.size());
-      for (YamlNode& value : swept.values) erase_inside(value, inside, swept);
+      for (YamlNode& value : swept.values) {
+        if (erase_inside(value, inside, swept) && swept.typed) refuse_both(swept);
+      }
       if (swept.values.empty()) refuse_inside(swept);
     }
   }

@@ -37,6 +37,7 @@ struct SweptPath {
   Origin origin;
   std::vector<YamlNode> values;  // of the axis, or of a choice
   std::optional<Draw> draw;
+  bool typed;  // given on the command line, all of it or a part
 };
 
 // Every path that the entry sets: a map on an axis stands for the keys in it.
@@ -44,7 +45,8 @@ std::vector<std::string> leaves_of(const SweptPath& swept);
 
 class Sweep {
  public:
-  // `node`: the scene's `sweep`, or null where it has none. `overridden`: paths fixed on the command line, which leave the sweep.
+  // `node`: the scene's `sweep`, or null where it has none. `overridden`: paths fixed on the command line, which leave the sweep
+  // of the file. What the command line sweeps stays: below such a path it applies to what was given there, and the same path is refused.
   // Throws InputError.
   Sweep(const YamlNode* node, const std::vector<std::vector<std::string>>& overridden);
 

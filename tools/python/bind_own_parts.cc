@@ -75,6 +75,13 @@ struct WithLock {
 };
 using OwnPart = std::unique_ptr<Own, WithLock>;
 
+// What Python says of an exception. Its text may hold lone surrogates, which no UTF-8 has and nanobind's what() cannot bear.
+std::string text_of(const nb::python_error& error) {
+  const nb::object lines = nb::module_::import_("traceback").attr("format_exception")(error.value());
+  const nb::object text = nb::str("").attr("join")(lines).attr("strip")();
+  return nb::cast<nb::bytes>(text.attr("encode")("utf-8", "backslashreplace")).c_str();
+}
+
 // `work` with Python's lock; what a class raises is an error of the scene that names it.
 template <class Work>
 auto locked(const std::string& whose, Work&& work) {
@@ -82,7 +89,7 @@ auto locked(const std::string& whose, Work&& work) {
   try {
     return work();
   } catch (const nb::python_error& error) {
-    throw InputError(whose + ": " + error.what());
+    throw InputError(whose + ": " + text_of(error));
   } catch (const nb::cast_error&) {
     throw InputError(whose + ": returned something of another type than its method may");
   }

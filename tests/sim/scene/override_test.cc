@@ -172,5 +172,26 @@ TEST(Override, ChangesTheSweepItself) {
   EXPECT_EQ(plan(catalogues, {{"sweep", "{}"}}).size(), 1u);
 }
 
+// What was typed is never dropped: below a typed value a typed sweep applies to it, in either order; of the same value there is one.
+TEST(Override, KeepsASweepThatWasTyped) {
+  const Catalogues catalogues = test_catalogues();
+  const Override whole{"motion", "{start: 1 s}"};
+  const Override fixed{"motion.speed", "9 mm/s"};
+  const std::string both = " sweeps what the command line fixes, too; allowed: one of the two";
+  for (const Override& typed :
+       {Override{"sweep", "{motion.speed: [1 mm/s, 2 mm/s]}"}, Override{"sweep.motion.speed", "[1 mm/s, 2 mm/s]"}}) {
+    EXPECT_EQ(TrialPlan(with({whole, typed}), catalogues, 0, 0).size(), 2u);
+    EXPECT_EQ(TrialPlan(with({typed, whole}), catalogues, 0, 0).size(), 2u);
+    const std::string message = "--set " + typed.path + "=" + typed.value + ": sweep.motion.speed" + both;
+    EXPECT_EQ(refusal({fixed, typed}), message);
+    EXPECT_EQ(refusal({typed, fixed}), message);
+  }
+  EXPECT_EQ(refusal({fixed, {"sweep", "{motion: [{speed: 1 mm/s}, {speed: 2 mm/s}]}"}}),
+            "--set sweep={motion: [{speed: 1 mm/s}, {speed: 2 mm/s}]}: sweep.motion" + both);
+  EXPECT_EQ(refusal({{"sweep.motion.speed.max", "2 mm/s"}, fixed},
+                    std::string(base) + "sweep: {motion.speed: {draw: uniform, min: 0, max: 1 mm/s}}"),
+            "s.yaml:5 (drawn): sweep.motion.speed" + both);
+}
+
 }  // namespace
 }  // namespace slipbench

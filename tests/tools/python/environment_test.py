@@ -208,14 +208,14 @@ class Failing(unittest.TestCase):
 
             def __init__(self, source):
                 if Fails.fails:
-                    raise ValueError("not today")
+                    raise ValueError("not today \udce9")  # a lone surrogate, which no UTF-8 has
 
             def update(self, frame):
                 return slipbench.State.NON_SLIP
 
         environment = slipbench.gym.GraspEnv(values={**SHORT, "detector": {"type": "fails_to_begin"}})
         Fails.fails = True
-        with self.assertRaisesRegex(slipbench.InputError, "not today"):
+        with self.assertRaisesRegex(slipbench.InputError, r"(?s)detector fails_to_begin: .*ValueError: not today \\udce9$"):
             environment.reset(seed=1)
         for use in (lambda: environment.step(np.zeros(1)), lambda: environment._grasp.bodies()):
             with self.assertRaisesRegex(RuntimeError, "reset\\(\\) comes first"):

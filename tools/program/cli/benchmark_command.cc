@@ -1,14 +1,18 @@
 #include "tools/program/cli/benchmark_command.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
 #include "sim/core/interrupted.h"
+#include "sim/core/regular_file.h"
 #include "tools/base/dataset/output_file.h"
 #include "tools/base/page/page_files.h"
 #include "tools/base/workers/interrupt.h"
@@ -22,11 +26,24 @@ namespace {
 
 constexpr TextKind submission_kind{"submission of slipbench benchmark", &benchmark::begins_as_board_json};
 
+constexpr std::uintmax_t max_submission = 64U << 20U;  // bytes
+
 std::string read_text(const std::string& path) {
+  check_regular_file(path, max_submission);
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), {}};
   if (!file) throw InputError(path + ": cannot be read");
   return text;
+}
+
+// A library is code of others, which whoever recomputes has to name: a file that came by mail is not to choose what runs here.
+void check_libraries(const benchmark::Asked& submitted, const std::vector<Override>& allowed, const std::string& file) {
+  for (const Override& change : submitted.parameters) {
+    const auto names = [&](const Override& own) { return own.path == change.path && own.value == change.value; };
+    if (change.path == "library" && std::ranges::none_of(allowed, names))
+      throw InputError(
+          fmt::format("{}: runs a library; allowed: with --set library={}, to run its code here", file, change.value));
+  }
 }
 
 // Whether both paths lead to one file, whether it is there or not.
@@ -53,7 +70,8 @@ simulations is judged on recordings of real sensors.
 
 DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that `slipbench train` wrote.
 
---verify recomputes a submission. It exits with status 1 and says what differs first where it is not the same byte for byte.
+--verify recomputes a submission. It exits with status 1 and says what differs first where it is not the same byte for byte. The library of
+a plugin, which is code of others, runs where --set library=PATH names it.
 
 Examples:
   slipbench benchmark -o board.html
@@ -69,18 +87,20 @@ Examples:
   arguments.jobs(jobs);
   arguments.file("-o,--output FILE.html", output, "Write a page, and FILE.json beside it");
   arguments.file("--submit FILE", submission, "Write the board as a submission");
-  arguments.text("--verify FILE", verified, "Recompute a submission; takes no other option but --jobs");
+  arguments.text("--verify FILE", verified, "Recompute a submission; takes no other option but --jobs and --set library=PATH");
   arguments.flag("--quiet", quiet, "Print no progress");
   arguments.then([this] {
-    const bool asks = !asked.detectors.empty() || !asked.parameters.empty() || !asked.real.empty() || !asked.sensor.empty() ||
-                      asked.trials > 0 || asked.untaught || !output.empty() || !submission.empty();
+    const bool sets = std::ranges::any_of(asked.parameters, [](const Override& change) { return change.path != "library"; });
+    const bool asks = !asked.detectors.empty() || sets || !asked.real.empty() || !asked.sensor.empty() || asked.trials > 0 ||
+                      asked.untaught || !output.empty() || !submission.empty();
     if (!verified.empty() && asks)
-      throw InputError("benchmark: --verify takes what was asked from its file; allowed: it alone, and --jobs");
+      throw InputError(
+          "benchmark: --verify takes what was asked from its file; allowed: it alone, --jobs, and --set library=PATH");
     if (!output.empty() && !submission.empty() &&
         (same_file(output, submission) || same_file(page::json_path(output), submission)))
       throw InputError(
           fmt::format("benchmark: --submit {}: --output {} writes that file; allowed: another name", submission, output));
-    if (asked.detectors.empty() && !asked.parameters.empty())
+    if (verified.empty() && asked.detectors.empty() && !asked.parameters.empty())
       throw InputError("benchmark: --set is of the DETECTOR given, and none is; allowed: a DETECTOR, e.g. shear_rate");
   });
 }
@@ -113,7 +133,9 @@ std::string BenchmarkCommand::text(const Json& result) const {
 int BenchmarkCommand::verify() const {
   const std::string submitted_text = read_text(verified);
   const Json submitted = benchmark::parse_submission(submitted_text, verified);
-  const Json result = made(benchmark::parse_asked(submitted.at("asked")));
+  benchmark::Asked submitted_asked = benchmark::parse_asked(submitted.at("asked"));
+  check_libraries(submitted_asked, asked.parameters, verified);
+  const Json result = made(std::move(submitted_asked));
   const std::string difference = benchmark::difference(submitted_text, submitted, result);
   const bool same_machine = submitted.contains("machine") && submitted.at("machine") == result.at("machine");
   if (json) {

@@ -123,6 +123,22 @@ TEST_F(Submissions, WhoHasSeenTheTrialsIsNotJudged) {
 }
 #endif
 
+// plugins/exits.cc ends the program with a status of its own as soon as it is loaded.
+TEST_F(Submissions, NoCodeRunsThatItsReaderHasNotNamed) {
+  const std::string library = SLIPBENCH_TEST_PLUGINS "/exits.so", file = folder_ / "mine.json";
+  ASSERT_EQ(run(quick, {"--submit", file}).status, 0);
+  Json submission = Json::parse(text_of(file));
+  submission["asked"]["detectors"] = Json::array({"plugin"});
+  submission["asked"]["set"] = Json::array({Json::array({"library", library})});
+  std::ofstream(file) << submission.dump(2);
+  const ChildResult unnamed = run_program_file({"benchmark", "--verify", file, "--quiet"});
+  EXPECT_EQ(unnamed.status, 2);
+  EXPECT_EQ(unnamed.err,
+            fmt::format("slipbench: {}: runs a library; allowed: with --set library={}, to run its code here\n", file, library));
+  EXPECT_EQ(run_program_file({"benchmark", "--verify", file, "--quiet", "--set", "library=other.so"}).err, unnamed.err);
+  EXPECT_EQ(run_program_file({"benchmark", "--verify", file, "--quiet", "--set", "library=" + library}).status, 77);
+}
+
 TEST_F(Submissions, WhatIsRefused) {
   const auto expect_refusal = [](const std::vector<std::string>& words, const std::string& message) {
     const ChildResult result = run_program_file(words);
@@ -153,6 +169,7 @@ TEST_F(Submissions, WhatIsRefused) {
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"},
                  "no.json: is no submission; allowed: what benchmark --submit writes");
   expect_refusal({"benchmark", "--submit", folder_ / "no.json"}, "no.json");
+  expect_refusal({"benchmark", "--verify", "/dev/zero"}, "/dev/zero: is a device, no file");
 }
 
 }  // namespace
