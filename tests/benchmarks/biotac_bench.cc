@@ -1,7 +1,5 @@
 // A cycle of a BioTac SP, of 1,000 a second, and a step of its skin on each surface: run with --benchmark_repetitions=9 and read the medians.
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 

@@ -3,11 +3,9 @@
 #include <cstddef>
 #include <string>
 
-#include <benchmark/benchmark.h>
-
 #include "sim/scene/parser.h"
+#include "tests/benchmarks/trials.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/run_trial.h"
 
 namespace slipbench {
 namespace {
@@ -16,12 +14,7 @@ void lever(benchmark::State& state, const std::string& name, std::size_t cell) {
   const Catalogues catalogues = program_catalogues();
   const TrialPlan plan(SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/nib_pad/" + name), catalogues, 1, 1);
   const Scene scene = plan.trial(cell).scene;
-  double simulated = 0.0;
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(run_trial(scene, cell, Recording::outcome));
-    simulated += scene.duration;
-  }
-  state.counters["x_real_time"] = benchmark::Counter(simulated, benchmark::Counter::kIsRate);
+  time_trials(state, scene, [cell](std::size_t) { return cell; });
 }
 
 BENCHMARK_CAPTURE(lever, release_paper, "release.yaml", 0)->Unit(benchmark::kMillisecond);

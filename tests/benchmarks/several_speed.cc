@@ -2,11 +2,9 @@
 #include <string>
 #include <vector>
 
-#include <benchmark/benchmark.h>
-
 #include "sim/scene/parser.h"
+#include "tests/benchmarks/trials.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/run_trial.h"
 
 namespace slipbench {
 namespace {
@@ -15,13 +13,7 @@ void trials(benchmark::State& state, const std::string& file, const std::vector<
   SceneFile scene_file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/" + file);
   for (const Override& change : changes) scene_file.apply(change);
   const Scene scene = parse_scene(scene_file, program_catalogues());
-  double simulated = 0.0;
-  std::uint64_t trial = 0;
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(run_trial(scene, trial++, Recording::outcome).record.outcome.touch_time);
-    simulated += scene.duration;
-  }
-  state.counters["x_real_time"] = benchmark::Counter(simulated, benchmark::Counter::kIsRate);
+  time_trials(state, scene, [](std::size_t k) { return k; });
 }
 
 // Ten seconds of the slide over the skin, without its detector.

@@ -1,13 +1,10 @@
 // What a recording of scenes/piezo_skin/slide.yaml costs at 10 kHz, everything included: field, labels, sensor with typical electronics, motors,
 // recorder of outcomes; with one thing left out at a time. CPU time.
-#include <string>
 #include <vector>
 
-#include <benchmark/benchmark.h>
-
 #include "sim/scene/parser.h"
+#include "tests/benchmarks/trials.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/run_trial.h"
 
 namespace slipbench {
 namespace {
@@ -18,13 +15,7 @@ void recording(benchmark::State& state, const std::vector<Override>& overrides) 
   file.apply({"motion.travel", "1 m"});
   for (const Override& change : overrides) file.apply(change);
   const Scene scene = parse_scene(file, program_catalogues());
-  double simulated = 0.0;
-  std::uint64_t trial = 0;
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(run_trial(scene, trial++, Recording::outcome).record.outcome.touch_time);
-    simulated += scene.duration;
-  }
-  state.counters["x_real_time"] = benchmark::Counter(simulated, benchmark::Counter::kIsRate);
+  time_trials(state, scene, [](std::size_t k) { return k; });
 }
 
 BENCHMARK_CAPTURE(recording, slide, {})->Unit(benchmark::kMillisecond);

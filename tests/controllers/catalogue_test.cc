@@ -1,5 +1,4 @@
 // What holds for every controller of the catalogue.
-#include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
@@ -7,11 +6,10 @@
 #include <stdexcept>
 
 #include "tests/controllers/rig.h"
+#include "tests/expect.h"
 
 namespace slipbench::controllers {
 namespace {
-
-using testing::HasSubstr;
 
 // All controllers that read a PapillArray's forces. That of a user's library, and reorient, which reads a nib pad, have tests of their own.
 std::vector<ControllerKind> built_in() {
@@ -22,12 +20,7 @@ std::vector<ControllerKind> built_in() {
 
 // The message that the declaration of `controller`.`key` has for `text`.
 std::string refused_value(const std::string& controller, const std::string& key, const std::string& text) {
-  try {
-    (void)named(controller, {{key, text}});
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of<std::invalid_argument>([&] { (void)named(controller, {{key, text}}); });
 }
 
 TEST(Controllers, DeclareThemselvesInFull) {
@@ -44,7 +37,7 @@ TEST(Controllers, DeclareThemselvesInFull) {
 
 TEST(Controllers, RefuseAnUnknownName) {
   EXPECT_THAT(
-      refusal([] {
+      refusal_of([] {
         (void)make_controller({"step_on_slipp", {}}, papillarray_source());
       }),
       HasSubstr("controller: unknown type 'step_on_slipp'; did you mean 'step_on_slip'? allowed: constant_force, force_pid"));
@@ -54,7 +47,7 @@ TEST(Controllers, RefuseASensorWithoutForces) {
   const std::vector<Channel> image{{"image", "1", {16, 16}, {}}, {"force", "N", {3}, {}}};
   for (const ControllerKind& kind : built_in()) {
     const std::string& name = kind.about.name;
-    EXPECT_EQ(refusal([&] { (void)make_controller(named(name), {.channels = image}); }),
+    EXPECT_EQ(refusal_of([&] { (void)make_controller(named(name), {.channels = image}); }),
               "controller.type: '" + name + "' reads a channel 'force' [N, 3] and the sensor has: image [16, 16], force [3]");
   }
 }
@@ -62,7 +55,7 @@ TEST(Controllers, RefuseASensorWithoutForces) {
 TEST(Controllers, ThatWaitForADetectorRefuseASceneWithoutOne) {
   GripSource source = papillarray_source();
   source.detected = false;
-  const auto refused = [&](const std::string& name) { return refusal([&] { (void)make_controller(named(name), source); }); };
+  const auto refused = [&](const std::string& name) { return refusal_of([&] { (void)make_controller(named(name), source); }); };
   const std::string rest = " needs what a detector says, and the scene has none; allowed: a detector";
   for (const std::string name : {"step_on_slip", "stuck_fraction"}) EXPECT_EQ(refused(name), "controller.type: " + name + rest);
   for (const char* name : {"constant_force", "force_pid", "force_ratio", "hold_preset"}) {
@@ -89,7 +82,7 @@ TEST(Controllers, RefuseForcesThatAreNotFinite) {
   frame.set_force(4, std::numeric_limits<double>::quiet_NaN(), 0.0);
   for (const ControllerKind& kind : built_in()) {
     const std::string& name = kind.about.name;
-    EXPECT_EQ(refusal([&] { (void)make(name)->update(input_of(frame, 20, PadState::non_slip, 50)); }),
+    EXPECT_EQ(refusal_of([&] { (void)make(name)->update(input_of(frame, 20, PadState::non_slip, 50)); }),
               "controller " + name + ": the sensor's normal forces sum up to nan N at t = 1 s; allowed: finite forces");
   }
 }

@@ -1,7 +1,6 @@
 // The controllers that follow a target force: force_ratio and stuck_fraction.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 #include "tests/controllers/rig.h"
@@ -122,7 +121,7 @@ TEST(StuckFraction, RefusesADetectorThatTellsNone) {
   ControlInput input = input_of(frame, 30, PadState::non_slip, 3);
   input.slip.stuck_fraction = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(
-      refusal([&] { controller->update(input); }),
+      refusal_of([&] { controller->update(input); }),
       "controller stuck_fraction: the detector tells no stuck fraction at t = 60 ms; allowed: a detector that does, such as stuck_fraction");
 }
 

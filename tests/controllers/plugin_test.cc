@@ -1,16 +1,12 @@
-#include <gmock/gmock.h>
 
 #include <filesystem>
 #include <string>
 
 #include "tests/controllers/rig.h"
+#include "tests/expect.h"
 
 namespace slipbench::controllers {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::StartsWith;
 
 const std::string folder = SLIPBENCH_TEST_PLUGINS;
 
@@ -37,7 +33,7 @@ GripCommand update(Controller& controller, const ControlInput& input) {
 }
 
 std::string refused(const std::string& path, const ParameterMap& parameters = {}) {
-  return refusal([&] { (void)load(path, parameters); });
+  return refusal_of([&] { (void)load(path, parameters); });
 }
 
 const ParameterMap echo_parameters{{"gain", "2.5 mm"}, {"flag", "true"}, {"word", "4 mm"}};
@@ -110,7 +106,7 @@ TEST(Plugin, IsFoundFromTheWorkingFolderWhenItsNameIsBare) {
 }
 
 TEST(Plugin, RefusesWhatIsNoController) {
-  EXPECT_EQ(refusal([] { (void)make("plugin"); }),
+  EXPECT_EQ(refusal_of([] { (void)make("plugin"); }),
             "controller.library: no library is named; allowed: the path of a shared library");
   EXPECT_EQ(refused(file("absent")),
             "controller.library: no file '" + file("absent") + "'; allowed: the path of a shared library");
@@ -132,7 +128,7 @@ TEST(Plugin, RefusesWhatIsNoController) {
 TEST(Plugin, MayRefuseAScene) {
   EXPECT_EQ(refused(file("echo")), "controller.library: '" + file("echo") +
                                        "' makes no controller for this scene; allowed: a scene that it can work with");
-  EXPECT_EQ(refusal([&] {
+  EXPECT_EQ(refusal_of([&] {
               (void)load(file("step_and_wait"), {}, two_sensors({{"image", "1", {16, 16}, {}}}));
             }),
             "controller.library: '" + file("step_and_wait") +
@@ -142,9 +138,9 @@ TEST(Plugin, MayRefuseAScene) {
 TEST(Plugin, ThatThrowsIsAtFault) {
   const std::string threw = "controller.library: '" + file("throws") + "' threw ";
   const auto controller = load(file("throws"));
-  EXPECT_EQ(refusal([&] { (void)controller->update(input_of(PillarFrame(), 20)); }),
+  EXPECT_EQ(refusal_of([&] { (void)controller->update(input_of(PillarFrame(), 20)); }),
             threw + "'out of ideas' in update; allowed: no exceptions");
-  EXPECT_EQ(refusal([&] { (void)controller->update(input_of(PillarFrame(), 0)); }),
+  EXPECT_EQ(refusal_of([&] { (void)controller->update(input_of(PillarFrame(), 0)); }),
             threw + "an exception in update; allowed: no exceptions");
   EXPECT_EQ(refused(file("throws_at_once")),
             "controller.library: '" + file("throws_at_once") +
@@ -153,7 +149,7 @@ TEST(Plugin, ThatThrowsIsAtFault) {
 
 TEST(Plugin, ThatCommandsNothingIsAtFault) {
   const auto controller = load(file("throws"));
-  EXPECT_EQ(refusal([&] { (void)controller->update(input_of(PillarFrame(), 1)); }),
+  EXPECT_EQ(refusal_of([&] { (void)controller->update(input_of(PillarFrame(), 1)); }),
             "controller.library: '" + file("throws") + "' commands in update position -1; allowed: 0 to 255");
 }
 

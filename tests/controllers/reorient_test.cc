@@ -1,17 +1,12 @@
 // Algorithms 2 and 3 of the nib pad's paper, step by step: what is commanded for what is felt.
-#include <cmath>
 #include <limits>
-#include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-
 #include "tests/controllers/rig.h"
+#include "tests/expect.h"
 
 namespace slipbench::controllers::reorient_test {
 namespace {
-
-using testing::HasSubstr;
 
 GripSource nib_source() {
   GripSource source;
@@ -199,7 +194,7 @@ TEST(Reorient, RefusesWhatItCannotWorkWith) {
   const auto refused = [](const auto& spoil) {
     GripSource source = nib_source();
     spoil(source);
-    return refusal([&] { (void)make_controller(named("reorient"), source); });
+    return refusal_of([&] { (void)make_controller(named("reorient"), source); });
   };
   EXPECT_THAT(refused([](GripSource& s) { s.guided = false; }), HasSubstr("commands the arm; allowed: motion.kind: guided"));
   EXPECT_THAT(refused([](GripSource& s) { s.features.pop_back(); }), HasSubstr("works with the feature 'normal'"));

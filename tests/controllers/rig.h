@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tools/program/catalogue/controller_catalogue.h"
 
 namespace slipbench::controllers {
@@ -165,16 +165,5 @@ class ToyPlant {
   int under_way_ = 0;                        // ms spent on the count under way
   int direction_ = 1;
 };
-
-// The message of the InputError that `call` throws.
-template <class Call>
-std::string refusal(Call&& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 }  // namespace slipbench::controllers

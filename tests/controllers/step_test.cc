@@ -1,16 +1,14 @@
 // The controllers that step by counts: constant_force, hold_preset, step_on_slip.
-#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "tests/controllers/rig.h"
+#include "tests/expect.h"
 
 namespace slipbench::controllers::step_test {
 namespace {
-
-using testing::ElementsAre;
 
 constexpr PadState stick = PadState::non_slip;
 
@@ -151,7 +149,7 @@ TEST(StepOnSlip, RefusesToWrap) {
   const PillarFrame slack = PillarFrame::of_forces(0.0);
   EXPECT_EQ(make("step_on_slip")->update(input_of(slack, 254)).position, 255);
   EXPECT_EQ(
-      refusal([&] { make("step_on_slip")->update(input_of(slack, 255, stick, 50)); }),
+      refusal_of([&] { make("step_on_slip")->update(input_of(slack, 255, stick, 50)); }),
       "controller step_on_slip: position 255 reached at t = 1 s, one count more would wrap to 0 and open the fingers; allowed: overflow: hold, or wrap as published");
   EXPECT_EQ(make("step_on_slip", {{"overflow", "hold"}})->update(input_of(slack, 255)).position, 255);
   EXPECT_EQ(make("step_on_slip", {{"overflow", "wrap"}})->update(input_of(slack, 255)).position, 0);

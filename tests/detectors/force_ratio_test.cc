@@ -2,13 +2,10 @@
 
 #include <array>
 #include <cmath>
-#include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "tests/detectors/frames.h"
+#include "tests/expect.h"
 
 namespace slipbench {
 namespace {
@@ -72,14 +69,9 @@ TEST(ForceRatio, FindsItsChannelAmongOthers) {
 
 TEST(ForceRatio, RefusesASensorWithoutForces) {
   FrameSource source{"skin", "piezo_skin", 1000.0, {{"signal", "1", {8}, {}}, {"force", "N", {9}, {}}}};
-  try {
-    detector(0.5, source);
-    ADD_FAILURE() << "was not refused";
-  } catch (const SceneValueError& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "detector.sensor: force_ratio reads a force in three axes, which the piezo_skin 'skin' does not have; allowed: a sensor that has it");
-  }
+  EXPECT_EQ(
+      refusal_of<SceneValueError>([&] { detector(0.5, source); }),
+      "detector.sensor: force_ratio reads a force in three axes, which the piezo_skin 'skin' does not have; allowed: a sensor that has it");
 }
 
 }  // namespace

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
 
 #include "sim/core/detector.h"
+#include "tests/expect.h"
 
 namespace slipbench {
 
@@ -55,5 +57,19 @@ class Told {
   Detector& detector_;
   int tick_ = 0;
 };
+
+// Three units let go one after the other on a surface at 5 mm/s: the k-th slip is told `told_at[k]` [ms] after the beginning, and the last is gross.
+inline void expect_slips_told(Detector& detector, const CoulombPad& pad, const std::array<int, 3>& told_at) {
+  Told told(detector);
+  for (int tick = 1; tick <= 250; ++tick) {
+    const SlipEstimate estimate = told.next(pad.after(5e-6 * tick));
+    const auto slipping = std::ranges::count_if(told_at, [tick](int at) { return at <= tick; });
+    const PadState state = slipping == 0 ? PadState::non_slip : slipping == 3 ? PadState::gross : PadState::incipient;
+    ASSERT_EQ(estimate.stuck_fraction, static_cast<double>(3 - slipping) / 3.0) << tick << " ms";
+    ASSERT_EQ(estimate.state, state) << tick << " ms";
+    EXPECT_EQ(estimate.time, 1e-3 * tick);
+    EXPECT_EQ(estimate.latency, 0.0);
+  }
+}
 
 }  // namespace slipbench

@@ -1,7 +1,6 @@
 #include "detectors/plugin_detector.h"
 
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <random>
@@ -10,18 +9,11 @@
 
 #include <unistd.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "tests/detectors/frames.h"
+#include "tests/expect.h"
 
 namespace slipbench {
 namespace {
-
-using testing::AnyOf;
-using testing::HasSubstr;
-using testing::StartsWith;
 
 std::string file(const std::string& name) { return SLIPBENCH_TEST_PLUGINS "/" + name + ".so"; }
 
@@ -43,14 +35,11 @@ std::unique_ptr<Detector> load(const std::string& path, const ParameterMap& para
 // What comes of a trial of four samples, if not "accepted".
 std::string outcome(const std::string& path, const ParameterMap& parameters = {}) {
   const std::vector<float> zeros(54);
-  try {
+  return refusal_of([&] {
     const auto detector = load(path, parameters);
     for (int i = 0; i < 4; ++i) static_cast<void>(detector->update({.time = 1e-3 * i, .values = zeros}));
     detector->finish();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  });
 }
 
 // wrong.so as a new file: what has crashed stays loaded, and a name that is loaded already is not loaded again.

@@ -1,6 +1,5 @@
 #include "detectors/shear_rate.h"
 
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -33,18 +32,7 @@ std::vector<float> firmer(std::vector<float> values, std::size_t units, float fa
 TEST(ShearRate, TellsEachSlipAfterItsShareOfTheWindow) {
   const CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
   const auto three = detector(pad.source(1000.0));
-  Told told(*three);
-  for (int tick = 1; tick <= 250; ++tick) {
-    const SlipEstimate estimate = told.next(pad.after(per_tick * tick));
-    const int slipping = tick < 60 ? 0 : tick < 110 ? 1 : tick < 160 ? 2 : 3;
-    ASSERT_EQ(estimate.stuck_fraction, (3 - slipping) / 3.0) << tick << " ms";
-    ASSERT_EQ(estimate.state, slipping == 0   ? PadState::non_slip
-                              : slipping == 3 ? PadState::gross
-                                              : PadState::incipient)
-        << tick << " ms";
-    EXPECT_EQ(estimate.time, 1e-3 * tick);
-    EXPECT_EQ(estimate.latency, 0.0);
-  }
+  expect_slips_told(*three, pad, {60, 110, 160});
 }
 
 // Friction that falls from 0.5 to 0.4 as the unit lets go at 100 ms: 0.4 N of 2 N, in a window in which 19 frames gave 0.38 N. Told at once.

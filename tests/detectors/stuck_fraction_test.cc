@@ -3,10 +3,8 @@
 #include <cmath>
 #include <string>
 
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "tests/detectors/frames.h"
+#include "tests/expect.h"
 
 namespace slipbench::stuck_fraction_test {
 namespace {
@@ -27,18 +25,7 @@ constexpr double per_tick = 5e-6;  // m, of a surface at 5 mm/s
 TEST(StuckFraction, TellsEachSlipAfterItsShareOfTheWindow) {
   const CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
   const auto three = detector(pad.source(1000.0));
-  Told told(*three);
-  for (int tick = 1; tick <= 250; ++tick) {
-    const SlipEstimate estimate = told.next(pad.after(per_tick * tick));
-    const int slipping = tick < 60 ? 0 : tick < 110 ? 1 : tick < 169 ? 2 : 3;
-    ASSERT_EQ(estimate.stuck_fraction, (3 - slipping) / 3.0) << tick << " ms";
-    ASSERT_EQ(estimate.state, slipping == 0   ? PadState::non_slip
-                              : slipping == 3 ? PadState::gross
-                                              : PadState::incipient)
-        << tick << " ms";
-    EXPECT_EQ(estimate.time, 1e-3 * tick);
-    EXPECT_EQ(estimate.latency, 0.0);
-  }
+  expect_slips_told(*three, pad, {60, 110, 169});
 }
 
 // At rest in a slide f_t/f_n is mu: gross, until the grip has brought it below 0.9 mu. f_t stays, f_n times 1.1 and 1.12: 0.4545, 0.4464.
@@ -86,12 +73,7 @@ TEST(StuckFraction, HearsNothingBelowTheLeastFrictionOrWithoutTouch) {
 }
 
 std::string refusal(const FrameSource& source) {
-  try {
-    (void)detector(source);
-  } catch (const SceneValueError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of<SceneValueError>([&] { (void)detector(source); });
 }
 
 TEST(StuckFraction, RefusesWhatItCannotRead) {

@@ -10,24 +10,16 @@
 #include "sim/effects/stick_slip.h"
 #include "tests/oracle/effect_field.h"
 #include "tests/oracle/pads.h"
+#include "tests/sim/field/random_case.h"
 
 namespace slipbench::oracle::inertia_test {
 namespace {
 
 constexpr double pi = std::numbers::pi, k_n = 1000.0, k_t = 300.0, depth = 1e-3, load = k_n * depth, frequency = 180.0;
 
-PadLayout one_element() {
-  PadLayout pad;
-  Element element;
-  element.k_normal = k_n;
-  element.k_tangential = k_t;
-  pad.elements.push_back(element);
-  pad.units.push_back({0, 1});
-  return pad;
-}
-
 Field element_with_mass(Friction friction, double f, double damping) {
-  return field_with_effect(one_element(), friction, "inertia", {{"frequency", f}, {"damping", damping}, {"scatter", 0.0}});
+  return field_with_effect(testing_field::one_element(k_n, k_t), friction, "inertia",
+                           {{"frequency", f}, {"damping", damping}, {"scatter", 0.0}});
 }
 
 struct Change {

@@ -2,7 +2,6 @@
 // slips at theta = 2 asin(mu f_n/(2 k_t r)). Sliding steadily, the bristle trails: its stretch e = mu f_n/k_t is tangent to the circle of
 // the anchor, so the anchor runs at radius sqrt(r^2 - e^2) and the force acts with that lever.
 #include <algorithm>
-#include <numbers>
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,6 @@
 // so it slips at t = mu f_n/(k_t v), f_n = k_n (delta - drop_p): lightest-loaded pillars first.
 #include <algorithm>
 #include <numbers>
-#include <numeric>
 #include <tuple>
 
 #include <gtest/gtest.h>

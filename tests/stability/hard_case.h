@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -16,10 +15,10 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/mujoco/dynamic_simulation.h"
 #include "sim/scene/parser.h"
+#include "tests/expect.h"
 #include "tests/sim/mujoco/dynamic_rig.h"
 
 namespace slipbench::hard {
@@ -248,12 +247,7 @@ inline BoxOnPad box_of(double mass, double stiffer, double mu) {
 
 // What a scene that is refused is told; empty when it is taken.
 inline std::string refusal(const BoxOnPad& box) {
-  try {
-    CaseRun run(box);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return refusal_of([&] { CaseRun run(box); });
 }
 
 }  // namespace slipbench::hard

@@ -10,6 +10,7 @@
 
 #include "sim/mujoco/articulated_stage.h"
 #include "tests/oracle/effect_field.h"
+#include "tests/sim/field/random_case.h"
 #include "tests/stability/hard_case.h"
 
 namespace slipbench::hard {
@@ -32,12 +33,7 @@ constexpr int cycles = 10000, touches = 1000;
 TEST(LongRun, TenThousandCyclesOfStickAndSlipKeepPeriodAndDrop) {
   constexpr double k_normal = 1000.0, k_tangential = 300.0, depth = 1e-3, load = k_normal * depth, frequency = 180.0, v = 33e-3;
   const Friction friction{0.6, 0.4};
-  PadLayout pad;
-  Element element;
-  element.k_normal = k_normal;
-  element.k_tangential = k_tangential;
-  pad.elements.push_back(element);
-  pad.units.push_back({0, 1});
+  const PadLayout pad = testing_field::one_element(k_normal, k_tangential);
   const double omega = 2.0 * std::numbers::pi * frequency, gap = (friction.mu_static - friction.mu_kinetic) * load / k_tangential;
   const double period = 2.0 * (std::numbers::pi - std::atan(gap * omega / v)) / omega + 2.0 * gap / v;
   const double drop = 2.0 * (friction.mu_static - friction.mu_kinetic) * load;

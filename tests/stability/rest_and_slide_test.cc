@@ -4,15 +4,11 @@
 #include <string>
 #include <tuple>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/stability/hard_case.h"
 
 namespace slipbench::hard {
 namespace {
-
-using ::testing::HasSubstr;
 
 double samples(double time) { return longest_sample * std::ceil(time / longest_sample); }
 

@@ -26,12 +26,60 @@ sys.path.insert(0, str(ROOT / "tools/lint"))
 from readmes import commands  # noqa: E402
 from tree import HAS_CLANG_14  # noqa: E402
 
+# What is planted: the check that finds it, where, the text, and words of the finding.
+VIOLATIONS = (
+    ("include_rule", "sensors/pad/d.h", '\n#include "detectors/e.h"\n', ":2:", "sensors/pad/"),
+    ("include_rule", "sensors/pad/d.h", '#include "sensors/skin/e.h"\n', "sensors/electronics/"),
+    ("include_rule", "sensors/pad/d.h", '#include "sim/field/field.h"\n', "sim/core/"),
+    ("include_rule", "detectors/d.h", '#include "sim/field/field.h"\n', "sim/core/"),
+    ("include_rule", "sim/core/d.cc", '#include "sim/core/e.cc"\n', "no header"),
+    ("include_rule", "detectors/d.hpp", "\n", ".h or .cc"),
+    ("include_rule", "detectors/d.h", '#include "sim/core/contact_frame.h"\n', "truth"),
+    ("include_rule", "rtl/d.h", '#include "sim/core/sensor.h"\n', "truth"),
+    ("include_rule", "controllers/d.h", '#include "detectors/e.h"\n', "controllers/"),
+    ("include_rule", "sim/field/d.h", '#include "tools/program/run/run.h"\n', "sim/"),
+    ("include_rule", "tools/program/run/d.h", '#include "tests/e.h"\n', "tools/"),
+    ("include_rule", "sim/motion/d.h", "#include <mujoco/mujoco.h>\n", "only sim/mujoco"),
+    ("include_rule", "sim/field/d.h", '#include "sim/mujoco/version.h"\n', "sim/field/"),
+    ("include_rule", "sim/motion/d.h", '#include "sim/field/field.h"\n', "sim/core/"),
+    ("include_rule", "sim/scene/d.h", '#include "sim/grasp/drive.h"\n', "sim/core/"),
+    ("include_rule", "tools/base/dataset/d.h", '#include "tools/program/run/run.h"\n', "tools/base/"),
+    ("include_rule", "tools/base/dataset/d.h", '#include "sim/scene/scene.h"\n', "sim/core/"),
+    ("include_rule", "tools/program/run/d.h", '#include "tools/studies/result.h"\n', "tools/program/"),
+    ("include_rule", "sim/core/d.h", "#include <yaml-cpp/yaml.h>\n", "standard library"),
+    ("include_rule", "sim/core/d.h", "#include <Random123/philox.h>\n", "standard library"),
+    ("include_rule", "sim/core/d.h", '#include "a.h"\n', "project root"),
+    ("readmes", "sim/core/README.md", "# sim/core\n\nSee [b](../mujoco/b.cc), [c](../mujoco/c.cc).\n", ":3:", "c.cc leads nowhere"),
+    ("readmes", "sim/core/README.md", "# It's two-words\n[up](#its-two-words) [down](#down)\n", ":2:", "#down"),
+    ("readmes", "sim/core/README.md", "`a.h`, `core/a.{h,md}`, `SCENE.yaml`, `../mujoco/b.cc`, `*.h`\n", "`core/a.{h,md}`"),
+    ("readmes", "sim/core/README.md", "In sim/mujoco/b and sim/mujoco/c.cc.\n", "sim/mujoco/c.cc"),
+    ("readmes", "sim/core/README.md", "```sh\n./slipbench list\n```\n\n    ./slipbench doctor\n", "doctor"),
+    ("readmes", "README.md", "# a\n" * 151, "151 lines"),
+    ("no_leftovers", "sim/core/d.h", "// TO" "DO: more\n", ":1:", "marker"),
+    ("no_leftovers", "sim/core/d.cc", "int a;\n// int b = 1;\n", ":2:", "code in a comment"),
+    ("no_leftovers", "sim/core/d.cc", "#if 0\n", ":1:", "code in a comment"),
+    ("no_leftovers", "tools/base/d.py", "# print(1)\n", ":1:", "code in a comment"),
+    ("no_leftovers", "data.bin", "x" * 1_000_001, "1000001 bytes"),
+    ("include_rule", "detectors/d.h", "#include <sim/core/contact_frame.h>\n", "in quotes"),
+    ("include_rule", "detectors/d.h", '#include "detectors/../sim/core/contact_frame.h"\n', "from the project root"),
+    ("include_rule", "detectors/d.h", "#include HEADER\n", "cannot be read"),
+    ("include_rule", "detectors/d.h", '/* */ #include "sim/field/field.h"\n', "cannot be read"),
+    ("include_rule", "detectors/d.h", '#include /* */ "sim/field/field.h"\n', "cannot be read"),
+    ("include_rule", "detectors/d.h", "# \\\n", "cannot be read"),
+    ("include_rule", "sim/other/d.h", "#include <vector>\n", "layer of sim"),
+    ("include_rule", "tools/other/d.h", "#include <vector>\n", "floor of tools"),
+    ("readmes", "sim/core/README.md", "```bash\n./slipbench list\n```\n", "```sh"),
+    ("readmes", "sim/core/README.md", "```sh\ncmake --preset gone\n```\n", "begins with"),
+    ("readmes", "sim/core/README.md", "- a\n  ```sh\n  ./slipbench list\n  ```\n", "line's begin"),
+    ("readmes", "sim/core/README.md", '[t](gone.md "title")\n', "gone.md leads nowhere"),
+    ("readmes", "sim/core/README.md", '<img src="gone.png">\n', "[text](where)"),
+    ("shell_check", "run.sh", "#!/usr/bin/env bash\nrm $1\n", "SC2086"),
+)
+
 
 class PlantedViolation(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.tree = Path(folder.name)
+        self.tree = Path(self.enterContext(tempfile.TemporaryDirectory()))
         for path, text in CLEAN.items():
             self.plant(path, text)
         shutil.copy(ROOT / ".clang-format", self.tree)
@@ -58,82 +106,11 @@ class PlantedViolation(unittest.TestCase):
 
 
 class ChecksTest(PlantedViolation):
-    def test_sensor_includes_detector(self):
-        self.assert_found("include_rule", "sensors/pad/d.h", '\n#include "detectors/e.h"\n', ":2:", "sensors/pad/")
-
-    def test_sensor_includes_other_sensor(self):
-        self.assert_found("include_rule", "sensors/pad/d.h", '#include "sensors/skin/e.h"\n', "sensors/electronics/")
-
-    def test_sensor_includes_simulation(self):
-        self.assert_found("include_rule", "sensors/pad/d.h", '#include "sim/field/field.h"\n', "sim/core/")
-
-    def test_detector_includes_simulation(self):
-        self.assert_found("include_rule", "detectors/d.h", '#include "sim/field/field.h"\n', "sim/core/")
-
-    def test_include_that_goes_round_the_rule(self):
-        for line, found in (('#include <sim/core/contact_frame.h>', "in quotes"),
-                            ('#include "detectors/../sim/core/contact_frame.h"', "from the project root"),
-                            ('#include HEADER', "cannot be read"), ('/* */ #include "sim/field/field.h"', "cannot be read"),
-                            ('#include /* */ "sim/field/field.h"', "cannot be read"), ('# \\', "cannot be read")):
-            with self.subTest(line):
-                self.assert_found("include_rule", "detectors/d.h", line + "\n", found)
-                self.plant("detectors/d.h", "\n")
-
-    def test_source_that_is_included(self):
-        self.assert_found("include_rule", "sim/core/d.cc", '#include "sim/core/e.cc"\n', "no header")
-
-    def test_source_of_another_ending(self):
-        self.assert_found("include_rule", "detectors/d.hpp", "\n", ".h or .cc")
-
-    def test_no_layer_and_no_floor(self):
-        self.assert_found("include_rule", "sim/other/d.h", "#include <vector>\n", "layer of sim")
-        self.plant("sim/other/d.h", "\n")
-        self.assert_found("include_rule", "tools/other/d.h", "#include <vector>\n", "floor of tools")
-
-    def test_detector_includes_truth(self):
-        self.assert_found("include_rule", "detectors/d.h", '#include "sim/core/contact_frame.h"\n', "truth")
-
-    def test_detector_includes_what_measures_truth(self):
-        self.assert_found("include_rule", "rtl/d.h", '#include "sim/core/sensor.h"\n', "truth")
-
-    def test_controller_includes_detector(self):
-        self.assert_found("include_rule", "controllers/d.h", '#include "detectors/e.h"\n', "controllers/")
-
-    def test_simulation_includes_tools(self):
-        self.assert_found("include_rule", "sim/field/d.h", '#include "tools/program/run/run.h"\n', "sim/")
-
-    def test_tool_includes_test(self):
-        self.assert_found("include_rule", "tools/program/run/d.h", '#include "tests/e.h"\n', "tools/")
-
-    def test_mujoco_outside_its_folder(self):
-        self.assert_found("include_rule", "sim/motion/d.h", "#include <mujoco/mujoco.h>\n", "only sim/mujoco")
-
-    def test_field_includes_mujoco_folder(self):
-        self.assert_found("include_rule", "sim/field/d.h", '#include "sim/mujoco/version.h"\n', "sim/field/")
-
-    def test_motion_includes_field(self):
-        self.assert_found("include_rule", "sim/motion/d.h", '#include "sim/field/field.h"\n', "sim/core/")
-
-    def test_scene_includes_grasp(self):
-        self.assert_found("include_rule", "sim/scene/d.h", '#include "sim/grasp/drive.h"\n', "sim/core/")
-
-    def test_base_includes_program(self):
-        self.assert_found("include_rule", "tools/base/dataset/d.h", '#include "tools/program/run/run.h"\n', "tools/base/")
-
-    def test_base_includes_simulation(self):
-        self.assert_found("include_rule", "tools/base/dataset/d.h", '#include "sim/scene/scene.h"\n', "sim/core/")
-
-    def test_program_includes_study(self):
-        self.assert_found("include_rule", "tools/program/run/d.h", '#include "tools/studies/result.h"\n', "tools/program/")
-
-    def test_core_includes_library(self):
-        self.assert_found("include_rule", "sim/core/d.h", "#include <yaml-cpp/yaml.h>\n", "standard library")
-
-    def test_core_header_includes_random123(self):
-        self.assert_found("include_rule", "sim/core/d.h", "#include <Random123/philox.h>\n", "standard library")
-
-    def test_include_not_from_the_root(self):
-        self.assert_found("include_rule", "sim/core/d.h", '#include "a.h"\n', "project root")
+    def test_planted_violations(self):
+        for check, path, text, *words in VIOLATIONS:
+            with self.subTest(check, path=path, text=text[:80]):
+                self.assert_found(check, path, text, *words)
+                self.plant(path, CLEAN[path]) if path in CLEAN else (self.tree / path).unlink()
 
     def test_folder_without_readme(self):
         self.plant("sim/core/a.h", "\n")
@@ -150,42 +127,12 @@ class ChecksTest(PlantedViolation):
         self.plant("detectors/memories/README.md", "# mine\n")
         self.assertNotIn("detectors/memories", self.run_check("readmes").stdout)
 
-    def test_link_that_leads_nowhere(self):
-        self.assert_found("readmes", "sim/core/README.md", "# sim/core\n\nSee [b](../mujoco/b.cc), [c](../mujoco/c.cc).\n", ":3:", "c.cc leads nowhere")
-
-    def test_anchor_without_heading(self):
-        self.assert_found("readmes", "sim/core/README.md", "# It's two-words\n[up](#its-two-words) [down](#down)\n", ":2:", "#down")
-
-    def test_file_that_is_not_there(self):
-        self.assert_found("readmes", "sim/core/README.md", "`a.h`, `core/a.{h,md}`, `SCENE.yaml`, `../mujoco/b.cc`, `*.h`\n", "`core/a.{h,md}`")
-
-    def test_path_without_backticks(self):
-        self.assert_found("readmes", "sim/core/README.md", "In sim/mujoco/b and sim/mujoco/c.cc.\n", "sim/mujoco/c.cc")
-
     def test_words_that_are_not_there(self):
         self.plant("sim/core/a.h", "class PadHolder {};\nint grip_force();\n")
         for word in ("gone()", "PadHolder::gone", "OtherHolder", "grip_farce", "build/release/bin/gone"):
             self.plant("sim/core/README.md", f"`PadHolder`, `grip_force()`, `{word}`\n")
             found = self.run_check("readmes").stdout.splitlines()
             self.assertEqual(found, [f"sim/core/README.md:1: `{word}` is not in the tree"])
-
-    def test_command_that_no_test_runs(self):
-        self.assert_found("readmes", "sim/core/README.md", "```sh\n./slipbench list\n```\n\n    ./slipbench doctor\n", "doctor")
-
-    def test_block_of_commands_that_is_not_run(self):
-        for text, found in (("```bash\n./slipbench list\n```\n", "```sh"), ("```sh\ncmake --preset gone\n```\n", "begins with"),
-                            ("- a\n  ```sh\n  ./slipbench list\n  ```\n", "line's begin")):
-            with self.subTest(text):
-                self.assert_found("readmes", "sim/core/README.md", text, found)
-                self.plant("sim/core/README.md", "# sim/core\n")
-
-    def test_link_of_another_form(self):
-        self.assert_found("readmes", "sim/core/README.md", '[t](gone.md "title")\n', "gone.md leads nowhere")
-        self.plant("sim/core/README.md", "# sim/core\n")
-        self.assert_found("readmes", "sim/core/README.md", '<img src="gone.png">\n', "[text](where)")
-
-    def test_long_door(self):
-        self.assert_found("readmes", "README.md", "# a\n" * 151, "151 lines")
 
     def test_wide_door(self):
         wide = "a " * 70
@@ -198,24 +145,9 @@ class ChecksTest(PlantedViolation):
                 "```sh no-run\n./slipbench demo\n```\n")
         self.assertEqual(list(commands(text)), [("file", "a.yaml", "slipbench: 1\n"), ("run", "./slipbench run a.yaml -o a.h5")])
 
-    def test_marker(self):
-        self.assert_found("no_leftovers", "sim/core/d.h", "// TO" "DO: more\n", ":1:", "marker")
-
     def test_unfilled_place(self):
         self.plant("cmake/config.cmake.in", "set(root @ROOT@)\n")
         self.assert_found("no_leftovers", "sim/core/README.md", "# sim/core\n\nMail a@b.c and d@e.f. Takes @TIME_" "2@ s.\n", ":3:", "@TIME_" "2@")
-
-    def test_code_in_comment(self):
-        self.assert_found("no_leftovers", "sim/core/d.cc", "int a;\n// int b = 1;\n", ":2:", "code in a comment")
-
-    def test_disabled_block(self):
-        self.assert_found("no_leftovers", "sim/core/d.cc", "#if 0\n", ":1:", "code in a comment")
-
-    def test_python_code_in_comment(self):
-        self.assert_found("no_leftovers", "tools/base/d.py", "# print(1)\n", ":1:", "code in a comment")
-
-    def test_large_file(self):
-        self.assert_found("no_leftovers", "data.bin", "x" * 1_000_001, "1000001 bytes")
 
     def test_type_defined_twice(self):
         self.plant("sim/core/d.h", "class Gauge {\n};\n")
@@ -240,9 +172,6 @@ class ChecksTest(PlantedViolation):
         self.plant("sim/core/d.cc", "int  a;\n")
         self.assertEqual(self.run_check("clang_format", "--fix").returncode, 0)
         self.assertEqual((self.tree / "sim/core/d.cc").read_text(encoding="utf-8"), "int a;\n")
-
-    def test_shell_script(self):
-        self.assert_found("shell_check", "run.sh", "#!/usr/bin/env bash\nrm $1\n", "SC2086")
 
 
 class TidyTest(PlantedViolation):

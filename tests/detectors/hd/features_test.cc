@@ -4,16 +4,11 @@
 #include <limits>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "tests/detectors/hd/published.h"
+#include "tests/expect.h"
 
 namespace slipbench::hd {
 namespace {
-
-using ::testing::HasSubstr;
 
 // A frame [m] in which one value is not zero.
 std::vector<float> frame_with(std::size_t pillar, std::size_t axis, float value) {
@@ -26,12 +21,7 @@ std::string refusal(std::size_t pillar, std::size_t axis, float value) {
   for (const Quantiser quantiser : {Quantiser::exact, Quantiser::unrounded}) {
     EXPECT_THROW(quantise(frame_with(pillar, axis, value), quantiser), InputError);
   }
-  try {
-    to_fixed(frame_with(pillar, axis, value));
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of([&] { to_fixed(frame_with(pillar, axis, value)); });
 }
 
 // The nearest of the 21 levels as the paper says it, in floating point.

@@ -1,24 +1,17 @@
 #include "detectors/hd/hd_detector.h"
 
 #include <array>
-#include <cmath>
 #include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "tests/detectors/frames.h"
 #include "tests/detectors/hd/published.h"
+#include "tests/expect.h"
 
 namespace slipbench::hd {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 const FrameSource papillarray = vector_source({"force", "displacement"}, pillar_count, 1000.0);
 
@@ -83,43 +76,34 @@ TEST(HdDetector, ReadsTheFolderAndWhatTheSceneSaysDifferently) {
   EXPECT_EQ(saved.quantiser, Quantiser::unrounded);
 }
 
-template <class Action>
-std::string refusal(const Action& action) {
-  try {
-    action();
-  } catch (const SceneValueError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
-std::string refusal_of(double rate, const FrameSource& source) {
-  return refusal([&] { make_detector([](std::span<const float>) { return Classified{}; }, rate, source); });
+std::string refusal_at(double rate, const FrameSource& source) {
+  return refusal_of<SceneValueError>([&] { make_detector([](std::span<const float>) { return Classified{}; }, rate, source); });
 }
 
 TEST(HdDetector, RefusesARateThatDoesNotDivideTheSensors) {
-  for (const double rate : {1000.0, 500.0, 250.0, 100.0, 1000.0 / 3.0, 0.1}) EXPECT_EQ(refusal_of(rate, papillarray), "accepted");
+  for (const double rate : {1000.0, 500.0, 250.0, 100.0, 1000.0 / 3.0, 0.1}) EXPECT_EQ(refusal_at(rate, papillarray), "accepted");
   for (const double rate : {2000.0, 1001.0, 999.0, 300.0, 99.99}) {
-    EXPECT_THAT(refusal_of(rate, papillarray),
+    EXPECT_THAT(refusal_at(rate, papillarray),
                 AllOf(HasSubstr("detector.rate: "), HasSubstr(" does not divide the 1 kHz of sensors.pad")))
         << rate;
   }
 }
 
 TEST(HdDetector, RefusesOtherSensors) {
-  EXPECT_THAT(refusal_of(100.0, vector_source({"force"}, 9, 1000.0)),
+  EXPECT_THAT(refusal_at(100.0, vector_source({"force"}, 9, 1000.0)),
               HasSubstr("detector.sensor: the hyperdimensional classifier reads a displacement in three axes"));
-  EXPECT_THAT(refusal_of(100.0, vector_source({"displacement"}, 8, 1000.0)),
+  EXPECT_THAT(refusal_at(100.0, vector_source({"displacement"}, 8, 1000.0)),
               HasSubstr("reads the nine pillars of a papillarray"));
   FrameSource other = papillarray;
   other.type = "nine_domes";
-  EXPECT_THAT(refusal_of(100.0, other), HasSubstr("'pad' is a nine_domes"));
+  EXPECT_THAT(refusal_at(100.0, other), HasSubstr("'pad' is a nine_domes"));
 }
 
 TEST(HdDetector, SaysWhereItLookedForMemories) {
   Parameters parameters = published_parameters();
   parameters.set("memories", std::string("/no/such/folder"));
-  EXPECT_THAT(refusal([&] { detector_model(parameters); }), HasSubstr("detector.memories: /no/such/folder/AM.hex: "));
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { detector_model(parameters); }),
+              HasSubstr("detector.memories: /no/such/folder/AM.hex: "));
 }
 
 // What no displacement can be reaches no engine.

@@ -1,11 +1,8 @@
 // The algebra of hypervectors: binding, permutation, distance, hexadecimal.
 #include "detectors/hd/hypervector.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tests/expect.h"
 
 namespace slipbench::hd {
 namespace {
@@ -18,12 +15,7 @@ Hypervector random_vector(std::size_t dimension, std::uint64_t seed) {
 }
 
 std::string refusal(const std::string& text, std::size_t dimension) {
-  try {
-    from_hex(text, dimension);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of([&] { from_hex(text, dimension); });
 }
 
 class Algebra : public testing::TestWithParam<std::size_t> {

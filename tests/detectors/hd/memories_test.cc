@@ -1,8 +1,6 @@
 // How memories are made by chance, and how prototypes are made from query vectors.
 #include "detectors/hd/memories.h"
 
-#include <bit>
-
 #include <gtest/gtest.h>
 
 #include "detectors/hd/engine.h"

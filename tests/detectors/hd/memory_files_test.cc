@@ -10,28 +10,14 @@
 #include <system_error>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "detectors/hd/folder_output.h"
 #include "detectors/hd/shipped_memories.h"
-#include "sim/core/error.h"
 #include "tests/detectors/hd/published.h"
 #include "tests/detectors/hd/random_frames.h"
+#include "tests/expect.h"
 
 namespace slipbench::hd {
 namespace {
-
-using ::testing::HasSubstr;
-
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 class MemoryFiles : public testing::Test {
  protected:
@@ -64,7 +50,7 @@ class MemoryFiles : public testing::Test {
     std::vector<std::string> all = lines(file);
     change(all);
     write(file, all);
-    const std::string message = message_of([&] { load(folder_); });
+    const std::string message = refusal_of([&] { load(folder_); });
     return message.starts_with(folder_ + "/") ? message.substr(folder_.size() + 1) : message;
   }
 
@@ -97,7 +83,7 @@ TEST_F(MemoryFiles, DamagedMemoriesAreRefusedOrFit) {
       damaged[(step * 7919) % whole.size()] ^= static_cast<char>(1 + step % 255);
     }
     std::ofstream(file, std::ios::binary) << damaged;
-    const std::string message = message_of([&] {
+    const std::string message = refusal_of([&] {
       const SavedModel loaded = load(folder_);
       check(loaded.model, loaded.memories, true);
     });
@@ -119,20 +105,20 @@ TEST_F(MemoryFiles, AModelIsReplacedWholeAndNothingElseIsLeft) {
 TEST_F(MemoryFiles, AFolderWithAnythingElseIsNotReplaced) {
   save(folder_, saved_);
   write("thesis.tex", {"years of work"});
-  EXPECT_THAT(message_of([&] { save(folder_, saved_); }), HasSubstr("holds 'thesis.tex', which is no part of a model"));
+  EXPECT_THAT(refusal_of([&] { save(folder_, saved_); }), HasSubstr("holds 'thesis.tex', which is no part of a model"));
   EXPECT_EQ(lines("thesis.tex"), std::vector<std::string>{"years of work"});
-  EXPECT_THAT(message_of([&] { save(folder_ + "/thesis.tex", saved_); }), HasSubstr("is no folder"));
+  EXPECT_THAT(refusal_of([&] { save(folder_ + "/thesis.tex", saved_); }), HasSubstr("is no folder"));
 }
 
 TEST_F(MemoryFiles, AFolderThatCannotBeWrittenIsRefused) {
   std::ofstream(root_ + "/file") << "in the way";
-  EXPECT_EQ(message_of([&] { save(root_ + "/file/model", saved_); }), root_ + "/file/model: cannot write: Not a directory");
+  EXPECT_EQ(refusal_of([&] { save(root_ + "/file/model", saved_); }), root_ + "/file/model: cannot write: Not a directory");
 }
 
 TEST_F(MemoryFiles, ALinkToAFolderIsNotReplaced) {
   save(folder_, saved_);
   std::filesystem::create_directory_symlink(folder_, root_ + "/link");
-  EXPECT_THAT(message_of([&] { save(root_ + "/link", saved_); }), HasSubstr("link: is no folder"));
+  EXPECT_THAT(refusal_of([&] { save(root_ + "/link", saved_); }), HasSubstr("link: is no folder"));
 }
 
 // The second of two renames fails, as nothing is there to move: the first is undone.
@@ -145,7 +131,7 @@ TEST_F(MemoryFiles, AReplacementThatFailsLeavesWhatStoodThere) {
 
 TEST_F(MemoryFiles, WhatDoesNotFitTogetherIsNotSaved) {
   saved_.memories.associative.clear();
-  EXPECT_EQ(message_of([&] { save(folder_, saved_); }), "associative memory: 0 vectors; the model has 3");
+  EXPECT_EQ(refusal_of([&] { save(folder_, saved_); }), "associative memory: 0 vectors; the model has 3");
   EXPECT_FALSE(std::filesystem::exists(folder_));
 }
 
@@ -163,7 +149,7 @@ TEST_F(MemoryFiles, ShortLongAndGarbledMemoriesAreRefusedWithTheirLine) {
   EXPECT_EQ(refusal("IM.hex", [](auto& all) { all.insert(all.end(), 2, all[0]); }), "IM.hex:13: one line too many; allowed: 12");
   save(folder_, saved_);
   std::filesystem::remove(folder_ + "/CM.hex");
-  EXPECT_EQ(message_of([&] { load(folder_); }), folder_ + "/CM.hex: No such file or directory");
+  EXPECT_EQ(refusal_of([&] { load(folder_); }), folder_ + "/CM.hex: No such file or directory");
 }
 
 TEST_F(MemoryFiles, GarbledDescriptionsAreRefusedWithTheirLine) {
@@ -195,17 +181,17 @@ TEST_F(MemoryFiles, WithoutADescriptionTheLineThatDiffersIsBlamed) {
     std::vector<std::string> all = lines(file);
     all[0].pop_back();
     write(file, all);
-    EXPECT_EQ(message_of([&] { load(folder_, Model{}); }), folder_ + "/" + file + ":1: 16 digits; 68 bits are 17");
+    EXPECT_EQ(refusal_of([&] { load(folder_, Model{}); }), folder_ + "/" + file + ":1: 16 digits; 68 bits are 17");
   }
   for (const char* file : {"AM.hex", "CIM.hex", "CM.hex", "IM.hex"}) write(file, {});
-  EXPECT_EQ(message_of([&] { load(folder_, Model{}); }),
+  EXPECT_EQ(refusal_of([&] { load(folder_, Model{}); }),
             folder_ + ": most lines have 0 digits: dimension: 0; allowed: 8 to 65535");
 }
 
 TEST_F(MemoryFiles, PublishedMemoriesNeedAModelFromElsewhere) {
   EXPECT_THROW(load(published_folder), UnnamedModelError);
-  EXPECT_THAT(message_of([] { load(published_folder); }),
-              testing::AllOf(HasSubstr("model.txt: no such file"), HasSubstr("needed: a folder that `slipbench train` wrote")));
+  EXPECT_THAT(refusal_of([] { load(published_folder); }),
+              AllOf(HasSubstr("model.txt: no such file"), HasSubstr("needed: a folder that `slipbench train` wrote")));
   const SavedModel published = load(published_folder, published_model("A"));
   EXPECT_EQ(published.model, published_model("A"));
   EXPECT_EQ(published.memories.item.size(), 12U);

@@ -1,18 +1,14 @@
 // What a network's metadata may say, and what is said of the rest.
-#include <gmock/gmock.h>
 
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "detectors/network/description.h"
-#include "sim/core/error.h"
+#include "tests/expect.h"
 
 namespace slipbench::network {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 constexpr const char* full = R"({"format": 1,
   "input": {"sensor": "piezo_skin", "rate": 10000, "channels": [{"name": "signal", "values": [0]}], "median": 3, "window": 200,
@@ -31,12 +27,7 @@ std::string with(const std::string& from, const std::string& to) {
 }
 
 std::string refusal(const std::string& text) {
-  try {
-    parse_description(text, "net.onnx");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "taken";
+  return refusal_of([&] { parse_description(text, "net.onnx"); });
 }
 
 TEST(Description, HoldsWhatTheTextSays) {

@@ -1,5 +1,4 @@
 // A network as a detector: what it says frame by frame is what the same network says outside.
-#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <array>
@@ -15,13 +14,11 @@
 
 #include "detectors/network/engine.h"
 #include "detectors/network/network_detector.h"
-#include "sim/core/error.h"
 #include "tests/detectors/network/networks.h"
+#include "tests/expect.h"
 
 namespace slipbench::network {
 namespace {
-
-using testing::HasSubstr;
 
 FrameSource papillarray(double rate = 1000.0) {
   return {.sensor = "pad",
@@ -130,7 +127,7 @@ std::string refusal(const Parameters& values, const FrameSource& source) {
   } catch (const SceneValueError& error) {
     return error.path() + " | " + error.what();
   }
-  return "taken";
+  return "accepted";
 }
 
 // A network of any number of frames that is exported with that number left open, whose description asks for another.

@@ -1,6 +1,6 @@
 // What a network's output means.
-#include <gmock/gmock.h>
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <vector>
 

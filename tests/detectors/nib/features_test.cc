@@ -6,10 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "tests/detectors/nib/nib_frames.h"
+#include "tests/expect.h"
 
 namespace slipbench::nib {
 namespace {
@@ -21,12 +19,7 @@ FeatureReader reader(const FrameSource& source = nib_source(), const char* name 
 }
 
 std::string refusal(const FrameSource& source, const char* name = "", double value = 0.0) {
-  try {
-    reader(source, name, value);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return refusal_of([&] { reader(source, name, value); });
 }
 
 // 300 ms are 90 frames. Taxels with changes W 1, N 7, E 3, S 2: normal 13, shear (2, 5), nine of them.

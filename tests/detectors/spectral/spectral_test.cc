@@ -1,5 +1,4 @@
 // Spectra of signals whose spectra are known.
-#include <gmock/gmock.h>
 
 #include <cmath>
 #include <complex>
@@ -9,8 +8,8 @@
 
 #include "detectors/spectral/band_energy.h"
 #include "detectors/spectral/spectral_features.h"
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tests/expect.h"
 
 namespace slipbench::spectral_test {
 namespace {
@@ -51,7 +50,7 @@ TEST(SpectralFeatures, AFrameEndsAfterTheWindowAndThenEveryHop) {
   for (int n = 1; n <= 450; ++n) {
     if (features.push(0.0F)) complete.push_back(n);
   }
-  EXPECT_THAT(complete, testing::ElementsAre(200, 300, 400));
+  EXPECT_THAT(complete, ElementsAre(200, 300, 400));
 }
 
 TEST(SpectralFeatures, ASineInABinHasItsPowerThere) {
@@ -123,12 +122,7 @@ TEST(BandEnergy, SaysNothingBeforeTheFirstWindow) {
 }
 
 std::string refusal(const Parameters& parameters, const FrameSource& source) {
-  try {
-    make_band_energy(parameters, source);
-  } catch (const SceneValueError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of<SceneValueError>([&] { make_band_energy(parameters, source); });
 }
 
 TEST(BandEnergy, RefusesWhatTheSensorCannotGive) {

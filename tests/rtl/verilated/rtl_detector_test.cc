@@ -7,19 +7,14 @@
 #include <string>
 #include <tuple>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "detectors/hd/hd_detector.h"
 #include "rtl/verilated/core.h"
-#include "sim/core/error.h"
 #include "tests/detectors/frames.h"
 #include "tests/detectors/hd/published.h"
+#include "tests/expect.h"
 
 namespace slipbench::hd {
 namespace {
-
-using ::testing::HasSubstr;
 
 const FrameSource papillarray = vector_source({"force", "displacement"}, pillar_count, 1000.0);
 
@@ -39,16 +34,6 @@ std::array<float, 6 * pillar_count> frame_at(std::size_t i) {
     displacement[2] = static_cast<float>(0.5e-3 * t);
   }
   return values;
-}
-
-template <class Action>
-std::string refusal(const Action& action) {
-  try {
-    action();
-  } catch (const SceneValueError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 class RtlDetector : public testing::TestWithParam<const char*> {};
@@ -94,11 +79,11 @@ TEST(RtlDetector, LatencyCanBeLeftOut) {
 TEST(RtlDetector, RefusesWhatTheCoreIsNotBuiltFor) {
   Parameters parameters = published_parameters();
   parameters.set("quantiser", std::string("exact"));
-  EXPECT_THAT(refusal([&] { make_gst_hd_rtl(parameters, papillarray); }),
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, papillarray); }),
               HasSubstr("detector.quantiser: exact is not what the core computes; allowed: fixed_point"));
   parameters = published_parameters();
   parameters.set("compat", std::string("published_core"));
-  EXPECT_THAT(refusal([&] { make_gst_hd_rtl(parameters, papillarray); }), HasSubstr("detector: "));
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, papillarray); }), HasSubstr("detector: "));
 }
 
 // At 100 Hz the frames at 0.20, 0.21, ... 0.30 s: eleven.
@@ -131,13 +116,14 @@ TEST(RtlDetector, WritesTheWaveformOfItsTrialAlone) {
   EXPECT_EQ(std::filesystem::file_size(file), size) << "goes on after 0.3 s";
 
   parameters.set("waveform_to", 0.199);
-  EXPECT_THAT(refusal([&] { run(0, 1); }), HasSubstr("detector.waveform_to: 199 ms: no classified frame lies between"));
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { run(0, 1); }),
+              HasSubstr("detector.waveform_to: 199 ms: no classified frame lies between"));
   parameters.set("waveform_to", 0.3);
   parameters.set("waveform", std::string("nowhere/core.fst"));
-  EXPECT_THAT(refusal([&] { run(1, 1); }), HasSubstr("detector.waveform: there is no folder nowhere"));
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { run(1, 1); }), HasSubstr("detector.waveform: there is no folder nowhere"));
   parameters.set("waveform", file);
   std::ofstream(file) << "notes";
-  EXPECT_THAT(refusal([&] { run(0, 1); }), HasSubstr("rtl_detector.fst is there and no waveform"));
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { run(0, 1); }), HasSubstr("rtl_detector.fst is there and no waveform"));
 }
 
 // Of the frames at 0.00, 0.01, ... 0.39 s of a trial of 0.4 s the last begins a waveform; behind it there is none.
@@ -147,21 +133,21 @@ TEST(RtlDetector, RefusesAWaveformBehindTheTrialsEnd) {
   FrameSource source = papillarray;
   source.duration = 0.4;
   parameters.set("waveform_from", 0.39);
-  EXPECT_EQ(refusal([&] { make_gst_hd_rtl(parameters, source); }), "accepted");
+  EXPECT_EQ(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, source); }), "accepted");
   parameters.set("waveform_from", 0.391);
-  EXPECT_THAT(refusal([&] { make_gst_hd_rtl(parameters, source); }),
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, source); }),
               HasSubstr("detector.waveform_from: 391 ms: no classified frame comes from there on; the trial takes 0.4 s"));
   source.trial = 1;
-  EXPECT_EQ(refusal([&] { make_gst_hd_rtl(parameters, source); }), "accepted") << "another trial";
+  EXPECT_EQ(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, source); }), "accepted") << "another trial";
 }
 
 TEST(RtlDetector, RefusesAWaveformOfATrialThatIsNotRun) {
   Parameters parameters = published_parameters();
   parameters.set("waveform_trial", std::int64_t{3});
-  EXPECT_EQ(refusal([&] { check_waveform_trial(parameters, 3); }), "accepted") << "there is no waveform";
+  EXPECT_EQ(refusal_of<SceneValueError>([&] { check_waveform_trial(parameters, 3); }), "accepted") << "there is no waveform";
   parameters.set("waveform", std::string("core.fst"));
-  EXPECT_EQ(refusal([&] { check_waveform_trial(parameters, 4); }), "accepted");
-  EXPECT_THAT(refusal([&] { check_waveform_trial(parameters, 3); }),
+  EXPECT_EQ(refusal_of<SceneValueError>([&] { check_waveform_trial(parameters, 4); }), "accepted");
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { check_waveform_trial(parameters, 3); }),
               HasSubstr("detector.waveform_trial: 3 is not run; allowed: 0 to 2"));
 }
 
@@ -172,9 +158,9 @@ TEST(RtlDetector, RefusesAClockThatDoesNotKeepUp) {
     Parameters parameters = published_parameters();
     parameters.set("unrolling", std::string(unrolling));
     parameters.set("clock", clock);
-    EXPECT_EQ(refusal([&] { make_gst_hd_rtl(parameters, papillarray); }), "accepted");
+    EXPECT_EQ(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, papillarray); }), "accepted");
     parameters.set("clock", 0.99 * clock);
-    const std::string message = refusal([&] { make_gst_hd_rtl(parameters, papillarray); });
+    const std::string message = refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, papillarray); });
     EXPECT_THAT(message, HasSubstr("detector.clock: "));
     EXPECT_THAT(message, HasSubstr(std::string("allowed: at least ") + least));
   }

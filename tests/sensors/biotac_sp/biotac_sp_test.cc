@@ -1,13 +1,11 @@
 // From dents to counts: the electrodes' law, what they feel of where, the pressure of the fluid, and the electronics.
 #include "sensors/biotac_sp/biotac_sp.h"
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <set>
 
 #include "sensors/biotac_sp/transduction.h"
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/sensors/biotac_sp/rig.h"
 
 namespace slipbench::biotac_sp_test {
@@ -127,9 +125,9 @@ TEST(BioTacSp, RefusesAKernelThatReachesNoElement) {
       FAIL() << "accepted " << reach;
     } catch (const SceneValueError& error) {
       EXPECT_EQ(error.path(), std::string("sensors.finger.") + reach);
-      EXPECT_THAT(error.what(), testing::HasSubstr("1 nm is so short"));
+      EXPECT_THAT(error.what(), HasSubstr("1 nm is so short"));
       // 786 mm2 of 300 elements: the root of 2.62 mm2.
-      EXPECT_THAT(error.what(), testing::HasSubstr("allowed: lengths not far below the distance of two elements, some 1.6 mm"));
+      EXPECT_THAT(error.what(), HasSubstr("allowed: lengths not far below the distance of two elements, some 1.6 mm"));
     }
   }
 }

@@ -1,13 +1,11 @@
 // The skin as a mesh: its area, its elastic foundation against closed forms, its refinement, and the field on a curved pad.
 #include "sensors/biotac_sp/skin.h"
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <limits>
 
 #include "sensors/biotac_sp/transduction.h"
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/sensors/biotac_sp/rig.h"
 
 namespace slipbench::biotac_sp_test {
@@ -85,14 +83,12 @@ TEST(BioTacSkin, UnitsAreWhatIsNearestToAnElectrode) {
 
 TEST(BioTacSkin, RefusesRadiiThatLeaveAnElectrodeWithoutSkin) {
   // A needle of 100 mm: 300 points over 200 mm of its length, and electrodes that stand by pairs at nearly the same place of it.
-  try {
-    make({{"radii", std::vector{100e-3, 1e-3, 1e-3}}});
-    FAIL() << "accepted";
-  } catch (const SceneValueError& error) {
-    EXPECT_EQ(error.path(), "sensors.finger.radii");
-    EXPECT_THAT(error.what(), testing::ContainsRegex("\\[0.1 m, 1 mm, 1 mm\\] leaves electrode E[0-9]+ without"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("allowed: radii near the device's own, [13.85 mm, 10.1 mm, 9.85 mm]"));
-  }
+  EXPECT_THAT(scene_refusal_of([&] {
+                make({{"radii", std::vector{100e-3, 1e-3, 1e-3}}});
+              }),
+              AllOf(StartsWith("sensors.finger.radii | "),
+                    testing::ContainsRegex("\\[0.1 m, 1 mm, 1 mm\\] leaves electrode E[0-9]+ without"),
+                    HasSubstr("allowed: radii near the device's own, [13.85 mm, 10.1 mm, 9.85 mm]")));
 }
 
 double force_on_plane(const Skin& mesh, const Eigen::Vector3d& outward, double depth, const Eigen::Vector3d& of_radii) {

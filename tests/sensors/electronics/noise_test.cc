@@ -3,8 +3,8 @@
 // Statistics are taken over `many` independent sources. For standard normal x, y of correlation rho, the mean of x*y has the
 // standard error sqrt((1 + rho^2)/many), and the mean of x^2 (or of any normal variable squared, relative to its variance)
 // sqrt(2/many) = 1 %. Five standard errors are allowed.
-#include <gmock/gmock.h>
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <numbers>
 

@@ -1,10 +1,10 @@
 // The converter, and what a sensor says of its parts.
-#include <gmock/gmock.h>
 
 #include <array>
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/expect.h"
 #include "tests/sensors/electronics/model.h"
 
 namespace slipbench {
@@ -109,7 +109,7 @@ TEST(ElectronicsOfASensor, HaveItsSourcesAndDefaultsInItsOrder) {
       electronics_of("Skin", {{"noise", "idle", {{"corner", "inf", "no corner seen"}}}, {"quantisation", "data sheet", {}}});
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_EQ(parts[0].name, "noise");
-  EXPECT_THAT(parts[0].source, testing::StartsWith("Skin: idle. General: "));
+  EXPECT_THAT(parts[0].source, StartsWith("Skin: idle. General: "));
   EXPECT_EQ(parts[0].parameters[1].default_text, "inf");
   EXPECT_EQ(parts[0].parameters[1].source, "no corner seen");
   EXPECT_EQ(parts[1].parameters[0].default_text, "12") << "the part's own";

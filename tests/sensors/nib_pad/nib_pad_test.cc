@@ -1,22 +1,14 @@
 // The nib pad's geometry, its capacitances by closed form, and what its clusters tell apart.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "sensors/nib_pad/electrodes.h"
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/sensors/nib_pad/rig.h"
 
 namespace slipbench::nib_pad_test {
 namespace {
-
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 TEST(NibPad, NibsStandInRowsFromNorthToSouth) {
   const auto sensor = make({{"height_sd", 0.0}});
@@ -235,12 +227,10 @@ TEST(NibPad, FeelsAHexWrench) {
 }
 
 TEST(NibPad, MaskNeedsRoomBelowTheFabric) {
-  try {
-    make({{"mask_gap", 0.3e-3}});
-    FAIL() << "accepted";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("sensors.pad.mask_gap"), HasSubstr("0.3 mm"), HasSubstr("254 um")));
-  }
+  EXPECT_THAT(refusal_of([&] {
+                make({{"mask_gap", 0.3e-3}});
+              }),
+              AllOf(HasSubstr("sensors.pad.mask_gap"), HasSubstr("0.3 mm"), HasSubstr("254 um")));
 }
 
 // The paper's criterion: the pull has moved the object by 2 mm, of which the nib's lean is a part.

@@ -2,10 +2,7 @@
 
 #include <filesystem>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 
 namespace slipbench {
 namespace {
@@ -17,13 +14,8 @@ TEST(OwnLibrary, StandsByTheProgramsFolder) {
 }
 
 TEST(OwnLibrary, ThatIsMissingIsNamedWithWhatHelps) {
-  try {
-    own_symbol("../lib/gone.so", "make", "allowed: another build");
-    FAIL() << "found";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::AllOf(testing::StartsWith("cannot load a library: " + own_path("../lib/gone.so")),
-                                             testing::EndsWith("; allowed: another build")));
-  }
+  EXPECT_THAT(refusal_of([&] { own_symbol("../lib/gone.so", "make", "allowed: another build"); }),
+              AllOf(StartsWith("cannot load a library: " + own_path("../lib/gone.so")), EndsWith("; allowed: another build")));
 }
 
 }  // namespace

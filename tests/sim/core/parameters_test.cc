@@ -1,10 +1,10 @@
 #include "sim/core/parameters.h"
 
-#include <gtest/gtest.h>
-
 #include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "tests/expect.h"
 
 namespace slipbench {
 namespace {
@@ -14,12 +14,7 @@ ParameterSpec spec(ParameterType type, Quantity quantity, std::string default_te
 }
 
 std::string refusal(const ParameterSpec& spec, const char* text) {
-  try {
-    parse_scalar(spec, text);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of<std::invalid_argument>([&] { parse_scalar(spec, text); });
 }
 
 TEST(ParseScalar, ReadsEachType) {

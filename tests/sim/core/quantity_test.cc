@@ -1,7 +1,5 @@
 #include "sim/core/quantity.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,6 +7,7 @@
 #include <string>
 
 #include "sim/core/random.h"
+#include "tests/expect.h"
 
 namespace slipbench {
 namespace {
@@ -67,12 +66,7 @@ TEST(ParseQuantity, ReadsTheFormsOfANumber) {
 }
 
 std::string refusal(const char* text, Quantity quantity) {
-  try {
-    parse_quantity(text, quantity);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of<std::invalid_argument>([&] { parse_quantity(text, quantity); });
 }
 
 TEST(ParseQuantity, RefusesWhatIsNoNumberOfTheQuantity) {

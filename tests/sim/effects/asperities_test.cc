@@ -3,10 +3,8 @@
 #include <numbers>
 #include <vector>
 
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/effects/install.h"
+#include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"
 
 namespace slipbench::testing_effects::asperities_test {
@@ -130,12 +128,7 @@ TEST(Asperities, StuckElementsAreSilent) {
 
 TEST(Asperities, NeedsAnInertiaThatRings) {
   const auto refusal = [](const std::vector<Wanted>& wanted) -> std::string {
-    try {
-      installed(one_unit(k_n, k_t), wanted);
-    } catch (const SceneValueError& error) {
-      return error.what();
-    }
-    return "";
+    return refusal_of<SceneValueError>([&] { installed(one_unit(k_n, k_t), wanted); });
   };
   EXPECT_EQ(refusal({{"asperities", {}}}), "effects: asperities needs inertia");
   EXPECT_EQ(refusal({{"inertia", {{"damping", 1.0}}}, {"asperities", {}}}),

@@ -6,10 +6,8 @@
 #include <string>
 #include <tuple>
 
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/effects/install.h"
+#include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"
 #include "tests/sim/field/random_case.h"
 
@@ -213,13 +211,10 @@ TEST(Lean, RefusesALoadThatItsStopDoesNotHold) {
 TEST(Lean, RefusesAnEllipticCone) {
   const PadLayout pad = one_unit(k_n, k_t);
   const auto named = [](const char* name) { return Named{name, defaults_of(kind_named(name).about.parameters)}; };
-  try {
-    install_effects({named("anisotropic_friction"), named("lean")}, pad, Plane{}, 0, 0);
-    FAIL();
-  } catch (const SceneValueError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              "effects: lean and anisotropic_friction cannot be named together: columns lean over a circular cone only");
-  }
+  EXPECT_EQ(refusal_of<SceneValueError>([&] {
+              install_effects({named("anisotropic_friction"), named("lean")}, pad, Plane{}, 0, 0);
+            }),
+            "effects: lean and anisotropic_friction cannot be named together: columns lean over a circular cone only");
 }
 
 }  // namespace

@@ -1,13 +1,10 @@
 // A rough surface: its height, its spectrum, and that all directions are alike.
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 #include <vector>
 
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"
 
 namespace slipbench::testing_effects::roughness_test {
@@ -121,12 +118,7 @@ TEST(Roughness, LongestStepSeesTheShortestWaveSixteenTimes) {
 }
 
 std::string refusal(const std::vector<Wanted>& wanted, bool flat) {
-  try {
-    installed(one_unit(1000.0, 600.0), wanted, flat);
-  } catch (const SceneValueError& error) {
-    return error.what();
-  }
-  return "";
+  return refusal_of<SceneValueError>([&] { installed(one_unit(1000.0, 600.0), wanted, flat); });
 }
 
 TEST(Roughness, RefusesWhatItCannotTabulate) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <string>
 
 #include "sim/core/random.h"
 #include "sim/field/field.h"

@@ -1,5 +1,4 @@
 // A field's state is all that its next steps need: loaded into another field, it goes on to the same bits.
-#include <cstring>
 
 #include <gtest/gtest.h>
 

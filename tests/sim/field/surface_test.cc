@@ -1,20 +1,14 @@
 // Capsule, ellipsoid, distance grid and mesh: values by hand, points whose nearest point is known by construction, and orders.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "sim/field/mesh_distance.h"
 #include "sim/field/surface.h"
+#include "tests/expect.h"
 #include "tests/oracle/meshes.h"
 
 namespace slipbench {
@@ -361,16 +355,6 @@ TEST(MeshDistance, GridOfABallOfTrianglesIsABall) {
   }
 }
 
-template <class Action>
-void expect_refused(const Action& action, const std::string& what) {
-  try {
-    action();
-    FAIL() << "not refused: " << what;
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr(what));
-  }
-}
-
 TEST(MeshDistance, RefusesWhatHasNoInside) {
   const oracle::Mesh cube = oracle::box_mesh({1e-3, 1e-3, 1e-3});
   const auto make = [](const oracle::Mesh& mesh) { return MeshDistance(mesh.vertices, mesh.faces); };
@@ -378,23 +362,25 @@ TEST(MeshDistance, RefusesWhatHasNoInside) {
 
   oracle::Mesh open = cube;
   open.faces.pop_back();
-  expect_refused([&] { make(open); }, "not closed: of its 18 edges 3 lack a face on one side, and at 0 faces meet");
+  EXPECT_THAT(refusal_of([&] { make(open); }),
+              HasSubstr("not closed: of its 18 edges 3 lack a face on one side, and at 0 faces meet"));
   oracle::Mesh doubled = cube;
   doubled.faces.push_back(doubled.faces.front());
-  expect_refused([&] { make(doubled); }, "3 lack a face on one side");
+  EXPECT_THAT(refusal_of([&] { make(doubled); }), HasSubstr("3 lack a face on one side"));
   oracle::Mesh against = cube;
   std::swap(against.faces.front()[0], against.faces.front()[1]);
-  expect_refused([&] { make(against); }, "0 lack a face on one side, and at 3 faces meet that look opposite ways");
+  EXPECT_THAT(refusal_of([&] { make(against); }),
+              HasSubstr("0 lack a face on one side, and at 3 faces meet that look opposite ways"));
   oracle::Mesh turned = cube;
   for (MeshDistance::Face& face : turned.faces) std::swap(face[0], face[1]);
-  expect_refused([&] { make(turned); }, "inside out");
+  EXPECT_THAT(refusal_of([&] { make(turned); }), HasSubstr("inside out"));
   oracle::Mesh wrong = cube;
   wrong.faces.front()[1] = 8;
-  expect_refused([&] { make(wrong); }, "names vertex 8 of 8");
+  EXPECT_THAT(refusal_of([&] { make(wrong); }), HasSubstr("names vertex 8 of 8"));
   oracle::Mesh infinite = cube;
   infinite.vertices.front().x() = std::numeric_limits<double>::infinity();
-  expect_refused([&] { make(infinite); }, "not finite");
-  expect_refused([&] { make({cube.vertices, {}}); }, "no faces");
+  EXPECT_THAT(refusal_of([&] { make(infinite); }), HasSubstr("not finite"));
+  EXPECT_THAT(refusal_of([&] { make({cube.vertices, {}}); }), HasSubstr("no faces"));
 }
 
 // At points in and around the meshes below, which are a few mm large.
@@ -418,7 +404,7 @@ TEST(MeshDistance, VerticesWithinAMillionthOfTheExtentAreOne) {
                     [&](const Vector& p) { return signed_distance(box, p); });
   }
   const oracle::Mesh apart = oracle::unwelded(mesh, 1e-8);
-  expect_refused([&] { MeshDistance(apart.vertices, apart.faces); }, "not closed");
+  EXPECT_THAT(refusal_of([&] { MeshDistance(apart.vertices, apart.faces); }), HasSubstr("not closed"));
 }
 
 TEST(MeshDistance, FacesWithoutWidthLookNowhere) {
@@ -465,7 +451,7 @@ TEST(MeshDistance, AWallThinnerThanTwoCellsIsRefused) {
     const oracle::Mesh mesh = oracle::box_mesh({50e-3, 50e-3, 0.5 * thickness});
     return MeshDistance(mesh.vertices, mesh.faces).on_grid(400'000);
   };
-  expect_refused([&] { grid(0.2e-3); }, "the mesh is too thin");
+  EXPECT_THAT(refusal_of([&] { grid(0.2e-3); }), HasSubstr("the mesh is too thin"));
   EXPECT_LT(grid(10e-3).cell(), 1e-3);
 }
 

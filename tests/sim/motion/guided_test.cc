@@ -3,9 +3,7 @@
 
 #include <cmath>
 
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 
 namespace slipbench::guided_test {
 namespace {
@@ -56,13 +54,9 @@ TEST(Guided, RefusesWhatIsTooFast) {
     EXPECT_THROW(slow.write(0.0, {.sideways = 0.0, .up = speed}), SceneValueError);
     EXPECT_THROW(slow.write(0.0, {.sideways = speed, .up = 0.0}), SceneValueError);
   }
-  try {
-    slow.write(0.5, {.sideways = 0.0, .up = 0.2});
-    FAIL();
-  } catch (const SceneValueError& error) {
-    EXPECT_EQ(error.path(), "motion.top_speed");
-    EXPECT_STREQ(error.what(), "motion.top_speed: the arm was told to move at 0.2 m/s at 0.5 s; allowed: up to 0.1 m/s");
-  }
+  EXPECT_EQ(scene_refusal_of([&] { slow.write(0.5, {.sideways = 0.0, .up = 0.2}); }),
+            "motion.top_speed | "
+            "motion.top_speed: the arm was told to move at 0.2 m/s at 0.5 s; allowed: up to 0.1 m/s");
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 // The arm of a grasp: where it is, how fast, when.
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>

@@ -1,26 +1,16 @@
 // What a scene with bodies is answered when it and its model do not suit each other, before the first step.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/sim/mujoco/dynamic_rig.h"
 #include "tests/sim/mujoco/dynamic_scenes.h"
 
 namespace slipbench {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
-
 std::string answer(const std::string& scene, const std::string& model = two_fingers("")) {
   const ModelFolder folder;
   folder.write("fingers.xml", model);
-  try {
-    DynamicRig rig(scene, folder.file("scene.yaml"));
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of([&] { DynamicRig rig(scene, folder.file("scene.yaml")); });
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -48,9 +38,9 @@ TEST(DynamicRefusal, NamesThatTheModelDoesNotHave) {
 }
 
 TEST(DynamicRefusal, ModelsThatCannotBeRead) {
-  EXPECT_THAT(answer(replaced(good, "fingers.xml", "fingres.xml")), ::testing::EndsWith("fingres.xml' cannot be read"));
+  EXPECT_THAT(answer(replaced(good, "fingers.xml", "fingres.xml")), EndsWith("fingres.xml' cannot be read"));
   EXPECT_THAT(answer(good, "<mujoco><worldbody><geom tipe='box'/></worldbody></mujoco>"),
-              ::testing::AllOf(StartsWith("model: MuJoCo cannot read it: "), HasSubstr("tipe")));
+              AllOf(StartsWith("model: MuJoCo cannot read it: "), HasSubstr("tipe")));
   EXPECT_THAT(answer(good, replaced(two_fingers(""), "type='slide'",
                                     "type='hinge' springref='1' stiffness='1' range='1 -1' limited='true'")),
               StartsWith("model: MuJoCo cannot compile it: "));

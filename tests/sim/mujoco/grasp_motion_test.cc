@@ -1,12 +1,10 @@
 // A grasp that moves: what is dropped and when, what does not depend on the step, what is caught when it goes wrong.
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/sim/mujoco/grasp_rig.h"
 
 namespace slipbench {
@@ -15,13 +13,10 @@ namespace {
 constexpr double weight = 0.2 * 9.81;  // N, of the default box
 
 std::string refusal(const std::string& text, const DynamicSimulationOptions& options = {}) {
-  try {
+  return refusal_of([&] {
     GraspRig rig(text, 0, options);
     rig.run();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 TEST(GraspMotion, DropIsLabelledAtTheTickAtWhichAPadLetsGo) {

@@ -6,20 +6,16 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/lsan_interface.h>
 #endif
 
 #include "sim/mujoco/field_plugin.h"
+#include "tests/expect.h"
 #include "tests/sim/mujoco/plugin_rig.h"
 
 namespace slipbench::testing_plugin {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr double dt = 1e-3;
 
@@ -176,14 +172,7 @@ TEST(ImplicitPluginRefusal, SaysWhatTheModelLacks) {
 #ifdef __SANITIZE_ADDRESS__
   const __lsan::ScopedDisabler disabler;  // MuJoCo leaves behind the mjData of a model that a plugin refuses
 #endif
-  const auto refusal = [](const std::string& xml) -> std::string {
-    try {
-      load(xml);
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "accepted";
-  };
+  const auto refusal = [](const std::string& xml) -> std::string { return refusal_of<std::runtime_error>([&] { load(xml); }); };
   const Pinch pinch{0.005, 10.0, 0.06};
   EXPECT_EQ(refusal(pinch_xml(pinch)), "accepted");
   Pinch no_tendon = pinch;

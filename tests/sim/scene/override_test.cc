@@ -1,13 +1,12 @@
 // Values given on the command line.
-#include <gtest/gtest.h>
 
 #include <map>
 #include <string>
 #include <vector>
 
-#include "sim/core/error.h"
 #include "sim/scene/parser.h"
 #include "sim/scene/scene_reader.h"
+#include "tests/expect.h"
 #include "tests/sim/scene/test_catalogues.h"
 
 namespace slipbench {
@@ -32,12 +31,7 @@ Scene read(const std::vector<Override>& changes) {
 
 std::string refusal(const std::vector<Override>& changes, const std::string& text = base) {
   const Catalogues catalogues = test_catalogues();
-  try {
-    parse_scene(with(changes, text), catalogues);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of([&] { parse_scene(with(changes, text), catalogues); });
 }
 
 TEST(Override, ReplacesAValue) {

@@ -79,9 +79,7 @@ class Checks(unittest.TestCase):
 
 class WithoutModels(Checks):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.folder = Path(holder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def write(self, file, text):
         path = self.folder / file

@@ -40,9 +40,7 @@ def shown(cell):
 class Tutorial(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.folder = Path(holder.name) / "tutorials"
+        cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory())) / "tutorials"
         shutil.copytree(FOLDER, cls.folder)
         home = Path(holder.name) / "home"
         home.mkdir()

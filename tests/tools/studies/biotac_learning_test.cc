@@ -3,18 +3,13 @@
 
 #include <cmath>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 
 namespace slipbench::reproduce::biotac_learning_test {
 namespace {
 
 using namespace biotac;
-using slipbench::testing::message_of;
-using ::testing::HasSubstr;
 
 // Three classes with the odds 1 : 2 : 1; the first frame is masked, the second example is not judged.
 TEST(Answers, AreOfJudgedFrames) {
@@ -99,14 +94,14 @@ TEST(BiotacTables, RefuseWhatCannotBe) {
   options.trials = 3;
   for (const char* name : {"table1", "fig12", "table2", "table3"}) {
     const auto run = [&] { find_reproduction(std::string("biotac-stability-slip/") + name).run(options); };
-    EXPECT_THAT(message_of<InputError>(run), HasSubstr("allowed: --data alone")) << name;
+    EXPECT_THAT(refusal_of(run), HasSubstr("allowed: --data alone")) << name;
   }
   options.trials = 0;
   options.data.clear();
   options.real = "nowhere.h5";
   for (const char* name : {"table1", "fig12", "table2", "table3"}) {
     const auto run = [&] { find_reproduction(std::string("biotac-stability-slip/") + name).run(options); };
-    EXPECT_THAT(message_of<InputError>(run), HasSubstr("nowhere.h5")) << name;
+    EXPECT_THAT(refusal_of(run), HasSubstr("nowhere.h5")) << name;
   }
 }
 

@@ -4,10 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tests/tools/program/import/sources.h"
 #include "tools/studies/biotac/biotac_stability.h"
@@ -17,12 +14,8 @@ namespace {
 
 using namespace biotac;
 using learn::masked;
-using slipbench::testing::message_of;
 using slipbench::testing::slide_header;
 using slipbench::testing::slide_row;
-using ::testing::Each;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 // Row r of finger f reads 1000 f + 100 r + e.
 TrialRecord three_fingers(const char* params, std::size_t rows) {
@@ -66,7 +59,7 @@ TEST(Grasps, OfTheSceneAreTheLastRowBeforeTheLift) {
 }
 
 TEST(Grasps, ThatAreNoneAreRefused) {
-  const auto refused = [](const TrialRecord& record) { return message_of<InputError>([&] { grasp_of(record); }); };
+  const auto refused = [](const TrialRecord& record) { return refusal_of([&] { grasp_of(record); }); };
   EXPECT_THAT(refused(three_fingers(R"({"object": "can", "palm": "up", "slipped": true})", 1)), HasSubstr("its palm is 'up'"));
   EXPECT_THAT(refused(three_fingers(R"({"model": "hand_45.xml", "bodies.object.shape": "box"})", 1)),
               HasSubstr("does not say whether the object was held"));
@@ -178,7 +171,7 @@ TEST(Folds, KeepAnObjectTogether) {
   EXPECT_EQ(folds[0], folds[2]);
   EXPECT_EQ(folds[1], folds[4]);
   EXPECT_EQ(folds[0] + folds[1] + folds[3], 0U + 1U + 2U);  // one each
-  EXPECT_THAT(message_of<InputError>([&] { folds_by_object(objects, 4, 1); }), HasSubstr("3 objects make no 4 folds"));
+  EXPECT_THAT(refusal_of([&] { folds_by_object(objects, 4, 1); }), HasSubstr("3 objects make no 4 folds"));
 }
 
 class ImportedTouches : public slipbench::testing::ImportTest {};
@@ -193,7 +186,7 @@ TEST_F(ImportedTouches, AreByTheirOwnLabelsAndNoSyntheticOnes) {
   EXPECT_THAT(touches[0].label, ElementsAre(1, 1, 1));
   EXPECT_THAT(touches[1].label, ElementsAre(0, 0, 0));
   EXPECT_THAT(
-      message_of<InputError>([&] { check_simulated(path("out.h5")); }),
+      refusal_of([&] { check_simulated(path("out.h5")); }),
       HasSubstr("out.h5: reproduce --data needs the truth, which it does not hold (none: imported from biotacsp-dos); allowed: "
                 "--real, which takes imported recordings"));
 }

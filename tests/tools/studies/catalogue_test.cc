@@ -2,18 +2,12 @@
 
 #include <set>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/project/project_file.h"
 
 namespace slipbench::reproduce {
 namespace {
-
-using ::slipbench::testing::message_of;
-using ::testing::HasSubstr;
 
 TEST(Reproductions, AreFoundByTheirName) {
   std::set<std::string> names;
@@ -24,14 +18,14 @@ TEST(Reproductions, AreFoundByTheirName) {
 }
 
 TEST(Reproductions, UnknownNamesGetTheNearest) {
-  EXPECT_THAT(message_of<InputError>([] { find_reproduction("hd-papillarray/latancy"); }),
+  EXPECT_THAT(refusal_of([] { find_reproduction("hd-papillarray/latancy"); }),
               HasSubstr("unknown reproduction 'hd-papillarray/latancy'; did you mean 'hd-papillarray/latency'?"));
 }
 
 TEST(ProjectFile, IsThereOrSaysWhereItWasLookedFor) {
   EXPECT_TRUE(project_file("scenes/papillarray/hexapod.yaml").ends_with("scenes/papillarray/hexapod.yaml"));
   EXPECT_EQ(find_project_file("nowhere/nothing.yaml"), std::nullopt);
-  EXPECT_THAT(message_of<InputError>([] { project_file("nowhere/nothing.yaml"); }), HasSubstr("nowhere/nothing.yaml"));
+  EXPECT_THAT(refusal_of([] { project_file("nowhere/nothing.yaml"); }), HasSubstr("nowhere/nothing.yaml"));
 }
 
 }  // namespace

@@ -2,19 +2,11 @@
 
 #include <fstream>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 
 namespace slipbench::reproduce {
 namespace {
-
-using ::slipbench::testing::message_of;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::SizeIs;
 
 class CoreFiguresTest : public ::slipbench::testing::FolderTest {
  protected:
@@ -23,7 +15,7 @@ class CoreFiguresTest : public ::slipbench::testing::FolderTest {
     return read_core_figures(path("results.json"));
   }
   std::string refusal(const std::string& text) {
-    return message_of<InputError>([&] { read(text); });
+    return refusal_of([&] { read(text); });
   }
 };
 
@@ -54,7 +46,7 @@ TEST_F(CoreFiguresTest, WhatIsMissingIsNamed) {
               HasSubstr("unrolling 'big': lut is missing; allowed: a number from 0 on"));
   EXPECT_THAT(refusal(R"({"tools": {"yosys": "0.70"}, "unrollings": {"big": {"latency_cycles": -1}}})"),
               HasSubstr("latency_cycles is '-1'"));
-  EXPECT_THAT(message_of<InputError>([&] { read_core_figures(path("none.json")); }), HasSubstr("none.json: cannot be read"));
+  EXPECT_THAT(refusal_of([&] { read_core_figures(path("none.json")); }), HasSubstr("none.json: cannot be read"));
 }
 
 }  // namespace

@@ -1,17 +1,11 @@
 // The controls of the study of learned detectors: what learns nothing needs no training.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce::grasp_loop_test {
 namespace {
-
-using slipbench::testing::message_of;
-using ::testing::HasSubstr;
-using ::testing::SizeIs;
 
 // Two pads of 4 N hold 2 mu 4 N: 1.2 of 2.9 N at mu 0.15, 2.4 of 4.9 N at 0.3, 4 of 2 N at 0.5. The oracle's loop has no ceiling.
 TEST(GraspLoop, NeverTighteningDropsWhatThePresetForceCannotHold) {
@@ -34,7 +28,7 @@ TEST(GraspLoop, NeverTighteningDropsWhatThePresetForceCannotHold) {
 TEST(GraspLoop, UnknownRowsGetTheNearest) {
   ReproduceOptions options;
   options.only = {"grasp_gro"};
-  EXPECT_THAT(message_of<InputError>([&] { learned_grasp_loop(options); }), HasSubstr("did you mean 'grasp_gru'"));
+  EXPECT_THAT(refusal_of([&] { learned_grasp_loop(options); }), HasSubstr("did you mean 'grasp_gru'"));
 }
 
 }  // namespace

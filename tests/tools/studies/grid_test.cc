@@ -3,18 +3,11 @@
 
 #include <csignal>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 
 namespace slipbench::reproduce::grid_test {
 namespace {
-
-using slipbench::testing::message_of;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::SizeIs;
 
 constexpr const char* scene = "scenes/papillarray/hexapod.yaml";  // 200 trials, whose friction is drawn
 
@@ -37,8 +30,8 @@ TEST(Grid, HasTheTrialsOfEachCellInOrderOnAnyNumberOfThreads) {
   ASSERT_THAT(found, SizeIs(3));
   ASSERT_EQ(found[0].size(), 2 * found[1].size());
   ASSERT_EQ(found[0].size(), found[2].size());
-  EXPECT_THAT(found[0].back(), ::testing::StartsWith(fmt::format("0 {} acrylic {{\"", found[0].size() - 1)));
-  EXPECT_THAT(found[1].front(), ::testing::StartsWith("1 0 rubber {\""));
+  EXPECT_THAT(found[0].back(), StartsWith(fmt::format("0 {} acrylic {{\"", found[0].size() - 1)));
+  EXPECT_THAT(found[1].front(), StartsWith("1 0 rubber {\""));
   for (std::size_t k = 0; k < found[0].size(); ++k) {
     EXPECT_EQ(found[0][k].substr(found[0][k].find('{')), found[2][k].substr(found[2][k].find('{'))) << "the draws of trial " << k;
   }
@@ -50,10 +43,10 @@ TEST(Grid, AnErrorSaysWhichTrialItIs) {
     if (trial.number == 3) throw InputError("no");
     return 0;
   };
-  EXPECT_THAT(message_of<InputError>([&] { run_grid<int>({cells[1]}, with_jobs(2), fail_at_3); }),
-              ::testing::StartsWith("rubber, trial 3: no; the same: slipbench run scenes/papillarray/hexapod.yaml --set "
-                                    "'surface.material=rubber' --seed 1 --trials 200 --trial 3"));
-  EXPECT_THAT(message_of<InputError>([&] { run_grid<int>({cells[2]}, with_jobs(2), fail_at_3); }),
+  EXPECT_THAT(refusal_of([&] { run_grid<int>({cells[1]}, with_jobs(2), fail_at_3); }),
+              StartsWith("rubber, trial 3: no; the same: slipbench run scenes/papillarray/hexapod.yaml --set "
+                         "'surface.material=rubber' --seed 1 --trials 200 --trial 3"));
+  EXPECT_THAT(refusal_of([&] { run_grid<int>({cells[2]}, with_jobs(2), fail_at_3); }),
               HasSubstr("other, trial 3: no; the same, but for what the name says: slipbench run"));
 }
 
@@ -97,7 +90,7 @@ TEST(Processes, EachWorkHasOneOfItsOwnAndResultsKeepTheirOrder) {
 TEST(Only, KeepsWhatIsNamedAndRefusesWhatIsNot) {
   EXPECT_THAT(names_of(chosen(cells, {"other"})), ElementsAre("other"));
   EXPECT_THAT(names_of(chosen(cells, {})), ElementsAre("as it is", "rubber", "other"));
-  EXPECT_THAT(message_of<InputError>([] { check_only({"ruber"}, names_of(cells)); }),
+  EXPECT_THAT(refusal_of([] { check_only({"ruber"}, names_of(cells)); }),
               HasSubstr("--only: unknown name 'ruber'; did you mean 'rubber'?"));
 }
 

@@ -3,18 +3,12 @@
 
 #include <cmath>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce::hd_table3_test {
 namespace {
-
-using slipbench::testing::message_of;
-using ::testing::HasSubstr;
 
 Json figure(const Json& value) { return {{"value", value}, {"low", nullptr}, {"high", nullptr}}; }
 
@@ -45,7 +39,7 @@ TEST(GruFigures, ArePlainCountsOfTheTrials) {
 TEST(HdTable3, UnknownRowsGetTheNearest) {
   ReproduceOptions options;
   options.only = {"gru_latch"};
-  EXPECT_THAT(message_of<InputError>([&] { hd_table3(options); }), HasSubstr("did you mean 'gru_latched'"));
+  EXPECT_THAT(refusal_of([&] { hd_table3(options); }), HasSubstr("did you mean 'gru_latched'"));
 }
 
 }  // namespace

@@ -4,18 +4,13 @@
 #include <filesystem>
 #include <fstream>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/reproduce_command.h"
 
 namespace slipbench::reproduce::kept_networks_test {
 namespace {
-
-using slipbench::testing::message_of;
-using ::testing::HasSubstr;
 
 class KeptNetworksTest : public slipbench::testing::FolderTest {
  protected:
@@ -78,21 +73,19 @@ TEST_F(KeptNetworksTest, DamageBeforeTheEndIsToldAndNothingIsThrownAway) {
   const std::uintmax_t whole = std::filesystem::file_size(path_);
   const std::uintmax_t record = 3 * 8 + std::string("network 0").size() + 32;
   change_byte(whole - record - 33);  // the last byte that network 1 has said
-  EXPECT_THAT(message_of<InputError>([&] { open(true); }),
-              HasSubstr("is damaged before its last network; allowed: delete the file"));
+  EXPECT_THAT(refusal_of([&] { open(true); }), HasSubstr("is damaged before its last network; allowed: delete the file"));
   EXPECT_EQ(std::filesystem::file_size(path_), whole);
 }
 
 TEST_F(KeptNetworksTest, WorkOfHoursIsNotOverwrittenAndNotTakenForAnother) {
   keep({0});
-  EXPECT_THAT(message_of<InputError>([&] { open(false); }),
+  EXPECT_THAT(refusal_of([&] { open(false); }),
               HasSubstr("holds 1 networks of a run that did not come to its end; allowed: --resume"));
-  EXPECT_THAT(message_of<InputError>([&] { open(false, "another"); }), HasSubstr("holds 1 networks"));
-  EXPECT_THAT(message_of<InputError>([&] { open(true, "another"); }),
-              HasSubstr("is of other options, data, scenes or another build"));
+  EXPECT_THAT(refusal_of([&] { open(false, "another"); }), HasSubstr("holds 1 networks"));
+  EXPECT_THAT(refusal_of([&] { open(true, "another"); }), HasSubstr("is of other options, data, scenes or another build"));
   EXPECT_EQ(kept_now(), 1u);
   std::ofstream(path_) << "a text of the user\n";
-  EXPECT_THAT(message_of<InputError>([&] { open(true); }), HasSubstr("holds no networks of a study"));
+  EXPECT_THAT(refusal_of([&] { open(true); }), HasSubstr("holds no networks of a study"));
   EXPECT_EQ(std::filesystem::file_size(path_), 19u);
 }
 
@@ -130,13 +123,13 @@ TEST_F(KeptNetworksTest, ResumeNeedsAPageAStudyThatTeachesNetworksAndItsOwnFile)
   ReproduceCommand command;
   command.resume = true;
   command.name = "piezo-fft-gru/table2";
-  EXPECT_THAT(message_of<InputError>([&] { command.run(); }), HasSubstr("allowed: with -o"));
+  EXPECT_THAT(refusal_of([&] { command.run(); }), HasSubstr("allowed: with -o"));
   command.name = "hd-papillarray/latency";
   command.output = path("study.html");
-  EXPECT_THAT(message_of<InputError>([&] { command.run(); }), HasSubstr("does not take --resume"));
+  EXPECT_THAT(refusal_of([&] { command.run(); }), HasSubstr("does not take --resume"));
   command.name = "piezo-fft-gru/table2";
   keep({0});
-  EXPECT_THAT(message_of<InputError>([&] { command.run(); }), HasSubstr("is of other options, data, scenes or another build"));
+  EXPECT_THAT(refusal_of([&] { command.run(); }), HasSubstr("is of other options, data, scenes or another build"));
   EXPECT_EQ(kept_now(), 1u);
 }
 

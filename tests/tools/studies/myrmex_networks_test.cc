@@ -5,21 +5,13 @@
 #include <map>
 #include <set>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 
 namespace slipbench::reproduce::myrmex_networks_test {
 namespace {
 
 using learn::masked;
-using slipbench::testing::message_of;
-using ::testing::Each;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::SizeIs;
 
 MyrmexWindow window(double time, double to_onset, std::uint8_t label, bool drawn = true) {
   MyrmexWindow one;
@@ -161,7 +153,7 @@ TEST(Sizes, OneTrialOfACellIsRefused) {
   if (!learn::networks_available()) GTEST_SKIP() << "built without libtorch";
   ReproduceOptions options;
   options.trials = 1;
-  EXPECT_THAT(message_of<InputError>([&] { myrmex_size(options); }), HasSubstr("allowed: 2 or more"));
+  EXPECT_THAT(refusal_of([&] { myrmex_size(options); }), HasSubstr("allowed: 2 or more"));
   options.trials = 2;
   options.full = true;
   EXPECT_EQ(myrmex_size(options).turned, 11U) << "with the image as recorded the paper's 12 angles";

@@ -2,7 +2,6 @@
 #include "tools/studies/nib_reconfigurable/nib_calibration.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <set>
 #include <stdexcept>

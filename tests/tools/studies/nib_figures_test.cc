@@ -1,9 +1,7 @@
 // What the trials of the nib pad's tables II and III come to, of runs made up by hand.
 #include <cmath>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tools/studies/nib_reconfigurable/nib_table2_run.h"
 #include "tools/studies/nib_reconfigurable/nib_table3_run.h"
 
@@ -35,7 +33,7 @@ TEST(ReorientSummary, MediansLeaveOutWhatIsNone) {
   EXPECT_EQ(summary.standing, 1U);
   EXPECT_EQ(summary.turned_up, 2U);
   EXPECT_EQ(summary.dropped, 1U);
-  EXPECT_THAT(summary.ends, ::testing::ElementsAre(1, 1, 0, 0, 1, 0, 0));
+  EXPECT_THAT(summary.ends, ElementsAre(1, 1, 0, 0, 1, 0, 0));
   EXPECT_DOUBLE_EQ(summary.tilt, 1.0);
   EXPECT_DOUBLE_EQ(summary.released_tilt, 0.3);
   EXPECT_DOUBLE_EQ(summary.held_by, 3.5);

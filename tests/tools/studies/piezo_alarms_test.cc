@@ -3,14 +3,10 @@
 
 #include <cmath>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "tests/expect.h"
 
 namespace slipbench::reproduce::piezo_alarms_test {
 namespace {
-
-using ::testing::DoubleNear;
-using ::testing::ElementsAre;
 
 const double nan = std::nan("");
 const std::vector<double> time{0.01, 0.02, 0.03, 0.04, 0.05, 0.06};  // s

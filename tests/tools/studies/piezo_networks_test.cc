@@ -3,11 +3,8 @@
 
 #include <cmath>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/program/learn/recipe.h"
 
@@ -16,10 +13,6 @@ namespace {
 
 using learn::LabelRule;
 using learn::masked;
-using slipbench::testing::message_of;
-using ::testing::ElementsAre;
-using ::testing::EndsWith;
-using ::testing::HasSubstr;
 
 // Three frames of one value, the last slips; by the position the second does, too.
 PiezoRecording recording() {
@@ -148,15 +141,14 @@ TEST(NetworkTables, RefuseWhatMakesNoFolds) {
     ReproduceOptions options;
     options.trials = 9;
     const auto run = [&] { find_reproduction(std::string("piezo-fft-gru/") + name).run(options); };
-    EXPECT_THAT(message_of<InputError>(run), EndsWith("allowed: even numbers, 10 or more")) << name;
+    EXPECT_THAT(refusal_of(run), EndsWith("allowed: even numbers, 10 or more")) << name;
     options.data = "a.h5";
-    EXPECT_THAT(message_of<InputError>(run), HasSubstr("--trials is for recordings that are made")) << name;
+    EXPECT_THAT(refusal_of(run), HasSubstr("--trials is for recordings that are made")) << name;
   }
   ReproduceOptions options;
   options.only = {"gru_23"};
   for (const char* name : {"table1", "table4"}) {
-    EXPECT_THAT(message_of<InputError>([&] { find_reproduction(std::string("piezo-fft-gru/") + name).run(options); }),
-                HasSubstr("gru_32"))
+    EXPECT_THAT(refusal_of([&] { find_reproduction(std::string("piezo-fft-gru/") + name).run(options); }), HasSubstr("gru_32"))
         << name;
   }
 }

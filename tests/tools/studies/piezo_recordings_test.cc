@@ -3,24 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
-#include "tools/base/dataset/writer.h"
 
 namespace slipbench::reproduce::piezo_recordings_test {
 namespace {
 
 using slipbench::testing::make_record;
-using slipbench::testing::message_of;
-using ::testing::DoubleNear;
-using ::testing::ElementsAre;
 using ::testing::FloatNear;
-using ::testing::HasSubstr;
-using ::testing::SizeIs;
 
 // 400 samples of a skin at 10 kHz, three frames. With a slip it is in contact, and slips from sample 250 on.
 TrialRecord skin_record(std::size_t trial, bool slips, const std::string& params) {
@@ -43,11 +34,11 @@ TrialRecord skin_record(std::size_t trial, bool slips, const std::string& params
 class PiezoRecordings : public slipbench::testing::FolderTest {};
 
 TEST_F(PiezoRecordings, SayWhatWasSwept) {
-  DatasetWriter writer(path("a.h5"), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, 2);
-  writer.append(TrialEncoder().encode(skin_record(
-      0, true, R"({"motion.vibration": 0.5, "friction.static": 0.9, "motion.speed": 0.01, "effects": ["asperities"]})")));
-  writer.append(TrialEncoder().encode(skin_record(1, false, R"({"motion.vibration": 4.0})")));
-  writer.commit();
+  slipbench::testing::write_dataset(
+      path("a.h5"), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"},
+      {skin_record(0, true,
+                   R"({"motion.vibration": 0.5, "friction.static": 0.9, "motion.speed": 0.01, "effects": ["asperities"]})"),
+       skin_record(1, false, R"({"motion.vibration": 4.0})")});
   const std::vector<PiezoRecording> recordings = read_recordings(path("a.h5"), {published_spectra(), signal_at_100_hz()});
   ASSERT_THAT(recordings, SizeIs(2));
   EXPECT_EQ(recordings[0].level, 0.5);
@@ -131,7 +122,7 @@ TEST_F(PiezoRecordings, SurviveTheirBytes) {
 }
 
 TEST_F(PiezoRecordings, OfOtherSensorsAreRefused) {
-  EXPECT_THAT(message_of<InputError>([] { make_recording(make_record(2, 400), {published_spectra()}); }),
+  EXPECT_THAT(refusal_of([] { make_recording(make_record(2, 400), {published_spectra()}); }),
               HasSubstr("trial 2: has no piezo_skin"));
 }
 

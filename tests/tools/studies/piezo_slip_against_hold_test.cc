@@ -1,20 +1,12 @@
 // The curve of slip against hold from end to end, with few recordings.
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce::piezo_slip_against_hold_test {
 namespace {
-
-using slipbench::testing::message_of;
-using ::testing::EndsWith;
-using ::testing::HasSubstr;
-using ::testing::SizeIs;
 
 TEST(SlipAgainstHold, PrintsACurveWhosePartsAddUp) {
   ReproduceOptions options;
@@ -59,7 +51,7 @@ TEST(SlipAgainstHold, NeedsTwoRecordingsOfEachKindAndAsManyOfBoth) {
   ReproduceOptions options;
   for (const std::size_t trials : {2U, 5U}) {  // of five, four would be run
     options.trials = trials;
-    EXPECT_THAT(message_of<InputError>([&] { find_reproduction("piezo-fft-gru/slip_against_hold").run(options); }),
+    EXPECT_THAT(refusal_of([&] { find_reproduction("piezo-fft-gru/slip_against_hold").run(options); }),
                 EndsWith("allowed: even numbers, 4 or more"))
         << trials;
   }

@@ -2,21 +2,13 @@
 
 #include <fstream>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 
 namespace slipbench::reproduce {
 namespace {
 
 using ::slipbench::testing::bytes_of;
-using ::slipbench::testing::message_of;
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 Result sample_result() {
   Result result;
@@ -72,10 +64,10 @@ TEST_F(ResultFileTest, StandsBesideItsFigures) {
 
 TEST_F(ResultFileTest, OtherFilesAreKept) {
   std::ofstream(path("r.json")) << "{\"mine\": 1}";
-  EXPECT_THAT(message_of<InputError>([&] { write_result(path("r.html"), "paper/table", sample_result()); }), HasSubstr("r.json"));
+  EXPECT_THAT(refusal_of([&] { write_result(path("r.html"), "paper/table", sample_result()); }), HasSubstr("r.json"));
   EXPECT_EQ(bytes_of(path("r.json")), "{\"mine\": 1}");
   EXPECT_THAT(names(), ElementsAre("r.json"));
-  EXPECT_THAT(message_of<InputError>([&] { check_result_target(path("r.txt")); }), HasSubstr("a name that ends in .html"));
+  EXPECT_THAT(refusal_of([&] { check_result_target(path("r.txt")); }), HasSubstr("a name that ends in .html"));
 }
 
 }  // namespace

@@ -2,20 +2,13 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {
 namespace {
-
-using ::testing::Each;
-using ::testing::HasSubstr;
-using ::testing::SizeIs;
 
 class Table1Test : public ::slipbench::testing::SmallDatasetTest {};
 

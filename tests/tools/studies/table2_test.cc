@@ -1,13 +1,9 @@
 #include <cmath>
 #include <csignal>
-#include <numbers>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/core/pad_state.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/studies/hd_papillarray/hd_table2_figures.h"
@@ -15,12 +11,6 @@
 
 namespace slipbench::reproduce {
 namespace {
-
-using ::slipbench::testing::message_of;
-using ::testing::Each;
-using ::testing::HasSubstr;
-using ::testing::SizeIs;
-using ::testing::StartsWith;
 
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
@@ -159,7 +149,7 @@ ReproduceOptions small(std::vector<std::string> only) {
 }
 
 TEST(Table2, NamesThatNothingHasAreRefused) {
-  EXPECT_THAT(message_of<InputError>([] {
+  EXPECT_THAT(refusal_of([] {
                 hd_table2(small({"ptfe", "gst_hb"}));
               }),
               HasSubstr("--only: unknown name 'gst_hb'; did you mean 'gst_hd'? allowed: as_recorded, as_printed, light"));
@@ -170,9 +160,9 @@ TEST(Table2, NamesThatNothingHasAreRefused) {
 TEST(Table2, RefusesAFolderThatHoldsNoMemories) {
   ReproduceOptions options = small({"as_recorded", "light", "ptfe", "gst_hd_published"});
   options.memories = "/nowhere";
-  EXPECT_THAT(message_of<InputError>([&] { hd_table2(options); }),
-              ::testing::AllOf(HasSubstr("as_recorded, light, ptfe, gst_hd_published, trial 0: "), HasSubstr("/nowhere"),
-                               HasSubstr("--set 'grip.protocol=as_recorded' --set 'box.mass=0.2 kg'")));
+  EXPECT_THAT(refusal_of([&] { hd_table2(options); }),
+              AllOf(HasSubstr("as_recorded, light, ptfe, gst_hd_published, trial 0: "), HasSubstr("/nowhere"),
+                    HasSubstr("--set 'grip.protocol=as_recorded' --set 'box.mass=0.2 kg'")));
 }
 
 TEST(Table2, IsTheSameOnAnyNumberOfThreads) {

@@ -1,22 +1,15 @@
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <cstring>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/writer.h"
 
 namespace slipbench::testing {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 const DatasetHeader header{"1.2.3", "slipbench: 1\ndescription: \xC2\xB5\n", R"({"motion.speed":"8 mm/s"})", 7,
                            "slipbench sweep a.yaml"};
@@ -159,11 +152,7 @@ TEST_F(DatasetTest, OldOutcomesAreJudgedByTodaysRule) {
 
 TEST_F(DatasetTest, GripperComesBackAsItWasWritten) {
   const TrialRecord expected = make_grasp_record(0, 17);
-  {
-    DatasetWriter writer(path("a.h5"), header, 1);
-    writer.append(TrialEncoder().encode(expected));
-    writer.commit();
-  }
+  write_dataset(path("a.h5"), header, {expected});
   const TrialRecord found = DatasetReader(path("a.h5")).read_trial(0);
   ASSERT_TRUE(found.control.has_value());
   EXPECT_EQ(found.control->controller, "step_on_slip");
@@ -182,11 +171,7 @@ TEST_F(DatasetTest, ChannelWithATimeOfItsOwnComesBackAsItWasWritten) {
   sensor.channels.push_back({"image", "1", {2}, ramp(6, 50.0F), std::vector<double>{2e-3, 4e-3, 6e-3}});
   sensor.channels.push_back({"late", "1", {}, {}, std::vector<double>{}});
   sensor.channel_names.insert(sensor.channel_names.end(), {"I0", "I1", "L"});
-  {
-    DatasetWriter writer(path("a.h5"), header, 1);
-    writer.append(TrialEncoder().encode(record));
-    writer.commit();
-  }
+  write_dataset(path("a.h5"), header, {record});
   const SensorRecord read = DatasetReader(path("a.h5")).read_trial(0).sensors[0];
   ASSERT_EQ(read.channels.size(), 4U);
   EXPECT_FALSE(read.channels[0].time.has_value());
@@ -201,11 +186,7 @@ TEST_F(DatasetTest, GuidedArmComesBackAsItWasWritten) {
   TrialRecord expected = make_grasp_record(0, 3);
   expected.control->grip.arm = {0.0F, 0.0F, 0.0F, 0.01F, -0.02F, 0.01F};
   expected.outcome.grasp->turn = {.tilt = 0.25, .least_tilt = 0.125, .standing = false};
-  {
-    DatasetWriter writer(path("a.h5"), header, 1);
-    writer.append(TrialEncoder().encode(expected));
-    writer.commit();
-  }
+  write_dataset(path("a.h5"), header, {expected});
   const TrialRecord found = DatasetReader(path("a.h5")).read_trial(0);
   EXPECT_EQ(found.control->grip.arm, expected.control->grip.arm);
   EXPECT_EQ(found.outcome.grasp->turn->tilt, 0.25);
@@ -215,13 +196,9 @@ TEST_F(DatasetTest, DetectorThatDoesNotFitItsTrialIsRefused) {
   const auto refusal = [&](const auto& damage) {
     TrialRecord record = make_controlled_record(0, 8);
     damage(*record.control);
-    {
-      DatasetWriter writer(path("a.h5"), header, 1);
-      writer.append(TrialEncoder().encode(record));
-      writer.commit();
-    }
+    write_dataset(path("a.h5"), header, {record});
     const DatasetReader reader(path("a.h5"));
-    return message_of<InputError>([&] { static_cast<void>(reader.read_trial(0)); });
+    return refusal_of([&] { static_cast<void>(reader.read_trial(0)); });
   };
   EXPECT_THAT(refusal([](ControlRecord& control) { control.detector_class[3] = 4; }),
               HasSubstr("/data/demo_0/control/detector_class: holds 4, which is no state of a pad"));
@@ -285,8 +262,8 @@ TEST_F(DatasetTest, RefusesAShardOfAnotherRun) {
     writer.commit();
   }
   std::filesystem::rename(path("b-0001.h5"), path("a-0001.h5"));
-  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(first); }), HasSubstr("belongs to another dataset"));
-  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(path("a-0002.h5")); }), HasSubstr("open the first"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(first); }), HasSubstr("belongs to another dataset"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("a-0002.h5")); }), HasSubstr("open the first"));
 }
 
 TEST_F(DatasetTest, TrialsComeInOrder) {
@@ -296,16 +273,15 @@ TEST_F(DatasetTest, TrialsComeInOrder) {
 }
 
 TEST_F(DatasetTest, ReaderNamesWhatIsWrong) {
-  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(path("none.h5")); }), HasSubstr("no such file"));
-  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(path("")); }), HasSubstr("is a folder"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("none.h5")); }), HasSubstr("no such file"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("")); }), HasSubstr("is a folder"));
   std::ofstream(path("text.h5")) << "not HDF5";
-  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(path("text.h5")); }), HasSubstr("no readable HDF5 file"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("text.h5")); }), HasSubstr("no readable HDF5 file"));
   const DatasetReader reader(write("a.h5", 2, 10, DatasetWriter::default_shard_limit));
-  EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(reader.info(2)); }),
-              HasSubstr("no trial 2; the first is 0, the last 1"));
-  EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(reader.read<float>(0, "labels/pad/speed")); }),
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(reader.info(2)); }), HasSubstr("no trial 2; the first is 0, the last 1"));
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(reader.read<float>(0, "labels/pad/speed")); }),
               HasSubstr("/data/demo_0/labels/pad/speed: missing or damaged"));
-  EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(reader.read<float>(0, "labels/pad")); }), HasSubstr("is no array"));
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(reader.read<float>(0, "labels/pad")); }), HasSubstr("is no array"));
 }
 
 }  // namespace

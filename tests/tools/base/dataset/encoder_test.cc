@@ -84,7 +84,7 @@ TEST(TrialEncoder, TakesTrialsWithoutEvents) {
 TEST(TrialEncoder, RefusesAColumnOfTheWrongLength) {
   TrialRecord record = make_record(0, 10);
   record.sensors[0].labels.margin.pop_back();
-  EXPECT_EQ(message_of<std::logic_error>([&] { TrialEncoder().encode(record); }),
+  EXPECT_EQ(refusal_of<std::logic_error>([&] { TrialEncoder().encode(record); }),
             "labels/pad/margin: 19 values do not fill 10 rows");
 }
 

@@ -1,5 +1,4 @@
 // What happens to a dataset when its writing cannot go on.
-#include <fcntl.h>
 #include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -9,10 +8,7 @@
 #include <csignal>
 #include <functional>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
@@ -21,10 +17,6 @@
 
 namespace slipbench::testing::failure_test {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 const DatasetHeader header{"1.2.3", "scene", "{}", 7, "slipbench sweep a.yaml"};
 constexpr std::size_t rows = 400;
@@ -48,7 +40,7 @@ int in_child(const std::function<void()>& action) {
 class FailureTest : public FolderTest {
  protected:
   std::string refusal(const std::string& target) {
-    return message_of<InputError>([&] { DatasetWriter writer(target, header, 1); });
+    return refusal_of([&] { DatasetWriter writer(target, header, 1); });
   }
   static void write(const std::string& target, std::size_t trials) {
     DatasetWriter writer(target, header, trials);
@@ -251,9 +243,8 @@ TEST(Guarded, HandsBackTheResult) {
 }
 
 TEST(Guarded, ThrowsWhatWasThrown) {
-  EXPECT_EQ(message_of<InputError>([] { guarded("a.h5", []() -> std::string { throw InputError("no trial 3"); }); }),
-            "no trial 3");
-  EXPECT_EQ(message_of<std::runtime_error>([] { guarded("a.h5", []() -> std::string { throw std::logic_error("bug"); }); }),
+  EXPECT_EQ(refusal_of([] { guarded("a.h5", []() -> std::string { throw InputError("no trial 3"); }); }), "no trial 3");
+  EXPECT_EQ(refusal_of<std::runtime_error>([] { guarded("a.h5", []() -> std::string { throw std::logic_error("bug"); }); }),
             "bug");
 }
 
@@ -265,9 +256,8 @@ TEST(Guarded, CrashIsDamage) {
       return "";
     };
   };
-  EXPECT_EQ(message_of<InputError>([&] { guarded("a.h5", raise(SIGSEGV)); }),
-            "a.h5: is damaged: HDF5 crashed on it (Segmentation fault)");
-  EXPECT_EQ(message_of<std::runtime_error>([&] { guarded("a.h5", raise(SIGTERM)); }), "a.h5: reading it was ended: Terminated");
+  EXPECT_EQ(refusal_of([&] { guarded("a.h5", raise(SIGSEGV)); }), "a.h5: is damaged: HDF5 crashed on it (Segmentation fault)");
+  EXPECT_EQ(refusal_of<std::runtime_error>([&] { guarded("a.h5", raise(SIGTERM)); }), "a.h5: reading it was ended: Terminated");
   // A terminal sends Ctrl-C to all processes of a program. The parent decides.
   const auto interrupted = []() -> std::string {
     ::raise(SIGINT);

@@ -47,9 +47,7 @@ def values_of(path):
 
 class FlipsTest(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.whole = self.folder / "whole.h5"
         subprocess.run([PROGRAM, "run", ROOT / "scenes/papillarray/stage.yaml", "--set", "duration=0.9 s", "motion.start=0.5 s", "sensors.pad.rate=100 Hz", "sweep={motion.speed: [4 mm/s, 8 mm/s, 16 mm/s]}",
                         "--trials", "3", "--quiet", "-o", self.whole], check=True, stdout=subprocess.DEVNULL)

@@ -1,15 +1,12 @@
 // What a digest covers, and what is refused before it is read.
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <functional>
 #include <new>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <hdf5.h>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/content_walk.h"
@@ -18,10 +15,6 @@
 
 namespace slipbench::testing::integrity_test {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::EndsWith;
-using ::testing::HasSubstr;
 
 const DatasetHeader header{"1.2.3", "scene", "{}", 7, "slipbench sweep a.yaml"};
 constexpr std::size_t rows = 40;
@@ -51,6 +44,15 @@ class IntegrityTest : public FolderTest {
     for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
     writer.commit();
   }
+  // Each change is found, alone.
+  void expect_found(const std::vector<std::function<void(hid_t)>>& changes, const std::string& message) const {
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      const std::string whole = bytes_of(path("a.h5"));
+      change(changes[i]);
+      EXPECT_THAT(refusal_of([&] { check(); }), HasSubstr(message)) << i;
+      std::ofstream(path("a.h5"), std::ios::binary) << whole;
+    }
+  }
   void change(const std::function<void(hid_t)>& action) const {
     const hid_t file = H5Fopen(path("a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
     ASSERT_GE(file, 0);
@@ -62,7 +64,7 @@ class IntegrityTest : public FolderTest {
     check_content(reader, 0);
   }
   [[nodiscard]] std::string refusal() const {
-    return message_of<InputError>([&] {
+    return refusal_of([&] {
       const DatasetReader reader(path("a.h5"));
       for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_trial(trial));
       check_content(reader, 0);
@@ -75,8 +77,7 @@ TEST_F(IntegrityTest, WholeFileHolds) { EXPECT_NO_THROW(check()); }
 // The reproducer: the onset times of all units, which report and every export took without a word.
 TEST_F(IntegrityTest, AttributeOfATrialIsCovered) {
   change([](hid_t file) { change_attribute(file, "/data/demo_1/labels/pad", "onset_time_s", 1.2345); });
-  EXPECT_THAT(message_of<InputError>([&] { check(); }),
-              HasSubstr("a.h5: /data/demo_1: is damaged: its content has the SHA-256 "));
+  EXPECT_THAT(refusal_of([&] { check(); }), HasSubstr("a.h5: /data/demo_1: is damaged: its content has the SHA-256 "));
 }
 
 TEST_F(IntegrityTest, EveryKindOfValueOfATrialIsCovered) {
@@ -92,12 +93,7 @@ TEST_F(IntegrityTest, EveryKindOfValueOfATrialIsCovered) {
         H5Lmove(file, "/data/demo_0/truth/pad/pose", file, "/data/demo_0/truth/pad/poses", H5P_DEFAULT, H5P_DEFAULT);
       },
   };
-  for (std::size_t i = 0; i < changes.size(); ++i) {
-    const std::string whole = bytes_of(path("a.h5"));
-    change(changes[i]);
-    EXPECT_THAT(message_of<InputError>([&] { check(); }), HasSubstr("/data/demo_0: is damaged")) << i;
-    std::ofstream(path("a.h5"), std::ios::binary) << whole;
-  }
+  expect_found(changes, "/data/demo_0: is damaged");
 }
 
 TEST_F(IntegrityTest, WhatStandsBesideTheTrialsIsCovered) {
@@ -109,12 +105,7 @@ TEST_F(IntegrityTest, WhatStandsBesideTheTrialsIsCovered) {
       [](hid_t file) { H5Lmove(file, "/data/demo_2", file, "/data/demo_3", H5P_DEFAULT, H5P_DEFAULT); },
       [](hid_t file) { H5Ldelete(file, "/data/demo_2", H5P_DEFAULT); },
   };
-  for (std::size_t i = 0; i < changes.size(); ++i) {
-    const std::string whole = bytes_of(path("a.h5"));
-    change(changes[i]);
-    EXPECT_THAT(message_of<InputError>([&] { check(); }), HasSubstr("a.h5: is damaged: its content has the SHA-256 ")) << i;
-    std::ofstream(path("a.h5"), std::ios::binary) << whole;
-  }
+  expect_found(changes, "a.h5: is damaged: its content has the SHA-256 ");
 }
 
 // A file as version 1 wrote it: no digest of a trial, no codes, arrays alone in content_sha256.
@@ -148,7 +139,7 @@ TEST_F(IntegrityTest, SchemaOneHasItsArraysChecked) {
     EXPECT_GE(H5Dwrite(array, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, other.data()), 0);
     H5Dclose(array);
   });
-  EXPECT_THAT(message_of<InputError>([&] { check(); }), HasSubstr("is damaged: its content has the SHA-256"));
+  EXPECT_THAT(refusal_of([&] { check(); }), HasSubstr("is damaged: its content has the SHA-256"));
 }
 
 TEST_F(IntegrityTest, WhatLiesInOtherFilesIsRefused) {
@@ -226,13 +217,13 @@ TEST_F(IntegrityTest, NamesWithControlCharactersAreRefused) {
 
 TEST_F(IntegrityTest, PipeIsRefused) {
   ASSERT_EQ(::mkfifo(path("pipe.h5").c_str(), 0600), 0);
-  EXPECT_THAT(message_of<InputError>([&] { DatasetReader reader(path("pipe.h5")); }), EndsWith("pipe.h5: is a pipe, no file"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("pipe.h5")); }), EndsWith("pipe.h5: is a pipe, no file"));
 }
 
 TEST(GuardedLimits, EndlessReadingEnds) {
   constexpr std::uint64_t plenty = 8'000'000'000;
   const auto message = [](const ReadingLimits& limits, const std::function<std::string()>& action) {
-    return message_of<InputError>([&] { guarded("a.h5", limits, action); });
+    return refusal_of([&] { guarded("a.h5", limits, action); });
   };
   EXPECT_EQ(message({1, 60, plenty},
                     []() -> std::string {
@@ -251,7 +242,7 @@ TEST(GuardedLimits, EndlessReadingEnds) {
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST(GuardedLimits, MemoryHasALimit) {
-  EXPECT_EQ(message_of<InputError>([] {
+  EXPECT_EQ(refusal_of([] {
               guarded("a.h5", {60, 60, 2'000'000'000}, [] { return std::string(4'000'000'000, 'x').substr(0, 1); });
             }),
             "a.h5: cannot be read: reading needed more than 2 GB");

@@ -1,9 +1,6 @@
 #include <cmath>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/mask.h"
@@ -59,15 +56,11 @@ TEST(Outcome, SaysHowTheDetectorDid) {
     EXPECT_EQ(back.detection, detection);
     EXPECT_EQ(back.judged_slip_time, outcome.judged_slip_time);
   }
-  EXPECT_THAT(outcome_json(outcome), ::testing::HasSubstr(R"("detection":"missed")"));
+  EXPECT_THAT(outcome_json(outcome), HasSubstr(R"("detection":"missed")"));
   std::string wrong = outcome_json(outcome);
   wrong.replace(wrong.find("missed"), 6, "mist");
-  try {
-    parse_outcome(wrong);
-    FAIL() << wrong;
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "outcome has the detection 'mist'; allowed: quiet, false_alarm, early, seen, missed");
-  }
+  EXPECT_EQ(refusal_of([&] { parse_outcome(wrong); }),
+            "outcome has the detection 'mist'; allowed: quiet, false_alarm, early, seen, missed");
 }
 
 // An outcome whose loop reacted 40 ms after a slip at 1 s.
@@ -152,7 +145,7 @@ TEST(Outcome, KeepsTheKeysOfAGraspAsNull) {
   const std::string json = outcome_json({});
   for (const char* key : {"dropped", "drop_time_s", "slip_translation_m", "slip_rotation_rad", "max_grip_force_N",
                           "final_grip_force_N", "ideal_grip_force_N", "reaction_time_s"}) {
-    EXPECT_THAT(json, ::testing::HasSubstr('"' + std::string(key) + "\":null"));
+    EXPECT_THAT(json, HasSubstr('"' + std::string(key) + "\":null"));
   }
   EXPECT_FALSE(parse_outcome(json).grasp.has_value());
 }

@@ -8,20 +8,13 @@
 
 #include <hdf5.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/kept_trials.h"
 #include "tools/base/dataset/writer.h"
 
 namespace slipbench::testing::resume_test {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 const DatasetHeader header{"1.2.3", "slipbench: 1\nseed: 7\n", "{}", 7, "slipbench sweep a.yaml"};
 constexpr std::size_t rows = 40;
@@ -106,7 +99,7 @@ TEST_F(ResumeTest, NothingLeftIsNothingKept) {
 TEST_F(ResumeTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
   kill(3);
   const std::vector<std::string> before = all_bytes();
-  const auto refusal = [&](DatasetHeader now) { return message_of<InputError>([&] { KeptTrials(path("out.h5"), now); }); };
+  const auto refusal = [&](DatasetHeader now) { return refusal_of([&] { KeptTrials(path("out.h5"), now); }); };
   const auto changed = [](const auto& change) {
     DatasetHeader now = header;
     change(now);
@@ -131,7 +124,7 @@ TEST_F(ResumeTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
 
 TEST_F(ResumeTest, RunThatIsWritingIsLeftAlone) {
   const DatasetWriter writer(path("out.h5"), header, 1);
-  EXPECT_THAT(message_of<InputError>([&] { KeptTrials(path("out.h5"), header); }), HasSubstr("another run is writing it"));
+  EXPECT_THAT(refusal_of([&] { KeptTrials(path("out.h5"), header); }), HasSubstr("another run is writing it"));
 }
 
 TEST_F(ResumeTest, RunThatGoesOnIsLeftAlone) {
@@ -140,9 +133,8 @@ TEST_F(ResumeTest, RunThatGoesOnIsLeftAlone) {
     const std::vector<std::string> before = all_bytes();
     {
       const KeptTrials first(path("out.h5"), header);
-      EXPECT_THAT(message_of<InputError>([&] { KeptTrials(path("out.h5"), header); }), HasSubstr("another run is writing it"));
-      EXPECT_THAT(message_of<InputError>([&] { DatasetWriter(path("out.h5"), header, trials); }),
-                  HasSubstr("another run is writing it"));
+      EXPECT_THAT(refusal_of([&] { KeptTrials(path("out.h5"), header); }), HasSubstr("another run is writing it"));
+      EXPECT_THAT(refusal_of([&] { DatasetWriter(path("out.h5"), header, trials); }), HasSubstr("another run is writing it"));
       EXPECT_EQ(first.size(), 3U);
     }
     EXPECT_EQ(KeptTrials(path("out.h5"), header).size(), 3U);
@@ -166,7 +158,7 @@ TEST_F(ResumeTest, FilesOfTheSceneAreTheSame) {
   const auto refusal = [&](const std::map<std::string, std::string>& files) {
     DatasetHeader now = named;
     now.files = files;
-    return message_of<InputError>([&] { KeptTrials(path("out.h5"), now); });
+    return refusal_of([&] { KeptTrials(path("out.h5"), now); });
   };
   EXPECT_THAT(refusal({{"mine.so", std::string(64, 'b')}, {"model.xml", digest}}),
               HasSubstr(": file mine.so has changed since;"));
@@ -209,8 +201,7 @@ TEST_F(ResumeTest, WholeDatasetIsComplete) {
   EXPECT_FALSE(finished_dataset(path("out.h5"), other));
   EXPECT_FALSE(finished_dataset(path("no.h5"), header));
   // Of another run it is not replaced.
-  EXPECT_THAT(message_of<InputError>([&] { KeptTrials(path("out.h5"), other); }),
-              HasSubstr("out.h5 was written by another run: seed 7"));
+  EXPECT_THAT(refusal_of([&] { KeptTrials(path("out.h5"), other); }), HasSubstr("out.h5 was written by another run: seed 7"));
 }
 
 // The run is killed between the end of its files and their renaming.
@@ -224,7 +215,7 @@ TEST_F(ResumeTest, WholeFilesGetTheirNames) {
       // The later files are renamed first.
       if (all || name == "out.h5") std::filesystem::rename(path(name), temporary_path(path(name)));
     }
-    EXPECT_THAT(message_of<InputError>([&] { DatasetWriter(path("out.h5"), header, trials, several); }), HasSubstr("--resume"));
+    EXPECT_THAT(refusal_of([&] { DatasetWriter(path("out.h5"), header, trials, several); }), HasSubstr("--resume"));
     EXPECT_EQ(KeptTrials(path("out.h5"), header).size(), 0U);
     EXPECT_EQ(all_bytes(), expected);
     EXPECT_TRUE(finished_dataset(path("out.h5"), header));

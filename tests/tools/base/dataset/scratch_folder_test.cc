@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/core/error.h"
 #include "tests/tools/base/dataset/test_records.h"
 
 namespace slipbench {
@@ -32,7 +31,7 @@ TEST(ScratchFolders, SayWhereTheyCannotBeMade) {
   const char* const was = std::getenv("TMPDIR");
   const std::string before = was == nullptr ? "" : was;
   ::setenv("TMPDIR", "/proc", 1);
-  const std::string message = testing::message_of<InputError>([] { const ScratchFolder folder; });
+  const std::string message = refusal_of([] { const ScratchFolder folder; });
   was == nullptr ? ::unsetenv("TMPDIR") : ::setenv("TMPDIR", before.c_str(), 1);
   EXPECT_EQ(message.substr(0, 37), "cannot make a folder /proc/slipbench-");
 }

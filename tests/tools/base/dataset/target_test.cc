@@ -1,11 +1,9 @@
 // What a run may replace and remove: the user's files, other datasets and links stay.
 #include <sys/stat.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <hdf5.h>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/reader.h"
@@ -13,9 +11,6 @@
 
 namespace slipbench::testing::target_test {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 constexpr std::size_t rows = 400;
 constexpr std::uint64_t several = 100'000;  // bytes: eight trials fill more than one file
@@ -30,7 +25,7 @@ class TargetTest : public FolderTest {
     return writer.commit();
   }
   std::string refusal(const std::string& name, std::size_t planned = 1) {
-    return message_of<InputError>([&] { DatasetWriter writer(path(name), {}, planned); });
+    return refusal_of([&] { DatasetWriter writer(path(name), {}, planned); });
   }
   void write_text(const std::string& name, const std::string& text) { std::ofstream(path(name)) << text; }
   // HDF5 of another program.
@@ -148,7 +143,7 @@ TEST_F(TargetTest, LaterFileOfADatasetIsNotReplacedAlone) {
 // How many files large trials need shows only while they are written.
 TEST_F(TargetTest, FileMetDuringTheRunIsKept) {
   write_text("out-0001.h5", "my notes");
-  const std::string message = message_of<InputError>([&] { write("out.h5", 8); });
+  const std::string message = refusal_of([&] { write("out.h5", 8); });
   EXPECT_EQ(message, "cannot write " + path("out.h5") + ": it needs a file 1, and " + path("out-0001.h5") +
                          " is in the way; allowed: a new name");
   EXPECT_EQ(bytes_of(path("out-0001.h5")), "my notes");
@@ -178,7 +173,7 @@ TEST_F(TargetTest, LaterFileOfAnotherDatasetStays) {
 constexpr TextKind kind{"note", [](std::string_view text) { return text.starts_with("note"); }};
 
 TEST_F(TargetTest, TextReplacesOnlyItsOwnKind) {
-  const auto refused = [&] { return message_of<InputError>([&] { check_text_target(path("a.txt"), {path("a.h5")}, kind); }); };
+  const auto refused = [&] { return refusal_of([&] { check_text_target(path("a.txt"), {path("a.h5")}, kind); }); };
   check_text_target(path("a.txt"), {path("a.h5")}, kind);
   for (const std::string name : {"a.txt", "a.txt.partial"}) {
     write_text(name, "slipbench: 1\n");
@@ -201,8 +196,7 @@ TEST_F(TargetTest, TextReplacesOnlyItsOwnKind) {
 TEST_F(TargetTest, TextDoesNotFollowALinkThatCameMeanwhile) {
   write_text("precious.txt", "precious");
   std::filesystem::create_symlink(path("precious.txt"), path("a.txt.partial"));
-  EXPECT_THAT(message_of<InputError>([&] { write_text_file(path("a.txt"), "note"); }),
-              HasSubstr("cannot write " + path("a.txt")));
+  EXPECT_THAT(refusal_of([&] { write_text_file(path("a.txt"), "note"); }), HasSubstr("cannot write " + path("a.txt")));
   EXPECT_EQ(bytes_of(path("precious.txt")), "precious");
   EXPECT_FALSE(std::filesystem::exists(path("a.txt")));
 }

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/trial_record.h"
+#include "tools/base/dataset/writer.h"
 
 namespace slipbench::testing {
 
@@ -117,6 +117,14 @@ inline EncodedTrial make_trial(std::size_t trial, std::size_t rows, const std::s
   return TrialEncoder().encode(make_record(trial, rows, material));
 }
 
+// Writes whole what is in `records` and gives the path.
+inline std::string write_dataset(const std::string& path, const DatasetHeader& header, const std::vector<TrialRecord>& records) {
+  DatasetWriter writer(path, header, records.size());
+  for (const TrialRecord& record : records) writer.append(TrialEncoder().encode(record));
+  writer.commit();
+  return path;
+}
+
 inline std::string bytes_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -144,17 +152,5 @@ class FolderTest : public ::testing::Test {
  private:
   std::filesystem::path folder_;
 };
-
-// The message of the Error that `action` throws; a failure where it throws none.
-template <class Error, class Action>
-std::string message_of(Action&& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return "";
-}
 
 }  // namespace slipbench::testing

@@ -5,15 +5,11 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/base/page/unpack.h"
 
 namespace slipbench::page {
 namespace {
-
-using ::testing::ElementsAre;
 
 std::string base64_of(const std::string& text) {
   return base64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});

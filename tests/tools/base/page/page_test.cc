@@ -1,13 +1,10 @@
 #include "tools/base/page/page.h"
 
-#include <algorithm>
 #include <regex>
 #include <stdexcept>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/base/page/web_files.h"
 
 namespace slipbench::page {
@@ -17,9 +14,6 @@ using ::slipbench::testing::matches;
 using ::slipbench::testing::unpaired_brackets;
 using ::slipbench::testing::variables;
 using ::slipbench::testing::web_files;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 const std::string hostile = "</script><script>alert('x')</script><!-- {{title}} é 漢 \xff";
 const std::vector<Asset> files = {

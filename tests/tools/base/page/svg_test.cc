@@ -1,18 +1,11 @@
 #include "tools/base/page/svg.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/base/page/web_files.h"
 
 namespace slipbench::page {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::DoubleNear;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::Not;
 using Values = std::vector<double>;
 
 TEST(LinearAxis, HoldsItsValuesInWholeSteps) {

@@ -9,11 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/core/interrupted.h"
+#include "tests/expect.h"
 
 namespace slipbench::child_process_test {
 namespace {
@@ -73,8 +70,8 @@ TEST(RunInProcesses, HandsOverInOrder) {
     std::vector<std::size_t> begun;
     const std::vector<std::string> results = run_in_processes(
         7, jobs, work, [&](std::size_t k) { begun.push_back(k); }, never);
-    EXPECT_THAT(results, ::testing::ElementsAre("0", "1", "4", "9", "16", "25", "36"));
-    EXPECT_THAT(begun, ::testing::ElementsAre(0, 1, 2, 3, 4, 5, 6));
+    EXPECT_THAT(results, ElementsAre("0", "1", "4", "9", "16", "25", "36"));
+    EXPECT_THAT(begun, ElementsAre(0, 1, 2, 3, 4, 5, 6));
   }
   EXPECT_TRUE(run_in_processes(0, 2, work, nothing, never).empty());
 }
@@ -88,7 +85,7 @@ TEST(RunInProcesses, DoesAsManyAtATimeAsItIsTold) {
     const ssize_t count = k == 0 ? ::read(ends[0], &byte, 1) : ::write(ends[1], &byte, 1);
     return std::to_string(count);
   };
-  EXPECT_THAT(run_in_processes(2, 2, work, nothing, never), ::testing::ElementsAre("1", "1"));
+  EXPECT_THAT(run_in_processes(2, 2, work, nothing, never), ElementsAre("1", "1"));
   for (const int end : ends) ::close(end);
 }
 
@@ -97,7 +94,7 @@ TEST(RunInProcesses, BeginsEachWithTheSameMemory) {
   int value = 1;
   const auto work = [&](std::size_t) { return std::to_string(value++); };
   for (const std::size_t jobs : {1U, 3U})
-    EXPECT_THAT(run_in_processes(3, jobs, work, nothing, never), ::testing::ElementsAre("1", "1", "1"));
+    EXPECT_THAT(run_in_processes(3, jobs, work, nothing, never), ElementsAre("1", "1", "1"));
   EXPECT_EQ(value, 1);
 }
 

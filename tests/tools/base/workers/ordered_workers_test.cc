@@ -10,10 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 
 namespace slipbench {
 namespace {
@@ -77,12 +74,7 @@ TEST(OrderedWorkers, FirstFailureInOrderIsTheOneThrown) {
   };
   Workers workers(60, 3, make_work, nullptr);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(workers.next(), i);
-  try {
-    workers.next();
-    FAIL() << "nothing was thrown";
-  } catch (const std::runtime_error& error) {
-    EXPECT_STREQ(error.what(), "3");
-  }
+  EXPECT_EQ(refusal_of<std::runtime_error>([&] { workers.next(); }), "3");
 }
 
 // One thread that fails at once: it would else run on until its places are full of failures.
@@ -138,14 +130,19 @@ class RoomForThreeThreads {
   rlimit limit_{};
 };
 
-TEST(OrderedWorkers, ThreadsThatCannotBeStartedAreRefused) {
-  std::atomic<std::size_t> begun{0};
-  const auto make_work = [&] {
-    return [&](std::size_t index) {
+// Work that hands its index on and counts how often it was begun.
+auto counting(std::atomic<std::size_t>& begun) {
+  return [&begun] {
+    return [&begun](std::size_t index) {
       ++begun;
       return index;
     };
   };
+}
+
+TEST(OrderedWorkers, ThreadsThatCannotBeStartedAreRefused) {
+  std::atomic<std::size_t> begun{0};
+  const auto make_work = counting(begun);
   std::string message = "all were started";
   {
     const RoomForThreeThreads room;
@@ -163,12 +160,7 @@ TEST(OrderedWorkers, ThreadsThatCannotBeStartedAreRefused) {
 TEST(OrderedWorkers, InterruptLetsBegunWorkFinish) {
   std::atomic<bool> interrupt{false};
   std::atomic<std::size_t> begun{0};
-  const auto make_work = [&] {
-    return [&](std::size_t index) {
-      ++begun;
-      return index;
-    };
-  };
+  const auto make_work = counting(begun);
   Workers workers(100'000, 2, make_work, &interrupt);
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(workers.next(), i);
   interrupt = true;
@@ -180,12 +172,7 @@ TEST(OrderedWorkers, InterruptLetsBegunWorkFinish) {
 
 TEST(OrderedWorkers, DoNotRunFarAhead) {
   std::atomic<std::size_t> begun{0};
-  const auto make_work = [&] {
-    return [&](std::size_t index) {
-      ++begun;
-      return index;
-    };
-  };
+  const auto make_work = counting(begun);
   Workers workers(100'000, 2, make_work, nullptr);
   EXPECT_EQ(workers.next(), 0U);
   std::this_thread::sleep_for(std::chrono::milliseconds(20));

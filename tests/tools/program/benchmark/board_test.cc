@@ -1,6 +1,5 @@
 // A part of the protocol, a trial or some of each scene: the whole takes minutes.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <map>

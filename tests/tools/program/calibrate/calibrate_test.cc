@@ -5,11 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/core/interrupted.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/calibrate/calibrate_page.h"
@@ -20,8 +17,6 @@
 
 namespace slipbench::calibrate::calibrate_test {
 namespace {
-
-using ::testing::HasSubstr;
 
 // Four recordings: pressed from 0.13 s on, moved from 0.5 s on at 4 mm/s in directions of their own. With mu 0.5 and 7.1/3.9 N/mm a pillar that is
 // pressed in by 1 mm slips after 0.5 * 7.1/3.9 * 1 mm = 0.91 mm, which takes 0.23 s and the 0.08 s of the start: all slide at the end.
@@ -77,12 +72,7 @@ class Calibrated : public slipbench::testing::FolderTest {
     return sweep.output;
   }
   std::string refusal(const Options& options) {
-    try {
-      fitted(options);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return refusal_of([&] { fitted(options); });
   }
 };
 
@@ -204,7 +194,7 @@ TEST_F(Calibrated, LogsAreReadAndTheFittedSceneIsAScene) {
 TEST_F(Calibrated, RefusesWhatCannotBeFitted) {
   EXPECT_THAT(refusal(options({"sensors.pad.k_normla: {min: 1, max: 2}"})), HasSubstr("did you mean 'k_normal'?"));
   EXPECT_THAT(refusal(options({normal, normal})), HasSubstr("sensors.pad.k_normal is fitted twice"));
-  EXPECT_THAT(refusal(options({"friction.scale: {min: -2, max: 1}"})), ::testing::StartsWith("--fit friction.scale=-2: "));
+  EXPECT_THAT(refusal(options({"friction.scale: {min: -2, max: 1}"})), StartsWith("--fit friction.scale=-2: "));
   EXPECT_THAT(refusal(options({normal}, {{"sweep.motion.tilt.0", "{draw: uniform, min: 0 deg, max: 1 deg}"}})),
               HasSubstr("sweep.motion.tilt.0 is drawn at random"));
   EXPECT_THAT(refusal(options({"sensors.pad.electronics.0.noise.scale: {min: 0.5, max: 2}"})),

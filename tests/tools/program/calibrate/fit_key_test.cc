@@ -1,24 +1,13 @@
 #include "tools/program/calibrate/fit_key.h"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 
 namespace slipbench::calibrate {
 namespace {
 
-using ::testing::HasSubstr;
-
 FitKey key(const std::string& text) { return parse_fit_keys(text).at(0); }
 
 std::string refusal(const std::string& text) {
-  try {
-    parse_fit_keys(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of([&] { parse_fit_keys(text); });
 }
 
 TEST(FitKey, HasItsBoundsInSi) {

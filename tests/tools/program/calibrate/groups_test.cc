@@ -5,10 +5,8 @@
 #include <fstream>
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/program/calibrate/calibrate.h"
 #include "tools/program/calibrate/calibrate_page.h"
@@ -17,8 +15,6 @@
 
 namespace slipbench::calibrate::groups_test {
 namespace {
-
-using ::testing::HasSubstr;
 
 // Two groups of four: pressed alone, and slid. How deep is drawn for each.
 constexpr const char* scene_text = R"(slipbench: 1
@@ -65,7 +61,7 @@ class Grouped : public slipbench::testing::FolderTest {
     return result;
   }
   static std::string refusal(const Options& options) {
-    return slipbench::testing::message_of<InputError>([&] { calibrate(options, program_catalogues()); });
+    return slipbench::refusal_of([&] { calibrate(options, program_catalogues()); });
   }
 };
 
@@ -94,7 +90,7 @@ TEST(ParsedGroups, AreALabelAndDifferentValues) {
   EXPECT_EQ(groups.label, "class");
   EXPECT_EQ(groups.values, (std::vector<std::string>{"n", "e", "s"}));
   for (const char* wrong : {"class", "class=", "=n,e", "class=n,,e", "class=n,e,n"}) {
-    EXPECT_THAT(slipbench::testing::message_of<InputError>([&] { parse_groups(wrong); }),
+    EXPECT_THAT(slipbench::refusal_of([&] { parse_groups(wrong); }),
                 HasSubstr("allowed: LABEL=VALUE,VALUE,... with different values"))
         << wrong;
   }

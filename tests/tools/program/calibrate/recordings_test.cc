@@ -2,10 +2,7 @@
 
 #include <cmath>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 
 namespace slipbench::calibrate::recordings_test {
@@ -53,14 +50,7 @@ TEST(SharedColumns, AreThoseOfTheSameNameOrTheOnlyOneOfTheType) {
   real.name = "s0";
   EXPECT_EQ(shared_columns({"r", {real}}, {scene}).count, 1U);
   real.type = "other";
-  const auto refusal = [&] {
-    try {
-      shared_columns({"r", {real}}, {scene});
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
+  const auto refusal = [&] { return refusal_of([&] { shared_columns({"r", {real}}, {scene}); }); };
   EXPECT_EQ(refusal(), "r: holds s0 (other) and the scene pad (meter); allowed: a sensor that both have");
   real.type = "meter";
   real.channels.front().shape = {2};
@@ -74,7 +64,7 @@ TEST(SameColumns, AreToldByTheirNames) {
   SensorRecord other = pad;
   other.channels.front().name = "current";
   const auto refusal = [&] {
-    return slipbench::testing::message_of<InputError>([&] { check_same_columns("b", columns_of(other), "a", columns_of(pad)); });
+    return slipbench::refusal_of([&] { check_same_columns("b", columns_of(other), "a", columns_of(pad)); });
   };
   EXPECT_EQ(refusal(), "b: holds pad/current and a holds pad/value; allowed: recordings of one kind");
   other = pad;
@@ -84,8 +74,7 @@ TEST(SameColumns, AreToldByTheirNames) {
 }
 
 TEST(ReadRecordings, AreOneAtLeast) {
-  EXPECT_EQ(slipbench::testing::message_of<InputError>([] { return read_recordings({}, nullptr); }),
-            ": no recording; allowed: one at least");
+  EXPECT_EQ(slipbench::refusal_of([] { return read_recordings({}, nullptr); }), ": no recording; allowed: one at least");
 }
 
 }  // namespace

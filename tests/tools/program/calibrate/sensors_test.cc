@@ -1,5 +1,4 @@
 // Each of the five sensors, by one parameter of its own.
-#include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>

@@ -5,22 +5,14 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/core/interrupted.h"
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 const std::string head =
     "slipbench: 1\n"

@@ -6,16 +6,13 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::HasSubstr;
 
 const std::string scenes = SLIPBENCH_SOURCE_DIR "/scenes/grasp/";
 const std::vector<std::string> names{"check_felt", "check_ptfe", "check_rubber"};

@@ -2,7 +2,6 @@
 #include "tools/program/check/junit.h"
 
 #include <fstream>
-#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>

@@ -1,17 +1,13 @@
 // What the program really holds: every entry explains itself in full, and its example is a valid scene.
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "sim/scene/parser.h"
+#include "tests/expect.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/describe.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::HasSubstr;
 
 class ProgramCatalogue : public ::testing::Test {
  protected:

@@ -2,12 +2,10 @@
 #include <limits>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tools/program/cli/calibrate_command.h"
 #include "tools/program/cli/catalogue_commands.h"
 #include "tools/program/cli/check_command.h"
@@ -25,8 +23,6 @@ namespace slipbench {
 namespace {
 
 using reproduce::ReproduceCommand;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 Request parse(const std::vector<std::string>& words) {
   static Commands commands;  // what comes back points to one of them
@@ -42,12 +38,7 @@ Kind parsed(const std::vector<std::string>& words) {
 }
 
 std::string refusal(const std::vector<std::string>& words) {
-  try {
-    parse(words);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of([&] { parse(words); });
 }
 
 std::vector<std::string> paths(const std::vector<Override>& overrides) {
@@ -318,23 +309,17 @@ TEST(CommandLine, HelpIsTextToPrint) {
 }
 
 TEST(CommandLine, AnOptionBeforeAStudyIsRefused) {
-  try {
-    parse_command_line(command_table(), {"--quiet", "reproduce"});
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "unknown option '--quiet' before 'reproduce'; the options of a command stand behind its name");
-  }
+  EXPECT_EQ(refusal_of([&] {
+              parse_command_line(command_table(), {"--quiet", "reproduce"});
+            }),
+            "unknown option '--quiet' before 'reproduce'; the options of a command stand behind its name");
 }
 
 TEST(CommandLine, AStudyWithoutItsProgramSaysWhatIsMissing) {
   CommandElsewhere gone("study", "Study", "slipbench-gone");
-  try {
-    gone.run();
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), ::testing::StartsWith("study: cannot start "));
-    EXPECT_THAT(error.what(), HasSubstr("slipbench-gone: No such file or directory; it belongs beside slipbench"));
-  }
+  const std::string said = refusal_of([&] { gone.run(); });
+  EXPECT_THAT(said, StartsWith("study: cannot start "));
+  EXPECT_THAT(said, HasSubstr("slipbench-gone: No such file or directory; it belongs beside slipbench"));
 }
 
 // The program knows of the studies what its help shows, and hands on what it is given.
@@ -360,93 +345,74 @@ TEST(CommandLine, EveryCommandExplainsItself) {
   }
 }
 
-// One refusal: the words typed and the whole message.
-struct Refusal {
-  std::vector<std::string> arguments;
-  std::string message;
-};
-
-class CommandLineRefusal : public ::testing::TestWithParam<Refusal> {};
-
-TEST_P(CommandLineRefusal, SaysWhatIsAllowed) { EXPECT_EQ(refusal(GetParam().arguments), GetParam().message); }
-
-INSTANTIATE_TEST_SUITE_P(
-    All, CommandLineRefusal,
-    ::testing::Values(
-        Refusal{
-            {"swep", "s.yaml"},
-            "unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path"},
-        Refusal{
-            {"xyzzy"},
-            "unknown command 'xyzzy'; commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path"},
-        Refusal{
-            {"--json", "lst"},
-            "unknown command 'lst'; did you mean 'list'? commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path"},
-        Refusal{{"doctor", "list"}, "doctor: unexpected argument 'list'; see slipbench doctor --help"},
-        Refusal{{"list", "run", "sweep"}, "list: unexpected argument 'sweep'; see slipbench list --help"},
-        Refusal{{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
-        Refusal{
-            {"--json"},
-            "no command given; commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path"},
-        Refusal{{"run"}, "run: SCENE is required"}, Refusal{{"verify"}, "verify: FILE is required"},
-        Refusal{{"describe"}, "describe: NAME is required"}, Refusal{{"merge", "-o", "m.h5"}, "merge: FILE is required"},
-        Refusal{{"merge", "a.h5"}, "merge: --output is required"},
-        Refusal{{"cluster", "s.yaml", "-o", "dir"}, "cluster: --shards is required"},
-        Refusal{{"sweep", "s.yaml", "--shard", "0/3", "-o", "a.h5"},
-                "sweep: --shard is '0/3'; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8"},
-        Refusal{{"sweep", "s.yaml", "--shard", "1/3"}, "sweep: --shard writes a part of a dataset; allowed: with -o"},
-        Refusal{
-            {"run", "s.yaml", "--job", "2"},
-            "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --resume, --trial"},
-        Refusal{{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
-        Refusal{{"cost"}, "cost: a scene is missing; allowed: SCENE.yaml, --stability, or both"},
-        Refusal{{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},
-        Refusal{{"cost", "s.yaml", "--budget", "3 N"},
-                "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
-        Refusal{{"view", "a.h5", "--seed", "3"},
-                "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
-        Refusal{{"view", "a.h5", "--set", "seed=3"},
-                "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
-        Refusal{{"view"}, "view: FILE is required"},
-        Refusal{{"view", "a.h5", "-o", "b.h5"}, "view: -o is 'b.h5'; allowed: a name that ends in .html"},
-        Refusal{{"run", "s.yaml", "-o"}, "run: --output needs one value"},
-        Refusal{{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
-        Refusal{{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},
-        Refusal{{"export", "a.h5", "--format", "vendor-csv", "-o", ""}, "export: -o needs a folder name"},
-        Refusal{{"run", "s.yaml", "--set"}, "run: --set needs one value"},
-        Refusal{{"run", "s.yaml", "--set", "speed"},
-                "run: --set 'speed'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
-        Refusal{{"run", "s.yaml", "--set", "=1"}, "run: --set '=1'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
-        Refusal{{"run", "s.yaml", "--seed", "-1"}, "run: --seed is '-1'; allowed: a whole number from 0 to 18446744073709551615"},
-        Refusal{{"run", "s.yaml", "--seed", "1e3"},
-                "run: --seed is '1e3'; allowed: a whole number from 0 to 18446744073709551615"},
-        Refusal{{"run", "s.yaml", "--trials", "0"},
-                "run: --trials is '0'; allowed: a whole number from 1 to 18446744073709551615"},
-        Refusal{{"sweep", "s.yaml", "--jobs", "0"}, "sweep: --jobs is '0'; allowed: a whole number from 1 to 1024"},
-        Refusal{{"run", "s.yaml", "--jobs", "1025"}, "run: --jobs is '1025'; allowed: a whole number from 1 to 1024"},
-        Refusal{{"report", "a.h5", "--trial", "first"},
-                "report: --trial is 'first'; allowed: a whole number from 0 to 18446744073709551615"},
-        Refusal{{"export", "a.h5", "-o", "dir"}, "export: --format is required"},
-        Refusal{{"import", "a.csv"}, "import: --format is required"}, Refusal{{"train", "a.h5"}, "train: --output is required"},
-        Refusal{{"train", "a.h5", "-o", ""}, "train: -o needs a file name"},
-        Refusal{{"train", "a.h5", "-o", "m", "--encoder", "gshdc"},
-                "train: --encoder is 'gshdc'; did you mean 'shdc'? allowed: shdc, sthdc, gsthdc"},
-        Refusal{{"train", "a.h5", "-o", "m", "--ties", "up"}, "train: --ties is 'up'; allowed: one, zero"},
-        Refusal{{"train", "a.h5", "-o", "m", "--compat", "papr"},
-                "train: --compat is 'papr'; did you mean 'paper'? allowed: paper, published_core"},
-        Refusal{{"train", "a.h5", "-o", "m", "--quantiser", "fixed"},
-                "train: --quantiser is 'fixed'; allowed: fixed_point, exact, unrounded"},
-        Refusal{{"train", "a.h5", "-o", "m", "--dimension", "7"},
-                "train: --dimension is '7'; allowed: a whole number from 8 to 65535"},
-        Refusal{{"train", "a.h5", "-o", "m", "--window", "0"}, "train: --window is '0'; allowed: a whole number from 1 to 1000"},
-        Refusal{{"train", "a.h5", "-o", "m", "--context", "--no-context"},
-                "train: --context and --no-context exclude each other"},
-        Refusal{{"eval", "m"}, "eval: FILE is required"},
-        Refusal{{"eval", "m", "a.h5", "--labels", "stric"},
-                "unknown label rule 'stric'; did you mean 'strict'? allowed: strict, micro, paper, latched, masked, has_slipped"},
-        Refusal{{"eval", "m", "a.h5", "--split", "tests"},
-                "eval: --split is 'tests'; did you mean 'test'? allowed: all, train, valid, test"},
-        Refusal{{"export", "a.h5", "--format", "vendor-csv"}, "export: --output is required"}));
+TEST(CommandLine, ARefusalSaysWhatIsAllowed) {
+  const std::string all =
+      "commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> refusals = {
+      {{"swep", "s.yaml"}, "unknown command 'swep'; did you mean 'sweep'? " + all},
+      {{"xyzzy"}, "unknown command 'xyzzy'; " + all},
+      {{"--json", "lst"}, "unknown command 'lst'; did you mean 'list'? " + all},
+      {{"doctor", "list"}, "doctor: unexpected argument 'list'; see slipbench doctor --help"},
+      {{"list", "run", "sweep"}, "list: unexpected argument 'sweep'; see slipbench list --help"},
+      {{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
+      {{"--json"}, "no command given; " + all},
+      {{"run"}, "run: SCENE is required"},
+      {{"verify"}, "verify: FILE is required"},
+      {{"describe"}, "describe: NAME is required"},
+      {{"merge", "-o", "m.h5"}, "merge: FILE is required"},
+      {{"merge", "a.h5"}, "merge: --output is required"},
+      {{"cluster", "s.yaml", "-o", "dir"}, "cluster: --shards is required"},
+      {{"sweep", "s.yaml", "--shard", "0/3", "-o", "a.h5"},
+       "sweep: --shard is '0/3'; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8"},
+      {{"sweep", "s.yaml", "--shard", "1/3"}, "sweep: --shard writes a part of a dataset; allowed: with -o"},
+      {{"run", "s.yaml", "--job", "2"},
+       "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --resume, --trial"},
+      {{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
+      {{"cost"}, "cost: a scene is missing; allowed: SCENE.yaml, --stability, or both"},
+      {{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},
+      {{"cost", "s.yaml", "--budget", "3 N"}, "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
+      {{"view", "a.h5", "--seed", "3"}, "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
+      {{"view", "a.h5", "--set", "seed=3"},
+       "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
+      {{"view"}, "view: FILE is required"},
+      {{"view", "a.h5", "-o", "b.h5"}, "view: -o is 'b.h5'; allowed: a name that ends in .html"},
+      {{"run", "s.yaml", "-o"}, "run: --output needs one value"},
+      {{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
+      {{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},
+      {{"export", "a.h5", "--format", "vendor-csv", "-o", ""}, "export: -o needs a folder name"},
+      {{"run", "s.yaml", "--set"}, "run: --set needs one value"},
+      {{"run", "s.yaml", "--set", "speed"}, "run: --set 'speed'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
+      {{"run", "s.yaml", "--set", "=1"}, "run: --set '=1'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
+      {{"run", "s.yaml", "--seed", "-1"}, "run: --seed is '-1'; allowed: a whole number from 0 to 18446744073709551615"},
+      {{"run", "s.yaml", "--seed", "1e3"}, "run: --seed is '1e3'; allowed: a whole number from 0 to 18446744073709551615"},
+      {{"run", "s.yaml", "--trials", "0"}, "run: --trials is '0'; allowed: a whole number from 1 to 18446744073709551615"},
+      {{"sweep", "s.yaml", "--jobs", "0"}, "sweep: --jobs is '0'; allowed: a whole number from 1 to 1024"},
+      {{"run", "s.yaml", "--jobs", "1025"}, "run: --jobs is '1025'; allowed: a whole number from 1 to 1024"},
+      {{"report", "a.h5", "--trial", "first"},
+       "report: --trial is 'first'; allowed: a whole number from 0 to 18446744073709551615"},
+      {{"export", "a.h5", "-o", "dir"}, "export: --format is required"},
+      {{"import", "a.csv"}, "import: --format is required"},
+      {{"train", "a.h5"}, "train: --output is required"},
+      {{"train", "a.h5", "-o", ""}, "train: -o needs a file name"},
+      {{"train", "a.h5", "-o", "m", "--encoder", "gshdc"},
+       "train: --encoder is 'gshdc'; did you mean 'shdc'? allowed: shdc, sthdc, gsthdc"},
+      {{"train", "a.h5", "-o", "m", "--ties", "up"}, "train: --ties is 'up'; allowed: one, zero"},
+      {{"train", "a.h5", "-o", "m", "--compat", "papr"},
+       "train: --compat is 'papr'; did you mean 'paper'? allowed: paper, published_core"},
+      {{"train", "a.h5", "-o", "m", "--quantiser", "fixed"},
+       "train: --quantiser is 'fixed'; allowed: fixed_point, exact, unrounded"},
+      {{"train", "a.h5", "-o", "m", "--dimension", "7"}, "train: --dimension is '7'; allowed: a whole number from 8 to 65535"},
+      {{"train", "a.h5", "-o", "m", "--window", "0"}, "train: --window is '0'; allowed: a whole number from 1 to 1000"},
+      {{"train", "a.h5", "-o", "m", "--context", "--no-context"}, "train: --context and --no-context exclude each other"},
+      {{"eval", "m"}, "eval: FILE is required"},
+      {{"eval", "m", "a.h5", "--labels", "stric"},
+       "unknown label rule 'stric'; did you mean 'strict'? allowed: strict, micro, paper, latched, masked, has_slipped"},
+      {{"eval", "m", "a.h5", "--split", "tests"},
+       "eval: --split is 'tests'; did you mean 'test'? allowed: all, train, valid, test"},
+      {{"export", "a.h5", "--format", "vendor-csv"}, "export: --output is required"},
+  };
+  for (const auto& [words, message] : refusals) EXPECT_EQ(refusal(words), message);
+}
 
 TEST(CommandLine, CalibrateTakesASceneRecordingsAndKeys) {
   const std::string fit = "friction.scale: {min: 0.5, max: 2}";

@@ -1,17 +1,12 @@
 #include "tools/program/cli/cost_text.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/program/cost/example.h"
 
 namespace slipbench {
 namespace {
 
 using ::testing::ContainsRegex;
-using ::testing::HasSubstr;
-using ::testing::Not;
-using ::testing::StartsWith;
 
 std::string text_of(const cost::Exploration& exploration) { return cost_text(exploration, Style(false), 120); }
 

@@ -6,16 +6,13 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::HasSubstr;
 
 const std::string published = SLIPBENCH_SOURCE_DIR "/tests/detectors/hd/data/published";
 const std::string vectors = published + "/vectors.csv";
@@ -79,8 +76,7 @@ TEST(HdReplay, PrintsThePublishedClassesAndDistances) {
   }
   const ChildResult refused = replay({"--encoder", "published_core", "--engine", "rtl"});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_NE(refused.err.find("rtl core: it is built for encoding graph_spatial_temporal and compat paper only"),
-            std::string::npos);
+  EXPECT_THAT(refused.err, HasSubstr("rtl core: it is built for encoding graph_spatial_temporal and compat paper only"));
   EXPECT_EQ(replay({"--encoder", "paper"}).out, replay({"--encoder", "paper", "--ties", "one", "--engine", "kernel"}).out);
 }
 

@@ -4,19 +4,14 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 #include "tests/tools/program/import/sources.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 class ImportedFiles : public ::testing::Test {
  protected:
@@ -79,8 +74,8 @@ TEST_F(ImportedFiles, ReadingsAreExported) {
   std::string header, first;
   std::getline(table, header);
   std::getline(table, first);
-  EXPECT_THAT(header, ::testing::EndsWith("E24 [counts],state,state_micro,state_paper"));
-  EXPECT_THAT(first, ::testing::EndsWith(",2400,,,1"));  // touch: non-slip by the set, no truth
+  EXPECT_THAT(header, EndsWith("E24 [counts],state,state_micro,state_paper"));
+  EXPECT_THAT(first, EndsWith(",2400,,,1"));  // touch: non-slip by the set, no truth
 }
 
 TEST_F(ImportedFiles, WhatNeedsTheTruthIsRefused) {

@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 
 namespace slipbench {
@@ -76,7 +75,7 @@ TEST_F(LearnedLoop, TheNextCommandThatIsNamedRuns) {
         "detector={type: truth, sensor: pad}"});
   const std::string text = said({"train", grasps_, "--recipe", "grasp_gru", "--steps", "5", "-o", folder_ / "grasp.onnx"});
   const std::vector<std::string> words = next_command(text);
-  EXPECT_THAT(words, ::testing::ElementsAre("eval", folder_ / "grasp.onnx", grasps_, "--sensor", "pad", "--labels", "micro"));
+  EXPECT_THAT(words, ElementsAre("eval", folder_ / "grasp.onnx", grasps_, "--sensor", "pad", "--labels", "micro"));
   said(words);
 }
 
@@ -86,7 +85,7 @@ TEST_F(LearnedLoop, TheNextCommandOfMemoriesRuns) {
         "sensors={pad: {type: papillarray, rate: 100 Hz}, skin: {type: piezo_skin, follows: pad}}", "--set",
         "detector={type: truth, sensor: pad}"});
   const std::vector<std::string> words = next_command(said({"train", grasps_, "--labels", "micro", "-o", folder_ / "memories"}));
-  EXPECT_THAT(words, ::testing::ElementsAre("eval", folder_ / "memories", grasps_, "--sensor", "pad", "--labels", "micro"));
+  EXPECT_THAT(words, ElementsAre("eval", folder_ / "memories", grasps_, "--sensor", "pad", "--labels", "micro"));
   said(words);
 }
 
@@ -121,12 +120,10 @@ TEST_F(LearnedCheck, PassesAsShipped) {
   EXPECT_EQ(result.status, 0) << result.out << result.err;
 }
 
-TEST_F(LearnedCheck, FindsALoopThatDropsBoxes) {
-  EXPECT_THAT(failed({"--set", "detector.threshold=1"}), ::testing::Contains("dropped"));
-}
+TEST_F(LearnedCheck, FindsALoopThatDropsBoxes) { EXPECT_THAT(failed({"--set", "detector.threshold=1"}), Contains("dropped")); }
 
 TEST_F(LearnedCheck, FindsALoopThatAlwaysTightens) {
-  EXPECT_THAT(failed({"--set", "detector={type: force_ratio, ratio: 0.001}"}), ::testing::ElementsAre("max_force_ratio"));
+  EXPECT_THAT(failed({"--set", "detector={type: force_ratio, ratio: 0.001}"}), ElementsAre("max_force_ratio"));
 }
 
 }  // namespace

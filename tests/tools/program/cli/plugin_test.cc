@@ -1,20 +1,14 @@
 // Libraries of a user's own as the command line meets them: the line of the scene, the exit status, the trial that crashed.
 #include <cstdlib>
 #include <string>
-#include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::AnyOf;
-using ::testing::HasSubstr;
 
 const std::string pressed_scene = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
 const std::string own_detector = "detector={type: plugin, library: " SLIPBENCH_TEST_PLUGINS "/";

@@ -1,17 +1,11 @@
 // The built program with a person before it: colours and a progress bar.
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 
 namespace slipbench::program_terminal_test {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 const std::string stage = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
 

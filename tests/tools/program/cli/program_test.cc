@@ -8,20 +8,13 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::EndsWith;
-using ::testing::HasSubstr;
-using ::testing::Not;
-using ::testing::StartsWith;
 
 const std::string stage = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
 const std::string three_speeds = "sweep={motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]}";
@@ -56,31 +49,30 @@ TEST(Program, HelpAndVersion) {
   EXPECT_THAT(version.out, HasSubstr(json_of(run_program_file({"--version", "--json"}))["version"].get<std::string>()));
 }
 
-TEST(Program, UnknownCommand) {
+TEST(Program, WhatIsWrongIsRefused) {
   expect_refusal({"swep"}, HasSubstr("unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report"));
-}
-
-TEST(Program, UnknownOption) {
   expect_refusal({"run", stage, "--sead", "1"}, HasSubstr("unknown option '--sead'; did you mean '--seed'?"));
-}
-
-TEST(Program, MissingSceneFile) { expect_refusal({"run", "nowhere.yaml"}, HasSubstr("nowhere.yaml")); }
-
-TEST(Program, UnknownSceneKeyOnTheCommandLine) {
+  expect_refusal({"run", "nowhere.yaml"}, HasSubstr("nowhere.yaml"));
   expect_refusal({"run", stage, "--set", "motion.sped=1"},
                  AllOf(HasSubstr("--set motion.sped=1"), HasSubstr("did you mean 'speed'?")));
-}
-
-TEST(Program, ValueWithAWrongUnit) {
   expect_refusal({"run", stage, "--set", "motion.speed=4 kg"}, AllOf(HasSubstr("--set motion.speed=4 kg"), HasSubstr("mm/s")));
+  expect_refusal({"run", stage, "--set", "duration.length=4"}, HasSubstr("duration"));
+  expect_refusal({"describe", "papilarray"}, HasSubstr("did you mean 'papillarray'? `slipbench list` shows all names"));
+  expect_refusal({"list", "effect"}, HasSubstr("did you mean 'effects'?"));
+  expect_refusal({"export", "a.h5", "--format", "vendor-cvs", "-o", "dir"}, HasSubstr("vendor-csv"));
+  expect_refusal({"train", "nowhere.h5", "-o", "memories"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"eval", "force_ratio", "nowhere.h5"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"report", "nowhere.h5"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"export", "nowhere.h5", "--format", "vendor-csv", "-o", "dir"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"report", stage}, HasSubstr("stage.yaml"));
+  const TemporaryFolder folder;
+  expect_refusal({"run", stage, "-o", folder / "none/out.h5"}, HasSubstr("none"));
 }
-
-TEST(Program, PathThroughANumber) { expect_refusal({"run", stage, "--set", "duration.length=4"}, HasSubstr("duration")); }
 
 TEST(Program, NumbersAtTheEndOfTheRange) {
   for (const char* speed : {"motion.speed=1e308", "motion.speed=5e-324"}) {
     const ChildResult result = run_program_file({"run", stage, "--set", speed, "motion.acceleration=inf"});
-    EXPECT_THAT(result.status, ::testing::AnyOf(0, 2)) << speed;
+    EXPECT_THAT(result.status, AnyOf(0, 2)) << speed;
     EXPECT_THAT(result.err, Not(HasSubstr("internal error"))) << speed;
   }
 }
@@ -103,12 +95,6 @@ TEST(Program, APipeIsNoScene) {
   expect_refusal({"run", pipe}, HasSubstr("pipe: is a pipe, no file"));
 }
 
-TEST(Program, UnknownNames) {
-  expect_refusal({"describe", "papilarray"}, HasSubstr("did you mean 'papillarray'? `slipbench list` shows all names"));
-  expect_refusal({"list", "effect"}, HasSubstr("did you mean 'effects'?"));
-  expect_refusal({"export", "a.h5", "--format", "vendor-cvs", "-o", "dir"}, HasSubstr("vendor-csv"));
-}
-
 TEST(Program, Reproductions) {
   const ChildResult list = run_program_file({"reproduce", "--json"});
   EXPECT_EQ(list.status, 0);
@@ -118,14 +104,6 @@ TEST(Program, Reproductions) {
   expect_refusal({"reproduce", "hd-papillarray/latency", "--data", "a.h5"},
                  HasSubstr("hd-papillarray/latency does not take --data"));
   expect_refusal({"reproduce", "hd-papillarray/latency", "-o", "page.txt"}, HasSubstr("a name that ends in .html"));
-}
-
-TEST(Program, UnreadableDatasets) {
-  expect_refusal({"train", "nowhere.h5", "-o", "memories"}, HasSubstr("nowhere.h5"));
-  expect_refusal({"eval", "force_ratio", "nowhere.h5"}, HasSubstr("nowhere.h5"));
-  expect_refusal({"report", "nowhere.h5"}, HasSubstr("nowhere.h5"));
-  expect_refusal({"export", "nowhere.h5", "--format", "vendor-csv", "-o", "dir"}, HasSubstr("nowhere.h5"));
-  expect_refusal({"report", stage}, HasSubstr("stage.yaml"));
 }
 
 TEST(Program, WhatEvalCannotJudge) {
@@ -163,11 +141,6 @@ TEST(Program, EvalPrintsOneObject) {
   const ChildResult text = run_program_file({"eval", "force_ratio", file, "--set", "ratio=0.6"});
   EXPECT_THAT(text.out, HasSubstr("recall of slip"));
   EXPECT_THAT(text.out, HasSubstr("of 1 trials that slip: seen 0, early 0, missed 1"));
-}
-
-TEST(Program, MissingOutputFolder) {
-  const TemporaryFolder folder;
-  expect_refusal({"run", stage, "-o", folder / "none/out.h5"}, HasSubstr("none"));
 }
 
 TEST(Program, FullStandardOutputIsAnError) {

@@ -3,16 +3,10 @@
 #include <cstdio>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "tests/expect.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::EndsWith;
-using ::testing::HasSubstr;
-using ::testing::Not;
-using ::testing::StartsWith;
 
 // What was written to a stream, and a clock that the test turns.
 class ProgressTest : public ::testing::Test {

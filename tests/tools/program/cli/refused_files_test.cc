@@ -6,17 +6,11 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 const std::string stage = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
 const std::string block = SLIPBENCH_SOURCE_DIR "/scenes/bodies/sliding_block.yaml";

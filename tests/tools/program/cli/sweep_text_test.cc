@@ -4,15 +4,10 @@
 #include <limits>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "tests/expect.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 

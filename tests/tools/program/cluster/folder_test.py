@@ -19,9 +19,7 @@ SWEEP = (*SETTINGS, "--trials", "6")
 
 class FolderTest(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         shutil.copy(STAGE, self.folder / "a scene.yaml")
 
     def run_program(self, *words, status=0):

@@ -1,23 +1,18 @@
 #include "tools/program/cost/accuracy.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
-#include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "tests/expect.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cost/closed_form.h"
 
 namespace slipbench::testing {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 constexpr std::uint64_t seed = 7;
 
@@ -32,12 +27,7 @@ std::optional<FoundSetting> look_for(const SceneFile& file, const SweepOptions& 
 FoundSetting found_for(const SceneFile& file, const SweepOptions& sweep = {}) { return look_for(file, sweep).value(); }
 
 std::string refusal(const std::string& text) {
-  try {
-    look_for(file_of(text));
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "not refused";
+  return refusal_of([&] { look_for(file_of(text)); });
 }
 
 // One trial of the scene with other overrides.

@@ -1,13 +1,11 @@
 #include "tools/program/cost/closed_form.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <string>
 #include <vector>
-
-#include <gmock/gmock.h>
 
 #include "sim/scene/parser.h"
 #include "tools/program/catalogue/program_catalogues.h"

@@ -10,10 +10,7 @@
 #include <string>
 #include <utility>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tests/tools/base/page/web_files.h"
 #include "tests/tools/program/cost/example.h"
@@ -27,15 +24,9 @@ namespace {
 
 using ::slipbench::testing::bytes_of;
 using ::slipbench::testing::matches;
-using ::slipbench::testing::message_of;
 using ::slipbench::testing::unpaired_brackets;
 using ::slipbench::testing::variables;
 using ::slipbench::testing::web_files;
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::Not;
 
 Price price(const std::string& name, Errors changes) {
   Price price{.name = name, .share = 0.2, .low = 0.1, .high = 0.3, .changes = std::move(changes)};
@@ -155,14 +146,14 @@ TEST_F(CostFileTest, StandsBesideItsFigures) {
 
 TEST_F(CostFileTest, OtherFilesAreKept) {
   std::ofstream(path("c.json")) << "{\"mine\": 1}";
-  EXPECT_THAT(message_of<InputError>([&] { write_cost(path("c.html"), exploration()); }), HasSubstr("c.json"));
+  EXPECT_THAT(refusal_of([&] { write_cost(path("c.html"), exploration()); }), HasSubstr("c.json"));
   EXPECT_EQ(bytes_of(path("c.json")), "{\"mine\": 1}");
   EXPECT_THAT(names(), ElementsAre("c.json"));
 
   std::ofstream(path("report.html")) << report::report_page("title", Json::object());
-  EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("report.html")); }), HasSubstr("report.html"));
-  EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("c.txt")); }), HasSubstr("a name that ends in .html"));
-  EXPECT_THAT(message_of<InputError>([&] { check_cost_target(path("no/c.html")); }), HasSubstr("no"));
+  EXPECT_THAT(refusal_of([&] { check_cost_target(path("report.html")); }), HasSubstr("report.html"));
+  EXPECT_THAT(refusal_of([&] { check_cost_target(path("c.txt")); }), HasSubstr("a name that ends in .html"));
+  EXPECT_THAT(refusal_of([&] { check_cost_target(path("no/c.html")); }), HasSubstr("no"));
 }
 
 // Scripts may use what they define and what all pages share.

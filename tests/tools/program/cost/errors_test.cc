@@ -3,17 +3,11 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <string>
 
-#include <gmock/gmock.h>
+#include "tests/expect.h"
 
 namespace slipbench::testing {
 namespace {
-
-using ::testing::DoubleNear;
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
-using ::testing::Pair;
 
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 constexpr float detached = std::numeric_limits<float>::quiet_NaN();
@@ -103,8 +97,13 @@ TEST(LoadTime, IsHowLongALoadInProportionToTimeHasGrown) {
   EXPECT_EQ(load_time(times, margin, 0.0), least_load_time);
 }
 
-TEST(Errors, OfARunAgainstItselfAreNone) {
-  const TrialResult run = slipping_pad();
+class TrialErrors : public ::testing::Test {
+ protected:
+  const TrialResult reference = slipping_pad();
+  TrialResult run = reference;
+};
+
+TEST_F(TrialErrors, OfARunAgainstItselfAreNone) {
   const Errors errors = compare(one_second(), run, run);
   for (const Measure measure : {Measure::onset, Measure::micro_onset, Measure::slip_distance, Measure::force, Measure::label,
                                 Measure::label_micro, Measure::outcome, Measure::signal}) {
@@ -117,9 +116,7 @@ TEST(Errors, OfARunAgainstItselfAreNone) {
   EXPECT_FALSE(at(errors, Measure::detector).has_value());  // there is none
 }
 
-TEST(Errors, OfOnsetsAreSharesOfTheLoadTime) {
-  const TrialResult reference = slipping_pad();
-  TrialResult run = reference;
+TEST_F(TrialErrors, OfOnsetsAreSharesOfTheLoadTime) {
   labels_of(run).onset_time = {0.702, 0.696};  // of 0.2 s of load: 1 % late, 2 % early
   labels_of(run).micro_onset_time = {0.7, 0.71};
   const MeasureError onset = error_of(run, reference, Measure::onset).value();
@@ -129,9 +126,7 @@ TEST(Errors, OfOnsetsAreSharesOfTheLoadTime) {
   EXPECT_NEAR(error_of(run, reference, Measure::micro_onset)->worst, 0.05, float_rounding);
 }
 
-TEST(Errors, TellOfAUnitThatSlipsInOneRunAlone) {
-  const TrialResult reference = slipping_pad();
-  TrialResult run = reference;
+TEST_F(TrialErrors, TellOfAUnitThatSlipsInOneRunAlone) {
   labels_of(run).onset_time[1] = never;
   const MeasureError missed = error_of(run, reference, Measure::onset).value();
   EXPECT_TRUE(missed.different);
@@ -146,9 +141,7 @@ TEST(Errors, TellOfAUnitThatSlipsInOneRunAlone) {
   EXPECT_NEAR(late.worst, 0.005, float_rounding);
 }
 
-TEST(Errors, OfSlippedDistanceAreSharesOfTheLargest) {
-  const TrialResult reference = slipping_pad();
-  TrialResult run = reference;
+TEST_F(TrialErrors, OfSlippedDistanceAreSharesOfTheLargest) {
   // 2.9 mm in the last sample, one unit 29 um on.
   labels_of(run).slip_distance.back() += 29e-6F;
   const MeasureError error = error_of(run, reference, Measure::slip_distance).value();
@@ -160,9 +153,7 @@ TEST(Errors, OfSlippedDistanceAreSharesOfTheLargest) {
   EXPECT_NEAR(error_of(stuck, reference, Measure::slip_distance)->worst, 1.0, float_rounding);
 }
 
-TEST(Errors, OfForcesAreRootMeanSquares) {
-  const TrialResult reference = slipping_pad();
-  TrialResult run = reference;
+TEST_F(TrialErrors, OfForcesAreRootMeanSquares) {
   // 5 N all the time; 0.5 N off in half of the samples of both units.
   for (std::size_t i = 0; i < rows; i += 2) {
     for (std::size_t unit = 0; unit < 2; ++unit) labels_of(run).force[6 * i + 3 * unit + 2] += 0.5F;
@@ -170,9 +161,7 @@ TEST(Errors, OfForcesAreRootMeanSquares) {
   EXPECT_NEAR(error_of(run, reference, Measure::force)->worst, 0.1 * std::sqrt(0.5), float_rounding);
 }
 
-TEST(Errors, OfLabelsAreShares) {
-  const TrialResult reference = slipping_pad();
-  TrialResult run = reference;
+TEST_F(TrialErrors, OfLabelsAreShares) {
   // One unit lets go three samples late; the pad is incipient meanwhile.
   for (std::size_t i = 70; i < 73; ++i) {
     labels_of(run).unit_state[2 * i] = 1;
@@ -188,9 +177,7 @@ TEST(Errors, OfLabelsAreShares) {
   EXPECT_NEAR(error_of(late, half, Measure::label)->worst, 3.0 / 100.0, 1e-15);
 }
 
-TEST(Errors, OfTheOutcomeAreDecisionsThatDiffer) {
-  const TrialResult reference = slipping_pad();
-  TrialResult run = reference;
+TEST_F(TrialErrors, OfTheOutcomeAreDecisionsThatDiffer) {
   EXPECT_FALSE(error_of(run, reference, Measure::outcome)->different);
   run.record.outcome.gross_slip_time = never;
   EXPECT_NEAR(error_of(run, reference, Measure::outcome)->worst, 1.0 / 4.0, 1e-15);
@@ -202,31 +189,27 @@ TEST(Errors, OfTheOutcomeAreDecisionsThatDiffer) {
 }
 
 // Seen in both, but early in one: the fifth decision.
-TEST(Errors, OfTheOutcomeTellAnEarlyAlarmFromOneInTime) {
-  TrialResult reference = slipping_pad();
-  reference.record.control.emplace().detector = "force_ratio";
-  reference.record.outcome.detection_time = 0.5;
-  reference.record.outcome.detection = Detection::seen;
-  TrialResult run = reference;
-  EXPECT_FALSE(error_of(run, reference, Measure::outcome)->different);
+TEST_F(TrialErrors, OfTheOutcomeTellAnEarlyAlarmFromOneInTime) {
+  run.record.control.emplace().detector = "force_ratio";
+  run.record.outcome.detection_time = 0.5;
+  run.record.outcome.detection = Detection::seen;
+  const TrialResult seen = run;
+  EXPECT_FALSE(error_of(run, seen, Measure::outcome)->different);
   run.record.outcome.detection = Detection::early;
-  EXPECT_NEAR(error_of(run, reference, Measure::outcome)->worst, 1.0 / 5.0, 1e-15);
+  EXPECT_NEAR(error_of(run, seen, Measure::outcome)->worst, 1.0 / 5.0, 1e-15);
 }
 
-TEST(Errors, OfTheDetectorAreClassesThatDiffer) {
-  TrialResult reference = slipping_pad();
-  ControlRecord& control = reference.record.control.emplace();
+TEST_F(TrialErrors, OfTheDetectorAreClassesThatDiffer) {
+  ControlRecord& control = run.record.control.emplace();
   control.detector = "force_ratio";
   control.time = reference.record.sensors.front().time;
   control.detector_class.assign(rows, 1);
-  TrialResult run = reference;
+  const TrialResult said = run;
   for (std::size_t i = 0; i < 7; ++i) run.record.control->detector_class[i] = 3;
-  EXPECT_NEAR(error_of(run, reference, Measure::detector)->worst, 0.07, 1e-15);
+  EXPECT_NEAR(error_of(run, said, Measure::detector)->worst, 0.07, 1e-15);
 }
 
-TEST(Errors, OfSignalsAreOfTheirSpreadAboutTheMean) {
-  const TrialResult reference = slipping_pad();
-  TrialResult run = reference;
+TEST_F(TrialErrors, OfSignalsAreOfTheirSpreadAboutTheMean) {
   for (float& value : run.record.sensors.front().channels.front().values) value += 0.25F;  // of a spread of 1
   EXPECT_NEAR(error_of(run, reference, Measure::signal)->worst, 0.25, float_rounding);
   // A channel of its own times: compared at these.
@@ -239,9 +222,7 @@ TEST(Errors, OfSignalsAreOfTheirSpreadAboutTheMean) {
   EXPECT_NEAR(error_of(own, reference, Measure::signal)->worst, 0.0, 1e-15);  // half a second later everything is as before
 }
 
-TEST(Errors, AreAtCommonTimesAlone) {
-  const TrialResult reference = slipping_pad();
-  TrialResult run = reference;
+TEST_F(TrialErrors, AreAtCommonTimesAlone) {
   for (double& time : run.record.sensors.front().time) time += 0.005;  // between the reference's samples
   for (const Measure measure : {Measure::slip_distance, Measure::force, Measure::label, Measure::label_micro, Measure::signal}) {
     EXPECT_FALSE(error_of(run, reference, measure).has_value()) << info_of(measure).name;
@@ -275,7 +256,7 @@ Scene holding_scene() {
   return scene;
 }
 
-TEST(Errors, OfCreepAreDriftsOverThePad) {
+TEST_F(TrialErrors, OfCreepAreDriftsOverThePad) {
   const Errors errors = compare(holding_scene(), held_body(50e-6), held_body(20e-6));
   // 0.7 s of hold; places are kept as float32, 4e-9 m apart at 0.1 m.
   EXPECT_THAT(at(errors, Measure::creep)->worst, DoubleNear(30e-6, 0.05e-6));
@@ -287,9 +268,7 @@ TEST(Errors, OfCreepAreDriftsOverThePad) {
   EXPECT_FALSE(at(compare(holding_scene(), held_body(50e-6), apart), Measure::creep).has_value());
 }
 
-TEST(Errors, NeedTheSameSensors) {
-  const TrialResult reference = slipping_pad();
-  TrialResult run = reference;
+TEST_F(TrialErrors, NeedTheSameSensors) {
   run.record.sensors.front().name = "other";
   EXPECT_THROW(compare(one_second(), run, reference), std::invalid_argument);
   run.record.sensors.clear();
@@ -303,7 +282,7 @@ TEST(Errors, NeedTheSameSensors) {
   EXPECT_TRUE(at(errors, Measure::label_micro).has_value());
 }
 
-TEST(Errors, OfTwoTrialsAreTheWorse) {
+TEST_F(TrialErrors, OfTwoTrialsAreTheWorse) {
   Errors errors, other;
   at(errors, Measure::onset) = MeasureError{0.1, 0.05, false};
   at(other, Measure::onset) = MeasureError{0.05, 0.06, true};

@@ -4,20 +4,15 @@
 #include <iterator>
 #include <string>
 
-#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_sweep.h"
 
 namespace slipbench::testing {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 const std::string dragged =
     "slipbench: 1\nduration: 1.2 s\nmotion: {kind: stage, start: 0.7 s, speed: 8 mm/s}\n"
@@ -46,12 +41,7 @@ class KeptSettingTest : public FolderTest {
   std::string refusal(const std::string& name = "s.yaml") {
     SweepOptions sweep;
     sweep.scene_path = path(name);
-    try {
-      settle_for(sweep);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "not refused";
+    return refusal_of([&] { settle_for(sweep); });
   }
 
   int searches_ = 0;
@@ -119,7 +109,7 @@ TEST_F(KeptSettingTest, IsOfTheseTrialsAlone) {
   settle_for(one);
   EXPECT_EQ(searches_, 2);
   one.only = 6;
-  EXPECT_THAT(message_of<InputError>([&] { settle_for(one); }), HasSubstr("there is no trial 6; allowed: 0 to 5"));
+  EXPECT_THAT(refusal_of([&] { settle_for(one); }), HasSubstr("there is no trial 6; allowed: 0 to 5"));
   EXPECT_EQ(searches_, 2);
   const auto entries = nlohmann::json::parse(read("s.yaml.accuracy.json")).at("settings");
   ASSERT_EQ(entries.size(), 2U);

@@ -2,20 +2,13 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/program/cost/example.h"
 #include "tools/program/cost/cost_json.h"
 #include "tools/program/cost/explore.h"
 
 namespace slipbench::cost {
 namespace {
-
-using ::testing::Contains;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 // By cost: 10 ms (0.05), 5 ms (0.005), 2 ms is dearer than 5 ms and not better, the scene (0.0005) is; the rest is dearer and worse, and what is
 // compared with something else is on no front.

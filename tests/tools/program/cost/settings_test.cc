@@ -5,20 +5,15 @@
 #include <set>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "sim/core/quantity.h"
+#include "tests/expect.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::cost {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::Contains;
 using ::testing::IsSupersetOf;
-using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
 const std::string scenes = std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/";
@@ -60,9 +55,8 @@ TEST(CostSettings, EffectsLeaveOutWhatHasNone) {
 // 1 kHz: ten sampling times down to a twentieth of one; the scene's own millisecond is the scene itself.
 TEST(CostSettings, StepsGoFromTenSamplingTimesToATwentieth) {
   const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), {1e-3});
-  EXPECT_THAT(labels_of(settings, "field"),
-              ::testing::ElementsAre("10 ms, output at 100 Hz", "4 ms, output at 250 Hz", "2 ms, output at 500 Hz", "0.5 ms",
-                                     "0.2 ms", "0.1 ms", "50 us"));
+  EXPECT_THAT(labels_of(settings, "field"), ElementsAre("10 ms, output at 100 Hz", "4 ms, output at 250 Hz",
+                                                        "2 ms, output at 500 Hz", "0.5 ms", "0.2 ms", "0.1 ms", "50 us"));
 }
 
 // Whoever reads a row can run it.
@@ -88,7 +82,7 @@ TEST(CostSettings, EveryContactOfAGraspIsOneThatStarts) {
     steps.insert(scene.time_step.value());
     EXPECT_NO_THROW(check_trial(scene, 0)) << setting.label;
   }
-  EXPECT_THAT(steps, ::testing::ElementsAre(5e-5, 1e-4, 2e-4, 5e-4));
+  EXPECT_THAT(steps, ElementsAre(5e-5, 1e-4, 2e-4, 5e-4));
 }
 
 // 2,400 readings a second: 4 ms are 10 sampling times of 0.41667 ms to the next whole number, 2 ms 5, 1 ms 2 (2.4), 0.5 ms 1 (1.2), and 0.2 ms
@@ -101,7 +95,7 @@ TEST(CostSettings, StepsOfMujocosContactFitAnyRate) {
     ASSERT_NE(step, setting.changes.end()) << setting.label;
     parts.insert(1e-6 * std::round(1e6 * 2400.0 * parse_quantity(step->value, Quantity::time)));
   }
-  EXPECT_THAT(parts, ::testing::ElementsAre(1e-6 * 333333, 1.0, 2.0, 5.0, 10.0));
+  EXPECT_THAT(parts, ElementsAre(1e-6 * 333333, 1.0, 2.0, 5.0, 10.0));
 }
 
 TEST(CostSettings, EverySeriesIsDeclared) {

@@ -4,13 +4,10 @@
 #include <set>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "tests/expect.h"
 
 namespace slipbench::cost {
 namespace {
-
-using ::testing::HasSubstr;
 
 // Measured once for all tests of this file.
 const StabilityMap& map() {
@@ -46,10 +43,10 @@ TEST(StabilityMap, SpansMassStiffnessDampingAndIntegrator) {
     EXPECT_DOUBLE_EQ(c.k_normal, 7100.0 * c.stiffness_scale);
   }
   EXPECT_EQ(set_ups.size(), 4U);
-  EXPECT_THAT(integrators, ::testing::ElementsAre("Euler", "RK4", "discrete", "implicit", "implicitfast"));
-  EXPECT_THAT(masses, ::testing::ElementsAre(0.005, 0.05, 0.5, 5.0));
-  EXPECT_THAT(scales, ::testing::ElementsAre(0.1, 1.0, 10.0, 100.0));
-  EXPECT_THAT(dampings, ::testing::ElementsAre(0.0, 1e-4, 1e-3));
+  EXPECT_THAT(integrators, ElementsAre("Euler", "RK4", "discrete", "implicit", "implicitfast"));
+  EXPECT_THAT(masses, ElementsAre(0.005, 0.05, 0.5, 5.0));
+  EXPECT_THAT(scales, ElementsAre(0.1, 1.0, 10.0, 100.0));
+  EXPECT_THAT(dampings, ElementsAre(0.0, 1e-4, 1e-3));
 }
 
 // One undamped box between two pads: the fastest mode is along the normals, where all that gives way is 18 k_n on the box's mass, and the

@@ -4,15 +4,11 @@
 #include <iterator>
 #include <string>
 
-#include <gmock/gmock.h>
-
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 constexpr const char* wishing =
     "slipbench: 1\nduration: 1.2 s\nmotion: {kind: stage, start: 0.7 s}\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\n"

@@ -1,18 +1,14 @@
 #include "tools/program/doctor/doctor.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "tests/expect.h"
 #include "tests/tools/program/doctor/path_folder.h"
 #include "tools/program/doctor/build_info.h"
 
 namespace slipbench {
 namespace {
-
-using ::testing::HasSubstr;
 
 Check check_named(const std::string& name) {
   const std::vector<Check> checks = run_checks();

@@ -1,17 +1,13 @@
 #include "tools/program/doctor/machine.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <vector>
 
+#include "tests/expect.h"
 #include "tests/tools/program/doctor/path_folder.h"
 
 namespace slipbench {
 namespace {
 
-using ::testing::IsEmpty;
-using ::testing::Pair;
 using ::testing::UnorderedElementsAre;
 
 TEST(Machine, FindsAProgramOnPathOnly) {

@@ -61,6 +61,19 @@ def export(dataset, out, *words, status=0):
     return done.stdout, done.stderr
 
 
+def for_each_scene(format, *words):
+    """The test takes a dataset and the folder with what `format` made of it, of each scene."""
+    def of_each(test):
+        def run(self):
+            for scene in SCENES:
+                with self.subTest(scene=scene):
+                    out = self.folder / scene.replace("/", "_")
+                    export(make(scene), out, "--format", format, *words)
+                    test(self, make(scene), out)
+        return run
+    return of_each
+
+
 def contents(folder):
     """{name: bytes} of all files below a folder."""
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}

@@ -5,25 +5,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <csignal>
 #include <sstream>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/export/papillarray_trial.h"
 
 namespace slipbench::testing {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
 
 constexpr std::size_t pillars = 9;
 constexpr std::size_t rows = 5;
@@ -99,10 +90,7 @@ class ExportTest : public FolderTest {
   std::string overrides = "{}";
 
   std::string dataset(const std::vector<TrialRecord>& records) {
-    DatasetWriter writer(path("a.h5"), {"1", scene_text, overrides, 7, "slipbench sweep a.yaml"}, records.size());
-    for (const TrialRecord& record : records) writer.append(TrialEncoder().encode(record));
-    writer.commit();
-    return path("a.h5");
+    return write_dataset(path("a.h5"), {"1", scene_text, overrides, 7, "slipbench sweep a.yaml"}, records);
   }
   std::vector<std::string> run(const std::string& from, const ExportOptions& options) {
     return export_dataset(from, path("out"), options);
@@ -207,10 +195,10 @@ TEST_F(ExportTest, VendorLogHoldsTwoSensorsSideBySide) {
   EXPECT_EQ(table[0][162], "S1_FrictionEst");
 
   record.sensors.push_back(make_sensor("third", 1000.0));
-  EXPECT_THAT(message_of<InputError>([&] { run(dataset({record}), vendor); }), HasSubstr("up to 2 sensors, found 3"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({record}), vendor); }), HasSubstr("up to 2 sensors, found 3"));
   record.sensors.pop_back();
   record.sensors[1] = make_sensor("second", 500.0);
-  EXPECT_THAT(message_of<InputError>([&] { run(dataset({record}), vendor); }), HasSubstr("sampled at different times"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({record}), vendor); }), HasSubstr("sampled at different times"));
 }
 
 TEST_F(ExportTest, TrainingFileHas73Columns) {
@@ -358,16 +346,16 @@ TEST_F(ExportTest, SpeedComesFromTheSceneWhereItIsNotSwept) {
   overrides = R"({"motion.speed": "8 mm/s", "motion": "{speed: 3 mm/s}", "sweep.motion.speed": "[5 mm/s]", "seed": "8"})";
   EXPECT_THAT(run(dataset({record}), training), ElementsAre(path("out/translation/demo_0-v_3.0-slip.csv")));
   overrides = R"({"motion.speed": "2 mm"})";
-  EXPECT_THAT(message_of<InputError>([&] { run(dataset({record}), training); }), HasSubstr("--set motion.speed"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({record}), training); }), HasSubstr("--set motion.speed"));
   overrides = "{}";
   scene_text = "slipbench: 1\nmotion: {kind: orbit}\n";
-  EXPECT_THAT(message_of<InputError>([&] { run(dataset({record}), training); }), HasSubstr("motion 'orbit'"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({record}), training); }), HasSubstr("motion 'orbit'"));
 }
 
 TEST_F(ExportTest, LabelSpeedNeedsTheRuleThatHasIt) {
   ExportOptions options = vendor;
   options.label_speed = 2e-4;
-  EXPECT_THAT(message_of<InputError>([&] { run(dataset({make_trial_record(0)}), options); }),
+  EXPECT_THAT(refusal_of([&] { run(dataset({make_trial_record(0)}), options); }),
               HasSubstr("--slip paper or --slip has_slipped"));
   EXPECT_FALSE(std::filesystem::exists(path("out")));
   options.slip_rule = SlipRule::paper;
@@ -380,7 +368,7 @@ TEST_F(ExportTest, InputIsNeverReplaced) {
   ::mkdir(path("out").c_str(), 0777);
   for (const char* name : {"out/LOG_demo_0.csv", "out/LOG_demo_0.csv.partial"}) {
     std::filesystem::rename(from, path(name));
-    EXPECT_THAT(message_of<InputError>([&] { run(path(name), vendor); }), HasSubstr("is the input"));
+    EXPECT_THAT(refusal_of([&] { run(path(name), vendor); }), HasSubstr("is the input"));
     EXPECT_EQ(bytes_of(path(name)), before);
     std::filesystem::rename(path(name), from);
   }
@@ -398,7 +386,7 @@ TEST_F(ExportTest, ReplacesItsOwnFilesAndNothingElse) {
     for (const std::string& target : {path(name), path(name + ".partial")}) {
       for (const char* text : {"time,force\n0,1\n", "my notes\n"}) {
         std::ofstream(target, std::ios::trunc) << text;
-        EXPECT_THAT(message_of<InputError>([&] { run(from, options); }), HasSubstr(target + " exists and is no "));
+        EXPECT_THAT(refusal_of([&] { run(from, options); }), HasSubstr(target + " exists and is no "));
         EXPECT_EQ(bytes_of(target), text);
       }
       std::ofstream(target, std::ios::trunc) << whole;  // as a killed export leaves it
@@ -418,8 +406,7 @@ TEST_F(ExportTest, ChangedArraysAreRefused) {
   ExportOptions first = vendor;
   first.trial = 0;
   for (const ExportOptions& options : {vendor, training, first}) {
-    EXPECT_THAT(message_of<InputError>([&] { run(path("a.h5"), options); }),
-                HasSubstr("a.h5: is damaged: its content has the SHA-256"));
+    EXPECT_THAT(refusal_of([&] { run(path("a.h5"), options); }), HasSubstr("a.h5: is damaged: its content has the SHA-256"));
     EXPECT_FALSE(std::filesystem::exists(path("out")));
   }
 }
@@ -446,30 +433,29 @@ TEST_F(ExportTest, OneTrialCanBeChosen) {
   options.trial = 1;
   EXPECT_THAT(run(dataset({make_trial_record(0), make_trial_record(1)}), options), ElementsAre(path("out/LOG_demo_1.csv")));
   options.trial = 5;
-  EXPECT_THAT(message_of<InputError>([&] { run(path("a.h5"), options); }), HasSubstr("no trial 5"));
+  EXPECT_THAT(refusal_of([&] { run(path("a.h5"), options); }), HasSubstr("no trial 5"));
 }
 
 TEST_F(ExportTest, WhatDoesNotFitIsRefused) {
-  EXPECT_THAT(message_of<InputError>([&] { run(dataset({make_trial_record(0, 500.0)}), training); }),
+  EXPECT_THAT(refusal_of([&] { run(dataset({make_trial_record(0, 500.0)}), training); }),
               HasSubstr("sampled at 1000 Hz, the sensor at 500 Hz"));
   TrialRecord two = make_trial_record(0);
   two.sensors.push_back(make_sensor("second", 1000.0));
-  EXPECT_THAT(message_of<InputError>([&] { run(dataset({two}), training); }), HasSubstr("which? allowed: pad, second"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({two}), training); }), HasSubstr("which? allowed: pad, second"));
   ExportOptions second = training;
   second.sensors = {"second"};
   EXPECT_THAT(run(dataset({two}), second), SizeIs(1));
   TrialRecord other = make_trial_record(0);
   other.sensors[0].type = "nose";
-  EXPECT_THAT(message_of<InputError>([&] { run(dataset({other}), vendor); }), HasSubstr("has no papillarray"));
-  EXPECT_THAT(message_of<InputError>([&] { run(dataset({}), vendor); }), HasSubstr("holds no trial"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({other}), vendor); }), HasSubstr("has no papillarray"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({}), vendor); }), HasSubstr("holds no trial"));
 }
 
 TEST_F(ExportTest, UnusableFoldersAreRefused) {
   const std::string from = dataset({make_trial_record(0)});
-  EXPECT_THAT(message_of<InputError>([&] { export_dataset(from, path("no/out"), vendor); }),
-              HasSubstr("No such file or directory"));
+  EXPECT_THAT(refusal_of([&] { export_dataset(from, path("no/out"), vendor); }), HasSubstr("No such file or directory"));
   std::ofstream(path("file")) << "x";
-  EXPECT_THAT(message_of<InputError>([&] { export_dataset(from, path("file"), vendor); }),
+  EXPECT_THAT(refusal_of([&] { export_dataset(from, path("file"), vendor); }),
               HasSubstr("File exists; allowed: a folder, or a new name in one that is there"));
 }
 
@@ -499,9 +485,9 @@ TEST(ExportNames, AreParsedWithTheNearestName) {
   EXPECT_EQ(parse_export_format("training-csv"), ExportFormat::training_csv);
   EXPECT_EQ(parse_slip_rule("paper"), SlipRule::paper);
   EXPECT_EQ(
-      message_of<InputError>([] { parse_export_format("vendor_csv"); }),
+      refusal_of([] { parse_export_format("vendor_csv"); }),
       "unknown format 'vendor_csv'; did you mean 'vendor-csv'? allowed: csv, npz, robomimic, lerobot, parquet, mcap, vendor-csv, training-csv, grasp-csv, myrmex-csv, myrmex-rotated, slip-csv");
-  EXPECT_THAT(message_of<InputError>([] { parse_slip_rule("x"); }), HasSubstr("allowed: strict, micro, paper, has_slipped"));
+  EXPECT_THAT(refusal_of([] { parse_slip_rule("x"); }), HasSubstr("allowed: strict, micro, paper, has_slipped"));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ import pandas
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-from _made import SCENES, ExportTest, export, held, make
+from _made import ExportTest, export, for_each_scene, held, make
 
 
 class Formats(ExportTest):
@@ -18,31 +18,25 @@ class Formats(ExportTest):
         self.assertEqual((found.dtype, found.shape), (expected.dtype, expected.shape), what)
         self.assertEqual(np.ascontiguousarray(found).tobytes(), np.ascontiguousarray(expected).tobytes(), what)
 
-    def test_npz_brings_every_array_back(self):
-        for scene in SCENES:
-            with self.subTest(scene=scene):
-                dataset = make(scene)
-                export(dataset, self.folder / "out", "--format", "npz")
-                with h5py.File(dataset) as file:
-                    for name, demo in file["data"].items():
-                        expected = {}
-                        demo.visititems(lambda path, item: expected.update({path: item[()]}) if isinstance(item, h5py.Dataset) else None)
-                        for sensor in demo["labels"]:
-                            expected |= {f"labels/{sensor}/{key}": value for key, value in demo["labels"][sensor].attrs.items() if key != "frame"}
-                        with np.load(self.folder / f"out/{name}.npz") as archive:
-                            self.assertEqual(set(archive), {*expected, "about"})
-                            for path, values in expected.items():
-                                self.same(archive[path], values, path)
+    @for_each_scene("npz")
+    def test_npz_brings_every_array_back(self, dataset, out):
+        with h5py.File(dataset) as file:
+            for name, demo in file["data"].items():
+                expected = {}
+                demo.visititems(lambda path, item: expected.update({path: item[()]}) if isinstance(item, h5py.Dataset) else None)
+                for sensor in demo["labels"]:
+                    expected |= {f"labels/{sensor}/{key}": value for key, value in demo["labels"][sensor].attrs.items() if key != "frame"}
+                with np.load(out / f"{name}.npz") as archive:
+                    self.assertEqual(set(archive), {*expected, "about"})
+                    for path, values in expected.items():
+                        self.same(archive[path], values, path)
 
-    def test_robomimic_brings_the_latest_of_everything_back(self):
-        for scene in SCENES:
-            with self.subTest(scene=scene):
-                dataset = make(scene)
-                export(dataset, self.folder / "out", "--format", "robomimic", "--compress")
-                with h5py.File(dataset) as file, h5py.File(self.folder / "out/robomimic.hdf5") as written:
-                    self.assertEqual(set(written["data"]), set(file["data"]))
-                    for name, demo in file["data"].items():
-                        self.check_demo(demo, written["data"][name], written["data"].attrs)
+    @for_each_scene("robomimic", "--compress")
+    def test_robomimic_brings_the_latest_of_everything_back(self, dataset, out):
+        with h5py.File(dataset) as file, h5py.File(out / "robomimic.hdf5") as written:
+            self.assertEqual(set(written["data"]), set(file["data"]))
+            for name, demo in file["data"].items():
+                self.check_demo(demo, written["data"][name], written["data"].attrs)
 
     def check_demo(self, demo, found, about):
         channels = {f"{sensor}_{channel}": (group[f"{channel}_t" if f"{channel}_t" in group else "t"][:], group[channel][:])

@@ -2,12 +2,8 @@
 #include <algorithm>
 #include <sstream>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
-#include "tools/base/dataset/writer.h"
 #include "tools/program/export/export.h"
 
 namespace slipbench::grasp_csv_test {
@@ -15,8 +11,6 @@ namespace {
 
 using slipbench::testing::bytes_of;
 using slipbench::testing::make_record;
-using slipbench::testing::message_of;
-using ::testing::HasSubstr;
 
 constexpr std::size_t rows = 6;
 
@@ -52,11 +46,9 @@ TrialRecord grasp(std::size_t trial, bool held) {
 class GraspCsv : public slipbench::testing::FolderTest {
  protected:
   std::string exported(const std::vector<TrialRecord>& records) {
-    DatasetWriter writer(path("a.h5"), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, records.size());
-    for (const TrialRecord& record : records) writer.append(TrialEncoder().encode(record));
-    writer.commit();
+    slipbench::testing::write_dataset(path("a.h5"), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, records);
     const auto files = export_dataset(path("a.h5"), path("out"), {ExportFormat::grasp_csv, {}, {}, {}, {}, {}});
-    EXPECT_THAT(files, ::testing::ElementsAre(path("out/grasps.csv")));
+    EXPECT_THAT(files, ElementsAre(path("out/grasps.csv")));
     return bytes_of(files.front());
   }
 };
@@ -66,27 +58,27 @@ TEST_F(GraspCsv, HasARowAGraspOfTheLastReadingBeforeItHasToHold) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) lines.push_back(line);
   ASSERT_EQ(lines.size(), 3u);
-  EXPECT_THAT(lines[0], ::testing::StartsWith("object,slipped,ff_biotac_1,ff_biotac_2,"));
+  EXPECT_THAT(lines[0], StartsWith("object,slipped,ff_biotac_1,ff_biotac_2,"));
   EXPECT_THAT(lines[0], HasSubstr(",ff_biotac_24,mf_biotac_1,"));
-  EXPECT_THAT(lines[0], ::testing::EndsWith(",th_biotac_24"));
+  EXPECT_THAT(lines[0], EndsWith(",th_biotac_24"));
   // Row 2, at 0.03 s.
-  EXPECT_THAT(lines[1], ::testing::StartsWith("box_60x50x90,0,1201,1202,"));
+  EXPECT_THAT(lines[1], StartsWith("box_60x50x90,0,1201,1202,"));
   EXPECT_THAT(lines[1], HasSubstr(",1224,2201,"));
-  EXPECT_THAT(lines[1], ::testing::EndsWith(",3224"));
-  EXPECT_THAT(lines[2], ::testing::StartsWith("box_60x50x90,1,1201,"));
+  EXPECT_THAT(lines[1], EndsWith(",3224"));
+  EXPECT_THAT(lines[2], StartsWith("box_60x50x90,1,1201,"));
   for (const std::string& line : lines) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 73);
 }
 
 TEST_F(GraspCsv, RefusesWhatIsNoSuchGrasp) {
   TrialRecord two = grasp(0, true);
   two.sensors.pop_back();
-  EXPECT_THAT(message_of<InputError>([&] { exported({two}); }), HasSubstr("no biotac_sp 'th'; allowed: a grasp with three"));
+  EXPECT_THAT(refusal_of([&] { exported({two}); }), HasSubstr("no biotac_sp 'th'; allowed: a grasp with three"));
   TrialRecord bare = grasp(0, true);
   bare.bodies[0].name = "ball";
-  EXPECT_THAT(message_of<InputError>([&] { exported({bare}); }), HasSubstr("has no truth/object"));
+  EXPECT_THAT(refusal_of([&] { exported({bare}); }), HasSubstr("has no truth/object"));
   TrialRecord still = grasp(0, true);
   still.outcome.hold.reset();
-  EXPECT_THAT(message_of<InputError>([&] { exported({still}); }),
+  EXPECT_THAT(refusal_of([&] { exported({still}); }),
               HasSubstr("does not say whether the object was held; allowed: a scene with 'hold'"));
 }
 

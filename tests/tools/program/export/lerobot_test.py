@@ -11,7 +11,7 @@ import numpy as np
 import pandas
 import pyarrow.parquet
 
-from _made import ROOT, SCENES, ExportTest, contents, export, held, make
+from _made import ROOT, ExportTest, contents, export, for_each_scene, held, make
 
 
 COUNTS = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64", "task_index": "int64"}
@@ -75,19 +75,15 @@ class LeRobot(ExportTest):
         np.testing.assert_array_equal(table["episode_index"], np.repeat(np.arange(len(episodes)), episodes["length"]))
         np.testing.assert_array_equal(table["timestamp"], (frames / rate).astype(np.float32))
 
-    def test_every_value_comes_back(self):
-        for scene in SCENES:
-            with self.subTest(scene=scene):
-                dataset = make(scene)
-                out = self.folder / scene.replace("/", "_")
-                export(dataset, out, "--format", "lerobot")
-                with h5py.File(dataset) as file:
-                    rates = {}
-                    for sensor, group in file["data/demo_0/sensors"].items():
-                        rates.setdefault(group.attrs["rate_hz"], []).append(sensor)
-                    self.assertEqual({path.name for path in out.iterdir()}, {f"{rate:.0f}hz" for rate in rates})
-                    for rate, sensors in rates.items():
-                        self.check_values(file, out / f"{rate:.0f}hz", rate, sensors)
+    @for_each_scene("lerobot")
+    def test_every_value_comes_back(self, dataset, out):
+        with h5py.File(dataset) as file:
+            rates = {}
+            for sensor, group in file["data/demo_0/sensors"].items():
+                rates.setdefault(group.attrs["rate_hz"], []).append(sensor)
+            self.assertEqual({path.name for path in out.iterdir()}, {f"{rate:.0f}hz" for rate in rates})
+            for rate, sensors in rates.items():
+                self.check_values(file, out / f"{rate:.0f}hz", rate, sensors)
 
     def check_values(self, file, folder, rate, sensors):
         info, table, episodes = read(folder)

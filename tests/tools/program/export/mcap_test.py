@@ -14,7 +14,7 @@ from mcap.records import Chunk
 from mcap.stream_reader import StreamReader
 from mcap_protobuf.decoder import DecoderFactory
 
-from _made import SCENES, ExportTest, contents, export, make
+from _made import SCENES, ExportTest, contents, export, for_each_scene, make
 
 LAYOUT = "foxglove-layout.json"
 
@@ -130,23 +130,19 @@ class Mcap(ExportTest):
             self.assertEqual({one.body for one in moving}, {body})
             self.same(np.array([[*one.linear, *one.angular] for one in moving], "f4"), group["velocity"][:], body)
 
-    def test_every_value_comes_back(self):
-        for scene in SCENES:
-            with self.subTest(scene=scene):
-                dataset = make(scene)
-                out = self.folder / scene.replace("/", "_")
-                export(dataset, out, "--format", "mcap")
-                with h5py.File(dataset) as file:
-                    self.assertEqual(set(contents(out)), {LAYOUT, *(f"{name}.mcap" for name in file["data"])})
-                    for name, demo in file["data"].items():
-                        topics, channels = read(out / f"{name}.mcap")
-                        for sensor in demo["sensors"]:
-                            self.check_sensor(topics, channels, demo, sensor)
-                            self.check_labels(topics, channels, demo, sensor)
-                        self.check_bodies(topics, demo)
-                        if "control" in demo:
-                            self.check_own(topics, channels, "/control", demo["control/t"], {array: demo["control"][array] for array in set(demo["control"]) - {"t"}})
-                        self.assertEqual(topics, {})
+    @for_each_scene("mcap")
+    def test_every_value_comes_back(self, dataset, out):
+        with h5py.File(dataset) as file:
+            self.assertEqual(set(contents(out)), {LAYOUT, *(f"{name}.mcap" for name in file["data"])})
+            for name, demo in file["data"].items():
+                topics, channels = read(out / f"{name}.mcap")
+                for sensor in demo["sensors"]:
+                    self.check_sensor(topics, channels, demo, sensor)
+                    self.check_labels(topics, channels, demo, sensor)
+                self.check_bodies(topics, demo)
+                if "control" in demo:
+                    self.check_own(topics, channels, "/control", demo["control/t"], {array: demo["control"][array] for array in set(demo["control"]) - {"t"}})
+                self.assertEqual(topics, {})
 
     def test_a_second_reader_finds_the_same_messages_by_the_indexes(self):
         for scene in ("grasp/two_skins.yaml", "myrmex/slip.yaml"):

@@ -1,12 +1,10 @@
 // Images of a Myrmex: the paper's augmentation against closed forms, and the public tools' layout.
 #include "tools/program/export/myrmex_images.h"
 
-#include <gmock/gmock.h>
-
 #include <cmath>
 #include <numbers>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 
 namespace slipbench::myrmex_images_test {
 namespace {
@@ -82,19 +80,16 @@ TEST(TurnedImages, TakeThePlaceOfLargeArraysOnly) {
     ASSERT_EQ(turned.sensors[0].channels[0].values[(12 + 5) * 144 + k], expected[k]);
   EXPECT_EQ(turned.sensors[1].channels[0].values.size(), 12u);
   record.sensors.erase(record.sensors.begin());
-  EXPECT_THAT([&] { turned_images(record); }, ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("no myrmex of 12 x 12")));
+  EXPECT_THAT([&] { turned_images(record); }, ::testing::ThrowsMessage<InputError>(HasSubstr("no myrmex of 12 x 12")));
 }
 
 TEST(MyrmexCsv, IsTransposedAndRounded) {
   EXPECT_EQ(myrmex_csv(array(2, 3, {1, 2, 3, 4, 5, 6, 4095, 4094.6F, 0, 0, 0, 0.5F})), "1,4,2,5,3,6\n4095,0,4095,0,0,0\n");
-  EXPECT_THAT([] { myrmex_csv(array(1, 1, {4096.0F})); },
-              ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("4096 counts")));
-  EXPECT_THAT([] { myrmex_csv(array(1, 1, {-1.0F})); },
-              ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("allowed: 0 to 4095")));
+  EXPECT_THAT([] { myrmex_csv(array(1, 1, {4096.0F})); }, ::testing::ThrowsMessage<InputError>(HasSubstr("4096 counts")));
+  EXPECT_THAT([] { myrmex_csv(array(1, 1, {-1.0F})); }, ::testing::ThrowsMessage<InputError>(HasSubstr("allowed: 0 to 4095")));
   SensorRecord other = array(1, 1, {1.0F});
   other.type = "nib_pad";
-  EXPECT_THAT([&] { myrmex_csv(other); },
-              ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("is a nib_pad; allowed: a myrmex")));
+  EXPECT_THAT([&] { myrmex_csv(other); }, ::testing::ThrowsMessage<InputError>(HasSubstr("is a nib_pad; allowed: a myrmex")));
   EXPECT_TRUE(begins_as_myrmex_csv("1,4,2,5\n"));
   EXPECT_FALSE(begins_as_myrmex_csv("t [s],T0_0 [counts]\n"));
   EXPECT_FALSE(begins_as_myrmex_csv("1,,2\n"));

@@ -9,7 +9,7 @@ import numpy as np
 import pandas
 import pyarrow.parquet
 
-from _made import SCENES, ExportTest, contents, export, make
+from _made import ExportTest, contents, export, for_each_scene, make
 
 
 
@@ -53,39 +53,34 @@ def check_sensor(out, name, number, demo):
 
 
 class Parquet(ExportTest):
-    def test_every_value_comes_back(self):
-        for scene in SCENES:
-            with self.subTest(scene=scene):
-                dataset = make(scene)
-                out = self.folder / "out" / scene.replace("/", "_")
-                out.parent.mkdir(exist_ok=True)
-                export(dataset, out, "--format", "parquet")
-                files = {"trials.parquet"}
-                with h5py.File(dataset) as file:
-                    for name, demo in file["data"].items():
-                        number = int(name.removeprefix("demo_"))
-                        for sensor in demo["sensors"]:
-                            files |= check_sensor(out, sensor, number, demo)
-                        for body, group in demo["truth"].items():
-                            files.add(f"body-{body}.parquet")
-                            table = pandas.read_parquet(out / f"body-{body}.parquet").query("trial == @number")
-                            same(table["t"], group["t"][:], body)
-                            same(table[[column for column in table if column.startswith("pose_")]].to_numpy(), group["pose"][:], body)
-                            same(table[[column for column in table if column.startswith("velocity_")]].to_numpy(), group["velocity"][:], body)
-                        if "control" in demo:
-                            files.add("control.parquet")
-                            table = pandas.read_parquet(out / "control.parquet").query("trial == @number")
-                            for array in demo["control"]:
-                                columns = [column for column in table if column == array or column.startswith(f"{array}_")]
-                                same(table[columns].to_numpy().reshape(demo["control"][array].shape), demo["control"][array][:], array)
-                    self.assertEqual(set(contents(out)), files)
-                    trials = pandas.read_parquet(out / "trials.parquet")
-                    self.assertEqual([f"demo_{number}" for number in trials["trial"]], sorted(file["data"], key=lambda demo: int(demo[5:])))
-                    for part in ("train", "valid", "test"):
-                        self.assertEqual([f"demo_{number}" for number in trials.query("split == @part")["trial"]], list(file[f"mask/{part}"].asstr()))
-                    outcome = [json.loads(demo.attrs["outcome"])["first_slip_time_s"] for demo in file["data"].values()]
-                    if None not in outcome:
-                        self.assertEqual(list(trials["first_slip_time_s"]), outcome)
+    @for_each_scene("parquet")
+    def test_every_value_comes_back(self, dataset, out):
+        files = {"trials.parquet"}
+        with h5py.File(dataset) as file:
+            for name, demo in file["data"].items():
+                number = int(name.removeprefix("demo_"))
+                for sensor in demo["sensors"]:
+                    files |= check_sensor(out, sensor, number, demo)
+                for body, group in demo["truth"].items():
+                    files.add(f"body-{body}.parquet")
+                    table = pandas.read_parquet(out / f"body-{body}.parquet").query("trial == @number")
+                    same(table["t"], group["t"][:], body)
+                    same(table[[column for column in table if column.startswith("pose_")]].to_numpy(), group["pose"][:], body)
+                    same(table[[column for column in table if column.startswith("velocity_")]].to_numpy(), group["velocity"][:], body)
+                if "control" in demo:
+                    files.add("control.parquet")
+                    table = pandas.read_parquet(out / "control.parquet").query("trial == @number")
+                    for array in demo["control"]:
+                        columns = [column for column in table if column == array or column.startswith(f"{array}_")]
+                        same(table[columns].to_numpy().reshape(demo["control"][array].shape), demo["control"][array][:], array)
+            self.assertEqual(set(contents(out)), files)
+            trials = pandas.read_parquet(out / "trials.parquet")
+            self.assertEqual([f"demo_{number}" for number in trials["trial"]], sorted(file["data"], key=lambda demo: int(demo[5:])))
+            for part in ("train", "valid", "test"):
+                self.assertEqual([f"demo_{number}" for number in trials.query("split == @part")["trial"]], list(file[f"mask/{part}"].asstr()))
+            outcome = [json.loads(demo.attrs["outcome"])["first_slip_time_s"] for demo in file["data"].values()]
+            if None not in outcome:
+                self.assertEqual(list(trials["first_slip_time_s"]), outcome)
 
     def test_two_runs_write_the_same_bytes_and_tell_how_much(self):
         dataset = make("papillarray/stage.yaml")

@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from _made import SCENES, ExportTest, export, held, make
+from _made import ExportTest, export, for_each_scene, held
 
 try:
     from lerobot.datasets.lerobot_dataset import LeRobotDataset
@@ -19,19 +19,15 @@ except ImportError as error:
 
 
 class RealLeRobot(ExportTest):
-    def test_every_sensor_comes_back_with_its_past(self):
-        for scene in SCENES:
-            with self.subTest(scene=scene):
-                dataset = make(scene)
-                out = self.folder / scene.replace("/", "_")
-                export(dataset, out, "--format", "lerobot")
-                with h5py.File(dataset) as file:
-                    order = [name for part in ("train", "valid", "test") for name in file[f"mask/{part}"].asstr()]
-                    for folder in out.iterdir():
-                        rate = int(folder.name.removesuffix("hz"))
-                        channels = {f"observation.{sensor}.{channel}": (sensor, channel) for sensor, group in file["data/demo_0/sensors"].items()
-                                    if group.attrs["rate_hz"] == rate for channel in group.attrs["channels"]}
-                        self.check(file, order, folder, rate, channels)
+    @for_each_scene("lerobot")
+    def test_every_sensor_comes_back_with_its_past(self, dataset, out):
+        with h5py.File(dataset) as file:
+            order = [name for part in ("train", "valid", "test") for name in file[f"mask/{part}"].asstr()]
+            for folder in out.iterdir():
+                rate = int(folder.name.removesuffix("hz"))
+                channels = {f"observation.{sensor}.{channel}": (sensor, channel) for sensor, group in file["data/demo_0/sensors"].items()
+                            if group.attrs["rate_hz"] == rate for channel in group.attrs["channels"]}
+                self.check(file, order, folder, rate, channels)
 
     def check(self, file, order, folder, rate, channels):
         past = [-2 / rate, -1 / rate, 0.0]

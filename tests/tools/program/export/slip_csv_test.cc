@@ -3,12 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
-#include "tools/base/dataset/writer.h"
 #include "tools/program/export/export.h"
 
 namespace slipbench::slip_csv_test {
@@ -16,9 +12,6 @@ namespace {
 
 using slipbench::testing::bytes_of;
 using slipbench::testing::make_record;
-using slipbench::testing::message_of;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 constexpr std::size_t slip_rows = 40;
 
@@ -42,9 +35,7 @@ TrialRecord finger(const std::string& params) {
 class SlipCsv : public slipbench::testing::FolderTest {
  protected:
   std::vector<std::string> exported(const TrialRecord& record, const std::string& scene) {
-    DatasetWriter writer(path("a.h5"), {"1", scene, "{}", 7, "slipbench sweep a.yaml"}, 1);
-    writer.append(TrialEncoder().encode(record));
-    writer.commit();
+    slipbench::testing::write_dataset(path("a.h5"), {"1", scene, "{}", 7, "slipbench sweep a.yaml"}, {record});
     ExportOptions options;
     options.format = ExportFormat::slip_csv;
     return export_dataset(path("a.h5"), path("out"), options);
@@ -68,7 +59,7 @@ TEST_F(SlipCsv, FolderIsTheClassThatTheSceneCommands) {
 
 // A dataset's texts may be anybody's, and are part of the name.
 TEST_F(SlipCsv, NameStaysInTheFolder) {
-  const auto refusal = [&](const std::string& params) { return message_of<InputError>([&] { name(params); }); };
+  const auto refusal = [&](const std::string& params) { return refusal_of([&] { name(params); }); };
   EXPECT_THAT(refusal(R"({"surface.material": "x/../../../evil"})"),
               HasSubstr("cannot write a file called 't/x/../../../evil3.csv'; allowed: "));
   EXPECT_THAT(refusal(R"({"surface.material": "glass\u001b[31m"})"),
@@ -84,16 +75,16 @@ TEST_F(SlipCsv, BeginsWhereTheMotionHasComeUp) {
   for (std::string line; std::getline(text, line);) lines.push_back(line);
   ASSERT_EQ(lines.size(), 1u + 16u);
   EXPECT_THAT(lines[0], StartsWith("ff_e1,ff_e2,"));
-  EXPECT_THAT(lines[0], ::testing::EndsWith(",ff_e24"));
+  EXPECT_THAT(lines[0], EndsWith(",ff_e24"));
   EXPECT_THAT(lines[1], StartsWith("124,224,"));
-  EXPECT_THAT(lines[16], ::testing::EndsWith(",2439"));
+  EXPECT_THAT(lines[16], EndsWith(",2439"));
   const std::string whole = exported(finger("{}"), "slipbench: 1\nmotion: {kind: stage, speed: 0 mm/s}\n").front();
   EXPECT_THAT(bytes_of(whole), HasSubstr("ff_e24\n100,200,"));  // of a stage all rows
 }
 
 TEST_F(SlipCsv, RefusesWhatIsNoClass) {
   const auto message = [&](const TrialRecord& record) {
-    return message_of<InputError>([&] { exported(record, "slipbench: 1\nmotion: {kind: rub}\n"); });
+    return refusal_of([&] { exported(record, "slipbench: 1\nmotion: {kind: rub}\n"); });
   };
   EXPECT_THAT(message(finger(R"({"motion.speed": 0.008, "motion.rotation": 1.0})")), HasSubstr("slides and turns"));
   EXPECT_THAT(message(finger(R"({"motion.speed": 0.008, "motion.direction": 0.5})")),

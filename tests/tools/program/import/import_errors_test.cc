@@ -1,26 +1,13 @@
 // Damaged and wrong sources: what was found, where, what is allowed, and nothing left.
 #include <sys/stat.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/program/import/sources.h"
 
 namespace slipbench::import_errors_test {
 namespace {
 
-using slipbench::testing::grasp_header;
-using slipbench::testing::grasp_row;
-using slipbench::testing::log_cells;
-using slipbench::testing::log_header;
-using slipbench::testing::log_row;
-using slipbench::testing::message_of;
-using slipbench::testing::slide_header;
-using slipbench::testing::slide_row;
-using slipbench::testing::training_row;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
+using namespace slipbench::testing;
 
 class ImportErrors : public slipbench::testing::ImportTest {
  protected:
@@ -28,7 +15,7 @@ class ImportErrors : public slipbench::testing::ImportTest {
   void expect_refusal(const std::string& format, const std::string& name, const std::string& text, const std::string& message) {
     const std::string file = source(name, text);
     const std::vector<std::string> before = names();
-    EXPECT_EQ(message_of<InputError>([&] { run({file}, format); }), file + message);
+    EXPECT_EQ(refusal_of([&] { run({file}, format); }), file + message);
     EXPECT_EQ(names(), before);
   }
 };
@@ -113,9 +100,7 @@ TEST_F(ImportErrors, TrainingFilesAreChecked) {
 }
 
 TEST_F(ImportErrors, SourcesAreChecked) {
-  const auto refusal = [&](const std::vector<std::string>& sources) {
-    return message_of<InputError>([&] { run(sources, "bts3v2"); });
-  };
+  const auto refusal = [&](const std::vector<std::string>& sources) { return refusal_of([&] { run(sources, "bts3v2"); }); };
   EXPECT_EQ(refusal({path("none.csv")}), path("none.csv") + ": no such file or folder");
   std::filesystem::create_directory(path("empty"));
   EXPECT_EQ(refusal({path("empty")}), path("empty") + ": holds no file .csv; allowed: a source file, or a folder with some");
@@ -123,7 +108,7 @@ TEST_F(ImportErrors, SourcesAreChecked) {
   EXPECT_EQ(refusal({path("set"), file}), file + ": is named twice; allowed: each source once");
   ::mkfifo(path("pipe").c_str(), 0600);
   EXPECT_THAT(refusal({path("pipe")}), HasSubstr("pipe: is a pipe, no file"));
-  EXPECT_EQ(message_of<InputError>([] { import_format("bts3"); }),
+  EXPECT_EQ(refusal_of([] { import_format("bts3"); }),
             "unknown format 'bts3'; did you mean 'bts3v2'? allowed: bts3v2, biotacsp-dos, papillarray-csv, training-csv");
 }
 
@@ -131,7 +116,7 @@ TEST_F(ImportErrors, SourcesAreChecked) {
 TEST_F(ImportErrors, SourceIsNotReplaced) {
   const std::string file = source("a.csv", grasp_header() + grasp_row("coke", "0", 1));
   const std::string before = slipbench::testing::bytes_of(file);
-  EXPECT_THAT(message_of<InputError>([&] { run({file}, "bts3v2", "a.csv"); }), HasSubstr("exists and is no dataset"));
+  EXPECT_THAT(refusal_of([&] { run({file}, "bts3v2", "a.csv"); }), HasSubstr("exists and is no dataset"));
   EXPECT_EQ(slipbench::testing::bytes_of(file), before);
   EXPECT_THAT(names(), ElementsAre("a.csv"));
 }

@@ -1,36 +1,18 @@
 // What each format stores of a source, and that there is no truth.
 #include <cmath>
-#include <limits>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/core/error.h"
 #include "sim/core/interrupted.h"
+#include "tests/expect.h"
 #include "tests/tools/program/import/sources.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/writer.h"
 #include "tools/program/verify/verify.h"
 
 namespace slipbench::import_test {
 namespace {
 
-using slipbench::testing::bytes_of;
-using slipbench::testing::grasp_header;
-using slipbench::testing::grasp_row;
-using slipbench::testing::log_cells;
-using slipbench::testing::log_header;
-using slipbench::testing::log_row;
-using slipbench::testing::message_of;
-using slipbench::testing::slide_header;
-using slipbench::testing::slide_row;
-using slipbench::testing::training_row;
-using ::testing::Each;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
+using namespace slipbench::testing;
 
 class Import : public slipbench::testing::ImportTest {
  protected:
@@ -195,7 +177,7 @@ TEST_F(Imported, SaysThatItHoldsNoTruth) {
   EXPECT_EQ(reader.header().scene, "");
   EXPECT_EQ(reader.header().command, "slipbench import " + file_ + " --format bts3v2 --seed 7");
   EXPECT_THAT(reader.bodies(0), IsEmpty());
-  EXPECT_EQ(message_of<InputError>([&] { reader.check_truth("a report"); }),
+  EXPECT_EQ(refusal_of([&] { reader.check_truth("a report"); }),
             path("out.h5") +
                 ": a report needs the truth, which it does not hold (none: imported from bts3v2); allowed: a dataset that "
                 "slipbench has simulated");
@@ -279,12 +261,10 @@ TEST_F(Imported, InterruptedLeavesNothing) {
 class MadeUp : public Import {
  protected:
   std::string write(TrialRecord record) {
-    DatasetWriter writer(
+    return slipbench::testing::write_dataset(
         path("out.h5"),
-        {.version = "1", .scene = "", .seed = 7, .command = "slipbench import a.csv", .truth = "none: imported from a.csv"}, 1);
-    writer.append(TrialEncoder().encode(record));
-    writer.commit();
-    return path("out.h5");
+        {.version = "1", .scene = "", .seed = 7, .command = "slipbench import a.csv", .truth = "none: imported from a.csv"},
+        {record});
   }
   static TrialRecord record() {
     TrialRecord record = slipbench::testing::make_record(0, 3);
@@ -309,7 +289,7 @@ TEST_F(MadeUp, StateThatDoesNotExistIsRefused) {
   TrialRecord wrong = record();
   wrong.sensors[0].labels.state_paper[1] = 7;
   write(wrong);
-  EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(trial(0)); }),
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(trial(0)); }),
               HasSubstr("labels/pad/state_paper: holds 7, which is no state of a pad"));
   EXPECT_FALSE(verify_datasets({path("out.h5")}).holds);
 }
@@ -318,8 +298,7 @@ TEST_F(MadeUp, ControlLoopInARecordingIsRefused) {
   TrialRecord wrong = record();
   wrong.control = slipbench::testing::make_controlled_record(0, 3).control;
   write(wrong);
-  EXPECT_THAT(message_of<InputError>([&] { static_cast<void>(trial(0)); }),
-              HasSubstr("control: stands in an imported recording"));
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(trial(0)); }), HasSubstr("control: stands in an imported recording"));
 }
 
 }  // namespace

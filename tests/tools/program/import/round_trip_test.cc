@@ -1,5 +1,4 @@
 // A simulated trial through `export` and `import`: the numbers are the same to the bit.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/tools/program/import/sources.h"

@@ -4,9 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include <gmock/gmock.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/program/judge/detector_choice.h"
@@ -16,19 +14,6 @@ namespace slipbench::judge::evaluate_test {
 namespace {
 
 using ::slipbench::testing::SmallDatasetTest;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
-
-template <class Action>
-std::string refusal_of(Action&& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(ChosenDetector, IsANameAFileOrAFolder) {
   EXPECT_EQ(chosen_detector("force_ratio", {{"ratio", "0.3"}}).parameters.number("ratio"), 0.3);

@@ -6,15 +6,12 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/program/judge/loop_scene.h"
 
 namespace slipbench::judge::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 // Pressed until 0.2 s, then slid.
 std::string stage(const std::string& detector,
@@ -138,12 +135,8 @@ TEST(Replay, RefusesWhatTheLoopRefuses) {
   EXPECT_THROW(replay(*other.detector, record.sensors, 0, 1, 0), InputError);
   DetectorScene oracle = *scene.detector;
   oracle.type = "truth";
-  try {
-    replay(oracle, record.sensors, 0, 1, 0);
-    FAIL() << "the oracle reads no recording";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("is the oracle, which reads the simulation"));
-  }
+  EXPECT_THAT(refusal_of([&] { replay(oracle, record.sensors, 0, 1, 0); }),
+              HasSubstr("is the oracle, which reads the simulation"));
   record.sensors[0].time.clear();
   EXPECT_THROW(replay(*scene.detector, record.sensors, 0, 1, 0), InputError);
 }

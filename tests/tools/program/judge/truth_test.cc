@@ -2,15 +2,11 @@
 
 #include <cmath>
 
-#include <gmock/gmock.h>
-
 #include "sim/core/contact_frame.h"
-#include "sim/core/error.h"
+#include "tests/expect.h"
 
 namespace slipbench::judge::truth_test {
 namespace {
-
-using ::testing::HasSubstr;
 
 constexpr PadState none = PadState::no_contact, stick = PadState::non_slip, some = PadState::incipient, all = PadState::gross;
 
@@ -53,12 +49,7 @@ TEST(Labels, MaskedIsMicroWithoutWhatSticksAgain) {
 
 TEST(Labels, RefuseWhatDoesNotFit) {
   const auto refusal = [](const SensorRecord& record, TruthRule rule) {
-    try {
-      label_states(record, rule, false);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return refusal_of([&] { label_states(record, rule, false); });
   };
   EXPECT_THAT(refusal(sensor(), TruthRule::has_slipped), HasSubstr("is a myrmex; the rule has_slipped is the PapillArray's"));
   SensorRecord damaged = sensor();
@@ -70,12 +61,7 @@ TEST(Labels, RefuseWhatDoesNotFit) {
 
 TEST(Labels, RulesAreNamed) {
   for (const std::string& name : label_rule_names()) EXPECT_EQ(label_rule_name(parse_label_rule(name)), name);
-  try {
-    parse_label_rule("stricd");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("did you mean 'strict'"));
-  }
+  EXPECT_THAT(refusal_of([&] { parse_label_rule("stricd"); }), HasSubstr("did you mean 'strict'"));
 }
 
 // A unit slips as a whole at 0.24 s, a part of it from 0.16 s on.

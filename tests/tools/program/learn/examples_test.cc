@@ -5,20 +5,13 @@
 #include <set>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/program/learn/recipe.h"
 #include "tools/program/learn/scaling.h"
 
 namespace slipbench::learn::examples_test {
 namespace {
-
-using slipbench::testing::message_of;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 constexpr double rate = 10e3;
 
@@ -145,7 +138,7 @@ TEST(Example, HasTheDirectionOfItsMotion) {
   ExampleOptions options;
   options.input = find_recipe("piezo_fft_gru").input;
   options.classes = ClassRule::direction;
-  EXPECT_THAT(message_of<InputError>([&] { example_of(imported, sensor, options); }), HasSubstr("allowed: --labels paper"));
+  EXPECT_THAT(refusal_of([&] { example_of(imported, sensor, options); }), HasSubstr("allowed: --labels paper"));
   options.labels = LabelRule::paper;
   EXPECT_THAT(example_of(imported, sensor, options).frames.label, ElementsAre(5, 5, 5));
   EXPECT_EQ(example_of(imported, sensor, options).object, R"(object="pen")");
@@ -174,7 +167,7 @@ TEST(Example, OtherSensorsAreRefused) {
   SensorRecord unlabelled = skin();
   unlabelled.labels.state_micro.clear();
   unlabelled.labels.state_paper.clear();
-  EXPECT_THAT(message_of<InputError>([&] { example(unlabelled, LabelRule::micro); }),
+  EXPECT_THAT(refusal_of([&] { example(unlabelled, LabelRule::micro); }),
               HasSubstr("0 states by the labels micro for 450 samples; allowed: one each"));
 }
 
@@ -183,7 +176,7 @@ TEST(Example, OfARecordingIsByItsOwnLabels) {
   SensorRecord recording = skin();
   recording.labels.state_micro.clear();
   recording.rate = 1e6 / 100.4;
-  EXPECT_THAT(message_of<InputError>([&] { example(recording, LabelRule::latched); }),
+  EXPECT_THAT(refusal_of([&] { example(recording, LabelRule::latched); }),
               HasSubstr("0 states by the labels latched for 450 samples; allowed: --labels paper, which are there"));
   EXPECT_THAT(example(recording, LabelRule::paper).frames.label, ElementsAre(0, 0, 0));
 }

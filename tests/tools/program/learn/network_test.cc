@@ -8,11 +8,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/program/learn/recipe.h"
 #include "tools/program/learn/validation.h"
@@ -21,8 +18,6 @@ namespace slipbench::learn::network_test {
 namespace {
 
 using slipbench::testing::bytes_of;
-using slipbench::testing::message_of;
-using ::testing::HasSubstr;
 
 constexpr TrainingOptions quick{.steps = 200, .batch = 8, .clip = 32, .learning_rate = 3e-3};
 
@@ -312,7 +307,7 @@ TEST_F(Resumed, NotFromADamagedCheckpoint) {
   ASSERT_GT(bytes.size(), 1000U);
   const auto refusal = [&](const std::string& content) {
     std::ofstream(whole.path, std::ios::binary) << content;
-    return message_of<InputError>([&] { make_network(shape, 1)->train(sequences, {}, options, resumed); });
+    return refusal_of([&] { make_network(shape, 1)->train(sequences, {}, options, resumed); });
   };
   for (std::size_t part = 0; part < 20; ++part) {
     std::string damaged = bytes;
@@ -333,7 +328,7 @@ TEST_F(Resumed, OrRefusedWhereACheckpointIsLeft) {
   const Checkpoint checkpoint{path("checkpoint"), "same", false};
   make_network(shape, 1)->train(sequences, {}, options, checkpoint);
   const std::string bytes = bytes_of(checkpoint.path);
-  EXPECT_THAT(message_of<InputError>([&] { make_network(shape, 1)->train(sequences, {}, options, checkpoint); }),
+  EXPECT_THAT(refusal_of([&] { make_network(shape, 1)->train(sequences, {}, options, checkpoint); }),
               HasSubstr("is what a training that did not end has left; allowed: --resume"));
   EXPECT_EQ(bytes_of(checkpoint.path), bytes);
 }

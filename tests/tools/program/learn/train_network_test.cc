@@ -5,20 +5,15 @@
 #include <fstream>
 #include <iterator>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "detectors/network/engine.h"
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
 #include "tools/base/dataset/reader.h"
 
 namespace slipbench::learn::train_network_test {
 namespace {
-
-using slipbench::testing::message_of;
-using ::testing::HasSubstr;
 
 std::string bytes_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -38,7 +33,7 @@ class TrainNetwork : public slipbench::testing::SmallDatasetTest {
     return training;
   }
   std::string refusal(const NetworkTraining& training) {
-    return message_of<InputError>([&] { train_network(training); });
+    return refusal_of([&] { train_network(training); });
   }
 };
 
@@ -48,7 +43,7 @@ TEST_F(TrainNetwork, WritesADetectorThatSaysWhatItHasSeen) {
   std::vector<std::size_t> steps;
   const NetworkSummary summary =
       train_network(training, [&](const MemberProgress& progress) { steps.push_back(progress.training.step); });
-  EXPECT_THAT(steps, ::testing::ElementsAre(2, 4));
+  EXPECT_THAT(steps, ElementsAre(2, 4));
   EXPECT_EQ(summary.trials, 24U);
   EXPECT_EQ(summary.judged, 5U);
   EXPECT_EQ(summary.validated, 4U);

@@ -87,9 +87,7 @@ def scores(trials):
 
 class PageScoresTest(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def page(self, *arguments):
         dataset, report = self.folder / "a.h5", self.folder / "a.html"

@@ -5,16 +5,11 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/program/report/sample.h"
 
 namespace slipbench::report {
 namespace {
-
-using ::testing::ElementsAre;
 
 constexpr std::size_t everything = 1'000'000;
 
@@ -117,12 +112,8 @@ TEST(GraspPayload, CurvesAreThinnedToTheirLimit) {
 TEST(GraspPayload, RefusesARecordWithoutItsBodies) {
   TrialRecord record = sample_grasp(0);
   record.bodies.pop_back();
-  try {
-    static_cast<void>(grasp_payload(record, everything, "lift.h5: /data/demo_0"));
-    FAIL() << "no refusal";
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "lift.h5: /data/demo_0: a grasp without truth/box");
-  }
+  EXPECT_EQ(refusal_of([&] { static_cast<void>(grasp_payload(record, everything, "lift.h5: /data/demo_0")); }),
+            "lift.h5: /data/demo_0: a grasp without truth/box");
 }
 
 TEST(GraspSummary, NullStandsForNever) {

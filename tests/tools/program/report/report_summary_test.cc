@@ -5,17 +5,12 @@
 #include <functional>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "sim/core/contact_frame.h"
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/program/report/sample.h"
 
 namespace slipbench::report {
 namespace {
-
-using ::testing::HasSubstr;
 
 TEST(Summary, CountsSharesOfTime) {
   const Json summary = summarise(sample_trial(0, "{}").sensors[0]);
@@ -81,12 +76,7 @@ TEST(CheckLabels, RefusesWhatDoesNotExist) {
   for (const auto& [damage, message] : cases) {
     SensorRecord sensor = sample_trial(0, "{}").sensors[0];
     damage(sensor);
-    try {
-      check_labels(sensor, "x.h5");
-      FAIL() << message;
-    } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), HasSubstr(message));
-    }
+    EXPECT_THAT(refusal_of([&] { check_labels(sensor, "x.h5"); }), HasSubstr(message));
   }
 }
 

@@ -1,7 +1,6 @@
 // A small trial with known answers.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 

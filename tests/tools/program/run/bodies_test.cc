@@ -6,13 +6,11 @@
 #include <fstream>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "sim/core/error.h"
 #include "sim/core/interrupted.h"
 #include "sim/scene/parser.h"
+#include "tests/expect.h"
 #include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -23,9 +21,6 @@
 
 namespace slipbench {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 const std::string scenes = SLIPBENCH_SOURCE_DIR "/scenes/bodies/";
 
@@ -119,14 +114,9 @@ TEST_F(BodiesRun, AHandThatTurnsHoldsItsBox) {
 TEST_F(BodiesRun, AHoldThatIsNeverLookedAtIsRefused) {
   std::ofstream(file("turning_fingers.xml")) << turning_fingers;
   std::ofstream(file("turning.yaml")) << turning_scene("{body: box, against: left, from: 1.4999999 s, within: 1 mm}");
-  try {
-    run(file("turning.yaml"), "turning.h5");
-    ADD_FAILURE() << "taken";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(),
-                HasSubstr("turning.yaml:13: hold.from: 1.4999999 s leaves no two steps to see the body move between; "
-                          "allowed: 0 s to 1.49"));
-  }
+  EXPECT_THAT(refusal_of([&] { run(file("turning.yaml"), "turning.h5"); }),
+              HasSubstr("turning.yaml:13: hold.from: 1.4999999 s leaves no two steps to see the body move between; "
+                        "allowed: 0 s to 1.49"));
   EXPECT_FALSE(std::filesystem::exists(file("turning.h5")));
 }
 
@@ -153,7 +143,7 @@ TEST_F(BodiesRun, DatasetsOpenInReportAndExport) {
   for (const std::string name : {"held_box", "pressed_box", "sliding_block"}) {
     run(scenes + name + ".yaml", name + ".h5");
     const DatasetReader reader(file(name + ".h5"));
-    EXPECT_THAT(reader.bodies(0), ::testing::Contains(name == "sliding_block" ? "sole" : "box"));
+    EXPECT_THAT(reader.bodies(0), Contains(name == "sliding_block" ? "sole" : "box"));
     const TrialRecord record = reader.read_trial(0);
     for (const BodyRecord& body : record.bodies) EXPECT_EQ(body.pose.size(), 7 * record.num_samples()) << body.name;
     write_report(file(name + ".h5"), file(name + ".html"));
@@ -202,8 +192,8 @@ TEST_F(BodiesRun, DatasetHasTheModelsDigest) {
     }
     return found;
   };
-  EXPECT_THAT(digests(record_of("held_box.yaml")), ::testing::ElementsAre(file_sha256(scenes + "two_fingers.xml")));
-  EXPECT_THAT(digests(record_of("pressed_box.yaml")), ::testing::IsEmpty());
+  EXPECT_THAT(digests(record_of("held_box.yaml")), ElementsAre(file_sha256(scenes + "two_fingers.xml")));
+  EXPECT_THAT(digests(record_of("pressed_box.yaml")), IsEmpty());
 }
 
 TEST_F(BodiesRun, MessagesNameTheLineOfTheScene) {
@@ -216,12 +206,8 @@ TEST_F(BodiesRun, MessagesNameTheLineOfTheScene) {
                                        "    type: papillarray\n"
                                        "    site: lost\n"
                                        "    touches: [box]\n";
-  try {
-    run(file("scene.yaml"), "x.h5");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), StartsWith(file("scene.yaml") + ":7: sensors.left.site: the model has no site 'lost'"));
-  }
+  EXPECT_THAT(refusal_of([&] { run(file("scene.yaml"), "x.h5"); }),
+              StartsWith(file("scene.yaml") + ":7: sensors.left.site: the model has no site 'lost'"));
 }
 
 // A run that goes wrong on its way is a failed trial, not a result.

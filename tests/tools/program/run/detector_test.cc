@@ -5,12 +5,10 @@
 #include <numeric>
 #include <span>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/core/error.h"
 #include "sim/scene/parser.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/sha256.h"
@@ -21,8 +19,6 @@
 namespace slipbench::testing {
 namespace {
 
-using ::testing::Contains;
-using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 const std::string published = SLIPBENCH_SOURCE_DIR "/tests/detectors/hd/data/published";
@@ -183,12 +179,9 @@ TEST(DetectorInTrial, WhatItRefusesHasThePathOfTheScene) {
 
 TEST(DetectorInTrial, RefusesAWaveformThatNobodyWouldSee) {
   const auto refusal = [](const std::string& about) -> std::string {
-    try {
+    return refusal_of([&] {
       check_trial(stage_scene({{"detector", "{type: gst_hd_rtl, waveform: core.fst, " + about + "}"}}), 0);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    });
   };
   EXPECT_EQ(refusal("waveform_from: 3.99 s"), "accepted");
   EXPECT_THAT(refusal("waveform_from: 4 s"), HasSubstr("no classified frame comes from there on; the trial takes 4 s"));
@@ -261,12 +254,10 @@ TEST_F(DetectorSweep, BytesDoNotDependOnTheJobs) {
 
 TEST_F(DetectorSweep, RefusesAWaveformOfATrialThatIsNotRun) {
   const std::string detector = "{type: gst_hd_rtl, waveform: core.fst, waveform_trial: 6}";
-  try {
-    run("out.h5", 1, {{"detector", detector}});
-    FAIL() << "six trials, 0 to 5";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("detector.waveform_trial: 6 is not run; allowed: 0 to 5"));
-  }
+  EXPECT_THAT(refusal_of([&] {
+                run("out.h5", 1, {{"detector", detector}});
+              }),
+              HasSubstr("detector.waveform_trial: 6 is not run; allowed: 0 to 5"));
 }
 
 TEST_F(DetectorSweep, DatasetAndSummaryAgree) {

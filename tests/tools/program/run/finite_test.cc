@@ -1,11 +1,13 @@
 #include "tools/program/run/finite.h"
 
+#include <functional>
 #include <limits>
 #include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 
 namespace slipbench {
 namespace {
@@ -15,12 +17,7 @@ constexpr float undefined = std::numeric_limits<float>::quiet_NaN();
 
 template <class... Arguments>
 std::string answer(const Arguments&... arguments) {
-  try {
-    check_finite(arguments...);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of([&] { check_finite(arguments...); });
 }
 
 std::string refusal(const std::string& what, const std::string& when) {
@@ -52,27 +49,21 @@ TEST(Finite, UndefinedIsAllowedWhereNothingTouchesOrSlips) { EXPECT_EQ(answer(re
 
 TEST(Finite, EveryColumnIsWatched) {
   // Index 7 of 18 values in three rows stands in row 1; 3 of 6 and 8 of 21 likewise; 10 of 12 in row 2.
-  TrialRecord bad = record();
-  bad.sensors[0].channels[0].values[7] = infinite;
-  EXPECT_EQ(answer(bad), refusal("sensors.pad: force", "0.25 s"));
-  bad = record();
-  bad.sensors[0].labels.force[7] = undefined;
-  EXPECT_EQ(answer(bad), refusal("sensors.pad: contact force", "0.25 s"));
-  bad = record();
-  bad.sensors[0].labels.slip_velocity[10] = -infinite;
-  EXPECT_EQ(answer(bad), refusal("sensors.pad: slip velocity", "0.5 s"));
-  bad = record();
-  bad.sensors[0].labels.slip_distance[3] = infinite;
-  EXPECT_EQ(answer(bad), refusal("sensors.pad: slip distance", "0.25 s"));
-  bad = record();
-  bad.sensors[0].labels.margin[4] = undefined;  // of the unit that touches
-  EXPECT_EQ(answer(bad), refusal("sensors.pad: margin", "0.5 s"));
-  bad = record();
-  bad.bodies[0].pose[8] = infinite;
-  EXPECT_EQ(answer(bad), refusal("pose of the body pad", "0.25 s"));
-  bad = record();
-  bad.bodies[0].velocity[7] = infinite;
-  EXPECT_EQ(answer(bad), refusal("velocity of the body pad", "0.25 s"));
+  const std::vector<std::tuple<std::function<void(TrialRecord&)>, std::string, std::string>> cases = {
+      {[](TrialRecord& bad) { bad.sensors[0].channels[0].values[7] = infinite; }, "sensors.pad: force", "0.25 s"},
+      {[](TrialRecord& bad) { bad.sensors[0].labels.force[7] = undefined; }, "sensors.pad: contact force", "0.25 s"},
+      {[](TrialRecord& bad) { bad.sensors[0].labels.slip_velocity[10] = -infinite; }, "sensors.pad: slip velocity", "0.5 s"},
+      {[](TrialRecord& bad) { bad.sensors[0].labels.slip_distance[3] = infinite; }, "sensors.pad: slip distance", "0.25 s"},
+      // Of the unit that touches.
+      {[](TrialRecord& bad) { bad.sensors[0].labels.margin[4] = undefined; }, "sensors.pad: margin", "0.5 s"},
+      {[](TrialRecord& bad) { bad.bodies[0].pose[8] = infinite; }, "pose of the body pad", "0.25 s"},
+      {[](TrialRecord& bad) { bad.bodies[0].velocity[7] = infinite; }, "velocity of the body pad", "0.25 s"},
+  };
+  for (const auto& [change, what, when] : cases) {
+    TrialRecord bad = record();
+    change(bad);
+    EXPECT_EQ(answer(bad), refusal(what, when));
+  }
 }
 
 TEST(Finite, TheEarliestIsNamed) {
@@ -100,24 +91,19 @@ ContactFrame frame() {
 TEST(Finite, AFrameIsWatchedAsTheDatasetWouldHoldIt) {
   const std::string pad = "pad";
   EXPECT_EQ(answer(pad, frame()), "accepted");
-  ContactFrame bad = frame();
-  bad.force(2, 1) = 1e39;  // a float ends at 3.4e38
-  EXPECT_EQ(answer(pad, bad), refusal("sensors.pad: force", "0.5 s"));
-  bad = frame();
-  bad.contact_force(0, 0) = -1e39;
-  EXPECT_EQ(answer(pad, bad), refusal("sensors.pad: contact force", "0.5 s"));
-  bad = frame();
-  bad.displacement(0, 0) = 1e39;
-  EXPECT_EQ(answer(pad, bad), refusal("sensors.pad: displacement", "0.5 s"));
-  bad = frame();
-  bad.slip_velocity(1, 0) = 1e39;
-  EXPECT_EQ(answer(pad, bad), refusal("sensors.pad: slip velocity", "0.5 s"));
-  bad = frame();
-  bad.slip_distance(1) = 1e39;
-  EXPECT_EQ(answer(pad, bad), refusal("sensors.pad: slip distance", "0.5 s"));
-  bad = frame();
-  bad.unit_state[1] = UnitState::slip;  // touches, without a margin
-  EXPECT_EQ(answer(pad, bad), refusal("sensors.pad: margin", "0.5 s"));
+  const std::vector<std::pair<std::function<void(ContactFrame&)>, std::string>> cases = {
+      {[](ContactFrame& bad) { bad.force(2, 1) = 1e39; }, "force"},  // a float ends at 3.4e38
+      {[](ContactFrame& bad) { bad.contact_force(0, 0) = -1e39; }, "contact force"},
+      {[](ContactFrame& bad) { bad.displacement(0, 0) = 1e39; }, "displacement"},
+      {[](ContactFrame& bad) { bad.slip_velocity(1, 0) = 1e39; }, "slip velocity"},
+      {[](ContactFrame& bad) { bad.slip_distance(1) = 1e39; }, "slip distance"},
+      {[](ContactFrame& bad) { bad.unit_state[1] = UnitState::slip; }, "margin"},  // touches, without a margin
+  };
+  for (const auto& [change, what] : cases) {
+    ContactFrame bad = frame();
+    change(bad);
+    EXPECT_EQ(answer(pad, bad), refusal("sensors.pad: " + what, "0.5 s"));
+  }
 }
 
 TEST(Finite, ASampleIsWatched) {

@@ -3,20 +3,16 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
-#include "sim/core/error.h"
 #include "sim/motion/lift.h"
 #include "sim/scene/parser.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::testing {
 namespace {
-
-using ::testing::Each;
-using ::testing::HasSubstr;
 
 // Not scattered, so that a trial is what its figures say.
 Scene grasp_scene(const std::string& more, const std::string& mass = "0.2 kg") {
@@ -190,12 +186,12 @@ TEST(Grasp, NothingIsJudgedAfterTheDrop) {
 
 TEST(Grasp, RefusesALoopThatCannotBe) {
   const auto refusal = [](const std::string& text) {
-    return message_of<InputError>([&] { static_cast<void>(check_trial(grasp_scene(text), 0)); });
+    return refusal_of([&] { static_cast<void>(check_trial(grasp_scene(text), 0)); });
   };
   EXPECT_THAT(refusal("controller: {type: step_on_slip}\n"), HasSubstr("step_on_slip needs what a detector says"));
   EXPECT_THAT(refusal("motion: {kind: lift, settle: 5 s}\n"), HasSubstr("ends before the box is lifted; allowed: more than 5 s"));
   EXPECT_THAT(refusal("grip: {open_at: 240}\n"), HasSubstr("240 is not open: the fingers are closed at 230; allowed: less"));
-  EXPECT_THAT(message_of<InputError>([] {
+  EXPECT_THAT(refusal_of([] {
                 static_cast<void>(parse_scene(SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray}}\n"
                                                                    "controller: {type: constant_force}\n",
                                                                    "scene.yaml"),

@@ -5,13 +5,11 @@
 #include <cmath>
 #include <cstring>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "detectors/network/engine.h"
 #include "sim/scene/parser.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tests/detectors/network/networks.h"
+#include "tests/expect.h"
 #include "tools/base/dataset/encoder.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -21,9 +19,6 @@
 
 namespace slipbench {
 namespace {
-
-using ::testing::AnyOf;
-using ::testing::Contains;
 
 // The published press-and-slide at 4 mm/s, sampled every tick, with noise, by the pad that the detector listens to; for one that hears vibrations
 // that of the piezoelectric skin. A nib pad is tared before it touches, at 0.165 s, and its detector needs fewer flags than the slide's beginning

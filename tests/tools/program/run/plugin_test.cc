@@ -6,11 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/scene/parser.h"
+#include "tests/expect.h"
 #include "tools/base/dataset/encoder.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/named_files.h"
@@ -19,11 +16,6 @@
 
 namespace slipbench {
 namespace {
-
-using ::testing::Contains;
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
-using ::testing::Pair;
 
 const std::string plugins = SLIPBENCH_TEST_PLUGINS;
 
@@ -41,13 +33,8 @@ std::string with_parameters(const std::string& parameters) {
 
 Scene scene_of(const SceneFile& file) { return parse_scene(file, program_catalogues()); }
 
-std::string refusal_of(const std::string& more) {
-  try {
-    static_cast<void>(scene_of(stage(more)));
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string refusal(const std::string& more) {
+  return refusal_of([&] { static_cast<void>(scene_of(stage(more))); });
 }
 
 // What the example says of a sample of nine forces.
@@ -124,11 +111,11 @@ TEST(PluginInTrial, SweptValuesAreReportedAsWhatTheyAre) {
 }
 
 TEST(PluginInTrial, ParametersAreAMapOfPlainValues) {
-  EXPECT_EQ(refusal_of(with_parameters("0.3")),
+  EXPECT_EQ(refusal(with_parameters("0.3")),
             "stage.yaml:6: detector.parameters is '0.3'; allowed: a map of numbers, texts and booleans such as {threshold: 0.3}");
-  EXPECT_EQ(refusal_of(with_parameters("{threshold: [1, 2]}")),
+  EXPECT_EQ(refusal(with_parameters("{threshold: [1, 2]}")),
             "stage.yaml:6: detector.parameters.threshold is a sequence; allowed: a number, a text, true or false");
-  EXPECT_EQ(refusal_of(with_parameters("{thres.hold: 1}")),
+  EXPECT_EQ(refusal(with_parameters("{thres.hold: 1}")),
             "stage.yaml:6: 'thres.hold' cannot name a parameter; allowed: letters, digits and '_', no digit first");
 }
 

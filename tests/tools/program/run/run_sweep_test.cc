@@ -11,11 +11,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/workers/interrupt.h"
@@ -24,11 +22,6 @@
 namespace slipbench::testing {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::StartsWith;
 using Json = nlohmann::json;
 
 // Twelve short trials: three speeds, two materials, two draws of each, noisy sensor.
@@ -210,7 +203,7 @@ TEST_F(SweepTest, JobsShareTheMemoryForRecords) {
   SweepOptions long_trials = options("out.h5", 5);
   long_trials.overrides = {{"duration", "1400 s"}, {"sweep", "{trials: 5}"}};
   EXPECT_THAT(
-      message_of<InputError>([&] { run(long_trials); }),
+      refusal_of([&] { run(long_trials); }),
       AllOf(HasSubstr("--set duration=1400 s: duration: 1400 s makes a record of 0.868 GB or more; allowed: at most 0.8 GB"),
             HasSubstr("fewer --jobs")));
   EXPECT_THAT(names(), ElementsAre("scene.yaml")) << "refused before anything is written";
@@ -328,7 +321,7 @@ TEST_F(SweepTest, SplitsAsTheSceneSays) {
 TEST_F(SweepTest, SplitBySpeedNeedsAMotionWithOne) {
   SweepOptions pressed = options("out.h5");
   pressed.overrides = {{"motion", "{kind: wander}"}, {"sweep", "{trials: 2}"}, {"split", "{by: speed}"}};
-  EXPECT_THAT(message_of<InputError>([&] { run(pressed); }), HasSubstr("split.by: the motion 'wander' has no speed"));
+  EXPECT_THAT(refusal_of([&] { run(pressed); }), HasSubstr("split.by: the motion 'wander' has no speed"));
   EXPECT_THAT(names(), ElementsAre("scene.yaml"));
 }
 
@@ -377,7 +370,7 @@ TEST_F(SweepTest, FailedTrialIsNotedAndTheOthersRun) {
   again.only = failed.trial;
   again.limit = 0;
   const std::string prefix = "trial " + std::to_string(failed.trial) + ": ";
-  EXPECT_EQ(prefix + message_of<InputError>([&] { run(again); }), failed.message);
+  EXPECT_EQ(prefix + refusal_of([&] { run(again); }), failed.message);
   // Nor do the bytes depend on who met it.
   const std::string bytes = file_sha256(path("out.h5"));
   run(options("out.h5", 1));
@@ -468,19 +461,18 @@ TEST_F(SweepTest, LeftTrialsAreReplacedByNobody) {
   part.on_trial = [&](const TrialSummary&) { interrupt = true; };
   run(part);
   const std::string left = file_sha256(path("out.partial.h5"));
-  EXPECT_THAT(message_of<InputError>([&] { run(options("out.h5")); }), HasSubstr("--resume, which goes on with"));
+  EXPECT_THAT(refusal_of([&] { run(options("out.h5")); }), HasSubstr("--resume, which goes on with"));
   SweepOptions other = options("out.h5");
   other.resume = true;
   other.seed = 99;
-  EXPECT_THAT(message_of<InputError>([&] { run(other); }), HasSubstr("seed 7, this run has 99"));
+  EXPECT_THAT(refusal_of([&] { run(other); }), HasSubstr("seed 7, this run has 99"));
   EXPECT_EQ(file_sha256(path("out.partial.h5")), left);
 }
 
 TEST_F(SweepTest, BadTargetIsRefusedBeforeAnythingRuns) {
   std::size_t trials = 0;
   SweepOptions bad = options("no/out.h5");
-  EXPECT_THAT(message_of<InputError>([&] { run(bad, [&](const SweepProgress&) { ++trials; }); }),
-              HasSubstr("there is no folder"));
+  EXPECT_THAT(refusal_of([&] { run(bad, [&](const SweepProgress&) { ++trials; }); }), HasSubstr("there is no folder"));
   EXPECT_EQ(trials, 0U);
 }
 

@@ -5,12 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "sim/scene/parser.h"
 #include "sim/simulation/stage_simulation.h"
+#include "tests/expect.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/recorder.h"
@@ -18,9 +15,6 @@
 
 namespace slipbench::sampling_test {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 TEST(Sampling, ASampleIsCompleteWithTheLastOfItsReadings) {
   const Sampling sampling{.stride = 2, .scans = 3};
@@ -114,12 +108,8 @@ TEST(Sampling, TheRecordHoldsWholeSamplesAndASlowChannelItsOwnTime) {
 }
 
 TEST(Sampling, ATrialWithoutAWholeSampleIsRefused) {
-  try {
-    record_of(scene_of("3 ms"));  // readings at 0, 1 and 2 ms
-    FAIL() << "not refused";
-  } catch (const SceneValueError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("4 ms or longer"));
-  }
+  // Readings at 0, 1 and 2 ms.
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { record_of(scene_of("3 ms")); }), HasSubstr("4 ms or longer"));
 }
 
 TEST(Sampling, ASensorBetweenItsUnitsNeedsASimulationThatTellsOfElements) {

@@ -41,9 +41,7 @@ def bytes_of(path):
 
 class ShardsTest(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.scene = self.folder / "scene.yaml"
         self.scene.write_text(scene_text(trials=7), encoding="ascii")
 

@@ -7,20 +7,12 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench::testing {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::StartsWith;
 
 class Warnings : public FolderTest {
  protected:

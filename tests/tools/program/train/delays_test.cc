@@ -3,16 +3,12 @@
 #include <limits>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "tests/expect.h"
 
 namespace slipbench::testing {
 namespace {
 
 using ::testing::DoubleEq;
-using ::testing::DoubleNear;
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 
 constexpr PadState non_slip = PadState::non_slip;
 constexpr PadState incipient = PadState::incipient;

@@ -2,12 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/project/project_file.h"
@@ -16,14 +12,10 @@
 namespace slipbench::testing {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
-
 class SequencesTest : public SmallDatasetTest {
  protected:
   std::string refusal(const std::string& file, const SequenceOptions& options = {}) {
-    return message_of<InputError>([&] { read_sequences(file, options); });
+    return refusal_of([&] { read_sequences(file, options); });
   }
 };
 

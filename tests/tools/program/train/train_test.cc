@@ -1,21 +1,15 @@
 #include "tools/program/train/train.h"
 
 #include <filesystem>
-#include <numeric>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "detectors/hd/engine.h"
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
 #include "tools/program/train/training_text.h"
 
 namespace slipbench::testing::train_test {
 namespace {
-
-using ::testing::HasSubstr;
 
 constexpr PadState non_slip = PadState::non_slip;
 constexpr PadState incipient = PadState::incipient;
@@ -81,7 +75,7 @@ TEST(Encode, NamesTheTrialThatDoesNotFit) {
   Sequence sequence = random_sequence(7, 5);
   sequence.displacements[2][4] = 5.0F;  // m
   const hd::Model model = small_model();
-  EXPECT_THAT(message_of<InputError>([&] {
+  EXPECT_THAT(refusal_of([&] {
                 encode(model, hd::generate(model, 1), hd::Quantiser::fixed_point, {&sequence, 1}, 2);
               }),
               HasSubstr("trial 7: at 0.02 s: "));
@@ -182,7 +176,7 @@ TEST(CrossValidation, RefusesWhenNothingIsLeftToTest) {
   const hd::Model model = small_model();
   const hd::Memories memories = hd::generate(model, 1);
   const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, one, 1);
-  EXPECT_THAT(message_of<InputError>([&] { cross_validate(model, memories, one, samples, Split::by_sequence, 1, 2); }),
+  EXPECT_THAT(refusal_of([&] { cross_validate(model, memories, one, samples, Split::by_sequence, 1, 2); }),
               HasSubstr("draw 0 leaves no frame to test: 1 sequences with contact after a window of 4 frames are too few"));
 }
 
@@ -221,20 +215,20 @@ TEST_F(TrainTest, SameSeedSameMemoriesAndFiguresOnAnyNumberOfThreads) {
 TEST_F(TrainTest, SaysThatTheWindowIsLongerThanTheSequences) {
   TrainOptions training = options(dataset(), "memories", 1);
   training.model.window = 1000;
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }),
+  EXPECT_THAT(refusal_of([&] { train_dataset(training); }),
               HasSubstr("data.h5: a window of 1000 frames is longer than the sequences; allowed: up to 40, the last frame"));
   training.model.window = 41;
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }), HasSubstr("a window of 41 frames is longer"));
+  EXPECT_THAT(refusal_of([&] { train_dataset(training); }), HasSubstr("a window of 41 frames is longer"));
   // The last frame of each of the 24, 0.19 s after the slide began: all of them slip.
   training.model.window = 40;
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }),
+  EXPECT_THAT(refusal_of([&] { train_dataset(training); }),
               HasSubstr("of the frames in contact 0 are non-slip and 24 slip by the labels paper"));
 }
 
 // A pad that is pressed on and never moved does not slip: any answer of "non-slip" would be right.
 TEST_F(TrainTest, RefusesDataWithoutASlip) {
   TrainOptions training = options(dataset({{"sweep.motion.speed", "[0 mm/s]"}}), "memories", 1);
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }),
+  EXPECT_THAT(refusal_of([&] { train_dataset(training); }),
               HasSubstr("non-slip and 0 slip by the labels paper; allowed: frames of both"));
   EXPECT_FALSE(std::filesystem::exists(path("memories")));
 }
@@ -252,11 +246,11 @@ TEST_F(TrainTest, TeachesThePublishedCoresBundle) {
 // The dataset is not there: what is refused first is what was looked at first.
 TEST_F(TrainTest, RefusesItsTargetBeforeItReads) {
   std::ofstream(path("own.html")) << "years of work";
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(options(path("nowhere.h5"), "own.html", 1)); }),
+  EXPECT_THAT(refusal_of([&] { train_dataset(options(path("nowhere.h5"), "own.html", 1)); }),
               HasSubstr("own.html: is no folder"));
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(options(path("nowhere.h5"), "own.html/model", 1)); }),
+  EXPECT_THAT(refusal_of([&] { train_dataset(options(path("nowhere.h5"), "own.html/model", 1)); }),
               HasSubstr("own.html/model: cannot write: Not a directory"));
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(options(path("nowhere.h5"), "new", 1)); }), HasSubstr("nowhere.h5"));
+  EXPECT_THAT(refusal_of([&] { train_dataset(options(path("nowhere.h5"), "new", 1)); }), HasSubstr("nowhere.h5"));
   EXPECT_EQ(bytes_of(path("own.html")), "years of work");
 }
 

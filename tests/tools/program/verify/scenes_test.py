@@ -21,9 +21,7 @@ def run(path, scene, *options):
 
 class ScenesTest(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def expect_to_hold(self, paths):
         result = subprocess.run([PROGRAM, "verify", *paths, "--json"], stdout=subprocess.PIPE, check=False)

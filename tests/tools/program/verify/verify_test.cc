@@ -4,10 +4,8 @@
 #include <limits>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "sim/scene/parser.h"
+#include "tests/expect.h"
 #include "tests/tools/base/dataset/test_records.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -15,9 +13,6 @@
 
 namespace slipbench::testing::verify_test {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 // Pressed until 0.46 s, then moved sideways at 4 mm/s: all pillars slip from some 0.6 s on, as `sliding` says.
 const std::string scene_text = R"(slipbench: 1
@@ -64,6 +59,14 @@ class VerifyTest : public FolderTest {
     EXPECT_EQ(verified.holds, list.empty());
     return list;
   }
+  // Trials 0 and 2.
+  static void append_two(DatasetWriter& writer) {
+    for (const std::size_t k : {0U, 2U}) {
+      TrialRecord record = sound();
+      record.trial = k;
+      writer.append(TrialEncoder().encode(record));
+    }
+  }
 };
 
 LabelRecord& labels_of(TrialRecord& record) { return record.sensors[0].labels; }
@@ -93,7 +96,7 @@ TEST_F(VerifyTest, EventsAreHeldAgainstOnsetsAndStates) {
   EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).onset_time.assign(9, 1.2345); }).at(0),
               HasSubstr("events: labels/pad/events/t: unit 0: onset_time_s is 1.2345 s, its first such event is at "));
   EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).unit_state[9 * sliding + 3] = 3; }),
-              ::testing::Contains(HasSubstr("events: labels/pad/unit_state 88: unit 3: is 3 at 0.88 s")));
+              Contains(HasSubstr("events: labels/pad/unit_state 88: unit 3: is 3 at 0.88 s")));
   EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).state[sliding] = 2; }).at(0),
               HasSubstr("events: labels/pad/state 88: is 2, by unit_state 3"));
   EXPECT_THAT(failures([](TrialRecord& record) {
@@ -116,17 +119,13 @@ TEST_F(VerifyTest, ValuesAreFinite) {
 
 TEST_F(VerifyTest, TimesRiseAtTheRate) {
   EXPECT_THAT(failures([](TrialRecord& record) { record.sensors[0].time[7] += 1e-4; }),
-              ::testing::Contains(HasSubstr("times: sensors/pad/t 7: ")));
+              Contains(HasSubstr("times: sensors/pad/t 7: ")));
   EXPECT_THAT(failures([](TrialRecord& record) { record.body_time[7] = record.body_time[6]; }).at(0), HasSubstr("times: truth/"));
 }
 
 TEST_F(VerifyTest, GapIsNamed) {
   DatasetWriter writer(path("gap.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, 2);
-  for (const std::size_t k : {0U, 2U}) {
-    TrialRecord record = sound();
-    record.trial = k;
-    writer.append(TrialEncoder().encode(record));
-  }
+  append_two(writer);
   writer.commit();
   const Verified verified = verify_datasets({path("gap.h5")});
   EXPECT_FALSE(verified.holds);
@@ -152,11 +151,7 @@ TEST_F(VerifyTest, PartialRunAndSeveralFilesAreVerified) {
 // A killed run has no content_sha256; its trials have digests of their own.
 TEST_F(VerifyTest, KilledRunHasItsTrialsVerified) {
   DatasetWriter writer(path("a.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, 2);
-  for (const std::size_t k : {0U, 2U}) {  // trial 1 failed, which is written at the run's end
-    TrialRecord record = sound();
-    record.trial = k;
-    writer.append(TrialEncoder().encode(record));
-  }
+  append_two(writer);  // trial 1 failed, which is written at the run's end
   writer.publish();
   const Verified verified = verify_datasets({path("a.h5.partial")});
   EXPECT_TRUE(verified.holds);

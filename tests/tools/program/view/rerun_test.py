@@ -52,9 +52,7 @@ class RecordingStream:
 
 class Rerun(unittest.TestCase):
     def setUp(self):
-        scratch = tempfile.TemporaryDirectory()
-        self.addCleanup(scratch.cleanup)
-        self.folder = Path(scratch.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         (self.folder / "scene.yaml").write_text(SCENE)
         self.environment = {**os.environ, "SLIPBENCH_PYTHON": sys.executable, "SAID": str(self.folder / "said.json"), "TMPDIR": str(self.folder)}
 

@@ -3,18 +3,12 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/studies/counts/sample.h"
 
 namespace slipbench::counts {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::Pair;
 
 // The sample with `from` replaced by `to`.
 std::string changed(const std::string& from, const std::string& to) {
@@ -25,12 +19,7 @@ std::string changed(const std::string& from, const std::string& to) {
 }
 
 std::string profile_refusal(const std::string& text) {
-  try {
-    parse_callgrind(text, "profile");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of([&] { parse_callgrind(text, "profile"); });
 }
 
 TEST(Callgrind, OwnInstructionsOfEachFunctionAndTheSteps) {

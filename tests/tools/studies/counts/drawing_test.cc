@@ -2,20 +2,14 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/tools/studies/counts/sample.h"
 #include "tools/studies/counts/child.h"
 #include "tools/studies/counts/compare.h"
 
 namespace slipbench::counts {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 // 1,000 instructions in 4 s are 0.00025 million a second: an axis from 1e-4 to 1e-3, log10(2.5) = 0.398 of its 238 pixels. 8
 // times real time: from 1 to 10, log10(8) = 0.903 of 233.

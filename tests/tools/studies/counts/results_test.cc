@@ -3,19 +3,12 @@
 #include <fstream>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/tools/program/cli/child_process.h"
 #include "tests/tools/studies/counts/sample.h"
 
 namespace slipbench::counts {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::EndsWith;
-using ::testing::HasSubstr;
 
 void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
 
@@ -27,12 +20,7 @@ std::string changed_file(const std::string& from, const std::string& to) {
 }
 
 std::string file_refusal(const std::string& text) {
-  try {
-    parse_results(text, "ci.json");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of([&] { parse_results(text, "ci.json"); });
 }
 
 TEST(BenchResults, ComeBackAsTheyWereWritten) {
