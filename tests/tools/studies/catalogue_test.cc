@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/project/project_file.h"
 
 namespace slipbench::reproduce {

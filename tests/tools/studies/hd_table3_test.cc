@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce::hd_table3_test {

@@ -8,7 +8,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/random.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
 
 namespace slipbench::reproduce::piezo_recordings_test {
@@ -58,7 +58,7 @@ TEST_F(PiezoRecordings, SayWhatWasSwept) {
   EXPECT_THAT(spectra.truth, ElementsAre(0, 1, 1));  // frames end with samples 199, 299, 399
   EXPECT_THAT(spectra.paper, ElementsAre(0, 0, 1));
   EXPECT_THAT(spectra.features, SizeIs(3 * 12));
-  EXPECT_THAT(spectra.by(learn::LabelRule::paper).label, ElementsAre(0, 0, 1));
+  EXPECT_THAT(spectra.by(train::LabelRule::paper).label, ElementsAre(0, 0, 1));
   EXPECT_THAT(signal.truth, ElementsAre(0, 0, 0, 1));  // samples 0, 100, 200, 300
   EXPECT_THAT(signal.features, SizeIs(4));
   EXPECT_THAT(recordings[0].time, ElementsAre(DoubleNear(0.0199, 1e-9), DoubleNear(0.0299, 1e-9), DoubleNear(0.0399, 1e-9)));

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "sim/core/error.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce::table3_test {

@@ -15,11 +15,11 @@
 #include "sim/core/interrupted.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/content_check.h"
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/scratch_folder.h"
+#include "tools/base/files/scratch_folder.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/record/encoder.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
@@ -29,12 +29,12 @@
 #include "tools/program/benchmark/score.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/doctor/environment.h"
-#include "tools/program/judge/metrics.h"
-#include "tools/program/judge/replay.h"
-#include "tools/program/judge/truth.h"
+#include "tools/program/eval/metrics.h"
+#include "tools/program/eval/replay.h"
+#include "tools/program/eval/truth.h"
 #include "tools/program/report/report_parameters.h"
-#include "tools/program/run/run_sweep.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -44,18 +44,18 @@ constexpr std::uint64_t replay_seconds = 100'000;
 
 // The whole slip counts from its first part on, and what sticks again under the shear that is left judges nobody: each rule by which a detector
 // may have learnt calls it otherwise. In a loop a firmer grip is to end what is said.
-judge::TruthRule rule_of(Track track) {
+eval::TruthRule rule_of(Track track) {
   switch (track) {
-    case Track::open: return judge::TruthRule::masked;
-    case Track::loop: return judge::TruthRule::micro;
-    case Track::transfer: return judge::TruthRule::paper;
+    case Track::open: return eval::TruthRule::masked;
+    case Track::loop: return eval::TruthRule::micro;
+    case Track::transfer: return eval::TruthRule::paper;
   }
   return {};
 }
 
 // How an entrant did in one trial; or why it could not be judged.
 struct Answer {
-  judge::Judgement judgement;
+  eval::Judgement judgement;
   std::optional<GraspOutcome> grasp;
   std::string failure;
 };
@@ -100,12 +100,12 @@ DetectorScene detector_for(const Seat& seat, const Held* held, const Scene* scen
   return detector;
 }
 
-Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, judge::TruthRule rule) {
+Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule) {
   Answer answer;
   try {
-    const judge::Replayed replayed =
-        judge::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
-    answer.judgement = judge::judged(record.trial, judge::truth_of(scene, record, record.sensors[seat.sensor], rule), replayed);
+    const eval::Replayed replayed =
+        eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
+    answer.judgement = eval::judged(record.trial, eval::truth_of(scene, record, record.sensors[seat.sensor], rule), replayed);
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", record.trial, error.what());
   }
@@ -119,12 +119,12 @@ Answer grasp_answer(const Seat& seat, const Held& held, Scene scene, std::size_t
     scene.detector = detector_for(seat, &held, &scene);
     const TrialRecord record = run_trial(scene, trial, Recording::full).record;
     const SensorRecord& sensor = record.sensors[seat.sensor];
-    judge::Replayed seen;
+    eval::Replayed seen;
     for (const std::uint8_t code : record.control->detector_class) seen.seen.push_back(static_cast<PadState>(code));
     seen.seen_since = sensor.time;
     seen.stuck_fraction.assign(sensor.time.size(), std::numeric_limits<double>::quiet_NaN());
     seen.probability = seen.stuck_fraction;
-    answer.judgement = judge::judged(trial, judge::truth_of(&scene, record, sensor, rule_of(Track::loop)), seen);
+    answer.judgement = eval::judged(trial, eval::truth_of(&scene, record, sensor, rule_of(Track::loop)), seen);
     answer.grasp = record.outcome.grasp;
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", trial, error.what());
@@ -152,7 +152,7 @@ void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const T
       const Seat seat{entrant, sensor, first.sensors[sensor].name};
       if (entrant->kind != Kind::oracle) {
         try {
-          judge::replay(detector_for(seat, nullptr, nullptr), first.sensors, sensor, first.seed, first.trial);
+          eval::replay(detector_for(seat, nullptr, nullptr), first.sensors, sensor, first.seed, first.trial);
         } catch (const InputError& error) {
           if (why.empty()) why = without_folder(error.what(), file_of(entrant->detector));
           continue;
@@ -208,15 +208,15 @@ Json grasps_json(const Seat& seat) {
           {"dropped", dropped},
           {"low", share.low},
           {"high", share.high},
-          {"force_ratio", judge::number_json(median(force))},
-          {"slip_m", judge::number_json(median(slip))}};
+          {"force_ratio", eval::number_json(median(force))},
+          {"slip_m", eval::number_json(median(slip))}};
 }
 
 Json row_json(const Board& board, const Seat& seat) {
   const std::vector<Part> parts = parts_of(board, seat);
   const Score score = score_of(parts, board.track);
   const Interval interval = score_interval(parts, board.track);
-  std::vector<judge::Judgement> judgements;
+  std::vector<eval::Judgement> judgements;
   for (const Answer& answer : seat.answers) judgements.push_back(answer.judgement);
   Json row = {
       {"rank", nullptr},
@@ -225,11 +225,11 @@ Json row_json(const Board& board, const Seat& seat) {
       {"sensor", seat.sensor_name},
       {"parameters", seat.entrant->parameters},
       {"sha256", seat.entrant->sha256},
-      {"score", {{"value", score.value}, {"low", judge::number_json(interval.low)}, {"high", judge::number_json(interval.high)}}},
+      {"score", {{"value", score.value}, {"low", eval::number_json(interval.low)}, {"high", eval::number_json(interval.high)}}},
       {"credit", score.credit},
       {"false_alarms_per_minute", score.alarms_per_minute},
       {"said", score.said},
-      {"figures", judge::summary_json(judge::summarised(judgements))}};
+      {"figures", eval::summary_json(eval::summarised(judgements))}};
   if (seat.answers.front().grasp) row["grasps"] = grasps_json(seat);
   return row;
 }
@@ -398,7 +398,7 @@ Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, co
                      {"scene", held.scene},
                      {"trials", trials.size()},
                      {"data_sha256", text_sha256(digests)},
-                     {"labels", judge::label_rule_name(rule_of(held.track))}},
+                     {"labels", eval::label_rule_name(rule_of(held.track))}},
                     std::move(board));
 }
 
@@ -420,7 +420,7 @@ std::string transfer_text(const std::string& file, const std::vector<const Entra
     if (!options.asked.sensor.empty() && sensor.type != options.asked.sensor)
       throw InputError(fmt::format("{}: has a {}; allowed with --sensor: a {}", file, sensor.type, options.asked.sensor));
     // A pad that nobody labelled tells nothing of a detector.
-    judge::label_states(sensor, rule_of(Track::transfer), false);
+    eval::label_states(sensor, rule_of(Track::transfer), false);
     board.sensor = sensor.type;
     if (board.digests.empty()) seat_all(board, entrants, record, {0});
     board.digests.push_back(trial_identity(reader, number));
@@ -435,7 +435,7 @@ std::string transfer_text(const std::string& file, const std::vector<const Entra
                {"file", file},
                {"trials", board.digests.size()},
                {"data_sha256", text_sha256(digests)},
-               {"labels", judge::label_rule_name(rule_of(Track::transfer))}};
+               {"labels", eval::label_rule_name(rule_of(Track::transfer))}};
   return board_json(std::move(json), std::move(board)).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -6,7 +6,7 @@
 
 #include "sim/motion/lift.h"
 #include "tools/program/catalogue/detector_catalogue.h"
-#include "tools/program/judge/detector_choice.h"
+#include "tools/program/eval/detector_choice.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -53,7 +53,7 @@ void register_control() {
 }
 
 DetectorScene control_of(double from, double until) {
-  DetectorScene detector = judge::chosen_detector(control_type, {});
+  DetectorScene detector = eval::chosen_detector(control_type, {});
   detector.parameters.set("from", from);
   detector.parameters.set("until", until);
   return detector;

@@ -18,8 +18,8 @@
 #include "sim/scene/parser.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
-#include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/page/json.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/report/assumptions.h"
@@ -28,7 +28,7 @@
 #include "tools/program/report/report_parameters.h"
 #include "tools/program/report/report_summary.h"
 #include "tools/program/report/report_trial.h"
-#include "tools/program/run/warnings.h"
+#include "tools/program/sweep/warnings.h"
 
 namespace slipbench {
 

@@ -12,7 +12,7 @@
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/program/export/papillarray_trial.h"
+#include "tools/program/samples/papillarray_samples.h"
 
 namespace slipbench {
 namespace {

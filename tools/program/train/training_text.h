@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/base/statistics/descriptive.h"
-#include "tools/program/train/train.h"
+#include "tools/program/train/train_hd.h"
 
 namespace slipbench {
 

@@ -38,7 +38,7 @@ Set windows_of_all(const std::vector<Touch>& touches, const Window& window, std:
   set.folds = folds;
   std::vector<std::string> objects;
   for (const Touch& touch : touches) {
-    for (learn::FoldExample& example : windows_of(touch, window)) {
+    for (train::FoldExample& example : windows_of(touch, window)) {
       set.examples.push_back(std::move(example));
       objects.push_back(touch.object);
     }
@@ -48,21 +48,21 @@ Set windows_of_all(const std::vector<Touch>& touches, const Window& window, std:
 }
 
 // Of windows of `rows`, frames of `inputs`: all rows at once.
-learn::NetworkShape direction_regression(std::size_t inputs, std::size_t rows) {
-  return {inputs, {learn::Conv1d{classes, rows}}};
+train::NetworkShape direction_regression(std::size_t inputs, std::size_t rows) {
+  return {inputs, {train::Conv1d{classes, rows}}};
 }
-learn::NetworkShape direction_plain(std::size_t inputs, std::size_t rows) {
-  return {inputs, {learn::Conv1d{128, rows}, learn::BatchNorm{}, learn::Relu{}, learn::Linear{classes}}};
+train::NetworkShape direction_plain(std::size_t inputs, std::size_t rows) {
+  return {inputs, {train::Conv1d{128, rows}, train::BatchNorm{}, train::Relu{}, train::Linear{classes}}};
 }
 
 std::vector<DirectionNetwork> direction_networks(bool full) {
-  using namespace learn::biotac;
+  using namespace train::biotac;
   const ImageLayout& image = image_layouts().front();
   std::vector<DirectionNetwork> all;
   for (const bool site : {true, false}) {
-    const learn::Scaling scaling = site ? learn::Scaling::range : learn::Scaling::standard;
+    const train::Scaling scaling = site ? train::Scaling::range : train::Scaling::standard;
     const char* const suffix = site ? "" : "_no_site";
-    const auto add = [&](const char* name, const char* text, learn::NetworkShape shape, std::size_t steps, Window window,
+    const auto add = [&](const char* name, const char* text, train::NetworkShape shape, std::size_t steps, Window window,
                          std::size_t columns = direction_columns.size()) {
       window.site = site;
       all.push_back(

@@ -12,14 +12,14 @@
 
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
-#include "tools/base/dataset/scratch_folder.h"
+#include "tools/base/files/scratch_folder.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/judge/detector_choice.h"
-#include "tools/program/judge/evaluate.h"
-#include "tools/program/learn/train_network.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/eval/detector_choice.h"
+#include "tools/program/eval/evaluate.h"
+#include "tools/program/sweep/run_sweep.h"
+#include "tools/program/train/train_network.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/hd_papillarray/hd_table1_run.h"
 #include "tools/studies/hd_papillarray/hd_table3_figures.h"
@@ -34,15 +34,15 @@ constexpr std::size_t steps_timed = 201;
 struct GruRow {
   std::string name;
   std::size_t draws = 1;
-  learn::LabelRule labels{};
+  train::LabelRule labels{};
   std::string recipe = "papillarray_gru";
 };
 const std::vector<GruRow>& gru_rows() {
-  static const std::vector<GruRow> rows{{"gru_micro", 1, learn::LabelRule::micro},
-                                        {"gru_micro_640", many_draws, learn::LabelRule::micro},
-                                        {"gru_latched", 1, learn::LabelRule::latched},
-                                        {"gru_latched_640", many_draws, learn::LabelRule::latched},
-                                        {"gru5_latched", 1, learn::LabelRule::latched, "papillarray_gru5"}};
+  static const std::vector<GruRow> rows{{"gru_micro", 1, train::LabelRule::micro},
+                                        {"gru_micro_640", many_draws, train::LabelRule::micro},
+                                        {"gru_latched", 1, train::LabelRule::latched},
+                                        {"gru_latched_640", many_draws, train::LabelRule::latched},
+                                        {"gru5_latched", 1, train::LabelRule::latched, "papillarray_gru5"}};
   return rows;
 }
 
@@ -88,24 +88,24 @@ void make_sequences(const std::string& path, std::size_t draws, const ReproduceO
 }
 
 GruOutcome run_row(const GruRow& row, const std::string& dataset, const std::string& model, const ReproduceOptions& options) {
-  learn::NetworkTraining training;
+  train::NetworkTraining training;
   training.dataset = dataset;
-  training.recipe = learn::find_recipe(row.recipe);
+  training.recipe = train::find_recipe(row.recipe);
   training.recipe.labels = row.labels;
   training.seed = options.seed.value_or(1);
   training.output = model;
-  const learn::NetworkSummary summary = learn::train_network(training, [&](const learn::MemberProgress& progress) {
+  const train::NetworkSummary summary = train::train_network(training, [&](const train::MemberProgress& progress) {
     end_if_interrupted();
     if (options.say) options.say(fmt::format("{}: step {} of {}", row.name, progress.training.step, progress.training.steps));
   });
   const std::unique_ptr<network::Engine> engine = network::load_engine(model);
-  judge::Options judged;
-  judged.detector = judge::chosen_detector(model, {});
+  eval::Options judged;
+  judged.detector = eval::chosen_detector(model, {});
   judged.dataset = dataset;
-  judged.labels = judge::parse_label_rule(hd::name_of(learn::label_words, row.labels));
+  judged.labels = eval::parse_label_rule(hd::name_of(train::label_words, row.labels));
   judged.trained = engine->description().trained;
   GruOutcome outcome;
-  outcome.figures = gru_figures(judge::evaluate(judged));
+  outcome.figures = gru_figures(eval::evaluate(judged));
   outcome.learnt = summary.learnt + summary.validated;
   outcome.kilobytes = 1e-3 * static_cast<double>(std::filesystem::file_size(model));
   outcome.step = network_step(*engine);
@@ -142,7 +142,7 @@ GruFigures gru_figures(const Json& result) {
 
 Result hd_table3(const ReproduceOptions& options) {
   check_only(options.only, names_of(gru_rows()));
-  static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
+  static_cast<void>(train::network_libraries());  // says what is missing before anything is run
   const std::vector<GruRow> rows = chosen(gru_rows(), options.only);
   const InterruptGuard guard("ending after the step at hand");
   const ScratchFolder folder;
@@ -174,7 +174,7 @@ Result hd_table3(const ReproduceOptions& options) {
     }
     const auto [figures, learnt, kilobytes, step] = run_row(row, dataset, folder.file(row.name + ".onnx"), options);
     const std::string text = row.recipe == "papillarray_gru5" ? "five GRUs averaged" : "GRU";
-    const std::string label(hd::name_of(learn::label_words, row.labels));
+    const std::string label(hd::name_of(train::label_words, row.labels));
     frames.rows.push_back({text, label, std::to_string(learnt), in_percent(figures.balanced), fmt::format("{:.3f}", figures.auc),
                            in_percent(figures.right(false)), in_percent(figures.right(true)), fmt::format("{:.0f}", kilobytes),
                            fmt::format("{:.0f}", 1e6 * step)});

@@ -14,7 +14,7 @@
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/program/learn/recipe.h"
+#include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
@@ -87,7 +87,7 @@ void check_recordings(std::size_t recordings, std::size_t least, const std::stri
       recordings, why, least));
 }
 
-network::Input published_spectra() { return learn::find_recipe("piezo_fft_gru").input; }
+network::Input published_spectra() { return train::find_recipe("piezo_fft_gru").input; }
 
 network::Input spectra_of(double low, double high) {
   network::Input input = published_spectra();
@@ -96,7 +96,7 @@ network::Input spectra_of(double low, double high) {
   return input;
 }
 
-network::Input signal_at_100_hz() { return learn::find_recipe("piezo_raw_gru").input; }
+network::Input signal_at_100_hz() { return train::find_recipe("piezo_raw_gru").input; }
 
 PiezoRecording make_recording(const TrialRecord& record, const std::vector<network::Input>& inputs) {
   const auto sensor = std::ranges::find(record.sensors, "piezo_skin", &SensorRecord::type);
@@ -111,15 +111,15 @@ PiezoRecording make_recording(const TrialRecord& record, const std::vector<netwo
   if (labelled != sensor->labels.state_paper.end())
     recording.label_time = sensor->time[static_cast<std::size_t>(labelled - sensor->labels.state_paper.begin())];
   for (const network::Input& input : inputs) {
-    const auto example_by = [&](learn::LabelRule rule) {
-      learn::ExampleOptions how;
+    const auto example_by = [&](train::LabelRule rule) {
+      train::ExampleOptions how;
       how.input = input;
       how.labels = rule;
-      return learn::example_of(record, *sensor, how);
+      return train::example_of(record, *sensor, how);
     };
-    learn::Example truth = example_by(learn::LabelRule::micro);
+    train::Example truth = example_by(train::LabelRule::micro);
     recording.inputs.push_back(
-        {std::move(truth.frames.features), std::move(truth.frames.label), example_by(learn::LabelRule::paper).frames.label});
+        {std::move(truth.frames.features), std::move(truth.frames.label), example_by(train::LabelRule::paper).frames.label});
     if (recording.inputs.size() > 1) continue;
     recording.slip_time = truth.onset;
     recording.time = truth.time;

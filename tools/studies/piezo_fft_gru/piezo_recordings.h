@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "detectors/network/description.h"
-#include "tools/base/dataset/trial_record.h"
-#include "tools/program/learn/examples.h"
+#include "tools/base/record/trial_record.h"
+#include "tools/program/train/network/examples.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {
@@ -24,8 +24,8 @@ struct PiezoFrames {
   std::vector<float> features;             // [T, F]
   std::vector<std::uint8_t> truth, paper;  // [T] 1: slip
 
-  [[nodiscard]] learn::FrameSequence by(learn::LabelRule rule) const {
-    return {features, rule == learn::LabelRule::micro ? truth : paper};
+  [[nodiscard]] train::FrameSequence by(train::LabelRule rule) const {
+    return {features, rule == train::LabelRule::micro ? truth : paper};
   }
 };
 

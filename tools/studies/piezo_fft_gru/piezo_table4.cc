@@ -13,7 +13,7 @@
 namespace slipbench::reproduce {
 namespace {
 
-using learn::LabelRule;
+using train::LabelRule;
 
 constexpr std::size_t usual_level_recordings = 120;  // of each level
 constexpr std::size_t level_steps = 400;             // of the MLP at each level

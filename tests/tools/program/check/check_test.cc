@@ -12,7 +12,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/interrupted.h"
-#include "tests/tools/program/cli/child_process.h"
+#include "tests/tools/program/commands/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench {

@@ -10,8 +10,8 @@
 
 #include "sim/core/error.h"
 #include "tests/tools/program/report/sample.h"
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/writer.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/report/report_trial.h"
 
 namespace slipbench::report {
