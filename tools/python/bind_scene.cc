@@ -30,6 +30,7 @@
 #include "tools/program/eval/detector_choice.h"
 #include "tools/program/eval/evaluate.h"
 #include "tools/program/sweep/run_sweep.h"
+#include "tools/program/sweep/sweep_json.h"
 #include "tools/program/text/describe.h"
 #include "tools/python/module.h"
 

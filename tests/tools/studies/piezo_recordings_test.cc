@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
-#include "sim/core/random.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
 
@@ -107,10 +106,10 @@ TEST_F(PiezoRecordings, SurviveTheirBytes) {
   const std::vector<network::Input> inputs{published_spectra(), spectra_of(0.0, 5000.0)};
   const PiezoRecording first = make_recording(skin_record(0, true, R"({"effects": 3})"), inputs);
   EXPECT_TRUE(std::isnan(first.level));
-  std::string bytes;
+  Packed bytes;
   pack(first, bytes);
   pack(make_recording(skin_record(1, false, "{}"), inputs), bytes);
-  const std::vector<PiezoRecording> back = unpack(bytes);
+  const std::vector<PiezoRecording> back = unpack(std::move(bytes));
   ASSERT_THAT(back, SizeIs(2));
   EXPECT_TRUE(std::isnan(back[0].level));
   EXPECT_EQ(back[0].tip, "effects=3");

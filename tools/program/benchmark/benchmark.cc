@@ -336,67 +336,85 @@ void in_order(std::size_t count, const Options& options, const std::function<Res
   }
 }
 
+// A set's trials, as they are simulated.
+struct HeldTrials {
+  HeldTrials(const Held& held, std::size_t asked, const Catalogues& catalogues)
+      : read(read_sweep(sweep_of(held), catalogues)), numbers(chosen_trials(read.planned.plan.size(), asked)) {}
+
+  static SweepOptions sweep_of(const Held& held) {
+    SweepOptions sweep;
+    sweep.scene_path = project_file(held.scene);
+    return sweep;
+  }
+  [[nodiscard]] const TrialPlan& plan() const { return read.planned.plan; }
+  [[nodiscard]] TrialRecord recorded(std::size_t number) const {
+    const TrialPlan::Trial planned = plan().trial(number);
+    TrialRecord record = run_trial(planned.scene, number, Recording::full).record;
+    record.params = params_json(planned.drawn);
+    return record;
+  }
+
+  ReadSweep read;
+  std::vector<std::size_t> numbers;
+};
+
+// All of a board's detectors hear the same recordings.
+void judge_recordings(Board& board, const Held& held, const HeldTrials& trials, const Options& options) {
+  struct Judged {
+    std::vector<Answer> answers;
+    std::string params, digest;
+  };
+  in_order<Judged>(
+      trials.numbers.size(), options,
+      [&](std::size_t k) {
+        const TrialRecord record = trials.recorded(trials.numbers[k]);
+        const Scene scene = trials.plan().trial(trials.numbers[k]).scene;
+        Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
+        for (const Seat& seat : board.seats)
+          judged.answers.push_back(recorded_answer(seat, &held, &scene, record, rule_of(held.track)));
+        return judged;
+      },
+      [&board](Judged&& judged) {
+        for (std::size_t k = 0; k < board.seats.size(); ++k) board.seats[k].answers.push_back(std::move(judged.answers[k]));
+        board.params.push_back(std::move(judged.params));
+        board.digests.push_back(std::move(judged.digest));
+      });
+}
+
+// Each detector closes the loop of grasps of its own.
+void judge_grasps(Board& board, const Held& held, const HeldTrials& trials, const Options& options) {
+  for (const std::size_t number : trials.numbers) {
+    board.params.push_back(params_json(trials.plan().trial(number).drawn));
+    board.digests.push_back(text_sha256(fmt::format("{} {} {}", trials.read.seed, number, board.params.back())));
+  }
+  const std::size_t seats = board.seats.size();
+  std::size_t done = 0;
+  in_order<Answer>(
+      trials.numbers.size() * seats, options,
+      [&](std::size_t k) {
+        const std::size_t number = trials.numbers[k / seats];
+        return grasp_answer(board.seats[k % seats], held, trials.plan().trial(number).scene, number);
+      },
+      [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
+  const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
+  for (const Answer& answer : std::ranges::find_if(board.seats, tightens_never)->answers)
+    board.needed.push_back(answer.grasp && answer.grasp->dropped);
+}
+
 Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, const Options& options,
                const Catalogues& catalogues) {
   if (options.say) options.say(fmt::format("{}: {}", track_name(held.track), held.sensor));
-  SweepOptions sweep;
-  sweep.scene_path = project_file(held.scene);
-  const ReadSweep read = read_sweep(sweep, catalogues);
-  const TrialPlan& plan = read.planned.plan;
-  const std::vector<std::size_t> trials = chosen_trials(plan.size(), options.asked.trials);
-  const auto recorded = [&plan](std::size_t trial) {
-    const TrialPlan::Trial planned = plan.trial(trial);
-    TrialRecord record = run_trial(planned.scene, trial, Recording::full).record;
-    record.params = params_json(planned.drawn);
-    return record;
-  };
+  const HeldTrials trials(held, options.asked.trials, catalogues);
   Board board{.track = held.track};
-  const TrialRecord first = recorded(trials.front());
+  const TrialRecord first = trials.recorded(trials.numbers.front());
   seat_all(board, entrants, first, places_of(held.readers, first));
-  const std::size_t seats = board.seats.size();
-  if (held.track == Track::open) {
-    struct Judged {
-      std::vector<Answer> answers;
-      std::string params, digest;
-    };
-    in_order<Judged>(
-        trials.size(), options,
-        [&](std::size_t k) {
-          const TrialRecord record = recorded(trials[k]);
-          const Scene scene = plan.trial(trials[k]).scene;
-          Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
-          for (const Seat& seat : board.seats)
-            judged.answers.push_back(recorded_answer(seat, &held, &scene, record, rule_of(held.track)));
-          return judged;
-        },
-        [&board](Judged&& judged) {
-          for (std::size_t k = 0; k < board.seats.size(); ++k) board.seats[k].answers.push_back(std::move(judged.answers[k]));
-          board.params.push_back(std::move(judged.params));
-          board.digests.push_back(std::move(judged.digest));
-        });
-  } else {
-    for (const std::size_t trial : trials) {
-      board.params.push_back(params_json(plan.trial(trial).drawn));
-      board.digests.push_back(text_sha256(fmt::format("{} {} {}", read.seed, trial, board.params.back())));
-    }
-    std::size_t done = 0;
-    in_order<Answer>(
-        trials.size() * seats, options,
-        [&](std::size_t k) {
-          const std::size_t trial = trials[k / seats];
-          return grasp_answer(board.seats[k % seats], held, plan.trial(trial).scene, trial);
-        },
-        [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
-    const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
-    for (const Answer& answer : std::ranges::find_if(board.seats, tightens_never)->answers)
-      board.needed.push_back(answer.grasp && answer.grasp->dropped);
-  }
+  (held.track == Track::open ? judge_recordings : judge_grasps)(board, held, trials, options);
   std::string digests;
   for (const std::string& digest : board.digests) digests += digest + "\n";
   return board_json({{"track", track_name(held.track)},
                      {"sensor", held.sensor},
                      {"scene", held.scene},
-                     {"trials", trials.size()},
+                     {"trials", trials.numbers.size()},
                      {"data_sha256", text_sha256(digests)},
                      {"labels", eval::label_rule_name(rule_of(held.track))}},
                     std::move(board));
@@ -469,6 +487,42 @@ Json machine_json() {
   return machine;
 }
 
+// The detectors of the user's own words and those of the board, all but the taught ones and the oracle.
+std::vector<Entrant> known_entrants(const Asked& asked) {
+  std::vector<Entrant> entrants;
+  for (const std::string& word : asked.detectors) entrants.push_back(given_entrant(word, asked.parameters));
+  register_control();  // the board's own, which a user cannot name
+  for (Entrant& entrant : shipped_entrants()) {
+    // The user's own words for it, parameters perhaps among them, stand beside it.
+    const auto same = [&](const Entrant& one) { return one.name == entrant.name; };
+    if (const auto given = std::ranges::find_if(entrants, same); given != entrants.end()) given->name += ", given";
+    entrants.push_back(std::move(entrant));
+  }
+  for (Entrant& control : control_entrants()) entrants.push_back(std::move(control));
+  check_names(entrants);
+  return entrants;
+}
+
+// Those that can be judged on a set of simulated trials; null: on recordings of a real sensor.
+std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const Held* held) {
+  std::vector<const Entrant*> some;
+  for (const Entrant& entrant : entrants) {
+    if (entrant.kind == Kind::oracle && (held == nullptr || held->track != Track::loop)) continue;
+    if (held == nullptr ? entrant.told != Told::nothing : !can_be_told(entrant, *held)) continue;
+    if (entrant.reads.empty() || held == nullptr || entrant.reads == held->sensor) some.push_back(&entrant);
+  }
+  return some;
+}
+
+Json protocol_json(const Asked& asked) {
+  return {{"name", protocol_name},
+          {"sha256", protocol_sha256()},
+          {"half_delay_s", half_delay},
+          {"alarms_per_minute", alarm_limit},
+          {"force_ratio", worst_force_ratio},
+          {"whole", asked.trials == 0 && !asked.untaught && asked.sensor.empty()}};
+}
+
 std::string found(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace
@@ -498,17 +552,7 @@ Asked parse_asked(const Json& json) {
 Json benchmark(const Options& options) {
   const Asked& asked = options.asked;
   check_sensor(asked.sensor);
-  std::vector<Entrant> entrants;
-  for (const std::string& word : asked.detectors) entrants.push_back(given_entrant(word, asked.parameters));
-  register_control();  // the board's own, which a user cannot name
-  for (Entrant& entrant : shipped_entrants()) {
-    // The user's own words for it, parameters perhaps among them, stand beside it.
-    const auto same = [&](const Entrant& one) { return one.name == entrant.name; };
-    if (const auto given = std::ranges::find_if(entrants, same); given != entrants.end()) given->name += ", given";
-    entrants.push_back(std::move(entrant));
-  }
-  for (Entrant& control : control_entrants()) entrants.push_back(std::move(control));
-  check_names(entrants);
+  std::vector<Entrant> entrants = known_entrants(asked);
   const ScratchFolder folder;
   Taught taught;
   if (!asked.untaught) {
@@ -519,24 +563,14 @@ Json benchmark(const Options& options) {
   entrants.push_back(oracle_entrant());
   std::vector<Missing> missing = missing_entrants();
   missing.insert(missing.end(), taught.untaught.begin(), taught.untaught.end());
-  // Into trials of simulations, or nullptr: of a real sensor.
-  const auto entering = [&entrants](const Held* held) {
-    std::vector<const Entrant*> some;
-    for (const Entrant& entrant : entrants) {
-      if (entrant.kind == Kind::oracle && (held == nullptr || held->track != Track::loop)) continue;
-      if (held == nullptr ? entrant.told != Told::nothing : !can_be_told(entrant, *held)) continue;
-      if (entrant.reads.empty() || held == nullptr || entrant.reads == held->sensor) some.push_back(&entrant);
-    }
-    return some;
-  };
   const Catalogues catalogues = program_catalogues();
   // Real recordings first, since files are read by child processes, which want no threads beside them.
   Json transfer = Json::array();
-  for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(nullptr), options));
+  for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(entrants, nullptr), options));
   Json sets = Json::array();
   for (const Held& held : held_out()) {
     if (!asked.sensor.empty() && held.sensor != asked.sensor) continue;
-    Json set = held_json(held, entering(&held), options, catalogues);
+    Json set = held_json(held, entering(entrants, &held), options, catalogues);
     for (const Missing& one : missing) {
       if (one.sensor == held.sensor) set["left_out"].push_back({{"detector", one.name}, {"why", one.why}});
     }
@@ -545,13 +579,7 @@ Json benchmark(const Options& options) {
   for (Json& set : transfer) sets.push_back(std::move(set));
   Json result = {{result_key, 1},
                  {"asked", asked_json(asked)},
-                 {"protocol",
-                  {{"name", protocol_name},
-                   {"sha256", protocol_sha256()},
-                   {"half_delay_s", half_delay},
-                   {"alarms_per_minute", alarm_limit},
-                   {"force_ratio", worst_force_ratio},
-                   {"whole", asked.trials == 0 && !asked.untaught && asked.sensor.empty()}}},
+                 {"protocol", protocol_json(asked)},
                  {"machine", machine_json()},
                  {"learnt_from", taught.data},
                  {"sets", sets}};

@@ -1,7 +1,6 @@
 #include "tools/program/benchmark/control.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "sim/motion/lift.h"

@@ -20,7 +20,6 @@
 #include "sim/scene/scene_reader.h"
 #include "tools/base/dataset/kept_trials.h"
 #include "tools/base/record/encoder.h"
-#include "tools/base/statistics/confusion.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
@@ -247,14 +246,6 @@ std::string keep_finished(DatasetWriter& writer, std::size_t planned) {
   return fmt::format("; {} {} {} of {} trials", fmt::join(files, ", "), files.size() == 1 ? "holds" : "hold", finished, planned);
 }
 
-// One number of every unit; nlohmann writes NaN as null.
-template <class Number>
-Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) {
-  Json values = Json::array();
-  for (const UnitOutcome& unit : units) values.push_back(unit.*member);
-  return values;
-}
-
 // The scene's sweep, its cells repeated until there are at least options.limit trials.
 TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
   TrialPlan plan(file, catalogues, options.trials, seed);
@@ -311,18 +302,6 @@ std::string canonical_command(const SweepOptions& options) {
   return command;
 }
 
-namespace {
-
-// The numbers of those that run.
-std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
-  if (options.shard) return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
-  std::vector<std::size_t> trials(options.only ? 1 : planned.asked);
-  std::iota(trials.begin(), trials.end(), options.only.value_or(0));
-  return trials;
-}
-
-}  // namespace
-
 ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues) {
   SceneFile file = SceneFile::load(options.scene_path);
   for (const Override& change : options.overrides) file.apply(change);
@@ -335,178 +314,192 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
   return run_sweep(read_sweep(options, catalogues), options, catalogues, progress);
 }
 
-SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const Catalogues& catalogues,
-                       const ProgressCallback& progress) {
-  SweepSummary summary;
-  summary.seed = read.seed;
-  summary.command = canonical_command(options);
-  const PlannedTrials& chosen = read.planned;
-  const TrialPlan& plan = chosen.plan;
-  std::vector<std::size_t> trials = chosen_trials(chosen, options, summary.seed);
-  summary.planned = trials.size();
-  if (options.shard) summary.shard = SweepShard{options.shard->number, options.shard->count, chosen.asked};
-  summary.scene = plan.trial(trials.front()).scene;
-  if (summary.scene.accuracy) throw std::logic_error("run_sweep: a scene whose wish for accuracy has not been settled");
-  summary.available = plan.size();
+namespace {
+
+// The numbers of those that run.
+std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
+  if (options.shard) return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
+  std::vector<std::size_t> trials(options.only ? 1 : planned.asked);
+  std::iota(trials.begin(), trials.end(), options.only.value_or(0));
+  return trials;
+}
+
+// A sweep on its way: its trials, where they go, and what has come of them so far.
+class RunningSweep {
+ public:
+  RunningSweep(const ReadSweep& read, const SweepOptions& options, const ProgressCallback& progress);
+
+  // Refuses what cannot run, before anything is written.
+  void check(const Catalogues& catalogues);
+  // Finds what an earlier run has left. True: it had come to its end, and nothing is left to do.
+  bool resume();
+  // Makes the dataset's first file.
+  void open();
+  // Runs the trials that are missing and finishes the dataset; of a run that fails what is finished is kept.
+  void run();
+
+  SweepSummary take_summary() { return std::move(summary_); }
+
+ private:
+  void run_trials();
+  void take(FinishedTrial& trial);
+  void finish();
+  void report();
+
+  [[nodiscard]] bool holds(std::size_t trial) const { return kept_ && kept_->holds(trial); }
+  [[nodiscard]] bool unpublished() const { return writer_ && writer_->published() < writer_->size(); }
+
+  const ReadSweep& read_;
+  const SweepOptions& options_;
+  const ProgressCallback& progress_;
+  const TrialPlan& plan_;
+  std::vector<std::size_t> trials_;  // numbers of those that run
+  Workforce workforce_;
+  DatasetHeader header_;
+  std::optional<KeptTrials> kept_;         // of an earlier run
+  std::unique_ptr<DatasetWriter> writer_;  // null: nothing is written
+  SweepSummary summary_;
+  std::size_t reported_ = 0;  // trials done, of the last report
+};
+
+RunningSweep::RunningSweep(const ReadSweep& read, const SweepOptions& options, const ProgressCallback& progress)
+    : read_(read),
+      options_(options),
+      progress_(progress),
+      plan_(read.planned.plan),
+      trials_(chosen_trials(read.planned, options, read.seed)) {
+  summary_.seed = read.seed;
+  summary_.command = canonical_command(options);
+  summary_.planned = trials_.size();
+  if (options.shard) summary_.shard = SweepShard{options.shard->number, options.shard->count, read.planned.asked};
+  summary_.scene = plan_.trial(trials_.front()).scene;
+  summary_.available = plan_.size();
+}
+
+void RunningSweep::check(const Catalogues& catalogues) {
+  if (summary_.scene.accuracy) throw std::logic_error("run_sweep: a scene whose wish for accuracy has not been settled");
   std::set<std::string> files;
-  const Workforce workforce = check_cells(plan, options, trials, chosen.asked, catalogues, files);
-  if (options.on_start) options.on_start();
+  workforce_ = check_cells(plan_, options_, trials_, read_.planned.asked, catalogues, files);
+  if (options_.on_start) options_.on_start();
+  header_ = {SLIPBENCH_VERSION,
+             read_.file.text(),
+             overrides_json(options_.overrides),
+             summary_.seed,
+             summary_.command,
+             split_rule(summary_.scene),
+             options_.output.empty() ? std::map<std::string, std::string>{} : digests_of(files),
+             {},
+             summary_.shard};
+}
 
-  const DatasetHeader header{SLIPBENCH_VERSION,
-                             read.file.text(),
-                             overrides_json(options.overrides),
-                             summary.seed,
-                             summary.command,
-                             split_rule(summary.scene),
-                             options.output.empty() ? std::map<std::string, std::string>{} : digests_of(files),
-                             {},
-                             summary.shard};
-  std::optional<KeptTrials> kept;
-  if (options.resume) {
-    kept.emplace(options.output, header);
-    summary.damaged = kept->damaged();
-    const bool nothing_left = kept->size() == 0 && kept->damaged().empty();
-    if (std::optional<FinishedDataset> whole = nothing_left ? finished_dataset(options.output, header) : std::nullopt) {
-      summary.was_complete = true;
-      summary.resumed = whole->trials;
-      summary.failed = std::move(whole->failed);
-      summary.files = std::move(whole->files);
-      return summary;
-    }
-  }
-  std::unique_ptr<DatasetWriter> writer;
-  if (!options.output.empty()) {
-    const std::size_t planned = options.shard ? trials.size() : plan.size();
-    writer = std::make_unique<DatasetWriter>(options.output, header, planned, options.shard_limit, kept ? &*kept : nullptr);
-  }
+bool RunningSweep::resume() {
+  kept_.emplace(options_.output, header_);
+  summary_.damaged = kept_->damaged();
+  if (kept_->size() > 0 || !kept_->damaged().empty()) return false;
+  std::optional<FinishedDataset> whole = finished_dataset(options_.output, header_);
+  if (!whole) return false;
+  summary_.was_complete = true;
+  summary_.resumed = whole->trials;
+  summary_.failed = std::move(whole->failed);
+  summary_.files = std::move(whole->files);
+  return true;
+}
 
+void RunningSweep::open() {
+  const std::size_t planned = options_.shard ? trials_.size() : plan_.size();
+  writer_ = std::make_unique<DatasetWriter>(options_.output, header_, planned, options_.shard_limit, kept_ ? &*kept_ : nullptr);
   // OpenSSL crashes where there is no memory to set itself up, which many workers may leave none for: it does so before them.
-  if (writer) static_cast<void>(content_digest({}));
+  static_cast<void>(content_digest({}));
+}
 
-  std::vector<std::size_t> missing;
-  summary.trials.reserve(summary.planned);  // growing, it would leave holes of as much again in the heap
-  std::ranges::copy_if(trials, std::back_inserter(missing), [&](std::size_t trial) { return !kept || !kept->holds(trial); });
-
-  std::size_t reported = 0;
-  const auto report_progress = [&] {
-    const std::size_t done = (writer ? writer->published() : summary.trials.size()) + summary.failed.size();
-    if (progress && done > reported) progress({done, summary.planned, summary.simulated});
-    reported = done;
-  };
-  const auto take = [&](FinishedTrial& trial) {
-    if (!trial.failure.empty()) {
-      const std::size_t number = trial.summary.trial;
-      summary.failed.push_back({number, std::move(trial.failure), repeating_command(options, summary.seed, number)});
-      if (writer) writer->add_failed(summary.failed.back());
-      return;
-    }
-    if (writer) writer->append(*trial.encoded);
-    if (trial.summary.resumed) {
-      ++summary.resumed;
-    } else {
-      summary.simulated += trial.duration;
-      summary.computed += trial.computed;
-    }
-    if (options.on_trial) options.on_trial(trial.summary);
-    if (!options.keep_units && summary.planned > 1) {
-      for (SensorSummary& sensor : trial.summary.sensors) sensor.units.clear();
-    }
-    // A copy: what a worker has allocated would keep the memory around it, which is ten times its own.
-    summary.trials.push_back(std::as_const(trial.summary));
-  };
-
-  const auto run_all = [&] {
-    const WorkPlan work{plan, summary.seed, recording_of(options), workforce.max_bytes, options.interrupt};
-    TrialEncoder encoder;
-    OrderedWorkers<FinishedTrial> workers(
-        missing.size(), workforce.threads, [&] { return make_work(work, options, missing); }, options.interrupt);
-    // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.
-    constexpr std::chrono::milliseconds longest_unsafe{250};
-    auto due = std::chrono::steady_clock::now() + longest_unsafe;
-    for (const std::size_t trial : trials) {
-      end_if(options.interrupt);
-      const bool resumed = kept && kept->holds(trial);
-      if (!resumed && writer && writer->published() < writer->size() && !workers.ready_until(due)) writer->publish();
-      std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept, work, trial, encoder) : workers.next();
-      if (!finished) break;
-      take(*finished);
-      if (!resumed) workers.give_back(std::move(*finished));
-      if (writer && std::chrono::steady_clock::now() >= due) writer->publish();
-      if (std::chrono::steady_clock::now() >= due) due = std::chrono::steady_clock::now() + longest_unsafe;
-      report_progress();
-    }
-  };
-
+void RunningSweep::run() {
   try {
     try {
-      run_all();
+      run_trials();
     } catch (const Interrupted&) {  // in the first of the trials that were running: those before it are in
     }
-    summary.interrupted = summary.trials.size() + summary.failed.size() < summary.planned;
-    // A shard tells of its failed trials even where it has no others: merging counts them.
-    const bool whole = !summary.interrupted && (!summary.trials.empty() || summary.shard);
-    if (writer) summary.files = whole ? writer->commit() : writer->keep_partial();
-    if (writer) summary.kept = writer->size();
-    report_progress();
+    finish();
   } catch (const std::exception& error) {
-    if (!writer) throw;
-    const std::string left = keep_finished(*writer, summary.planned);
+    if (!writer_) throw;
+    const std::string left = keep_finished(*writer_, summary_.planned);
     if (dynamic_cast<const InputError*>(&error) != nullptr) throw InputError(error.what() + left);
     if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) throw InputError("out of memory" + left);
     throw std::runtime_error(error.what() + left);
   }
-  return summary;
 }
 
-std::string trial_json(const TrialSummary& trial) {
-  Json sensors = Json::object();
-  for (const SensorSummary& sensor : trial.sensors) {
-    if (trial.resumed) break;
-    sensors[sensor.name] = {{"touch_time_s", column(sensor.units, &UnitOutcome::touch_time)},
-                            {"onset_time_s", column(sensor.units, &UnitOutcome::onset_time)},
-                            {"micro_onset_time_s", column(sensor.units, &UnitOutcome::micro_onset_time)},
-                            {"slip_distance_m", column(sensor.units, &UnitOutcome::slip_distance)},
-                            {"load_N", column(sensor.units, &UnitOutcome::load)},
-                            {"margin", column(sensor.units, &UnitOutcome::margin)},
-                            {"state_count", sensor.state_count},
-                            {"state_micro_count", sensor.state_micro_count}};
+void RunningSweep::run_trials() {
+  std::vector<std::size_t> missing;
+  std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !holds(trial); });
+  summary_.trials.reserve(summary_.planned);  // growing, it would leave holes of as much again in the heap
+  const WorkPlan work{plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt};
+  TrialEncoder encoder;
+  OrderedWorkers<FinishedTrial> workers(
+      missing.size(), workforce_.threads, [&] { return make_work(work, options_, missing); }, options_.interrupt);
+  // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.
+  constexpr std::chrono::milliseconds longest_unsafe{250};
+  auto due = std::chrono::steady_clock::now() + longest_unsafe;
+  for (const std::size_t trial : trials_) {
+    end_if(options_.interrupt);
+    const bool resumed = holds(trial);
+    if (!resumed && unpublished() && !workers.ready_until(due)) writer_->publish();
+    std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept_, work, trial, encoder) : workers.next();
+    if (!finished) break;
+    take(*finished);
+    if (!resumed) workers.give_back(std::move(*finished));
+    if (writer_ && std::chrono::steady_clock::now() >= due) writer_->publish();
+    if (std::chrono::steady_clock::now() >= due) due = std::chrono::steady_clock::now() + longest_unsafe;
+    report();
   }
-  Json json = {{"trial", trial.trial},
-               {"params", Json::parse(trial.params)},
-               {"outcome", Json::parse(outcome_json(trial.outcome))},
-               {"sensors", std::move(sensors)}};
-  if (trial.detector) {
-    json["detector"] = {{"type", trial.detector->type},
-                        {"oracle", trial.detector->type == oracle_type},
-                        {"sensor", trial.detector->sensor},
-                        {"recall_of_slip", recall_of_slip(trial.detector->confusion)},
-                        {"balanced_accuracy", balanced_accuracy(trial.detector->confusion)},
-                        {"constant_balanced_accuracy", constant_balanced_accuracy(trial.detector->confusion)},
-                        {"accuracy", accuracy(trial.detector->confusion)},
-                        {"constant_accuracy", constant_accuracy(trial.detector->confusion)},
-                        {"confusion", trial.detector->confusion}};
-  }
-  if (!trial.controller.empty()) json["controller"] = trial.controller;
-  if (trial.resumed) json["resumed"] = true;
-  return json.dump();
 }
 
-std::string summary_json(const SweepSummary& summary) {
-  Json failed = Json::array();
-  for (const FailedTrial& trial : summary.failed) {
-    failed.push_back({{"trial", trial.trial}, {"message", trial.message}, {"command", trial.command}});
+void RunningSweep::take(FinishedTrial& trial) {
+  if (!trial.failure.empty()) {
+    const std::size_t number = trial.summary.trial;
+    summary_.failed.push_back({number, std::move(trial.failure), repeating_command(options_, summary_.seed, number)});
+    if (writer_) writer_->add_failed(summary_.failed.back());
+    return;
   }
-  Json json = {{"command", summary.command},
-               {"seed", summary.seed},
-               {"planned", summary.planned},
-               {"finished", summary.was_complete ? summary.resumed : summary.trials.size()},
-               {"resumed", summary.resumed},
-               {"failed", std::move(failed)},
-               {"simulated_s", summary.simulated},
-               {"interrupted", summary.interrupted},
-               {"files", summary.files}};
-  if (summary.shard) json["shard"] = shard_text(*summary.shard);
-  return json.dump();
+  if (writer_) writer_->append(*trial.encoded);
+  if (trial.summary.resumed) {
+    ++summary_.resumed;
+  } else {
+    summary_.simulated += trial.duration;
+    summary_.computed += trial.computed;
+  }
+  if (options_.on_trial) options_.on_trial(trial.summary);
+  if (!options_.keep_units && summary_.planned > 1) {
+    for (SensorSummary& sensor : trial.summary.sensors) sensor.units.clear();
+  }
+  // A copy: what a worker has allocated would keep the memory around it, which is ten times its own.
+  summary_.trials.push_back(std::as_const(trial.summary));
+}
+
+void RunningSweep::finish() {
+  summary_.interrupted = summary_.trials.size() + summary_.failed.size() < summary_.planned;
+  // A shard tells of its failed trials even where it has no others: merging counts them.
+  const bool whole = !summary_.interrupted && (!summary_.trials.empty() || summary_.shard);
+  if (writer_) summary_.files = whole ? writer_->commit() : writer_->keep_partial();
+  if (writer_) summary_.kept = writer_->size();
+  report();
+}
+
+void RunningSweep::report() {
+  const std::size_t done = (writer_ ? writer_->published() : summary_.trials.size()) + summary_.failed.size();
+  if (progress_ && done > reported_) progress_({done, summary_.planned, summary_.simulated});
+  reported_ = done;
+}
+
+}  // namespace
+
+SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const Catalogues& catalogues,
+                       const ProgressCallback& progress) {
+  RunningSweep sweep(read, options, progress);
+  sweep.check(catalogues);
+  if (options.resume && sweep.resume()) return sweep.take_summary();
+  if (!options.output.empty()) sweep.open();
+  sweep.run();
+  return sweep.take_summary();
 }
 
 }  // namespace slipbench

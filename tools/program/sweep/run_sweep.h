@@ -131,8 +131,4 @@ SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues
 SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const Catalogues& catalogues,
                        const ProgressCallback& progress = {});
 
-// A trial as an element of `trials` in the one JSON object of `--json`, and the rest of that object.
-std::string trial_json(const TrialSummary& trial);
-std::string summary_json(const SweepSummary& summary);
-
 }  // namespace slipbench

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <set>

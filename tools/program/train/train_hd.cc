@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <numeric>
 #include <thread>
 
 #include <fmt/format.h>
@@ -207,13 +206,13 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
   return evaluations;
 }
 
-TrainSummary train_dataset(const TrainOptions& options) {
+HdSummary train_hd(const HdTraining& options) {
   hd::check_save_target(options.output);
   hd::SavedModel saved{options.model, options.quantiser, {}, hd::generate(options.model, options.seed)};
   const TrainingData data = read_sequences(options.dataset, options.sequences);
   const std::vector<Sample> samples = encode_dataset(options.dataset, saved, data.sequences, options.jobs);
   check_classes(options.dataset, options.sequences.labels, samples);
-  TrainSummary summary;
+  HdSummary summary;
   summary.sequences = data.sequences.size();
   summary.sensor = data.sensor;
   summary.samples = samples.size();

@@ -69,7 +69,7 @@ enum class Split { by_sequence, by_frame };
 std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
                                        std::span<const Sample> samples, Split split, std::uint64_t seed, std::size_t jobs);
 
-struct TrainOptions {
+struct HdTraining {
   std::string dataset;
   SequenceOptions sequences;
   hd::Model model;
@@ -79,7 +79,7 @@ struct TrainOptions {
   std::string output;      // folder of the memories
 };
 
-struct TrainSummary {
+struct HdSummary {
   std::size_t sequences = 0;
   std::size_t samples = 0;
   std::vector<Evaluation> by_sequence;  // one a draw
@@ -90,6 +90,6 @@ struct TrainSummary {
 
 // `slipbench train`: the draws, then a classifier trained on every sequence, which is saved. Throws InputError; for an output that
 // cannot be written before anything is read.
-TrainSummary train_dataset(const TrainOptions& options);
+HdSummary train_hd(const HdTraining& options);
 
 }  // namespace slipbench

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <memory>
 #include <set>
-#include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -26,8 +25,6 @@ using Json = nlohmann::ordered_json;
 
 // How every file that onnx_model() makes begins: version 8 of the format, made by slipbench.
 constexpr std::string_view beginning{"\x08\x08\x12\x09slipbench", 13};
-
-using Parts = std::vector<std::vector<const Example*>>;  // by Part
 
 // The probability of each class of an answer.
 std::vector<double> probabilities(std::span<const float> logits) {
@@ -209,109 +206,166 @@ void write_checked(const std::string& path, const std::string& bytes, const std:
   }
 }
 
-}  // namespace
-
-NetworkSummary train_network(const NetworkTraining& training, const std::function<void(const MemberProgress&)>& report) {
-  const Recipe& recipe = training.recipe;
+// Throws InputError for an output that cannot be written and for a checkpoint that is not there.
+void check_output(const NetworkTraining& training) {
   check_text_target(training.output, {training.dataset},
                     {"detector of slipbench", [](std::string_view bytes) { return bytes.starts_with(beginning); }});
-  const std::string libraries = network_libraries();  // says what is missing before anything is read
   // Networks after the first one have no checkpoint until their turn comes.
   if (const std::string first = checkpoint_path(training.output, 0); training.resume && !std::filesystem::exists(first)) {
     throw InputError(
         first + ": is not there to go on with: the training has ended, or never came to a validation; allowed: none of --resume");
   }
+}
+
+// A dataset's examples, and what each is for.
+struct Lesson {
+  Examples examples;
+  std::vector<const Example*> learning, validating, judging;
+};
+
+Lesson read_lesson(const NetworkTraining& training) {
+  const Recipe& recipe = training.recipe;
   const ExampleOptions options{recipe.input,  recipe.labels,  recipe.classes, training.sensor,
                                recipe.turned, recipe.at_most, training.seed};
-  const Examples examples = read_examples(training.dataset, options);
-  Parts parts(4);
+  Lesson lesson{read_examples(training.dataset, options), {}, {}, {}};
   try {
-    const std::vector<Part> of = split_examples(examples.all, recipe.split, training.held_out, training.seed);
-    for (std::size_t i = 0; i < of.size(); ++i) parts[static_cast<std::size_t>(of[i])].push_back(&examples.all[i]);
+    const std::vector<Part> of = split_examples(lesson.examples.all, recipe.split, training.held_out, training.seed);
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      const Example* example = &lesson.examples.all[i];
+      if (of[i] == Part::learns) lesson.learning.push_back(example);
+      if (of[i] == Part::validates) lesson.validating.push_back(example);
+      if (of[i] == Part::judges) lesson.judging.push_back(example);
+    }
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", training.dataset, error.what()));
   }
-  const auto& learning = parts[static_cast<std::size_t>(Part::learns)];
-  const auto& validating = parts[static_cast<std::size_t>(Part::validates)];
-  const auto& judging = parts[static_cast<std::size_t>(Part::judges)];
+  return lesson;
+}
+
+// What the file says of its input and classes.
+network::Description described(const Recipe& recipe, const Scale& scale, const std::vector<network::Class>& classes) {
   network::Description description;
   description.input = recipe.input;
   description.input.history = history_of(recipe.network);
-  description.classes = classes_of(recipe.classes, recipe.labels);
-  check_classes(training.dataset, "to learn from", learning, description.classes, description.input.history);
-  check_classes(training.dataset, "that choose the state", validating, description.classes, description.input.history);
-
-  std::vector<const FrameSequence*> scaled_by;
-  for (const Example* example : learning) scaled_by.push_back(&example->frames);
-  const Scale scale = scale_of(scaled_by, examples.inputs, recipe.scaling);
   description.input.offset = scale.offset;
   description.input.scale = scale.scale;
-  const std::vector<FrameSequence> learnt = scaled(learning, scale), validated = scaled(validating, scale),
-                                   judged = scaled(judging, scale);
+  description.classes = classes;
+  return description;
+}
 
-  NetworkSummary summary;
+// The scale of the frames that teach.
+Scale scale_of_learning(const Lesson& lesson, Scaling scaling) {
+  std::vector<const FrameSequence*> frames;
+  for (const Example* example : lesson.learning) frames.push_back(&example->frames);
+  return scale_of(frames, lesson.examples.inputs, scaling);
+}
+
+struct Ensemble {
   std::vector<std::unique_ptr<Network>> members;
-  std::vector<std::vector<std::vector<float>>> states;
-  Json steps = Json::array();
+  std::vector<std::vector<std::vector<float>>> states;  // of each member
+  std::vector<std::size_t> steps;                       // of its best state
+};
+
+Ensemble teach(const NetworkTraining& training, const Examples& examples, const std::vector<FrameSequence>& learnt,
+               const std::vector<FrameSequence>& validated, const std::function<void(const MemberProgress&)>& report) {
+  const Recipe& recipe = training.recipe;
+  Ensemble ensemble;
   for (std::size_t member = 0; member < recipe.members; ++member) {
     TrainingOptions how = recipe.training;
     how.seed = training.seed + member;
-    members.push_back(make_network(recipe.network, how.seed));
+    Network& network = *ensemble.members.emplace_back(make_network(recipe.network, how.seed));
     const Checkpoint checkpoint{checkpoint_path(training.output, member), identity_of(training, examples, member),
                                 training.resume};
-    const TrainingResult result =
-        members.back()->train(learnt, validated, how, checkpoint, [&](const TrainingProgress& progress) {
-          if (report) report({member, recipe.members, progress});
-        });
-    summary.steps = result.best_step;
-    steps.push_back(result.best_step);
-    states.push_back(members.back()->state());
+    const TrainingResult result = network.train(learnt, validated, how, checkpoint, [&](const TrainingProgress& progress) {
+      if (report) report({member, recipe.members, progress});
+    });
+    ensemble.steps.push_back(result.best_step);
+    ensemble.states.push_back(network.state());
   }
+  return ensemble;
+}
 
-  const std::vector<Answer> on_validation = answers_of(members, validated), on_judged = answers_of(members, judged);
-  summary.trials = trials_of(learning).size() + trials_of(validating).size() + trials_of(judging).size();
-  summary.learnt = trials_of(learning).size();
-  summary.validated = trials_of(validating).size();
-  summary.judged = trials_of(judging).size();
+// The numbers of trials and frames.
+NetworkSummary sizes_of(const Lesson& lesson) {
+  NetworkSummary summary;
+  summary.learnt = trials_of(lesson.learning).size();
+  summary.validated = trials_of(lesson.validating).size();
+  summary.judged = trials_of(lesson.judging).size();
+  summary.trials = summary.learnt + summary.validated + summary.judged;
   std::set<std::string> sensors;
-  for (const Example& example : examples.all) sensors.insert(example.sensor);
+  for (const Example& example : lesson.examples.all) sensors.insert(example.sensor);
   summary.sensors.assign(sensors.begin(), sensors.end());
-  for (const FrameSequence& sequence : learnt) summary.frames += sequence.label.size();
-  summary.parameters = parameter_count(recipe.network);
-  summary.threshold = description.threshold = best_threshold(on_validation, description.classes);
-  summary.validation = accuracy_of(on_validation, description.classes.size());
-  summary.held_out_accuracy = accuracy_of(on_judged, description.classes.size());
-  for (const Answer& answer : on_judged)
-    summary.held_out.add(class_slips(description.classes[answer.label]),
-                         slip_of(answer, description.classes) >= summary.threshold);
+  for (const Example* example : lesson.learning) summary.frames += example->frames.label.size();
+  return summary;
+}
 
+// Chooses the threshold by `on_validation` and judges by `on_judged`.
+void judge(NetworkSummary& summary, const std::vector<Answer>& on_validation, const std::vector<Answer>& on_judged,
+           const std::vector<network::Class>& classes) {
+  summary.threshold = best_threshold(on_validation, classes);
+  summary.validation = accuracy_of(on_validation, classes.size());
+  summary.held_out_accuracy = accuracy_of(on_judged, classes.size());
+  for (const Answer& answer : on_judged)
+    summary.held_out.add(class_slips(classes[answer.label]), slip_of(answer, classes) >= summary.threshold);
+}
+
+// What the file says of its training.
+Json trained_json(const NetworkTraining& training, const Lesson& lesson, const std::vector<std::size_t>& steps,
+                  const NetworkSummary& summary) {
+  const Recipe& recipe = training.recipe;
   Json trained{{"recipe", recipe.name},
                {"labels", hd::name_of(label_words, recipe.labels)},
-               {"command", examples.command},
-               {"data_sha256", examples.sha256},
+               {"command", lesson.examples.command},
+               {"data_sha256", lesson.examples.sha256},
                {"sensor", training.sensor},
                {"split", hd::name_of(split_words, recipe.split)},
                {"held_out", training.held_out},
                {"seed", training.seed},
-               {"trials_learnt", trials_of(learning)},
-               {"trials_validated", trials_of(validating)},
-               {"trials_judged", trials_of(judging)},
-               {"sha256_seen", digests_of(learning, validating)},
+               {"trials_learnt", trials_of(lesson.learning)},
+               {"trials_validated", trials_of(lesson.validating)},
+               {"trials_judged", trials_of(lesson.judging)},
+               {"sha256_seen", digests_of(lesson.learning, lesson.validating)},
                {"frames", summary.frames},
                {"parameters", summary.parameters},
                {"steps", steps},
                {"validation", {{"balanced_accuracy", summary.validation}}},
-               {"libraries", libraries}};
-  if (!judged.empty()) {
+               {"libraries", network_libraries()}};
+  if (!lesson.judging.empty()) {
     trained["judged"] = counts_json(summary.held_out);
     trained["judged"]["all_classes_balanced_accuracy"] = summary.held_out_accuracy;
   }
-  description.trained = trained.dump();
-  const std::string bytes = onnx_model(recipe.network, states, description);
-  summary.description = trained.dump();
+  return trained;
+}
+
+}  // namespace
+
+NetworkSummary train_network(const NetworkTraining& training, const std::function<void(const MemberProgress&)>& report) {
+  const Recipe& recipe = training.recipe;
+  check_output(training);
+  static_cast<void>(network_libraries());  // says what is missing before anything is read
+  const Lesson lesson = read_lesson(training);
+  const std::vector<network::Class> classes = classes_of(recipe.classes, recipe.labels);
+  check_classes(training.dataset, "to learn from", lesson.learning, classes, history_of(recipe.network));
+  check_classes(training.dataset, "that choose the state", lesson.validating, classes, history_of(recipe.network));
+
+  const Scale scale = scale_of_learning(lesson, recipe.scaling);
+  const std::vector<FrameSequence> learnt = scaled(lesson.learning, scale), validated = scaled(lesson.validating, scale),
+                                   judged = scaled(lesson.judging, scale);
+  const Ensemble ensemble = teach(training, lesson.examples, learnt, validated, report);
+
+  NetworkSummary summary = sizes_of(lesson);
+  summary.parameters = parameter_count(recipe.network);
+  summary.steps = ensemble.steps.back();
+  judge(summary, answers_of(ensemble.members, validated), answers_of(ensemble.members, judged), classes);
+  summary.description = trained_json(training, lesson, ensemble.steps, summary).dump();
+
+  network::Description description = described(recipe, scale, classes);
+  description.threshold = summary.threshold;
+  description.trained = summary.description;
+  const std::string bytes = onnx_model(recipe.network, ensemble.states, description);
   write_checked(training.output, bytes, [&]([[maybe_unused]] const std::string& path) {
 #ifdef SLIPBENCH_WITH_ENGINE
-    check_engine(path, members, validated.front());
+    check_engine(path, ensemble.members, validated.front());
 #endif
   });
   for (std::size_t member = 0; member < recipe.members; ++member)

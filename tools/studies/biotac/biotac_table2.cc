@@ -1,5 +1,4 @@
 // Table 2 of the paper: a grasp held or lost, from a snapshot before the lift, on objects that were not learnt; real, synthetic, both.
-#include <array>
 #include <map>
 
 #include <fmt/format.h>

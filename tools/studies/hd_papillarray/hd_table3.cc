@@ -116,6 +116,75 @@ GruOutcome run_row(const GruRow& row, const std::string& dataset, const std::str
 std::string in_percent(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f}", 100.0 * share); }
 std::string in_ms(double seconds) { return std::isnan(seconds) ? "-" : fmt::format("{:.0f}", 1e3 * seconds); }
 
+ResultTable frames_table() {
+  return {
+      "Slip or not",
+      {"detector", "label", "sequences learnt", "balanced accuracy, %", "AUC", "trials right, %", "with early ones", "size, kB",
+       "a step, us"},
+      {{"paper: GRU", "incipient or not", "-", "-", "-", "95.6", "-", "1468", "25000 (GPU)"},
+       {"paper: CL-gstHDC, accuracy of three classes", "paper", "-", "-", "-", "-", "91.8 of frames", "0.375",
+        "5985; 0.42 (FPGA)"}},
+      "Trials right: slip called at or after the true first slip, or none called where there is none; with early ones: a call before it, "
+      "too. The paper does not say when an early call is right."};
+}
+
+ResultTable events_table() {
+  return {"By event",
+          {"detector", "label", "trials that slip", "seen", "early", "missed", "delay, ms: median", "10 to 90 %",
+           "false alarms: trials", "a minute of stick"},
+          {},
+          "Delay: from the true first slip, of the trials seen. Early: called before it."};
+}
+
+std::string text_of(const GruRow& row) { return row.recipe == "papillarray_gru5" ? "five GRUs averaged" : "GRU"; }
+std::string label_of(const GruRow& row) { return std::string(hd::name_of(train::label_words, row.labels)); }
+
+std::vector<std::string> frames_row(const GruRow& row, const GruOutcome& outcome) {
+  const GruFigures& figures = outcome.figures;
+  return {text_of(row),
+          label_of(row),
+          std::to_string(outcome.learnt),
+          in_percent(figures.balanced),
+          fmt::format("{:.3f}", figures.auc),
+          in_percent(figures.right(false)),
+          in_percent(figures.right(true)),
+          fmt::format("{:.0f}", outcome.kilobytes),
+          fmt::format("{:.0f}", 1e6 * outcome.step)};
+}
+
+std::vector<std::string> events_row(const GruRow& row, const GruOutcome& outcome) {
+  const GruFigures& figures = outcome.figures;
+  return {fmt::format("{}, {} learnt", text_of(row), outcome.learnt),
+          label_of(row),
+          std::to_string(figures.slipping),
+          std::to_string(figures.seen),
+          std::to_string(figures.early),
+          std::to_string(figures.missed),
+          in_ms(figures.delay),
+          fmt::format("{} to {}", in_ms(figures.delay_10), in_ms(figures.delay_90)),
+          fmt::format("{} of {}", figures.false_alarms, figures.trials - figures.slipping),
+          fmt::format("{:.1f}", figures.false_alarms_a_minute)};
+}
+
+Json figures_json(const GruOutcome& outcome) {
+  const GruFigures& figures = outcome.figures;
+  return {{"learnt", outcome.learnt},
+          {"trials", figures.trials},
+          {"slipping", figures.slipping},
+          {"seen", figures.seen},
+          {"early", figures.early},
+          {"missed", figures.missed},
+          {"false_alarms", figures.false_alarms},
+          {"balanced_accuracy", figures.balanced},
+          {"auc", figures.auc},
+          {"delay_s", figures.delay},
+          {"delay_p10_s", figures.delay_10},
+          {"delay_p90_s", figures.delay_90},
+          {"false_alarms_a_minute", figures.false_alarms_a_minute},
+          {"kilobytes", outcome.kilobytes},
+          {"step_s", outcome.step}};
+}
+
 }  // namespace
 
 double GruFigures::right(bool early_counts) const {
@@ -151,20 +220,7 @@ Result hd_table3(const ReproduceOptions& options) {
   result.source =
       "Table III, offline evaluation, of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray "
       "Tactile Sensor\"";
-  ResultTable frames{
-      "Slip or not",
-      {"detector", "label", "sequences learnt", "balanced accuracy, %", "AUC", "trials right, %", "with early ones", "size, kB",
-       "a step, us"},
-      {{"paper: GRU", "incipient or not", "-", "-", "-", "95.6", "-", "1468", "25000 (GPU)"},
-       {"paper: CL-gstHDC, accuracy of three classes", "paper", "-", "-", "-", "-", "91.8 of frames", "0.375",
-        "5985; 0.42 (FPGA)"}},
-      "Trials right: slip called at or after the true first slip, or none called where there is none; with early ones: a call before it, "
-      "too. The paper does not say when an early call is right."};
-  ResultTable events{"By event",
-                     {"detector", "label", "trials that slip", "seen", "early", "missed", "delay, ms: median", "10 to 90 %",
-                      "false alarms: trials", "a minute of stick"},
-                     {},
-                     "Delay: from the true first slip, of the trials seen. Early: called before it."};
+  ResultTable frames = frames_table(), events = events_table();
   std::vector<std::string> datasets(many_draws + 1);
   for (const GruRow& row : rows) {
     std::string& dataset = datasets.at(row.draws);
@@ -172,32 +228,10 @@ Result hd_table3(const ReproduceOptions& options) {
       dataset = folder.file(fmt::format("hexapod{}.h5", row.draws));
       make_sequences(dataset, row.draws, options);
     }
-    const auto [figures, learnt, kilobytes, step] = run_row(row, dataset, folder.file(row.name + ".onnx"), options);
-    const std::string text = row.recipe == "papillarray_gru5" ? "five GRUs averaged" : "GRU";
-    const std::string label(hd::name_of(train::label_words, row.labels));
-    frames.rows.push_back({text, label, std::to_string(learnt), in_percent(figures.balanced), fmt::format("{:.3f}", figures.auc),
-                           in_percent(figures.right(false)), in_percent(figures.right(true)), fmt::format("{:.0f}", kilobytes),
-                           fmt::format("{:.0f}", 1e6 * step)});
-    events.rows.push_back({fmt::format("{}, {} learnt", text, learnt), label, std::to_string(figures.slipping),
-                           std::to_string(figures.seen), std::to_string(figures.early), std::to_string(figures.missed),
-                           in_ms(figures.delay), fmt::format("{} to {}", in_ms(figures.delay_10), in_ms(figures.delay_90)),
-                           fmt::format("{} of {}", figures.false_alarms, figures.trials - figures.slipping),
-                           fmt::format("{:.1f}", figures.false_alarms_a_minute)});
-    result.figures[row.name] = {{"learnt", learnt},
-                                {"trials", figures.trials},
-                                {"slipping", figures.slipping},
-                                {"seen", figures.seen},
-                                {"early", figures.early},
-                                {"missed", figures.missed},
-                                {"false_alarms", figures.false_alarms},
-                                {"balanced_accuracy", figures.balanced},
-                                {"auc", figures.auc},
-                                {"delay_s", figures.delay},
-                                {"delay_p10_s", figures.delay_10},
-                                {"delay_p90_s", figures.delay_90},
-                                {"false_alarms_a_minute", figures.false_alarms_a_minute},
-                                {"kilobytes", kilobytes},
-                                {"step_s", step}};
+    const GruOutcome outcome = run_row(row, dataset, folder.file(row.name + ".onnx"), options);
+    frames.rows.push_back(frames_row(row, outcome));
+    events.rows.push_back(events_row(row, outcome));
+    result.figures[row.name] = figures_json(outcome);
   }
   result.tables = {frames, events};
   result.setup = {

@@ -150,14 +150,14 @@ void teach(const std::vector<Loop>& rows, const Files& files, const std::string&
         learnt(dataset, train::find_recipe("myrmex_net3"), files.myrmex, options).held_out.balanced_accuracy();
   if (memories) {
     if (options.say) options.say("gst_hd");
-    TrainOptions training;
+    HdTraining training;
     training.dataset = dataset;
     training.sequences.labels = SlipRule::has_slipped;
     training.model.window = memory_window;
     training.seed = options.seed.value_or(1);
     training.jobs = options.jobs;
     training.output = files.memories;
-    train_dataset(training);
+    train_hd(training);
     stop_if_interrupted();
   }
 }

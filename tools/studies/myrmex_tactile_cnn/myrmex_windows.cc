@@ -1,10 +1,8 @@
 #include "tools/studies/myrmex_tactile_cnn/myrmex_windows.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numeric>
-#include <stdexcept>
 
 #include <fmt/format.h>
 

@@ -9,6 +9,7 @@
 
 #include "detectors/network/description.h"
 #include "tools/base/record/trial_record.h"
+#include "tools/base/workers/packed.h"
 #include "tools/program/train/network/examples.h"
 #include "tools/studies/study_catalogue.h"
 
@@ -75,7 +76,7 @@ struct Told {
 std::vector<float> told_features(const PiezoRecording& recording, const Told& told);
 
 // A recording as bytes, and back, for a child process to hand over.
-void pack(const PiezoRecording& recording, std::string& bytes);
-std::vector<PiezoRecording> unpack(const std::string& bytes);
+void pack(const PiezoRecording& recording, Packed& bytes);
+std::vector<PiezoRecording> unpack(Packed bytes);
 
 }  // namespace slipbench::reproduce

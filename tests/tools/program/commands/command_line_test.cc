@@ -195,7 +195,7 @@ TEST(CommandLine, ExportReadsTheRuleAndItsSpeed) {
 }
 
 TEST(CommandLine, TrainTakesEverything) {
-  const TrainOptions options =
+  const HdTraining options =
       parsed<TrainCommand>({"train",         "a.h5",     "-o",  "m",      "--encoder", "sthdc",       "--context", "--dimension",
                             "512",           "--window", "7",   "--ties", "zero",      "--quantiser", "exact",     "--labels",
                             "micro",         "--sensor", "pad", "--seed", "3",         "--jobs",      "2",         "--compat",

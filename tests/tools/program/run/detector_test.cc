@@ -17,6 +17,7 @@
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/sweep/run_sweep.h"
+#include "tools/program/sweep/sweep_json.h"
 
 namespace slipbench::testing {
 namespace {

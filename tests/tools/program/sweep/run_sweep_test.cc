@@ -1,4 +1,5 @@
 #include "tools/program/sweep/run_sweep.h"
+#include "tools/program/sweep/sweep_json.h"
 
 #include <atomic>
 #include <chrono>

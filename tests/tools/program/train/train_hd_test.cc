@@ -10,7 +10,7 @@
 #include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "tests/tools/program/train/small_dataset.h"
-#include "tools/program/train/training_text.h"
+#include "tools/program/train/hd_json.h"
 
 namespace slipbench::testing::train_test {
 namespace {
@@ -188,8 +188,8 @@ TEST(CrossValidation, RefusesWhenNothingIsLeftToTest) {
 
 class TrainTest : public SmallDatasetTest {
  protected:
-  TrainOptions options(const std::string& data, const std::string& folder, std::size_t jobs) {
-    TrainOptions training;
+  HdTraining options(const std::string& data, const std::string& folder, std::size_t jobs) {
+    HdTraining training;
     training.dataset = data;
     training.model = small_model();
     training.jobs = jobs;
@@ -206,45 +206,45 @@ class TrainTest : public SmallDatasetTest {
 
 TEST_F(TrainTest, SameSeedSameMemoriesAndFiguresOnAnyNumberOfThreads) {
   const std::string data = dataset();
-  const TrainSummary first = train_dataset(options(data, "one", 1));
-  const TrainSummary second = train_dataset(options(data, "three", 3));
+  const HdSummary first = train_hd(options(data, "one", 1));
+  const HdSummary second = train_hd(options(data, "three", 3));
   EXPECT_EQ(files_of("one"), files_of("three"));
   EXPECT_EQ(draws_json(first.by_sequence), draws_json(second.by_sequence));
   EXPECT_EQ(draws_json(first.by_frame), draws_json(second.by_frame));
-  TrainOptions other = options(data, "other", 1);
+  HdTraining other = options(data, "other", 1);
   other.seed = 2;
-  train_dataset(other);
+  train_hd(other);
   EXPECT_NE(files_of("one")[3], files_of("other")[3]);
 }
 
 // 0.4 s at 1 kHz are 400 samples, every tenth a frame: 40, and the pad touches to the end.
 TEST_F(TrainTest, SaysThatTheWindowIsLongerThanTheSequences) {
-  TrainOptions training = options(dataset(), "memories", 1);
+  HdTraining training = options(dataset(), "memories", 1);
   training.model.window = 1000;
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }),
+  EXPECT_THAT(message_of<InputError>([&] { train_hd(training); }),
               HasSubstr("data.h5: a window of 1000 frames is longer than the sequences; allowed: up to 40, the last frame"));
   training.model.window = 41;
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }), HasSubstr("a window of 41 frames is longer"));
+  EXPECT_THAT(message_of<InputError>([&] { train_hd(training); }), HasSubstr("a window of 41 frames is longer"));
   // The last frame of each of the 24, 0.19 s after the slide began: all of them slip.
   training.model.window = 40;
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }),
+  EXPECT_THAT(message_of<InputError>([&] { train_hd(training); }),
               HasSubstr("of the frames in contact 0 are non-slip and 24 slip by the labels paper"));
 }
 
 // A pad that is pressed on and never moved does not slip: any answer of "non-slip" would be right.
 TEST_F(TrainTest, RefusesDataWithoutASlip) {
-  TrainOptions training = options(dataset({{"sweep.motion.speed", "[0 mm/s]"}}), "memories", 1);
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(training); }),
+  HdTraining training = options(dataset({{"sweep.motion.speed", "[0 mm/s]"}}), "memories", 1);
+  EXPECT_THAT(message_of<InputError>([&] { train_hd(training); }),
               HasSubstr("non-slip and 0 slip by the labels paper; allowed: frames of both"));
   EXPECT_FALSE(std::filesystem::exists(path("memories")));
 }
 
 TEST_F(TrainTest, TeachesThePublishedCoresBundle) {
   const std::string data = dataset();
-  train_dataset(options(data, "paper", 1));
-  TrainOptions training = options(data, "core", 1);
+  train_hd(options(data, "paper", 1));
+  HdTraining training = options(data, "core", 1);
   training.model.compat = hd::Compat::published_core;
-  train_dataset(training);
+  train_hd(training);
   EXPECT_EQ(hd::load(path("core")).model, training.model);
   EXPECT_NE(files_of("core")[0], files_of("paper")[0]);
 }
@@ -252,11 +252,11 @@ TEST_F(TrainTest, TeachesThePublishedCoresBundle) {
 // The dataset is not there: what is refused first is what was looked at first.
 TEST_F(TrainTest, RefusesItsTargetBeforeItReads) {
   std::ofstream(path("own.html")) << "years of work";
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(options(path("nowhere.h5"), "own.html", 1)); }),
+  EXPECT_THAT(message_of<InputError>([&] { train_hd(options(path("nowhere.h5"), "own.html", 1)); }),
               HasSubstr("own.html: is no folder"));
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(options(path("nowhere.h5"), "own.html/model", 1)); }),
+  EXPECT_THAT(message_of<InputError>([&] { train_hd(options(path("nowhere.h5"), "own.html/model", 1)); }),
               HasSubstr("own.html/model: cannot write: Not a directory"));
-  EXPECT_THAT(message_of<InputError>([&] { train_dataset(options(path("nowhere.h5"), "new", 1)); }), HasSubstr("nowhere.h5"));
+  EXPECT_THAT(message_of<InputError>([&] { train_hd(options(path("nowhere.h5"), "new", 1)); }), HasSubstr("nowhere.h5"));
   EXPECT_EQ(bytes_of(path("own.html")), "years of work");
 }
 

@@ -20,10 +20,10 @@
 #include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/sweep/run_sweep.h"
-#include "tools/program/text/evaluation_text.h"
 #include "tools/program/text/recipe_text.h"
-#include "tools/program/train/training_text.h"
-#include "tools/program/train/training_words.h"
+#include "tools/program/text/train_text.h"
+#include "tools/program/train/hd_json.h"
+#include "tools/program/train/hd_words.h"
 
 namespace slipbench {
 
@@ -226,7 +226,7 @@ int TrainCommand::train_network() {
 }
 
 int TrainCommand::train_hd() {
-  const TrainSummary summary = train_dataset(options);
+  const HdSummary summary = slipbench::train_hd(options);
   if (json) {
     fmt::print("{}\n", train_json(summary, options).dump());
     return exit_good;

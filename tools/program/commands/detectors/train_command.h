@@ -18,7 +18,7 @@ class TrainCommand final : public Command {
   int run() override;
 
   // What the words ask for, once they have been read.
-  TrainOptions options;                            // of gst_hd
+  HdTraining options;                              // of gst_hd
   std::optional<train::NetworkTraining> training;  // of any other recipe
 
  private:

@@ -22,6 +22,7 @@
 #include "tools/program/cli/terminal.h"
 #include "tools/program/commands/simulation/accuracy_setting.h"
 #include "tools/program/commands/simulation/recording_words.h"
+#include "tools/program/sweep/sweep_json.h"
 #include "tools/program/sweep/warnings.h"
 #include "tools/program/text/sweep_text.h"
 #include "tools/program/text/warning_text.h"

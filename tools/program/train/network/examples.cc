@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <numbers>
 #include <set>
@@ -22,6 +21,7 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/encoder.h"
+#include "tools/base/workers/packed.h"
 #include "tools/program/samples/myrmex_images.h"
 
 namespace slipbench::train {
@@ -241,63 +241,11 @@ std::string wanted(const network::Input& input) {
                      values > 0 ? fmt::format(" of {} values or more", values) : std::string());
 }
 
-// Bytes between the child process, which reads, and the caller. Both are the same program.
-class Bytes {
- public:
-  Bytes() = default;
-  explicit Bytes(std::string bytes) : bytes_(std::move(bytes)) {}
-
-  template <class T>
-  void put(const T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-    } else {
-      put(value.size());
-      bytes_.append(reinterpret_cast<const char*>(value.data()), value.size() * sizeof(typename T::value_type));
-    }
-  }
-  template <class T>
-  void take(T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      copy(&value, sizeof value);
-    } else {
-      std::size_t size = 0;
-      take(size);
-      value.resize(size);
-      copy(value.data(), size * sizeof(typename T::value_type));
-    }
-  }
-  [[nodiscard]] bool at_end() const { return place_ == bytes_.size(); }
-  std::string release() { return std::move(bytes_); }
-
- private:
-  void copy(void* to, std::size_t size) {
-    if (size > 0) std::memcpy(to, bytes_.data() + place_, size);
-    place_ += size;
-  }
-
-  std::string bytes_;
-  std::size_t place_ = 0;
-};
-
 // The one list of what goes through the pipe.
 template <class ExampleOrConst, class Do>
-void for_each_member(ExampleOrConst& example, Do&& use) {
-  use(example.trial);
-  use(example.sha256);
-  use(example.twin);
-  use(example.sensor);
-  use(example.material);
-  use(example.object);
-  use(example.speed);
-  use(example.mass);
-  use(example.touches);
-  use(example.onset);
-  use(example.time);
-  use(example.truth);
-  use(example.frames.features);
-  use(example.frames.label);
-  use(example.turn);
+void with_members(ExampleOrConst& example, Do&& use) {
+  use(example.trial, example.sha256, example.twin, example.sensor, example.material, example.object, example.speed, example.mass,
+      example.touches, example.onset, example.time, example.truth, example.frames.features, example.frames.label, example.turn);
 }
 
 std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const ExampleOptions& options,
@@ -318,9 +266,8 @@ std::string packed_examples(const std::string& dataset_path, const ExampleOption
   const DatasetReader reader(dataset_path);
   if (!reader.complete()) throw InputError(dataset_path + ": its run did not come to its end; allowed: a whole dataset");
   if (reader.trials().empty()) throw InputError(dataset_path + ": holds no trial");
-  Bytes bytes;
-  bytes.put(reader.header().command);
-  bytes.put(reader.content_sha256().size());
+  Packed bytes;
+  bytes.put(reader.header().command, reader.content_sha256().size());
   for (const std::string& digest : reader.content_sha256()) bytes.put(digest);
   ContentCheck check(reader);
   for (const std::size_t trial : reader.trials()) {
@@ -334,7 +281,7 @@ std::string packed_examples(const std::string& dataset_path, const ExampleOption
         try {
           Example example = example_of(record, *sensor, options, copy == 0 ? 0 : 1 + turns.integer(rotations - 1));
           example.sha256 = trial_identity(reader, trial);
-          for_each_member(example, [&](const auto& member) { bytes.put(member); });
+          with_members(example, [&](const auto&... members) { bytes.put(members...); });
         } catch (const InputError& error) {
           throw InputError(fmt::format("{}: {}", subject, error.what()));
         }
@@ -415,16 +362,14 @@ Examples read_examples(const std::string& dataset_path, const ExampleOptions& op
   bare.scale.clear();
   ExampleOptions unscaled = options;
   unscaled.input = bare;
-  Bytes bytes(guarded(dataset_path, [&] { return packed_examples(dataset_path, unscaled); }));
+  Packed bytes(guarded(dataset_path, [&] { return packed_examples(dataset_path, unscaled); }));
   Examples examples;
   bytes.take(examples.command);
-  std::size_t files = 0;
-  bytes.take(files);
-  examples.sha256.resize(files);
+  examples.sha256.resize(bytes.take<std::size_t>());
   for (std::string& digest : examples.sha256) bytes.take(digest);
   while (!bytes.at_end()) {
     Example& example = examples.all.emplace_back();
-    for_each_member(example, [&](auto& member) { bytes.take(member); });
+    with_members(example, [&](auto&... members) { bytes.take(members...); });
     if (!example.frames.label.empty()) examples.inputs = example.frames.features.size() / example.frames.label.size();
   }
   return examples;

@@ -63,7 +63,7 @@ struct ExampleOptions {
   LabelRule labels = LabelRule::micro;
   ClassRule classes = ClassRule::slip;
   std::string sensor;       // empty: every sensor of the input's type and rate (network::rate_fits) whose values its picks fit
-  std::size_t turned = 0;   // of a myrmex: so many copies of each example more, their images turned (export/myrmex_images.h)
+  std::size_t turned = 0;   // of a myrmex: so many copies of each example more, their images turned (samples/myrmex_images.h)
   std::size_t at_most = 0;  // frames of a class in an example, drawn; 0: all. For networks that see one frame at a time
   std::uint64_t seed = 1;   // of what is drawn: RandomStream(seed, trial, "frames") and "turns"
 };

@@ -29,6 +29,76 @@ std::vector<Parameter> recurrent(std::size_t gates, std::size_t units, std::size
   return {drawn({rows, inputs}, units), drawn({rows, units}, units), drawn({rows}, units), drawn({rows}, units)};
 }
 
+void need_list(const Shape& in) { need(in.size() == 1, "a frame is no list"); }
+void need_image(const Shape& in) { need(in.size() == 3, "a frame is no image [C, H, W]"); }
+
+// What each kind makes of a frame.
+Shape shape_of(const Linear& linear, Shape in) {
+  need(!in.empty(), "a frame is a single value");
+  in.back() = linear.outputs;
+  return in;
+}
+Shape shape_of(const Relu& /*relu*/, Shape in) { return in; }
+Shape shape_of(const Tanh& /*tanh*/, Shape in) { return in; }
+Shape shape_of(const BatchNorm& norm, Shape in) {
+  need(norm.axis < in.size(), "no such axis");
+  return in;
+}
+Shape shape_of(const Gru& gru, const Shape& in) {
+  need_list(in);
+  return {gru.units};
+}
+Shape shape_of(const Lstm& lstm, const Shape& in) {
+  need_list(in);
+  return {lstm.units};
+}
+Shape shape_of(const ConvLstm& lstm, const Shape& in) {
+  need_image(in);
+  need(lstm.kernel % 2 == 1, "an even kernel");
+  return {lstm.channels, in[1], in[2]};
+}
+Shape shape_of(const Conv1d& conv, const Shape& in) {
+  need_list(in);
+  need(conv.kernel >= 1, "no kernel");
+  return {conv.channels};
+}
+Shape shape_of(const Conv2d& conv, const Shape& in) {
+  need_image(in);
+  const std::size_t height = in[1] + 2 * conv.padding, width = in[2] + 2 * conv.padding;
+  need(height >= conv.kernel && width >= conv.kernel && conv.kernel >= 1, "a kernel larger than the image");
+  return {conv.channels, height - conv.kernel + 1, width - conv.kernel + 1};
+}
+Shape shape_of(const MaxPool& /*pool*/, const Shape& in) {
+  need_image(in);
+  need(in[1] >= 2 && in[2] >= 2, "an image too small to pool");
+  return {in[0], in[1] / 2, in[2] / 2};
+}
+Shape shape_of(const GlobalAverage& /*average*/, const Shape& in) {
+  need_image(in);
+  return {in[0]};
+}
+Shape shape_of(const GraphConvolution& graph, const Shape& in) {
+  need(in.size() == 2 && graph.adjacency.size() == in[0] * in[0], "a frame is no list of nodes of that graph");
+  return {in[0], graph.units};
+}
+Shape shape_of(const Flatten& /*flatten*/, const Shape& in) { return {extent_of(in)}; }
+Shape shape_of(const Reshape& reshape, const Shape& in) {
+  need(extent_of(reshape.shape) == extent_of(in), "another number of values");
+  return reshape.shape;
+}
+Shape shape_of(const Permute& permute, const Shape& in) {
+  Shape sorted = permute.order, out;
+  std::ranges::sort(sorted);
+  need(sorted.size() == in.size(), "another number of axes");
+  for (std::size_t i = 0; i < sorted.size(); ++i) need(sorted[i] == i, "no order of axes");
+  for (const std::size_t axis : permute.order) out.push_back(in[axis]);
+  return out;
+}
+Shape shape_of(const Last& last, Shape in) {
+  need(last.frames >= 1, "no frame");
+  return in;
+}
+
 }  // namespace
 
 std::size_t extent_of(const Shape& shape) {
@@ -36,78 +106,7 @@ std::size_t extent_of(const Shape& shape) {
 }
 
 Shape shape_after(const Layer& layer, const Shape& in) {
-  const auto list = [&] { need(in.size() == 1, "a frame is no list"); };
-  const auto image = [&] { need(in.size() == 3, "a frame is no image [C, H, W]"); };
-  return std::visit(
-      Overloaded{
-          [&](const Linear& linear) {
-            need(!in.empty(), "a frame is a single value");
-            Shape out = in;
-            out.back() = linear.outputs;
-            return out;
-          },
-          [&](const Relu&) { return in; },
-          [&](const Tanh&) { return in; },
-          [&](const BatchNorm& norm) {
-            need(norm.axis < in.size(), "no such axis");
-            return in;
-          },
-          [&](const Gru& gru) {
-            list();
-            return Shape{gru.units};
-          },
-          [&](const Lstm& lstm) {
-            list();
-            return Shape{lstm.units};
-          },
-          [&](const ConvLstm& lstm) {
-            image();
-            need(lstm.kernel % 2 == 1, "an even kernel");
-            return Shape{lstm.channels, in[1], in[2]};
-          },
-          [&](const Conv1d& conv) {
-            list();
-            need(conv.kernel >= 1, "no kernel");
-            return Shape{conv.channels};
-          },
-          [&](const Conv2d& conv) {
-            image();
-            need(in[1] + 2 * conv.padding >= conv.kernel && in[2] + 2 * conv.padding >= conv.kernel && conv.kernel >= 1,
-                 "a kernel larger than the image");
-            return Shape{conv.channels, in[1] + 2 * conv.padding - conv.kernel + 1, in[2] + 2 * conv.padding - conv.kernel + 1};
-          },
-          [&](const MaxPool&) {
-            image();
-            need(in[1] >= 2 && in[2] >= 2, "an image too small to pool");
-            return Shape{in[0], in[1] / 2, in[2] / 2};
-          },
-          [&](const GlobalAverage&) {
-            image();
-            return Shape{in[0]};
-          },
-          [&](const GraphConvolution& graph) {
-            need(in.size() == 2 && graph.adjacency.size() == in[0] * in[0], "a frame is no list of nodes of that graph");
-            return Shape{in[0], graph.units};
-          },
-          [&](const Flatten&) { return Shape{extent_of(in)}; },
-          [&](const Reshape& reshape) {
-            need(extent_of(reshape.shape) == extent_of(in), "another number of values");
-            return reshape.shape;
-          },
-          [&](const Permute& permute) {
-            Shape sorted = permute.order, out;
-            std::ranges::sort(sorted);
-            need(sorted.size() == in.size(), "another number of axes");
-            for (std::size_t i = 0; i < sorted.size(); ++i) need(sorted[i] == i, "no order of axes");
-            for (const std::size_t axis : permute.order) out.push_back(in[axis]);
-            return out;
-          },
-          [&](const Last& last) {
-            need(last.frames >= 1, "no frame");
-            return in;
-          },
-      },
-      layer);
+  return std::visit([&in](const auto& kind) { return shape_of(kind, in); }, layer);
 }
 
 std::vector<Parameter> parameters_of(const Layer& layer, const Shape& in) {

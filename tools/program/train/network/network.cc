@@ -1,9 +1,7 @@
 #include "tools/program/train/network/network.h"
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "sim/core/own_library.h"
 #include "tools/program/train/network/torch_library.h"

@@ -30,6 +30,6 @@ nlohmann::ordered_json evaluation_json(const Evaluation& evaluation);
 // All draws: the one for choosing, and mean and standard deviation of the others beside them.
 nlohmann::ordered_json draws_json(std::span<const Evaluation> draws);
 
-nlohmann::ordered_json train_json(const TrainSummary& summary, const TrainOptions& options);
+nlohmann::ordered_json train_json(const HdSummary& summary, const HdTraining& options);
 
 }  // namespace slipbench

@@ -1,4 +1,4 @@
-#include "tools/program/text/evaluation_text.h"
+#include "tools/program/text/train_text.h"
 
 #include <array>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "tools/base/statistics/confusion.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/cli/table.h"
-#include "tools/program/train/training_text.h"
+#include "tools/program/train/hd_json.h"
 
 namespace slipbench {
 namespace {
@@ -38,7 +38,7 @@ constexpr std::array figures{Figure{"recall of slip", recall_of_slip, &Evaluatio
 
 }  // namespace
 
-std::string draws_text(const TrainSummary& summary, const Style& style) {
+std::string draws_text(const HdSummary& summary, const Style& style) {
   Table table({"in %", "by sequence", "draw 0", "by frame"});
   for (const Figure& row : figures) {
     const auto figure = [&](const Evaluation& e) { return row.of(e.*row.frames); };

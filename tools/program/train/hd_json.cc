@@ -1,10 +1,9 @@
-#include "tools/program/train/training_text.h"
+#include "tools/program/train/hd_json.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "detectors/hd/words.h"
-#include "tools/program/train/training_words.h"
+#include "tools/program/train/hd_words.h"
 
 namespace slipbench {
 namespace {
@@ -102,7 +101,7 @@ Json draws_json(std::span<const Evaluation> draws) {
           {"draws", each}};
 }
 
-Json train_json(const TrainSummary& summary, const TrainOptions& options) {
+Json train_json(const HdSummary& summary, const HdTraining& options) {
   return {{"dataset", options.dataset},
           {"memories", options.output},
           {"model", model_json(options.model, options.quantiser)},

@@ -1,4 +1,4 @@
-#include "tools/program/train/training_words.h"
+#include "tools/program/train/hd_words.h"
 
 #include <stdexcept>
 
