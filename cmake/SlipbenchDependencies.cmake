@@ -52,7 +52,7 @@ if(SLIPBENCH_WITH_MUJOCO AND NOT SLIPBENCH_SANITIZE)
   endforeach()
 endif()
 
-# libtorch teaches the networks of tools/program/learn. Without it everything else is built.
+# libtorch teaches the networks of tools/program/train/network. Without it everything else is built.
 find_package(Torch 1.13 QUIET)                     # TORCH_LIBRARIES
 set(SLIPBENCH_WITH_TORCH ${Torch_FOUND})
 if(NOT SLIPBENCH_WITH_TORCH)

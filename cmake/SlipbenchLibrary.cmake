@@ -22,8 +22,9 @@ endfunction()
 # One target a folder: slipbench_<NAME>, alias slipbench::<NAME>, installed and exported with its headers.
 # COLD: runs once a command and not once a step, so that the time to compile it counts and its own speed does not (-O1, stack
 # protector, containers that check their indices).
+# GUARDED: reads the files of others (stack protector; the precompiled headers are of libraries without it).
 function(slipbench_library)
-  cmake_parse_arguments(ARG "COLD" "NAME" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "COLD;GUARDED" "NAME" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
   set(target slipbench_${ARG_NAME})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(slipbench::${ARG_NAME} ALIAS ${target})
@@ -34,6 +35,8 @@ function(slipbench_library)
   if(ARG_COLD)
     target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1;-fstack-protector-strong;-D_GLIBCXX_ASSERTIONS>" $<$<CONFIG:Debug>:-O0>)
     slipbench_precompile(KIND cold TARGET ${target})
+  elseif(ARG_GUARDED)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-fstack-protector-strong>)
   else()
     slipbench_precompile(KIND hot TARGET ${target})
   endif()

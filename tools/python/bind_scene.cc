@@ -24,12 +24,14 @@
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/check/check.h"
-#include "tools/program/cli/describe.h"
 #include "tools/program/cli/program.h"
+#include "tools/program/commands/command_table.h"
 #include "tools/program/cost/kept_setting.h"
-#include "tools/program/judge/detector_choice.h"
-#include "tools/program/judge/evaluate.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/eval/detector_choice.h"
+#include "tools/program/eval/evaluate.h"
+#include "tools/program/sweep/run_sweep.h"
+#include "tools/program/sweep/sweep_json.h"
+#include "tools/program/text/describe.h"
 #include "tools/python/module.h"
 
 namespace nb = nanobind;
@@ -240,17 +242,17 @@ class Scene {
 
 std::string evaluate(const std::string& type, const Pairs& parameters, const std::string& dataset, const std::string& labels,
                      const std::string& sensor, const std::string& split, bool all) {
-  judge::Options options;
-  options.detector = judge::chosen_detector(type, overrides_of(parameters));
+  eval::Options options;
+  options.detector = eval::chosen_detector(type, overrides_of(parameters));
   options.dataset = dataset;
   options.sensor = sensor;
   options.split = split;
   options.all = all;
-  if (const std::unique_ptr<network::Engine> engine = judge::network_of(options.detector))
+  if (const std::unique_ptr<network::Engine> engine = eval::network_of(options.detector))
     options.trained = engine->description().trained;
-  options.labels = labels.empty() ? judge::learnt_labels(options.trained) : judge::parse_label_rule(labels);
+  options.labels = labels.empty() ? eval::learnt_labels(options.trained) : eval::parse_label_rule(labels);
   const PythonForks forks;
-  return judge::evaluate(options).dump();
+  return eval::evaluate(options).dump();
 }
 
 std::string describe(const std::string& name) {

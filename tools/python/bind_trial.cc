@@ -10,9 +10,9 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
-#include "tools/base/dataset/encoder.h"
-#include "tools/base/dataset/sha256.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/files/sha256.h"
+#include "tools/base/record/encoder.h"
+#include "tools/base/record/trial_record.h"
 #include "tools/python/module.h"
 
 namespace nb = nanobind;

@@ -18,7 +18,7 @@
 
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "tools/base/dataset/file_lock.h"
+#include "tools/base/files/file_lock.h"
 
 namespace slipbench::reproduce {
 

@@ -13,8 +13,8 @@
 
 #include "sim/core/error.h"
 #include "sim/core/own_library.h"
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/record/encoder.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/table.h"

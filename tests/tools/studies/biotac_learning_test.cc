@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 
 namespace slipbench::reproduce::biotac_learning_test {
 namespace {
@@ -13,7 +13,7 @@ using namespace biotac;
 
 // Three classes with the odds 1 : 2 : 1; the first frame is masked, the second example is not judged.
 TEST(Answers, AreOfJudgedFrames) {
-  const std::vector<learn::FoldExample> examples{{{{}, {learn::masked, 2}}}, {{{}, {0, 0}}}};
+  const std::vector<train::FoldExample> examples{{{{}, {train::masked, 2}}}, {{{}, {0, 0}}}};
   const auto two = static_cast<float>(std::log(2.0));
   const std::vector<Answer> answers = answers_of(examples, {{0.0F, 0.0F, 0.0F, 0.0F, two, 0.0F}, {}}, 1);
   ASSERT_EQ(answers.size(), 1U);
@@ -60,7 +60,7 @@ TEST(Scores, AreMeansOfFolds) {
 // Two sets of +-1 that name the sign by opposite classes: who learns from the other alone is wrong throughout. Of both, there are five times as many of
 // the other.
 TEST(Lessons, LearnFromWhomTheyAreTold) {
-  if (!learn::networks_available()) GTEST_SKIP() << "no libtorch";
+  if (!train::networks_available()) GTEST_SKIP() << "no libtorch";
   const auto signs = [](std::size_t count, bool turned) {
     Set set;
     set.folds = 2;
@@ -75,7 +75,7 @@ TEST(Lessons, LearnFromWhomTheyAreTold) {
   ReproduceOptions options;
   options.jobs = 2;
   Lessons lessons(options);
-  const Network network{"lr", "lr", {1, {learn::Linear{2}}}, 2000};
+  const Network network{"lr", "lr", {1, {train::Linear{2}}}, 2000};
   const std::size_t own = lessons.queue(set, nullptr, Learns::own, network),
                     from_other = lessons.queue(set, &other, Learns::other, network),
                     both = lessons.queue(set, &other, Learns::both, network);
@@ -88,7 +88,7 @@ TEST(Lessons, LearnFromWhomTheyAreTold) {
 }
 
 TEST(BiotacTables, RefuseWhatCannotBe) {
-  if (!learn::networks_available()) GTEST_SKIP() << "no libtorch";
+  if (!train::networks_available()) GTEST_SKIP() << "no libtorch";
   ReproduceOptions options;
   options.data = "a.h5";
   options.trials = 3;

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tests/tools/program/import/sources.h"
 #include "tools/studies/biotac/biotac_stability.h"
 
@@ -13,9 +13,9 @@ namespace slipbench::reproduce::biotac_recordings_test {
 namespace {
 
 using namespace biotac;
-using learn::masked;
 using slipbench::testing::slide_header;
 using slipbench::testing::slide_row;
+using train::masked;
 
 // Row r of finger f reads 1000 f + 100 r + e.
 TrialRecord three_fingers(const char* params, std::size_t rows) {
@@ -77,10 +77,10 @@ TEST(Grasps, AreShownAsListImageAndGraph) {
   grasp.slipped = true;
   EXPECT_EQ(as_list(grasp).frames.features, grasp.counts);
   EXPECT_THAT(as_list(grasp).frames.label, ElementsAre(1));
-  const learn::FoldExample graph = as_graph(grasp);
+  const train::FoldExample graph = as_graph(grasp);
   EXPECT_EQ(graph.frames.features[3 * 5 + 0], 5.0F);
   EXPECT_EQ(graph.frames.features[3 * 5 + 2], 48.0F + 5.0F);
-  const learn::FoldExample image = as_image(grasp, learn::biotac::image_layouts().back());
+  const train::FoldExample image = as_image(grasp, train::biotac::image_layouts().back());
   ASSERT_EQ(image.frames.features.size(), 3U * 4U * 7U);
   EXPECT_EQ(image.frames.features[6], 0.0F);
   EXPECT_EQ(image.frames.features[0], 10.0F);
@@ -89,7 +89,7 @@ TEST(Grasps, AreShownAsListImageAndGraph) {
 
 // E11 to E20 are E1 to E10 on the other side of the finger, E23 is E22; E21 and E24 lie in the middle.
 TEST(Images, AreSymmetric) {
-  for (const learn::biotac::ImageLayout& layout : learn::biotac::image_layouts()) {
+  for (const train::biotac::ImageLayout& layout : train::biotac::image_layouts()) {
     const auto mirrored = [&](std::size_t e) {
       return std::pair(layout.places[e].first, layout.columns - 1 - layout.places[e].second);
     };
@@ -116,7 +116,7 @@ TEST(Graphs, AreOfTheNearestElectrodes) {
                   1.0, 1e-12);
   }
   EXPECT_THAT(nearest_graph(23), Each(1.0 / 24.0));
-  EXPECT_EQ(nearest_graph(0), learn::biotac::drawn_graph());
+  EXPECT_EQ(nearest_graph(0), train::biotac::drawn_graph());
 }
 
 // Six rows; in the first nothing touches. Every electrode climbs by 2 a row.
@@ -128,7 +128,7 @@ Touch climbing() {
 }
 
 TEST(Windows, AreThoseInContact) {
-  const std::vector<learn::FoldExample> windows = windows_of(climbing(), {.rows = 2, .stride = 1});
+  const std::vector<train::FoldExample> windows = windows_of(climbing(), {.rows = 2, .stride = 1});
   ASSERT_EQ(windows.size(), 4U);
   EXPECT_EQ(windows[0].frames.features.front(), 12.0F);
   EXPECT_EQ(windows[3].frames.features.back(), 20.0F);
@@ -137,7 +137,7 @@ TEST(Windows, AreThoseInContact) {
 }
 
 TEST(Windows, WithoutTheSiteHaveNoMean) {
-  const std::vector<learn::FoldExample> windows = windows_of(climbing(), {.rows = 3, .stride = 2, .site = false});
+  const std::vector<train::FoldExample> windows = windows_of(climbing(), {.rows = 3, .stride = 2, .site = false});
   ASSERT_EQ(windows.size(), 1U);  // of rows 2 to 4: -2, 0, 2
   EXPECT_EQ(windows[0].frames.features.front(), -2.0F);
   EXPECT_EQ(windows[0].frames.features[electrodes], 0.0F);

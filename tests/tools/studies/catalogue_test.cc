@@ -3,7 +3,7 @@
 #include <set>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/project/project_file.h"
 
 namespace slipbench::reproduce {

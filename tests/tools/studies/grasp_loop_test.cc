@@ -1,7 +1,7 @@
 // The controls of the study of learned detectors: what learns nothing needs no training.
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce::grasp_loop_test {

@@ -4,7 +4,7 @@
 #include <csignal>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 
 namespace slipbench::reproduce::grid_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/reproduce_command.h"
 

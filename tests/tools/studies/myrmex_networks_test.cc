@@ -6,12 +6,12 @@
 #include <set>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 
 namespace slipbench::reproduce::myrmex_networks_test {
 namespace {
 
-using learn::masked;
+using train::masked;
 
 MyrmexWindow window(double time, double to_onset, std::uint8_t label, bool drawn = true) {
   MyrmexWindow one;
@@ -129,12 +129,12 @@ TEST(Told, IsWhatTheInputSays) {
 // conv 3x3 of 32 channels on 32 bins has (9 x 32 + 1) 32 parameters, on 28 bins (9 x 28 + 1) 32: 1,152 fewer.
 TEST(Shapes, AreTheRecipesWithAsManyBinsAsAreTold) {
   const auto parameters = [](MyrmexInput input) {
-    return learn::parameter_count(shape_of(network_row(3, input, SlipWord::truth)));
+    return train::parameter_count(shape_of(network_row(3, input, SlipWord::truth)));
   };
   EXPECT_EQ(parameters(MyrmexInput::spectra) - parameters(MyrmexInput::high_pass), 9U * 4U * 32U);
   MyrmexRow clock;
   clock.input = MyrmexInput::clock;
-  EXPECT_EQ(learn::parameter_count(shape_of(clock)), 2U * 32U + 33U * 3U);
+  EXPECT_EQ(train::parameter_count(shape_of(clock)), 2U * 32U + 33U * 3U);
 }
 
 // 3 of 4 stable, 1 of 2 translations: mean 5/8; no rotation is judged.
@@ -150,7 +150,7 @@ TEST(KindCounts, AccuracyIsTheMeanOfTheClassesThatOccur) {
 }
 
 TEST(Sizes, OneTrialOfACellIsRefused) {
-  if (!learn::networks_available()) GTEST_SKIP() << "built without libtorch";
+  if (!train::networks_available()) GTEST_SKIP() << "built without libtorch";
   ReproduceOptions options;
   options.trials = 1;
   EXPECT_THAT(refusal_of([&] { myrmex_size(options); }), HasSubstr("allowed: 2 or more"));
@@ -161,18 +161,18 @@ TEST(Sizes, OneTrialOfACellIsRefused) {
 
 // Three classes at -1, 0 and 1 of one value.
 TEST(CalledKinds, AreThoseThatCanBeTold) {
-  if (!learn::networks_available()) GTEST_SKIP() << "built without libtorch";
-  learn::FrameSequence learnt, judged;
+  if (!train::networks_available()) GTEST_SKIP() << "built without libtorch";
+  train::FrameSequence learnt, judged;
   for (int k = 0; k < 60; ++k) {
     learnt.features.push_back(static_cast<float>(k % 3 - 1));
     learnt.label.push_back(static_cast<std::uint8_t>(k % 3));
   }
   judged.features = {1.0F, -1.0F, 0.0F};
   judged.label = {0, 0, 0};  // asked for, and not looked at
-  learn::TrainingOptions training;
+  train::TrainingOptions training;
   training.steps = 300;
   training.clip = 1;
-  training.optimiser = learn::Optimiser::adam;
+  training.optimiser = train::Optimiser::adam;
   training.learning_rate = 1e-2;
   MyrmexRow row;
   row.input = MyrmexInput::clock;
@@ -181,7 +181,7 @@ TEST(CalledKinds, AreThoseThatCanBeTold) {
 
 // A clock tells slip from hold in these trials: all before 1 s is stable. Of object left out it judges all three, of the trials all six.
 TEST(MyrmexValidations, JudgeEveryWindowOfTheFoldsThatAreAskedFor) {
-  if (!learn::networks_available()) GTEST_SKIP() << "built without libtorch";
+  if (!train::networks_available()) GTEST_SKIP() << "built without libtorch";
   const std::vector<MyrmexTrial> all = trials();
   ReproduceOptions options;
   options.jobs = 1;

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sensors/piezo_skin/piezo_skin.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 
 namespace slipbench::reproduce::piezo_frames_test {
 namespace {

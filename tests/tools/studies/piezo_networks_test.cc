@@ -5,14 +5,14 @@
 
 #include "sim/core/random.h"
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
-#include "tools/program/learn/recipe.h"
+#include "tests/tools/base/record/test_records.h"
+#include "tools/program/train/recipes/recipe.h"
 
 namespace slipbench::reproduce::piezo_networks_test {
 namespace {
 
-using learn::LabelRule;
-using learn::masked;
+using train::LabelRule;
+using train::masked;
 
 // Three frames of one value, the last slips; by the position the second does, too.
 PiezoRecording recording() {
@@ -25,13 +25,13 @@ PiezoRecording recording() {
   return one;
 }
 
-NetworkRow row_of(learn::Layers layers) {
-  layers.emplace_back(learn::Linear{2});
+NetworkRow row_of(train::Layers layers) {
+  layers.emplace_back(train::Linear{2});
   return {.name = "one", .text = "one", .shape = {1, std::move(layers)}};
 }
 
 TEST(Examples, OfOneFrameAreTheFrames) {
-  const std::vector<learn::FoldExample> examples = examples_of({recording()}, row_of({}), LabelRule::paper);
+  const std::vector<train::FoldExample> examples = examples_of({recording()}, row_of({}), LabelRule::paper);
   ASSERT_EQ(examples.size(), 1U);
   EXPECT_EQ(examples[0].group, with_slip);
   EXPECT_THAT(examples[0].frames.features, ElementsAre(1.0F, 2.0F, 3.0F));
@@ -40,14 +40,14 @@ TEST(Examples, OfOneFrameAreTheFrames) {
 
 // A kernel of 3 looks back to 2 frames before the first.
 TEST(Examples, LookBackToTheFirstFrame) {
-  const auto examples = examples_of({recording()}, row_of({learn::Conv1d{1, 3}}), LabelRule::micro);
+  const auto examples = examples_of({recording()}, row_of({train::Conv1d{1, 3}}), LabelRule::micro);
   EXPECT_THAT(examples[0].frames.features, ElementsAre(1.0F, 1.0F, 1.0F, 2.0F, 3.0F));
   EXPECT_THAT(examples[0].frames.label, ElementsAre(masked, masked, 0, 0, 1));
 }
 
 // Of three frames one is later: an answer names the middle one. The answer after the k-th frame stands at k + 2, the label of k - 1 with it.
 TEST(Examples, ThatHaveSeenLaterFramesNameEarlierOnes) {
-  NetworkRow row = row_of({learn::Conv1d{1, 3}});
+  NetworkRow row = row_of({train::Conv1d{1, 3}});
   row.later = 1;
   const auto examples = examples_of({recording()}, row, LabelRule::micro);
   EXPECT_THAT(examples[0].frames.features, ElementsAre(1.0F, 1.0F, 2.0F, 3.0F, 3.0F));
@@ -67,8 +67,8 @@ TEST(Examples, OfAShortcutAreWhatItIsTold) {
 // Two folds. With contact: all right, and half of each right. Motors: 3 of 4 and 1 of 4 frames right.
 // All, fold 1: slip 1/1, hold (1 + 3)/5 = 0.8; 90 %. Fold 2: slip 1/2, hold (1 + 1)/6; 41.7 %.
 TEST(Figures, AreMeansOfFolds) {
-  const std::vector<GroupCounts> folds{{learn::Counts{1, 0, 0, 1}, learn::Counts{0, 0, 1, 3}},
-                                       {learn::Counts{1, 1, 1, 1}, learn::Counts{0, 0, 3, 1}}};
+  const std::vector<GroupCounts> folds{{train::Counts{1, 0, 0, 1}, train::Counts{0, 0, 1, 3}},
+                                       {train::Counts{1, 1, 1, 1}, train::Counts{0, 0, 3, 1}}};
   EXPECT_NEAR(on_slip(folds).accuracy.mean, 75.0, 1e-9);
   EXPECT_NEAR(on_slip(folds).accuracy.sd, 50.0 / std::sqrt(2.0), 1e-9);  // of two: their distance over the root of 2
   EXPECT_NEAR(on_slip(folds).f1.mean, 0.75, 1e-9);                       // 1, and 2/(2 + 1 + 1)
@@ -82,16 +82,16 @@ TEST(Figures, AreMeansOfFolds) {
 
 // 200 epochs of 3,200 recordings: a fifth judges, a fifth of the others validates, 2,048 are 64 steps of 32 clips.
 TEST(StudySize, OfThePaperHas200Epochs) {
-  const learn::Validation full = StudySize{published_recordings, true}.training(gru_32(), 3);
+  const train::Validation full = StudySize{published_recordings, true}.training(gru_32(), 3);
   EXPECT_EQ(full.training.steps, 200U * 64U);
   EXPECT_EQ(full.training.validate_every, 64U);
   EXPECT_NEAR(full.validated, 0.2, 1e-12);
   EXPECT_EQ(full.training.seed, 3U);
   EXPECT_EQ(full.training.batch, 32U);
-  EXPECT_EQ(full.training.optimiser, learn::Optimiser::rmsprop);
+  EXPECT_EQ(full.training.optimiser, train::Optimiser::rmsprop);
   EXPECT_EQ(full.training.learning_rate, 8e-4);
-  const learn::Validation usual = StudySize{200, false}.training(mlp_32(), 1);
-  EXPECT_EQ(usual.training.steps, learn::find_recipe("piezo_mlp").training.steps);
+  const train::Validation usual = StudySize{200, false}.training(mlp_32(), 1);
+  EXPECT_EQ(usual.training.steps, train::find_recipe("piezo_mlp").training.steps);
   EXPECT_EQ(usual.validated, 0.0);
 }
 
@@ -116,9 +116,9 @@ std::vector<PiezoRecording> many() {
 
 // Calls of a network hang on every bit of its weights where frames are near the threshold; here a third of them are.
 TEST(Validations, DoNotDependOnJobs) {
-  if (!learn::networks_available()) GTEST_SKIP() << "no libtorch";
+  if (!train::networks_available()) GTEST_SKIP() << "no libtorch";
   const std::vector<PiezoRecording> recordings = many();
-  NetworkRow row = row_of({learn::Gru{8}});
+  NetworkRow row = row_of({train::Gru{8}});
   row.training = {.steps = 30, .batch = 8, .clip = 16, .learning_rate = 3e-3};
   const auto calls = [&](std::size_t jobs) {
     ReproduceOptions options;
@@ -129,14 +129,14 @@ TEST(Validations, DoNotDependOnJobs) {
     EXPECT_EQ(validations.folds(number).size(), fold_count);
     return validations.calls(number);
   };
-  const learn::Calls alone = calls(1);
+  const train::Calls alone = calls(1);
   ASSERT_EQ(alone.size(), recordings.size());
   for (const std::vector<std::uint8_t>& one : alone) EXPECT_EQ(one.size(), 40U);
   for (const std::size_t jobs : {2U, 5U}) EXPECT_EQ(calls(jobs), alone) << jobs;
 }
 
 TEST(NetworkTables, RefuseWhatMakesNoFolds) {
-  if (!learn::networks_available()) GTEST_SKIP() << "no libtorch";
+  if (!train::networks_available()) GTEST_SKIP() << "no libtorch";
   for (const char* name : {"table1", "table2", "table3", "table4", "delay"}) {
     ReproduceOptions options;
     options.trials = 9;

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/core/random.h"
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 
 namespace slipbench::reproduce::piezo_recordings_test {
 namespace {
@@ -49,7 +48,7 @@ TEST_F(PiezoRecordings, SayWhatWasSwept) {
   EXPECT_THAT(spectra.truth, ElementsAre(0, 1, 1));  // frames end with samples 199, 299, 399
   EXPECT_THAT(spectra.paper, ElementsAre(0, 0, 1));
   EXPECT_THAT(spectra.features, SizeIs(3 * 12));
-  EXPECT_THAT(spectra.by(learn::LabelRule::paper).label, ElementsAre(0, 0, 1));
+  EXPECT_THAT(spectra.by(train::LabelRule::paper).label, ElementsAre(0, 0, 1));
   EXPECT_THAT(signal.truth, ElementsAre(0, 0, 0, 1));  // samples 0, 100, 200, 300
   EXPECT_THAT(signal.features, SizeIs(4));
   EXPECT_THAT(recordings[0].time, ElementsAre(DoubleNear(0.0199, 1e-9), DoubleNear(0.0299, 1e-9), DoubleNear(0.0399, 1e-9)));
@@ -98,10 +97,10 @@ TEST_F(PiezoRecordings, SurviveTheirBytes) {
   const std::vector<network::Input> inputs{published_spectra(), spectra_of(0.0, 5000.0)};
   const PiezoRecording first = make_recording(skin_record(0, true, R"({"effects": 3})"), inputs);
   EXPECT_TRUE(std::isnan(first.level));
-  std::string bytes;
+  Packed bytes;
   pack(first, bytes);
   pack(make_recording(skin_record(1, false, "{}"), inputs), bytes);
-  const std::vector<PiezoRecording> back = unpack(bytes);
+  const std::vector<PiezoRecording> back = unpack(std::move(bytes));
   ASSERT_THAT(back, SizeIs(2));
   EXPECT_TRUE(std::isnan(back[0].level));
   EXPECT_EQ(back[0].tip, "effects=3");

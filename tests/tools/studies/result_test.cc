@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 
 namespace slipbench::reproduce {
 namespace {

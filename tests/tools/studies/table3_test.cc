@@ -2,7 +2,7 @@
 #include <numbers>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce::table3_test {

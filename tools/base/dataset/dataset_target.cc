@@ -14,9 +14,9 @@
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/header.h"
-#include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/shard.h"
+#include "tools/base/files/output_file.h"
 
 namespace slipbench {
 namespace {

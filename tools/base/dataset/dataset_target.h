@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/file_lock.h"
+#include "tools/base/files/file_lock.h"
 
 namespace slipbench {
 

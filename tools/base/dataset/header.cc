@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/base/files/output_file.h"
 
 namespace slipbench {
 
@@ -103,7 +104,5 @@ std::string kept_path(const std::string& path) {
   name += whole.extension();
   return (whole.parent_path() / name).string();
 }
-
-std::string temporary_path(const std::string& path) { return path + ".partial"; }
 
 }  // namespace slipbench

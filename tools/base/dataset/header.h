@@ -78,7 +78,5 @@ std::string shard_path(const std::string& path, std::size_t shard);
 std::string sibling_path(const std::string& path, std::size_t k);
 // Where an interrupted run leaves the trials it finished: OUT.partial.h5.
 std::string kept_path(const std::string& path);
-// Where a running one writes: OUT.h5.partial.
-std::string temporary_path(const std::string& path);
 
 }  // namespace slipbench

@@ -11,7 +11,7 @@
 #include "sim/core/error.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/guarded.h"
-#include "tools/base/dataset/sha256.h"
+#include "tools/base/files/sha256.h"
 
 namespace slipbench {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/file_lock.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/files/file_lock.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 

@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/content_walk.h"
-#include "tools/base/dataset/encoder.h"
-#include "tools/base/dataset/hdf5_place.h"
-#include "tools/base/dataset/heap_check.h"
-#include "tools/base/dataset/layout.h"
+#include "tools/base/hdf5/hdf5_place.h"
+#include "tools/base/hdf5/heap_check.h"
+#include "tools/base/record/content_walk.h"
+#include "tools/base/record/encoder.h"
+#include "tools/base/record/layout.h"
 
 namespace slipbench {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "tools/base/dataset/header.h"
-#include "tools/base/dataset/sha256.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/files/sha256.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/crash_safe_file.h"
-#include "tools/base/dataset/encoder.h"
-#include "tools/base/dataset/file_lock.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/mask.h"
+#include "tools/base/files/file_lock.h"
+#include "tools/base/hdf5/crash_safe_file.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench {
 

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/header.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench {
 

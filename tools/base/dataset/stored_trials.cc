@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/content_walk.h"
-#include "tools/base/dataset/layout.h"
 #include "tools/base/dataset/shard.h"
+#include "tools/base/record/content_walk.h"
+#include "tools/base/record/layout.h"
 
 namespace slipbench {
 namespace {

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/dataset/encoder.h"
-#include "tools/base/dataset/hdf5_place.h"
 #include "tools/base/dataset/mask.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/hdf5/hdf5_place.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench {
 

@@ -14,8 +14,8 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/dataset_target.h"
-#include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/shard.h"
+#include "tools/base/files/output_file.h"
 
 namespace slipbench {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/kept_trials.h"
 #include "tools/base/dataset/mask.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench {
 

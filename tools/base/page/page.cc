@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/page/pack.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench::page {
 

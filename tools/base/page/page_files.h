@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/base/dataset/output_file.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/page/json.h"
 
 namespace slipbench::page {

@@ -15,11 +15,11 @@
 #include "sim/core/interrupted.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/content_check.h"
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/scratch_folder.h"
+#include "tools/base/files/scratch_folder.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/record/encoder.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
@@ -29,12 +29,12 @@
 #include "tools/program/benchmark/score.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/doctor/environment.h"
-#include "tools/program/judge/metrics.h"
-#include "tools/program/judge/replay.h"
-#include "tools/program/judge/truth.h"
+#include "tools/program/eval/metrics.h"
+#include "tools/program/eval/replay.h"
+#include "tools/program/eval/truth.h"
 #include "tools/program/report/report_parameters.h"
-#include "tools/program/run/run_sweep.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -44,18 +44,18 @@ constexpr std::uint64_t replay_seconds = 100'000;
 
 // The whole slip counts from its first part on, and what sticks again under the shear that is left judges nobody: each rule by which a detector
 // may have learnt calls it otherwise. In a loop a firmer grip is to end what is said.
-judge::TruthRule rule_of(Track track) {
+eval::TruthRule rule_of(Track track) {
   switch (track) {
-    case Track::open: return judge::TruthRule::masked;
-    case Track::loop: return judge::TruthRule::micro;
-    case Track::transfer: return judge::TruthRule::paper;
+    case Track::open: return eval::TruthRule::masked;
+    case Track::loop: return eval::TruthRule::micro;
+    case Track::transfer: return eval::TruthRule::paper;
   }
   return {};
 }
 
 // How an entrant did in one trial; or why it could not be judged.
 struct Answer {
-  judge::Judgement judgement;
+  eval::Judgement judgement;
   std::optional<GraspOutcome> grasp;
   std::string failure;
 };
@@ -100,12 +100,12 @@ DetectorScene detector_for(const Seat& seat, const Held* held, const Scene* scen
   return detector;
 }
 
-Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, judge::TruthRule rule) {
+Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule) {
   Answer answer;
   try {
-    const judge::Replayed replayed =
-        judge::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
-    answer.judgement = judge::judged(record.trial, judge::truth_of(scene, record, record.sensors[seat.sensor], rule), replayed);
+    const eval::Replayed replayed =
+        eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
+    answer.judgement = eval::judged(record.trial, eval::truth_of(scene, record, record.sensors[seat.sensor], rule), replayed);
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", record.trial, error.what());
   }
@@ -119,12 +119,12 @@ Answer grasp_answer(const Seat& seat, const Held& held, Scene scene, std::size_t
     scene.detector = detector_for(seat, &held, &scene);
     const TrialRecord record = run_trial(scene, trial, Recording::full).record;
     const SensorRecord& sensor = record.sensors[seat.sensor];
-    judge::Replayed seen;
+    eval::Replayed seen;
     for (const std::uint8_t code : record.control->detector_class) seen.seen.push_back(static_cast<PadState>(code));
     seen.seen_since = sensor.time;
     seen.stuck_fraction.assign(sensor.time.size(), std::numeric_limits<double>::quiet_NaN());
     seen.probability = seen.stuck_fraction;
-    answer.judgement = judge::judged(trial, judge::truth_of(&scene, record, sensor, rule_of(Track::loop)), seen);
+    answer.judgement = eval::judged(trial, eval::truth_of(&scene, record, sensor, rule_of(Track::loop)), seen);
     answer.grasp = record.outcome.grasp;
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", trial, error.what());
@@ -152,7 +152,7 @@ void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const T
       const Seat seat{entrant, sensor, first.sensors[sensor].name};
       if (entrant->kind != Kind::oracle) {
         try {
-          judge::replay(detector_for(seat, nullptr, nullptr), first.sensors, sensor, first.seed, first.trial);
+          eval::replay(detector_for(seat, nullptr, nullptr), first.sensors, sensor, first.seed, first.trial);
         } catch (const InputError& error) {
           if (why.empty()) why = without_folder(error.what(), file_of(entrant->detector));
           continue;
@@ -208,15 +208,15 @@ Json grasps_json(const Seat& seat) {
           {"dropped", dropped},
           {"low", share.low},
           {"high", share.high},
-          {"force_ratio", judge::number_json(median(force))},
-          {"slip_m", judge::number_json(median(slip))}};
+          {"force_ratio", eval::number_json(median(force))},
+          {"slip_m", eval::number_json(median(slip))}};
 }
 
 Json row_json(const Board& board, const Seat& seat) {
   const std::vector<Part> parts = parts_of(board, seat);
   const Score score = score_of(parts, board.track);
   const Interval interval = score_interval(parts, board.track);
-  std::vector<judge::Judgement> judgements;
+  std::vector<eval::Judgement> judgements;
   for (const Answer& answer : seat.answers) judgements.push_back(answer.judgement);
   Json row = {
       {"rank", nullptr},
@@ -225,11 +225,11 @@ Json row_json(const Board& board, const Seat& seat) {
       {"sensor", seat.sensor_name},
       {"parameters", seat.entrant->parameters},
       {"sha256", seat.entrant->sha256},
-      {"score", {{"value", score.value}, {"low", judge::number_json(interval.low)}, {"high", judge::number_json(interval.high)}}},
+      {"score", {{"value", score.value}, {"low", eval::number_json(interval.low)}, {"high", eval::number_json(interval.high)}}},
       {"credit", score.credit},
       {"false_alarms_per_minute", score.alarms_per_minute},
       {"said", score.said},
-      {"figures", judge::summary_json(judge::summarised(judgements))}};
+      {"figures", eval::summary_json(eval::summarised(judgements))}};
   if (seat.answers.front().grasp) row["grasps"] = grasps_json(seat);
   return row;
 }
@@ -336,69 +336,87 @@ void in_order(std::size_t count, const Options& options, const std::function<Res
   }
 }
 
+// A set's trials, as they are simulated.
+struct HeldTrials {
+  HeldTrials(const Held& held, std::size_t asked, const Catalogues& catalogues)
+      : read(read_sweep(sweep_of(held), catalogues)), numbers(chosen_trials(read.planned.plan.size(), asked)) {}
+
+  static SweepOptions sweep_of(const Held& held) {
+    SweepOptions sweep;
+    sweep.scene_path = project_file(held.scene);
+    return sweep;
+  }
+  [[nodiscard]] const TrialPlan& plan() const { return read.planned.plan; }
+  [[nodiscard]] TrialRecord recorded(std::size_t number) const {
+    const TrialPlan::Trial planned = plan().trial(number);
+    TrialRecord record = run_trial(planned.scene, number, Recording::full).record;
+    record.params = params_json(planned.drawn);
+    return record;
+  }
+
+  ReadSweep read;
+  std::vector<std::size_t> numbers;
+};
+
+// All of a board's detectors hear the same recordings.
+void judge_recordings(Board& board, const Held& held, const HeldTrials& trials, const Options& options) {
+  struct Judged {
+    std::vector<Answer> answers;
+    std::string params, digest;
+  };
+  in_order<Judged>(
+      trials.numbers.size(), options,
+      [&](std::size_t k) {
+        const TrialRecord record = trials.recorded(trials.numbers[k]);
+        const Scene scene = trials.plan().trial(trials.numbers[k]).scene;
+        Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
+        for (const Seat& seat : board.seats)
+          judged.answers.push_back(recorded_answer(seat, &held, &scene, record, rule_of(held.track)));
+        return judged;
+      },
+      [&board](Judged&& judged) {
+        for (std::size_t k = 0; k < board.seats.size(); ++k) board.seats[k].answers.push_back(std::move(judged.answers[k]));
+        board.params.push_back(std::move(judged.params));
+        board.digests.push_back(std::move(judged.digest));
+      });
+}
+
+// Each detector closes the loop of grasps of its own.
+void judge_grasps(Board& board, const Held& held, const HeldTrials& trials, const Options& options) {
+  for (const std::size_t number : trials.numbers) {
+    board.params.push_back(params_json(trials.plan().trial(number).drawn));
+    board.digests.push_back(text_sha256(fmt::format("{} {} {}", trials.read.seed, number, board.params.back())));
+  }
+  const std::size_t seats = board.seats.size();
+  std::size_t done = 0;
+  in_order<Answer>(
+      trials.numbers.size() * seats, options,
+      [&](std::size_t k) {
+        const std::size_t number = trials.numbers[k / seats];
+        return grasp_answer(board.seats[k % seats], held, trials.plan().trial(number).scene, number);
+      },
+      [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
+  const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
+  for (const Answer& answer : std::ranges::find_if(board.seats, tightens_never)->answers)
+    board.needed.push_back(answer.grasp && answer.grasp->dropped);
+}
+
 Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, const Options& options,
                const Catalogues& catalogues) {
   if (options.say) options.say(fmt::format("{}: {}", track_name(held.track), held.sensor));
-  SweepOptions sweep;
-  sweep.scene_path = project_file(held.scene);
-  const ReadSweep read = read_sweep(sweep, catalogues);
-  const TrialPlan& plan = read.planned.plan;
-  const std::vector<std::size_t> trials = chosen_trials(plan.size(), options.asked.trials);
-  const auto recorded = [&plan](std::size_t trial) {
-    const TrialPlan::Trial planned = plan.trial(trial);
-    TrialRecord record = run_trial(planned.scene, trial, Recording::full).record;
-    record.params = params_json(planned.drawn);
-    return record;
-  };
+  const HeldTrials trials(held, options.asked.trials, catalogues);
   Board board{.track = held.track};
-  const TrialRecord first = recorded(trials.front());
+  const TrialRecord first = trials.recorded(trials.numbers.front());
   seat_all(board, entrants, first, places_of(held.readers, first));
-  const std::size_t seats = board.seats.size();
-  if (held.track == Track::open) {
-    struct Judged {
-      std::vector<Answer> answers;
-      std::string params, digest;
-    };
-    in_order<Judged>(
-        trials.size(), options,
-        [&](std::size_t k) {
-          const TrialRecord record = recorded(trials[k]);
-          const Scene scene = plan.trial(trials[k]).scene;
-          Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
-          for (const Seat& seat : board.seats)
-            judged.answers.push_back(recorded_answer(seat, &held, &scene, record, rule_of(held.track)));
-          return judged;
-        },
-        [&board](Judged&& judged) {
-          for (std::size_t k = 0; k < board.seats.size(); ++k) board.seats[k].answers.push_back(std::move(judged.answers[k]));
-          board.params.push_back(std::move(judged.params));
-          board.digests.push_back(std::move(judged.digest));
-        });
-  } else {
-    for (const std::size_t trial : trials) {
-      board.params.push_back(params_json(plan.trial(trial).drawn));
-      board.digests.push_back(text_sha256(fmt::format("{} {} {}", read.seed, trial, board.params.back())));
-    }
-    std::size_t done = 0;
-    in_order<Answer>(
-        trials.size() * seats, options,
-        [&](std::size_t k) {
-          const std::size_t trial = trials[k / seats];
-          return grasp_answer(board.seats[k % seats], held, plan.trial(trial).scene, trial);
-        },
-        [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
-    const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
-    for (const Answer& answer : std::ranges::find_if(board.seats, tightens_never)->answers)
-      board.needed.push_back(answer.grasp && answer.grasp->dropped);
-  }
+  (held.track == Track::open ? judge_recordings : judge_grasps)(board, held, trials, options);
   std::string digests;
   for (const std::string& digest : board.digests) digests += digest + "\n";
   return board_json({{"track", track_name(held.track)},
                      {"sensor", held.sensor},
                      {"scene", held.scene},
-                     {"trials", trials.size()},
+                     {"trials", trials.numbers.size()},
                      {"data_sha256", text_sha256(digests)},
-                     {"labels", judge::label_rule_name(rule_of(held.track))}},
+                     {"labels", eval::label_rule_name(rule_of(held.track))}},
                     std::move(board));
 }
 
@@ -420,7 +438,7 @@ std::string transfer_text(const std::string& file, const std::vector<const Entra
     if (!options.asked.sensor.empty() && sensor.type != options.asked.sensor)
       throw InputError(fmt::format("{}: has a {}; allowed with --sensor: a {}", file, sensor.type, options.asked.sensor));
     // A pad that nobody labelled tells nothing of a detector.
-    judge::label_states(sensor, rule_of(Track::transfer), false);
+    eval::label_states(sensor, rule_of(Track::transfer), false);
     board.sensor = sensor.type;
     if (board.digests.empty()) seat_all(board, entrants, record, {0});
     board.digests.push_back(trial_identity(reader, number));
@@ -435,7 +453,7 @@ std::string transfer_text(const std::string& file, const std::vector<const Entra
                {"file", file},
                {"trials", board.digests.size()},
                {"data_sha256", text_sha256(digests)},
-               {"labels", judge::label_rule_name(rule_of(Track::transfer))}};
+               {"labels", eval::label_rule_name(rule_of(Track::transfer))}};
   return board_json(std::move(json), std::move(board)).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -469,6 +487,42 @@ Json machine_json() {
   return machine;
 }
 
+// The detectors of the user's own words and those of the board, all but the taught ones and the oracle.
+std::vector<Entrant> known_entrants(const Asked& asked) {
+  std::vector<Entrant> entrants;
+  for (const std::string& word : asked.detectors) entrants.push_back(given_entrant(word, asked.parameters));
+  register_control();  // the board's own, which a user cannot name
+  for (Entrant& entrant : shipped_entrants()) {
+    // The user's own words for it, parameters perhaps among them, stand beside it.
+    const auto same = [&](const Entrant& one) { return one.name == entrant.name; };
+    if (const auto given = std::ranges::find_if(entrants, same); given != entrants.end()) given->name += ", given";
+    entrants.push_back(std::move(entrant));
+  }
+  for (Entrant& control : control_entrants()) entrants.push_back(std::move(control));
+  check_names(entrants);
+  return entrants;
+}
+
+// Those that can be judged on a set of simulated trials; null: on recordings of a real sensor.
+std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const Held* held) {
+  std::vector<const Entrant*> some;
+  for (const Entrant& entrant : entrants) {
+    if (entrant.kind == Kind::oracle && (held == nullptr || held->track != Track::loop)) continue;
+    if (held == nullptr ? entrant.told != Told::nothing : !can_be_told(entrant, *held)) continue;
+    if (entrant.reads.empty() || held == nullptr || entrant.reads == held->sensor) some.push_back(&entrant);
+  }
+  return some;
+}
+
+Json protocol_json(const Asked& asked) {
+  return {{"name", protocol_name},
+          {"sha256", protocol_sha256()},
+          {"half_delay_s", half_delay},
+          {"alarms_per_minute", alarm_limit},
+          {"force_ratio", worst_force_ratio},
+          {"whole", asked.trials == 0 && !asked.untaught && asked.sensor.empty()}};
+}
+
 std::string found(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace
@@ -498,17 +552,7 @@ Asked parse_asked(const Json& json) {
 Json benchmark(const Options& options) {
   const Asked& asked = options.asked;
   check_sensor(asked.sensor);
-  std::vector<Entrant> entrants;
-  for (const std::string& word : asked.detectors) entrants.push_back(given_entrant(word, asked.parameters));
-  register_control();  // the board's own, which a user cannot name
-  for (Entrant& entrant : shipped_entrants()) {
-    // The user's own words for it, parameters perhaps among them, stand beside it.
-    const auto same = [&](const Entrant& one) { return one.name == entrant.name; };
-    if (const auto given = std::ranges::find_if(entrants, same); given != entrants.end()) given->name += ", given";
-    entrants.push_back(std::move(entrant));
-  }
-  for (Entrant& control : control_entrants()) entrants.push_back(std::move(control));
-  check_names(entrants);
+  std::vector<Entrant> entrants = known_entrants(asked);
   const ScratchFolder folder;
   Taught taught;
   if (!asked.untaught) {
@@ -519,24 +563,14 @@ Json benchmark(const Options& options) {
   entrants.push_back(oracle_entrant());
   std::vector<Missing> missing = missing_entrants();
   missing.insert(missing.end(), taught.untaught.begin(), taught.untaught.end());
-  // Into trials of simulations, or nullptr: of a real sensor.
-  const auto entering = [&entrants](const Held* held) {
-    std::vector<const Entrant*> some;
-    for (const Entrant& entrant : entrants) {
-      if (entrant.kind == Kind::oracle && (held == nullptr || held->track != Track::loop)) continue;
-      if (held == nullptr ? entrant.told != Told::nothing : !can_be_told(entrant, *held)) continue;
-      if (entrant.reads.empty() || held == nullptr || entrant.reads == held->sensor) some.push_back(&entrant);
-    }
-    return some;
-  };
   const Catalogues catalogues = program_catalogues();
   // Real recordings first, since files are read by child processes, which want no threads beside them.
   Json transfer = Json::array();
-  for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(nullptr), options));
+  for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(entrants, nullptr), options));
   Json sets = Json::array();
   for (const Held& held : held_out()) {
     if (!asked.sensor.empty() && held.sensor != asked.sensor) continue;
-    Json set = held_json(held, entering(&held), options, catalogues);
+    Json set = held_json(held, entering(entrants, &held), options, catalogues);
     for (const Missing& one : missing) {
       if (one.sensor == held.sensor) set["left_out"].push_back({{"detector", one.name}, {"why", one.why}});
     }
@@ -545,13 +579,7 @@ Json benchmark(const Options& options) {
   for (Json& set : transfer) sets.push_back(std::move(set));
   Json result = {{result_key, 1},
                  {"asked", asked_json(asked)},
-                 {"protocol",
-                  {{"name", protocol_name},
-                   {"sha256", protocol_sha256()},
-                   {"half_delay_s", half_delay},
-                   {"alarms_per_minute", alarm_limit},
-                   {"force_ratio", worst_force_ratio},
-                   {"whole", asked.trials == 0 && !asked.untaught && asked.sensor.empty()}}},
+                 {"protocol", protocol_json(asked)},
                  {"machine", machine_json()},
                  {"learnt_from", taught.data},
                  {"sets", sets}};

@@ -40,7 +40,7 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 //   sets        [{track, sensor, scene or file, trials, data_sha256, labels, rows, left_out: [{detector, why}], by}] in the protocol's order,
 //               transfer last
 //     rows      the best first: {rank (null of the oracle), detector, kind, sensor, parameters, sha256, score: {value, low, high}, credit,
-//               false_alarms_per_minute, said, figures (judge::summary_json()), and of a closed loop
+//               false_alarms_per_minute, said, figures (eval::summary_json()), and of a closed loop
 //               grasps: {trials, dropped, low, high, force_ratio, slip_m}}
 //     by        [{by, groups: [{name, trials, scores: [of each row]}]}] of what the scene's grid varies
 //   transfer    why the track transfer is empty, where it is

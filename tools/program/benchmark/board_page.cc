@@ -1,7 +1,6 @@
 #include "tools/program/benchmark/board_page.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 

@@ -1,12 +1,11 @@
 #include "tools/program/benchmark/control.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "sim/motion/lift.h"
 #include "tools/program/catalogue/detector_catalogue.h"
-#include "tools/program/judge/detector_choice.h"
+#include "tools/program/eval/detector_choice.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -53,7 +52,7 @@ void register_control() {
 }
 
 DetectorScene control_of(double from, double until) {
-  DetectorScene detector = judge::chosen_detector(control_type, {});
+  DetectorScene detector = eval::chosen_detector(control_type, {});
   detector.parameters.set("from", from);
   detector.parameters.set("until", until);
   return detector;

@@ -14,16 +14,16 @@
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "sim/core/interrupted.h"
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/benchmark/control.h"
 #include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/judge/detector_choice.h"
-#include "tools/program/learn/train_network.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/eval/detector_choice.h"
+#include "tools/program/sweep/run_sweep.h"
+#include "tools/program/train/train_network.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -53,7 +53,7 @@ std::string file_digest(const std::string& path) {
 }
 
 std::vector<std::string> trials_seen(const DetectorScene& detector) {
-  const std::unique_ptr<network::Engine> engine = judge::network_of(detector);
+  const std::unique_ptr<network::Engine> engine = eval::network_of(detector);
   if (engine == nullptr) return {};
   const Json trained = Json::parse(engine->description().trained, nullptr, false);
   if (!trained.is_object() || !trained.contains("sha256_seen") || !trained.at("sha256_seen").is_array()) return {};
@@ -89,11 +89,11 @@ std::string data_sha256(const std::string& dataset) {
 
 // The ONNX file that a lesson makes.
 std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::string& dataset, const std::string& folder) {
-  learn::NetworkTraining training;
+  train::NetworkTraining training;
   training.dataset = dataset;
-  training.recipe = learn::find_recipe(lesson.recipe);
+  training.recipe = train::find_recipe(lesson.recipe);
   training.output = (fs::path(folder) / (lesson.recipe + ".onnx")).string();
-  learn::train_network(training, [&](const learn::MemberProgress& progress) {
+  train::train_network(training, [&](const train::MemberProgress& progress) {
     end_if(teaching.interrupt);
     if (teaching.say)
       teaching.say(fmt::format("{}: step {} of {}", lesson.recipe, progress.training.step, progress.training.steps));
@@ -124,7 +124,7 @@ std::string kind_word(Kind kind) {
 }
 
 Entrant given_entrant(const std::string& word, const std::vector<Override>& parameters) {
-  Entrant entrant{.name = word, .kind = Kind::given, .detector = judge::chosen_detector(word, parameters)};
+  Entrant entrant{.name = word, .kind = Kind::given, .detector = eval::chosen_detector(word, parameters)};
   std::string identity = entrant.detector.type;
   for (const Override& change : parameters) {
     entrant.parameters[change.path] = change.value;
@@ -192,7 +192,7 @@ Taught teach(const Teaching& teaching, const std::string& folder) {
   for (const Lesson& lesson : lessons()) {
     if (!teaching.sensor.empty() && lesson.sensor != teaching.sensor) continue;
     const std::string& name = lesson.recipe;
-    if (!learn::networks_available() || !network::engine_available()) {
+    if (!train::networks_available() || !network::engine_available()) {
       taught.untaught.push_back({name, lesson.sensor, no_engine});
       continue;
     }

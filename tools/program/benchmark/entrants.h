@@ -46,7 +46,7 @@ struct Entrant {
 };
 
 // A detector as the command line names it: a name of the catalogue, FILE.onnx, a folder of memories; with parameters of it. Throws InputError as
-// judge::chosen_detector(), and for a network's file as network::load_engine().
+// eval::chosen_detector(), and for a network's file as network::load_engine().
 Entrant given_entrant(const std::string& word, const std::vector<Override>& parameters);
 
 // The control that never says slip.

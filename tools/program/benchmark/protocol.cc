@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench::benchmark {
 namespace {

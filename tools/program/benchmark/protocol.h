@@ -38,7 +38,7 @@ const std::vector<Held>& held_out();
 // A network that learns as a part of the protocol, from a scene that shares no seed with those held out. The memories of gst_hd that ship have
 // learnt from learn_papillarray.yaml.
 struct Lesson {
-  std::string recipe;  // of learn::recipes(), with its own number of steps
+  std::string recipe;  // of train::recipes(), with its own number of steps
   std::string sensor;  // type
   std::string scene;   // from the project's root, with its own seed
   std::size_t trials;  // of each cell of its grid; 0: the scene's

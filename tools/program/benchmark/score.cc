@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "tools/base/statistics/bootstrap.h"
@@ -16,7 +15,7 @@ constexpr std::size_t bootstrap_draws = 1000;
 constexpr std::uint64_t bootstrap_seed = 1;
 
 // All but the credit.
-Part alarms_of(const judge::Judgement& judgement) {
+Part alarms_of(const eval::Judgement& judgement) {
   Part part;
   part.alarms = static_cast<double>(judgement.stick_alarms + judgement.air_alarms);
   part.quiet = judgement.stick_time + judgement.air_time;
@@ -34,14 +33,14 @@ double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.
 
 }  // namespace
 
-Part recording_part(const judge::Judgement& judgement) {
+Part recording_part(const eval::Judgement& judgement) {
   Part part = alarms_of(judgement);
   part.credited = !std::isnan(judgement.slip_time);
   if (judgement.detection == Detection::seen) part.credit = half_delay / (half_delay + judgement.delay);
   return part;
 }
 
-Part grasp_part(const judge::Judgement& judgement, const GraspOutcome& grasp, bool needed) {
+Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, bool needed) {
   Part part = alarms_of(judgement);
   part.credited = needed;
   const double ratio = grasp.max_grip_force / grasp.ideal_grip_force;
@@ -71,7 +70,7 @@ Score score_of(std::span<const Part> parts, Track track) {
 
 Interval score_interval(std::span<const Part> parts, Track track) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  if (parts.size() < judge::fewest_experiments) return {nan, nan};
+  if (parts.size() < eval::fewest_experiments) return {nan, nan};
   return bootstrap_intervals(parts.size(), bootstrap_draws, bootstrap_seed,
                              [&](std::span<const std::size_t> drawn) {
                                std::vector<Part> some;

@@ -3,10 +3,10 @@
 
 #include <span>
 
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/program/benchmark/protocol.h"
-#include "tools/program/judge/metrics.h"
+#include "tools/program/eval/metrics.h"
 
 namespace slipbench::benchmark {
 
@@ -21,10 +21,10 @@ struct Part {
 };
 
 // Of a recording: the credit is half_delay / (half_delay + delay) of a slip that is seen, 0 of one that is missed or alarmed early.
-Part recording_part(const judge::Judgement& judgement);
+Part recording_part(const eval::Judgement& judgement);
 // Of a grasp: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) of a box that is held, r the greatest grip force over the least
 // that holds, at most 1 and at least 0; 0 of one that is dropped. `needed`: who never tightens drops this box; else there is nothing to earn.
-Part grasp_part(const judge::Judgement& judgement, const GraspOutcome& grasp, bool needed);
+Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, bool needed);
 
 struct Score {
   double credit = 0.0;             // mean over the trials that have something to earn; 0 where none has
@@ -35,7 +35,7 @@ struct Score {
 };
 Score score_of(std::span<const Part> parts, Track track);
 
-// 95 % by trial, by bootstrap as judge::summarised(); NaN of fewer than judge::fewest_experiments.
+// 95 % by trial, by bootstrap as eval::summarised(); NaN of fewer than eval::fewest_experiments.
 Interval score_interval(std::span<const Part> parts, Track track);
 
 }  // namespace slipbench::benchmark

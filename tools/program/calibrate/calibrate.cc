@@ -343,48 +343,65 @@ Json begun(const Options& options, std::uint64_t seed, Json parameters, Json cor
           {"cost", solution.cost}};
 }
 
+// Takes out of `data`, readings of a drawn device, what all its gains share: the stiffness of that device, as it is of a real one
+// (disturbances.h). Told by the device's readings of the same once more: by those that are fitted it would take their noise off too.
+void take_common_gain(Compared& data, const Model& model, const Truth& truth, const Disturbances& disturbances,
+                      const Options& options) {
+  const Waves ideal = waves_of(model, truth.places, Readings::ideal, truth.seed, data, options);
+  const VectorXd common =
+      disturbances.common_gain(waves_of(model, truth.places, Readings::read, truth.seed, data, options, 1), ideal);
+  for (std::size_t r = 0; r < data.real.size(); ++r) {
+    const Eigen::RowVectorXd begin = ideal[r].row(0);
+    const MatrixXd departure = data.real[r].rowwise() - begin;
+    data.real[r] = (departure.array().rowwise() / common.transpose().array()).matrix().rowwise() + begin;
+  }
+}
+
+// Of readings that the fitted scene makes, RMS over the recordings.
+VectorXd roughness_at(const Model& model, const VectorXd& places, std::uint64_t seed, const Compared& data,
+                      const Options& options) {
+  std::vector<VectorXd> rough;
+  for (std::size_t r = 0; r < model.recordings(); ++r)
+    rough.push_back(roughness(model.simulate(places, r, Readings::read, seed, options.interrupt), Side::scene, data.columns));
+  return rms_over(rough);
+}
+
+// Where a truth was drawn for the key's parameters.
+std::vector<double> drawn_of(const Model& model, const std::optional<Truth>& truth, std::size_t key) {
+  std::vector<double> drawn;
+  for (std::size_t p = 0; truth && p < model.parameters(); ++p) {
+    if (model.key_of(p) == key) drawn.push_back(truth->places(static_cast<Index>(p)));
+  }
+  return drawn;
+}
+
 Result calibrate_curves(const Options& options, const SceneFile& file, std::uint64_t seed, std::vector<RawRecording> recordings,
                         const Catalogues& catalogues) {
   std::vector<FitKey> of_curves, of_noise;
   for (const FitKey& key : options.keys) (of_electronics(key) ? of_noise : of_curves).push_back(key);
   check_noise_keys(of_curves, of_noise);
   Model all(file, catalogues, options.keys, seed), model(file, catalogues, of_curves, seed);
-  if (!options.synthetic_truth) {
+  std::optional<Truth> truth;
+  if (options.synthetic_truth) {
+    truth = drawn_truth(all, seed);
+    recordings = drawn_recordings(all, *truth, options);
+  } else {
     all.use_recordings(recordings.size());
     model.use_recordings(recordings.size());
   }
 
-  std::optional<Truth> truth;
   const VectorXd own = model.spread(Eigen::Map<const VectorXd>(model.own_places().data(), static_cast<Index>(of_curves.size())));
-  if (options.synthetic_truth) {
-    truth = drawn_truth(all, seed);
-    recordings = drawn_recordings(all, *truth, options);
-  }
   Compared data = compared(recordings, model.simulate(own, 0, Readings::ideal, seed, options.interrupt),
                            [&](std::size_t r) { return truth ? all.lag(truth->places, r) : 0.0; });
   const Disturbances disturbances = learned(model, own, data, options);
-  if (truth) {
-    // What all gains share is the stiffness of the drawn device, as it is of a real one (disturbances.h). Told by the device's readings of the same
-    // once more: by those that are fitted it would take their noise off too.
-    const Waves ideal = waves_of(all, truth->places, Readings::ideal, truth->seed, data, options);
-    const VectorXd common =
-        disturbances.common_gain(waves_of(all, truth->places, Readings::read, truth->seed, data, options, 1), ideal);
-    for (std::size_t r = 0; r < data.real.size(); ++r) {
-      const Eigen::RowVectorXd begin = ideal[r].row(0);
-      const MatrixXd departure = data.real[r].rowwise() - begin;
-      data.real[r] = (departure.array().rowwise() / common.transpose().array()).matrix().rowwise() + begin;
-    }
-  }
+  if (truth) take_common_gain(data, all, *truth, disturbances, options);
 
   CurveProblem problem(&model, options.jobs, options.interrupt);
   problem.disturbances = &disturbances;
   problem.edges = data.edges;
   problem.real = data.real;
   const Solution solution = search(problem, {options.starts, options.progress});
-  std::vector<VectorXd> rough;
-  for (std::size_t r = 0; r < model.recordings(); ++r)
-    rough.push_back(
-        roughness(model.simulate(solution.places, r, Readings::read, seed, options.interrupt), Side::scene, data.columns));
+  const VectorXd rough = roughness_at(model, solution.places, seed, data, options);
 
   std::optional<Model> noise_model;
   ElectronicsFit noise;
@@ -396,20 +413,15 @@ Result calibrate_curves(const Options& options, const SceneFile& file, std::uint
   Json parameters = Json::array();
   for (std::size_t k = 0; k < options.keys.size(); ++k) {
     const FitKey& key = options.keys[k];
-    std::vector<double> drawn;
-    for (std::size_t p = 0; truth && p < all.parameters(); ++p) {
-      if (all.key_of(p) == k) drawn.push_back(truth->places(static_cast<Index>(p)));
-    }
-    parameters.push_back(parameter_json(key,
-                                        of_electronics(key) ? found_of(*noise_model, noise.places, noise.known, key.path)
-                                                            : found_of(model, solution.places, solution.known, key.path),
-                                        drawn));
+    const Found found = of_electronics(key) ? found_of(*noise_model, noise.places, noise.known, key.path)
+                                            : found_of(model, solution.places, solution.known, key.path);
+    parameters.push_back(parameter_json(key, found, drawn_of(all, truth, k)));
   }
 
   Result result;
   result.json = begun(options, seed, std::move(parameters), correlations_json(model, solution), solution);
   result.json.update({{"residual_over_repeatability", std::sqrt(solution.scale)},
-                      {"residuals", residuals_json(data, disturbances, solution, rms_over(rough))},
+                      {"residuals", residuals_json(data, disturbances, solution, rough)},
                       {"starts", starts_json(model, solution)},
                       {"recordings", recordings_json(recordings, data, solution)}});
   result.fitted = fitted_scene(file, options.keys, result.json);

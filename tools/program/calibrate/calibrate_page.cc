@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/output_file.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/page/page.h"
 #include "tools/base/page/page_files.h"
 #include "tools/base/page/svg.h"

@@ -1,7 +1,6 @@
 #include "tools/program/calibrate/fit_key.h"
 
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 #include <string_view>
 

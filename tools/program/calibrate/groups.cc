@@ -222,16 +222,14 @@ void GroupProblem::read_real(const std::vector<RawRecording>& recordings) {
   }
 }
 
-void GroupProblem::learn_scatter(const VectorXd& own) {
-  const auto groups = static_cast<Index>(sizes_.size()), figure_count = real_.cols();
-  const auto recordings = static_cast<double>(group_of_.size());
-
-  // Of a recording around its group's mean: all groups' together, as one of four recordings tells its own badly.
-  RowVectorXd variance = RowVectorXd::Zero(figure_count);
+RowVectorXd GroupProblem::recordings_variance() const {
+  RowVectorXd variance = RowVectorXd::Zero(real_.cols());
   for (std::size_t r = 0; r < group_of_.size(); ++r)
     variance += (real_.row(static_cast<Index>(r)) - real_means_.row(static_cast<Index>(group_of_[r]))).cwiseAbs2();
-  variance /= recordings - static_cast<double>(groups);
+  return variance / static_cast<double>(group_of_.size() - sizes_.size());
+}
 
+std::vector<MatrixXd> GroupProblem::means_of_sets(const VectorXd& own) const {
   OrderedWorkers<RowVectorXd> workers(
       sets * model->trials(), std::min(jobs, sets * model->trials()),
       [&] {
@@ -245,30 +243,39 @@ void GroupProblem::learn_scatter(const VectorXd& own) {
   for (std::size_t task = 0; std::optional<RowVectorXd> row = workers.next(); ++task)
     simulated[task / model->trials()].emplace_back(std::move(*row));
   if (interrupt != nullptr && interrupt->load()) throw Interrupted();
-
   std::vector<MatrixXd> means;
-  MatrixXd mean = MatrixXd::Zero(groups, figure_count);
   for (const Waves& set : simulated) {
     means.push_back(simulated_means(set));
     if (!means.back().array().isFinite().all())
       throw InputError(
           "calibrate: with its own values the scene refuses all draws of a cell; allowed: one at least, see slipbench check");
-    mean += means.back() / static_cast<double>(sets);
   }
-  RowVectorXd of_sets = RowVectorXd::Zero(figure_count);
-  for (const MatrixXd& set : means)
-    of_sets += (set - mean).cwiseAbs2().colwise().sum() / static_cast<double>((sets - 1) * sizes_.size());
+  return means;
+}
 
-  scatter_.resize(groups, figure_count);
-  for (std::size_t g = 0; g < sizes_.size(); ++g)
-    scatter_.row(static_cast<Index>(g)) = (variance / static_cast<double>(sizes_[g]) + of_sets).cwiseSqrt();
-  // A value that no recording has moved has no bands.
+void GroupProblem::leave_out_unmoved_bands() {
   for (const Statistic& statistic : statistics_) {
     const ChannelPlace& place = columns_.channels[statistic.channel];
     for (std::size_t v = 0; statistic.unit == band_unit && v < place.units * place.components; ++v) {
       if (floor_(static_cast<Index>(place.first + v)) == 0.0) scatter_.col(static_cast<Index>(statistic.first + v)).setZero();
     }
   }
+}
+
+void GroupProblem::learn_scatter(const VectorXd& own) {
+  const auto groups = static_cast<Index>(sizes_.size()), figure_count = real_.cols();
+  const RowVectorXd variance = recordings_variance();
+  const std::vector<MatrixXd> means = means_of_sets(own);
+  MatrixXd mean = MatrixXd::Zero(groups, figure_count);
+  for (const MatrixXd& set : means) mean += set / static_cast<double>(sets);
+  RowVectorXd of_sets = RowVectorXd::Zero(figure_count);
+  for (const MatrixXd& set : means)
+    of_sets += (set - mean).cwiseAbs2().colwise().sum() / static_cast<double>((sets - 1) * sizes_.size());
+  scatter_.resize(groups, figure_count);
+  for (std::size_t g = 0; g < sizes_.size(); ++g)
+    scatter_.row(static_cast<Index>(g)) = (variance / static_cast<double>(sizes_[g]) + of_sets).cwiseSqrt();
+  leave_out_unmoved_bands();
+
   const auto scaled = [&](const MatrixXd& away) {
     const MatrixXd share = (scatter_.array() > 0.0).select(away.array() / scatter_.array(), 0.0);
     return VectorXd(share.reshaped());

@@ -72,6 +72,12 @@ class GroupProblem : public Problem {
   void lay_out(const std::vector<RawRecording>& recordings, const std::vector<SensorRecord>& scene);
   void read_real(const std::vector<RawRecording>& recordings);
   void learn_scatter(const Eigen::VectorXd& own);
+  // Of a recording around its group's mean: all groups' together, as one of four recordings tells its own badly.
+  [[nodiscard]] Eigen::RowVectorXd recordings_variance() const;
+  // The groups' means of each of the simulated sets.
+  [[nodiscard]] std::vector<Eigen::MatrixXd> means_of_sets(const Eigen::VectorXd& own) const;
+  // A value that no recording has moved has no bands.
+  void leave_out_unmoved_bands();
 
   Groups groups_;
   Columns columns_;                    // of the first recording, whose arrays all have

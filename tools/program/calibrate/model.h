@@ -12,7 +12,7 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 #include "tools/program/calibrate/fit_key.h"
 
 namespace slipbench::calibrate {

@@ -2,111 +2,50 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <span>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/workers/packed.h"
 #include "tools/program/import/import.h"
 
 namespace slipbench::calibrate {
 namespace {
 
-// Recordings as bytes on their way out of the child that reads a file (guarded.h).
-class Bytes {
- public:
-  Bytes() = default;
-  explicit Bytes(std::string bytes) : bytes_(std::move(bytes)) {}
-
-  void put(std::size_t value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof(value)); }
-  void put(const std::string& text) {
-    put(text.size());
-    bytes_ += text;
-  }
-  template <class Value>
-  void put_all(const std::vector<Value>& values) {
-    put(values.size());
-    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
-  }
-
-  [[nodiscard]] bool at_end() const { return place_ == bytes_.size(); }
-  std::size_t take() {
-    std::size_t value = 0;
-    std::memcpy(&value, bytes_.data() + place_, sizeof(value));
-    place_ += sizeof(value);
-    return value;
-  }
-  std::string take_text() {
-    const std::size_t size = take();
-    place_ += size;
-    return bytes_.substr(place_ - size, size);
-  }
-  template <class Value>
-  std::vector<Value> take_all() {
-    std::vector<Value> values(take());
-    if (!values.empty()) std::memcpy(values.data(), bytes_.data() + place_, values.size() * sizeof(Value));
-    place_ += values.size() * sizeof(Value);
-    return values;
-  }
-  std::string release() { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
-  std::size_t place_ = 0;
-};
-
 std::string packed_dataset(const std::string& path) {
   const DatasetReader reader(path);
-  Bytes bytes;
+  Packed bytes;
   for (const std::size_t trial : reader.trials()) {
     reader.check_recorded(trial);
     const std::vector<std::string> names = reader.sensors(trial);
-    bytes.put(trial);
-    bytes.put(reader.info(trial).params);
-    bytes.put(names.size());
+    bytes.put(trial, reader.info(trial).params, names.size());
     for (const std::string& name : names) {
       const SensorRecord sensor = reader.read_sensor(trial, name);
-      bytes.put(sensor.name);
-      bytes.put(sensor.type);
-      bytes.put_all(sensor.time);
-      bytes.put(sensor.channels.size());
-      for (const SensorColumn& column : sensor.channels) {
-        bytes.put(column.name);
-        bytes.put(column.unit);
-        bytes.put_all(column.shape);
-        bytes.put_all(column.values);
-        bytes.put_all(column.time.value_or(std::vector<double>{}));
-      }
+      bytes.put(sensor.name, sensor.type, sensor.time, sensor.channels.size());
+      for (const SensorColumn& column : sensor.channels)
+        bytes.put(column.name, column.unit, column.shape, column.values, column.time.value_or(std::vector<double>{}));
     }
   }
   return bytes.release();
 }
 
 std::vector<RawRecording> unpacked_dataset(const std::string& path) {
-  Bytes bytes(guarded(path, [&] { return packed_dataset(path); }));
+  Packed bytes(guarded(path, [&] { return packed_dataset(path); }));
   std::vector<RawRecording> recordings;
   while (!bytes.at_end()) {
-    RawRecording recording{.name = fmt::format("demo_{} of {}", bytes.take(), path), .sensors = {}};
-    recording.params = bytes.take_text();
-    for (std::size_t sensors = bytes.take(); sensors > 0; --sensors) {
-      SensorRecord sensor;
-      sensor.name = bytes.take_text();
-      sensor.type = bytes.take_text();
-      sensor.time = bytes.take_all<double>();
-      for (std::size_t channels = bytes.take(); channels > 0; --channels) {
-        SensorColumn column;
-        column.name = bytes.take_text();
-        column.unit = bytes.take_text();
-        column.shape = bytes.take_all<std::size_t>();
-        column.values = bytes.take_all<float>();
-        if (std::vector<double> time = bytes.take_all<double>(); !time.empty()) column.time = std::move(time);
-        sensor.channels.push_back(std::move(column));
+    RawRecording recording{.name = fmt::format("demo_{} of {}", bytes.take<std::size_t>(), path), .sensors = {}};
+    bytes.take(recording.params);
+    recording.sensors.resize(bytes.take<std::size_t>());
+    for (SensorRecord& sensor : recording.sensors) {
+      bytes.take(sensor.name, sensor.type, sensor.time);
+      sensor.channels.resize(bytes.take<std::size_t>());
+      for (SensorColumn& column : sensor.channels) {
+        bytes.take(column.name, column.unit, column.shape, column.values);
+        if (auto time = bytes.take<std::vector<double>>(); !time.empty()) column.time = std::move(time);
       }
-      recording.sensors.push_back(std::move(sensor));
     }
     recordings.push_back(std::move(recording));
   }

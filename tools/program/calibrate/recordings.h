@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 struct ImportFormat;

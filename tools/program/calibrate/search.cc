@@ -5,7 +5,6 @@
 #include <cmath>
 #include <exception>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <utility>
 

@@ -5,7 +5,7 @@
 
 #include "sim/core/parameters.h"
 #include "sim/scene/catalogues.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 

@@ -12,9 +12,9 @@
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
 #include "tools/base/statistics/binomial.h"
-#include "tools/program/run/detector_score.h"
-#include "tools/program/run/run_sweep.h"
-#include "tools/program/run/warnings.h"
+#include "tools/program/sweep/detector_score.h"
+#include "tools/program/sweep/run_sweep.h"
+#include "tools/program/sweep/warnings.h"
 
 namespace slipbench {
 

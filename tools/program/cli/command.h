@@ -44,9 +44,6 @@ Commands make_commands() {
   return commands;
 }
 
-// All that slipbench has.
-Commands command_table();
-
 // What the user asked for: a text, the version or a command.
 struct Request {
   std::string help;            // to be printed on stdout; empty: no help

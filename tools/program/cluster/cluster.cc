@@ -11,8 +11,8 @@
 
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/output_file.h"
-#include "tools/program/run/sweep_shard.h"
+#include "tools/base/files/output_file.h"
+#include "tools/program/sweep/sweep_shard.h"
 
 namespace slipbench {
 namespace {

@@ -18,7 +18,7 @@
 
 #include "sim/scene/parser.h"
 #include "tools/program/cost/errors.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench {
 

@@ -16,8 +16,8 @@
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/cost/closed_form.h"
-#include "tools/program/run/run_sweep.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::cost {
 namespace {

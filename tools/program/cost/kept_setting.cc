@@ -15,8 +15,8 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/encoder.h"
-#include "tools/base/dataset/output_file.h"
+#include "tools/base/files/output_file.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/cost/accuracy.h"
 
 namespace slipbench {

@@ -11,7 +11,7 @@
 #include "sim/core/pad_state.h"
 #include "sim/grasp/held_box.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench {
 namespace {

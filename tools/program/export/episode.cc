@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/layout.h"
-#include "tools/program/export/samples.h"
+#include "tools/base/record/layout.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {

@@ -12,21 +12,22 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/arrays.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/program/export/commanded_motion.h"
+#include "tools/base/record/arrays.h"
 #include "tools/program/export/export_plan.h"
 #include "tools/program/export/grasp_csv.h"
-#include "tools/program/export/myrmex_images.h"
 #include "tools/program/export/npz.h"
 #include "tools/program/export/output_folder.h"
-#include "tools/program/export/papillarray_trial.h"
+#include "tools/program/export/papillarray_csv.h"
 #include "tools/program/export/robomimic.h"
-#include "tools/program/export/samples.h"
 #include "tools/program/export/slip_csv.h"
 #include "tools/program/export/table_csv.h"
+#include "tools/program/samples/commanded_motion.h"
+#include "tools/program/samples/myrmex_images.h"
+#include "tools/program/samples/papillarray_samples.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {
@@ -63,10 +64,6 @@ constexpr std::array to_compress{ExportFormat::csv,          ExportFormat::robom
 constexpr std::array of_every_rule{
     ExportFormat::csv,     ExportFormat::npz,     ExportFormat::robomimic, ExportFormat::myrmex_rotated,
     ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
-constexpr std::array<std::pair<const char*, SlipRule>, 4> rules{{{"strict", SlipRule::strict},
-                                                                 {"micro", SlipRule::micro},
-                                                                 {"paper", SlipRule::paper},
-                                                                 {"has_slipped", SlipRule::has_slipped}}};
 
 template <class Table>
 std::vector<std::string> words_of(const Table& table) {
@@ -271,12 +268,7 @@ std::string export_format_name(ExportFormat format) {
   return std::ranges::find(formats, format, [](const auto& known) { return known.second; })->first;
 }
 ExportFormat parse_export_format(const std::string& name) { return parse_name(formats, name, "format"); }
-SlipRule parse_slip_rule(const std::string& name) { return parse_name(rules, name, "slip rule"); }
 std::vector<std::string> export_format_names() { return words_of(formats); }
-std::vector<std::string> slip_rule_names() { return words_of(rules); }
-std::string slip_rule_name(SlipRule rule) {
-  return std::find_if(rules.begin(), rules.end(), [&](const auto& known) { return known.second == rule; })->first;
-}
 
 void check_export_options(const ExportOptions& options) {
   const bool of_the_tip = options.slip_rule == SlipRule::paper || options.slip_rule == SlipRule::has_slipped;

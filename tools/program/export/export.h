@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/program/samples/slip_rule.h"
+
 namespace slipbench {
 
 enum class ExportFormat {
@@ -24,16 +26,6 @@ enum class ExportFormat {
   myrmex_rotated,  // npz, with the images of every Myrmex as its paper augments them
 };
 
-// When a pillar counts as slipping.
-enum class SlipRule {
-  strict,       // all of it slips
-  micro,        // a part of it slips
-  paper,        // its tip slides faster than `label_speed`, as a camera would see it
-  has_slipped,  // from the first such sample on until it loses contact: "no pillar has slipped", as the paper words its classes
-};
-
-inline constexpr double default_label_speed = 1e-4;  // m/s
-
 struct ExportOptions {
   ExportFormat format = ExportFormat::vendor_csv;
   std::optional<SlipRule>
@@ -47,12 +39,9 @@ struct ExportOptions {
   bool compress = false;             // files of text by gzip, with .gz behind the name; the arrays of robomimic by HDF5's deflate
 };
 
-// The formats' and rules' names on the command line: "vendor-csv", "strict". The parsers throw InputError with the nearest name.
+// The formats' names on the command line: "vendor-csv". The parser throws InputError with the nearest name.
 ExportFormat parse_export_format(const std::string& name);
-SlipRule parse_slip_rule(const std::string& name);
 std::vector<std::string> export_format_names();
-std::vector<std::string> slip_rule_names();
-std::string slip_rule_name(SlipRule rule);
 
 // Told of how many trials of all are written, and of their bytes so far.
 using ExportProgress = std::function<void(std::size_t done, std::size_t total, std::uintmax_t bytes)>;

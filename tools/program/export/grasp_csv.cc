@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "tools/program/export/samples.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {

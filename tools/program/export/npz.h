@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 

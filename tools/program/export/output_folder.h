@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/output_file.h"
+#include "tools/base/files/output_file.h"
 
 namespace slipbench {
 

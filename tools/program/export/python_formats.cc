@@ -19,7 +19,7 @@
 #include "sim/core/own_library.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/program/export/export_plan.h"
-#include "tools/program/export/samples.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {

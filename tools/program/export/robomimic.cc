@@ -13,9 +13,9 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
-#include "tools/base/dataset/hdf5_handle.h"
-#include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/shard.h"
+#include "tools/base/files/output_file.h"
+#include "tools/base/hdf5/hdf5_handle.h"
 #include "tools/program/export/episode.h"
 
 namespace slipbench {

@@ -11,7 +11,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "tools/program/export/commanded_motion.h"
+#include "tools/program/samples/commanded_motion.h"
 
 namespace slipbench {
 namespace {

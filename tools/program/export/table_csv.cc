@@ -11,7 +11,7 @@
 
 #include "sim/core/error.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/export/samples.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {

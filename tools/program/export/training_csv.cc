@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/program/export/papillarray_trial.h"
+#include "tools/program/export/papillarray_csv.h"
 
 namespace slipbench {
 namespace {

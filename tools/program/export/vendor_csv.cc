@@ -1,11 +1,12 @@
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/program/export/papillarray_trial.h"
+#include "tools/program/export/papillarray_csv.h"
 
 namespace slipbench {
 namespace {
@@ -84,6 +85,15 @@ void append_sensor(fmt::memory_buffer& text, const PapillarraySamples& samples, 
 }
 
 }  // namespace
+
+std::string millimetres(float metres) {
+  const double exact = 1e3 * static_cast<double>(metres);
+  // Those of the nearest float32 in mm; as float32 lies more densely in m than in mm here and there, they may belong to a neighbour.
+  std::string text = fmt::format("{}", static_cast<float>(exact));
+  double back = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), back);
+  return static_cast<float>(back / 1e3) == metres ? text : fmt::format("{:.9g}", exact);
+}
 
 bool begins_as_vendor_csv(std::string_view text) { return text.starts_with("T_us,S0_P0_DX,"); }
 

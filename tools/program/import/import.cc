@@ -11,7 +11,7 @@
 #include "sim/core/interrupted.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/import/import_format.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench {
 namespace {

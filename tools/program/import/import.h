@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 

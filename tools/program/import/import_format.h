@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/pad_state.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 

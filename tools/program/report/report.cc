@@ -18,8 +18,8 @@
 #include "sim/scene/parser.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
-#include "tools/base/dataset/output_file.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/page/json.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/report/assumptions.h"
@@ -28,7 +28,7 @@
 #include "tools/program/report/report_parameters.h"
 #include "tools/program/report/report_summary.h"
 #include "tools/program/report/report_trial.h"
-#include "tools/program/run/warnings.h"
+#include "tools/program/sweep/warnings.h"
 
 namespace slipbench {
 
@@ -213,18 +213,77 @@ std::vector<std::size_t> rows_of(const std::vector<std::size_t>& trials, const s
   return {chosen.begin(), chosen.end()};
 }
 
-// The page of a dataset.
-std::string page_of(const std::string& dataset_path, const ReportOptions& options) {
-  const DatasetReader dataset(dataset_path);
+// Refuses a dataset without truth or trials, and a trial that it does not have.
+void check_reportable(const DatasetReader& dataset, const std::string& path, const std::optional<std::size_t>& trial) {
   dataset.check_truth("a report",
                       "a dataset that slipbench has simulated; `slipbench export --format csv` writes tables of this one");
   const std::vector<std::size_t>& trials = dataset.trials();
-  if (trials.empty()) throw InputError(dataset_path + ": holds no trial, so there is nothing to report");
-  if (options.trial && !std::binary_search(trials.begin(), trials.end(), *options.trial)) {
-    throw InputError(dataset_path + ": there is no trial " + std::to_string(*options.trial) +
-                     "; allowed: " + std::to_string(trials.front()) + " to " + std::to_string(trials.back()));
+  if (trials.empty()) throw InputError(path + ": holds no trial, so there is nothing to report");
+  if (!trial) return;
+  if (!std::binary_search(trials.begin(), trials.end(), *trial)) {
+    throw InputError(path + ": there is no trial " + std::to_string(*trial) + "; allowed: " + std::to_string(trials.front()) +
+                     " to " + std::to_string(trials.back()));
   }
-  if (options.trial) dataset.check_recorded(*options.trial);
+  dataset.check_recorded(*trial);
+}
+
+// What the page says of the dataset as a whole.
+Json head_of(const DatasetReader& dataset, const std::string& path, const ReportOptions& options) {
+  const DatasetHeader& header = dataset.header();
+  return {{"file", std::filesystem::path(path).filename().string()},
+          {"description", description_of(header.scene, path + ": attribute scene")},
+          {"version", header.version},
+          {"command", header.command},
+          {"seed", std::to_string(header.seed)},
+          {"scene", header.scene},
+          {"overrides", parse_json(header.overrides, path + ": attribute overrides")},
+          {"content_sha256", dataset.content_sha256()},
+          {"trials_in_file", dataset.trials().size()},
+          {"recorded", Json::array()},
+          {"complete", dataset.complete()},
+          {"failed", Json::parse(failures_json(dataset.failed()))},
+          {"open", options.trial ? Json(*options.trial) : Json(nullptr)}};
+}
+
+// What is gathered trial by trial.
+struct Gathered {
+  Json rows = Json::array(), types = Json::object();
+  std::vector<std::pair<std::string, Json>> recordings;
+  std::vector<Json> drawn;
+  std::map<std::string, ConverterUse> converters;
+};
+
+// Reads the trials `shown`, with curves of those `embedded`, and checks the content of all. Notes in `page` which are recorded.
+Gathered gather(const DatasetReader& dataset, const std::string& path, const ReportOptions& options, CurveShares& shares,
+                const std::vector<std::size_t>& shown, const std::vector<std::size_t>& embedded, Json& page) {
+  Gathered gathered;
+  ContentCheck check(dataset);
+  for (const std::size_t trial : dataset.trials()) {
+    check.add(trial);
+    if (!std::ranges::binary_search(shown, trial)) continue;
+    const TrialRecord record = dataset.read_trial(trial);
+    const std::string subject = subject_of(path, trial);
+    gathered.rows.push_back(trial_row(record, subject));
+    if (!record.sensors.empty() && std::ranges::find(embedded, trial) != embedded.end()) {
+      TrialCurves own = trial == options.trial ? curves_of(record, most_curve_values, subject) : shares.take(record, subject);
+      page["recorded"].push_back(trial);
+      if (!own.grasp.is_null()) page["grasps"] = true;
+      gathered.recordings.emplace_back("recording-" + std::to_string(trial),
+                                       Json{{"sensors", std::move(own.sensors)}, {"grasp", std::move(own.grasp)}});
+    }
+    gathered.drawn.push_back(gathered.rows.back()["params"]);
+    count_converters(record, gathered.converters);
+    for (const SensorRecord& sensor : record.sensors) gathered.types[sensor.type] = report::view_payload(sensor.type);
+  }
+  check.finish();
+  return gathered;
+}
+
+// The page of a dataset.
+std::string page_of(const std::string& dataset_path, const ReportOptions& options) {
+  const DatasetReader dataset(dataset_path);
+  check_reportable(dataset, dataset_path, options.trial);
+  const std::vector<std::size_t>& trials = dataset.trials();
   const bool of_grasps = parse_outcome(dataset.info(trials.front()).outcome).grasp.has_value();
   const TrialRecord first = dataset.read_trial(trials.front());
   const std::string first_subject = subject_of(dataset_path, trials.front());
@@ -233,64 +292,27 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   const std::vector<std::size_t> embedded = embedded_trials(trials, shares.count(), options.trial);
   const std::vector<std::size_t> shown = rows_of(trials, embedded, options.max_rows);
 
-  const DatasetHeader& header = dataset.header();
-  Json page = {{"file", std::filesystem::path(dataset_path).filename().string()},
-               {"description", description_of(header.scene, dataset_path + ": attribute scene")},
-               {"version", header.version},
-               {"command", header.command},
-               {"seed", std::to_string(header.seed)},
-               {"scene", header.scene},
-               {"overrides", parse_json(header.overrides, dataset_path + ": attribute overrides")},
-               {"content_sha256", dataset.content_sha256()},
-               {"trials_in_file", trials.size()},
-               {"recorded", Json::array()},
-               {"complete", dataset.complete()},
-               {"failed", Json::parse(failures_json(dataset.failed()))},
-               {"open", options.trial ? Json(*options.trial) : Json(nullptr)}};
-
-  Json rows = Json::array();
-  std::vector<std::pair<std::string, Json>> recordings;
-  Json types = Json::object();
-  std::vector<Json> drawn;
-  std::map<std::string, ConverterUse> converters;
-  ContentCheck check(dataset);
-  for (const std::size_t trial : trials) {
-    check.add(trial);
-    if (!std::ranges::binary_search(shown, trial)) continue;
-    const TrialRecord record = dataset.read_trial(trial);
-    const std::string subject = subject_of(dataset_path, trial);
-    rows.push_back(trial_row(record, subject));
-    if (!record.sensors.empty() && std::ranges::find(embedded, trial) != embedded.end()) {
-      TrialCurves own = trial == options.trial ? curves_of(record, most_curve_values, subject) : shares.take(record, subject);
-      page["recorded"].push_back(trial);
-      if (!own.grasp.is_null()) page["grasps"] = true;
-      recordings.emplace_back("recording-" + std::to_string(trial),
-                              Json{{"sensors", std::move(own.sensors)}, {"grasp", std::move(own.grasp)}});
-    }
-    drawn.push_back(rows.back()["params"]);
-    count_converters(record, converters);
-    for (const SensorRecord& sensor : record.sensors) types[sensor.type] = report::view_payload(sensor.type);
-  }
-  check.finish();
-  std::vector<Warning> warnings = warnings_of(header, page["overrides"], trials);
+  Json page = head_of(dataset, dataset_path, options);
+  Gathered gathered = gather(dataset, dataset_path, options, shares, shown, embedded, page);
+  std::vector<Warning> warnings = warnings_of(dataset.header(), page["overrides"], trials);
   if (shown.size() < trials.size()) {
     warnings.push_back(
         {"trials",
          fmt::format("this page is made of {} of the dataset's {} trials, spread evenly: all that it counts is of these",
                      shown.size(), trials.size())});
   }
-  std::ranges::move(converter_warnings(converters), std::back_inserter(warnings));
+  std::ranges::move(converter_warnings(gathered.converters), std::back_inserter(warnings));
   page["warnings"] = warnings_json(warnings);
-  page["trials"] = std::move(rows);
-  page["sensor_types"] = std::move(types);
-  page["axes"] = report::axes(drawn);
+  page["trials"] = std::move(gathered.rows);
+  page["sensor_types"] = std::move(gathered.types);
+  page["axes"] = report::axes(gathered.drawn);
   if (of_grasps) {
-    page["grasp_parameters"] =
-        report::grasp_parameters(header.scene, page["overrides"], drawn.front(), dataset_path + ": attribute scene");
+    page["grasp_parameters"] = report::grasp_parameters(dataset.header().scene, page["overrides"], gathered.drawn.front(),
+                                                        dataset_path + ": attribute scene");
   }
 
   const auto description = page["description"].get<std::string>();
-  return report::report_page(description.empty() ? page["file"].get<std::string>() : description, page, recordings);
+  return report::report_page(description.empty() ? page["file"].get<std::string>() : description, page, gathered.recordings);
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string>
 
-#include "tools/base/dataset/trial_record.h"
 #include "tools/base/page/json.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench::report {
 

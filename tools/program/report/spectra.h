@@ -1,8 +1,8 @@
 // Spectrograms of what a sensor emits, for sensors whose papers look at vibration.
 #pragma once
 
-#include "tools/base/dataset/trial_record.h"
 #include "tools/base/page/json.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench::report {
 

@@ -7,7 +7,7 @@
 #include "sim/core/contact_frame.h"
 #include "sim/core/sensor.h"
 #include "sim/simulation/simulation.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 

@@ -4,7 +4,7 @@
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 

@@ -10,7 +10,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "tools/base/dataset/layout.h"
+#include "tools/base/record/layout.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/run/split.h"
 

@@ -12,7 +12,7 @@
 #include "sim/grasp/held_box.h"
 #include "sim/scene/scene.h"
 #include "sim/simulation/simulation.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 #include "tools/program/run/control_loop.h"
 #include "tools/program/run/sampling.h"
 

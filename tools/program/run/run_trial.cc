@@ -10,7 +10,7 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/simulation/stage_simulation.h"
-#include "tools/base/dataset/encoder.h"
+#include "tools/base/record/encoder.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/controller_catalogue.h"
 #include "tools/program/catalogue/detector_catalogue.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 

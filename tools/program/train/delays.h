@@ -9,7 +9,7 @@
 
 namespace slipbench {
 
-// Over sequences; `early`, `missed` and the like are those of Detection (tools/base/dataset/trial_record.h): the first frame that is called slip
+// Over sequences; `early`, `missed` and the like are those of Detection (tools/base/record/trial_record.h): the first frame that is called slip
 // decides.
 struct Delays {
   std::vector<double>

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
-#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -12,7 +10,8 @@
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/program/export/papillarray_trial.h"
+#include "tools/base/workers/packed.h"
+#include "tools/program/samples/papillarray_samples.h"
 
 namespace slipbench {
 namespace {
@@ -105,52 +104,10 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
   return sequence;
 }
 
-// Bytes between the child process, which reads, and the caller. Both are the same program.
-class Packed {
- public:
-  Packed() = default;
-  explicit Packed(std::string bytes) : bytes_(std::move(bytes)) {}
-
-  template <class T>
-  void put(const T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  template <class T>
-  void put_all(const std::vector<T>& values) {
-    put(values.size());
-    for (const T& value : values) put(value);
-  }
-  template <class T>
-  void take(T& value) {
-    std::memcpy(&value, bytes_.data() + place_, sizeof value);
-    place_ += sizeof value;
-  }
-  template <class T>
-  void take_all(std::vector<T>& values) {
-    std::size_t size = 0;
-    take(size);
-    values.resize(size);
-    for (T& value : values) take(value);
-  }
-  [[nodiscard]] bool at_end() const { return place_ == bytes_.size(); }
-  std::string release() { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
-  std::size_t place_ = 0;
-};
-
-// The one list of what goes through the pipe. Calls value(member) for each number and column(member) for each vector.
-template <class SequenceOrConst, class Value, class Column>
-void for_each_member(SequenceOrConst& sequence, Value&& value, Column&& column) {
-  value(sequence.trial);
-  value(sequence.motion);
-  value(sequence.onset);
-  column(sequence.time);
-  column(sequence.displacements);
-  column(sequence.label);
-  column(sequence.moving);
+// The one list of what goes through the pipe.
+template <class SequenceOrConst, class Do>
+void with_members(SequenceOrConst& sequence, Do&& use) {
+  use(sequence.trial, sequence.motion, sequence.onset, sequence.time, sequence.displacements, sequence.label, sequence.moving);
 }
 
 std::string packed_sequences(const std::string& dataset_path, const SequenceOptions& options) {
@@ -163,9 +120,7 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
     return fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
   };
   const std::size_t first = reader.trials().front();
-  for (const std::string& text : {reader.header().command, chosen_sensor(reader, first, options.sensor, subject_of(first))}) {
-    packed.put_all(std::vector<char>(text.begin(), text.end()));
-  }
+  packed.put(reader.header().command, chosen_sensor(reader, first, options.sensor, subject_of(first)));
   ContentCheck check(reader);
   for (const std::size_t trial : reader.trials()) {
     const std::string subject = subject_of(trial);
@@ -174,8 +129,7 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
     check.add(trial);
     const CommandedMotion motion = record.outcome.grasp ? CommandedMotion{} : commanded_motion(reader, trial);
     const Sequence sequence = sequence_of(record, sensor, motion, options, subject);
-    for_each_member(
-        sequence, [&](const auto& value) { packed.put(value); }, [&](const auto& column) { packed.put_all(column); });
+    with_members(sequence, [&](const auto&... members) { packed.put(members...); });
   }
   check.finish();
   return packed.release();
@@ -186,15 +140,9 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
 TrainingData read_sequences(const std::string& dataset_path, const SequenceOptions& options) {
   Packed packed(guarded(dataset_path, [&] { return packed_sequences(dataset_path, options); }));
   TrainingData data;
-  for (std::string* const text : {&data.command, &data.sensor}) {
-    std::vector<char> taken;
-    packed.take_all(taken);
-    text->assign(taken.begin(), taken.end());
-  }
+  packed.take(data.command, data.sensor);
   while (!packed.at_end()) {
-    Sequence& sequence = data.sequences.emplace_back();
-    for_each_member(
-        sequence, [&](auto& value) { packed.take(value); }, [&](auto& column) { packed.take_all(column); });
+    with_members(data.sequences.emplace_back(), [&](auto&... members) { packed.take(members...); });
   }
   return data;
 }

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sim/core/pad_state.h"
-#include "tools/program/export/commanded_motion.h"
-#include "tools/program/export/export.h"
+#include "tools/program/samples/commanded_motion.h"
+#include "tools/program/samples/slip_rule.h"
 
 namespace slipbench {
 

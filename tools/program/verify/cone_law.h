@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/scene/scene.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 #include "tools/program/verify/verification.h"
 
 namespace slipbench::verify {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/contact_frame.h"
-#include "tools/base/dataset/layout.h"
+#include "tools/base/record/layout.h"
 
 namespace slipbench::verify {
 namespace {

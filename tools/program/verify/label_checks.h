@@ -1,7 +1,7 @@
 // What the arrays of a trial must be to each other.
 #pragma once
 
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 #include "tools/program/verify/verification.h"
 
 namespace slipbench::verify {

@@ -12,9 +12,9 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
-#include "tools/base/dataset/layout.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/shard_set.h"
+#include "tools/base/record/layout.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/verify/cone_law.h"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "tools/base/statistics/auc.h"
-#include "tools/program/learn/recipe.h"
+#include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce::biotac {
@@ -28,14 +28,14 @@ MeanSd over_folds(const std::vector<Figures>& folds, double Figures::*member) {
 
 }  // namespace
 
-std::vector<Answer> answers_of(std::span<const learn::FoldExample> examples, const learn::Logits& logits, std::size_t history) {
+std::vector<Answer> answers_of(std::span<const train::FoldExample> examples, const train::Logits& logits, std::size_t history) {
   std::vector<Answer> answers;
   for (std::size_t i = 0; i < examples.size(); ++i) {
     if (logits[i].empty()) continue;
     const std::vector<std::uint8_t>& label = examples[i].frames.label;
     const std::size_t classes = logits[i].size() / (label.size() + 1 - history);
     for (std::size_t frame = history - 1; frame < label.size(); ++frame) {
-      if (label[frame] == learn::masked) continue;
+      if (label[frame] == train::masked) continue;
       const std::span<const float> one = std::span(logits[i]).subspan((frame + 1 - history) * classes, classes);
       const auto greatest = std::ranges::max_element(one);
       double sum = 0.0;
@@ -108,16 +108,16 @@ Json json_of(const Scores& scores) {
 }
 
 Lessons::Lessons(const ReproduceOptions& options) : options_(options) {
-  static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
+  static_cast<void>(train::network_libraries());  // says what is missing before anything is run
 }
 
 std::size_t Lessons::queue(const Set& set, const Set* other, Learns learns, const Network& network) {
-  learn::Validation validation{network.shape, learn::find_recipe("biotac_lstm").training};
+  train::Validation validation{network.shape, train::find_recipe("biotac_lstm").training};
   validation.training.steps = options_.full ? 4 * network.steps : network.steps;
   validation.training.validate_every = validation.training.steps;  // there is nothing to choose by: the last state is judged
   validation.training.seed = options_.seed.value_or(1);
   validation.scaling = network.scaling;
-  auto examples = std::make_shared<std::vector<learn::FoldExample>>(set.examples);
+  auto examples = std::make_shared<std::vector<train::FoldExample>>(set.examples);
   std::vector<std::size_t> fold_of = set.fold_of;
   std::size_t folds = set.folds;
   if (learns == Learns::other) {
@@ -126,7 +126,7 @@ std::size_t Lessons::queue(const Set& set, const Set* other, Learns learns, cons
     validation.learns = [](std::size_t group) { return group == 1; };
   }
   if (learns != Learns::own) {
-    for (learn::FoldExample example : other->examples) {
+    for (train::FoldExample example : other->examples) {
       example.group = 1;
       examples->push_back(std::move(example));
     }
@@ -143,8 +143,8 @@ void Lessons::run() {
       tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
       [this](std::size_t k) {
         const Task& task = tasks_[k];
-        return answers_of(*task.examples, learn::logits_in_fold(*task.examples, task.fold_of, task.fold, task.validation),
-                          learn::history_of(task.validation.shape));
+        return answers_of(*task.examples, train::logits_in_fold(*task.examples, task.fold_of, task.fold, task.validation),
+                          train::history_of(task.validation.shape));
       });
   for (std::size_t k = 0; k < tasks_.size(); ++k) {
     std::vector<Answer>& answers = answers_[tasks_[k].of];

@@ -22,8 +22,8 @@ struct Answer {
   double slip = 0.0;                   // probability of all classes but the first
 };
 
-// Answers to the judged frames of examples, whose label is not masked; examples without logits have none. `history`: learn::history_of.
-std::vector<Answer> answers_of(std::span<const learn::FoldExample> examples, const learn::Logits& logits, std::size_t history);
+// Answers to the judged frames of examples, whose label is not masked; examples without logits have none. `history`: train::history_of.
+std::vector<Answer> answers_of(std::span<const train::FoldExample> examples, const train::Logits& logits, std::size_t history);
 
 // What answers come to; NaN where it does not apply.
 struct Figures {
@@ -48,7 +48,7 @@ Json json_of(const Scores& scores);
 
 // What learns and what judges.
 struct Set {
-  std::vector<learn::FoldExample> examples;
+  std::vector<train::FoldExample> examples;
   std::vector<std::size_t> fold_of;  // of each
   std::size_t folds = 0;
 };
@@ -57,9 +57,9 @@ enum class Learns { own, other, both };
 // A network that a table needs.
 struct Network {
   std::string name, text;
-  learn::NetworkShape shape;
+  train::NetworkShape shape;
   std::size_t steps = 0;
-  learn::Scaling scaling = learn::Scaling::range;
+  train::Scaling scaling = train::Scaling::range;
 };
 
 // Networks that the tables need: queued first, then taught together, each in a process of its own.
@@ -79,10 +79,10 @@ class Lessons {
  private:
   struct Task {
     std::size_t of;  // lesson
-    std::shared_ptr<const std::vector<learn::FoldExample>> examples;
+    std::shared_ptr<const std::vector<train::FoldExample>> examples;
     std::vector<std::size_t> fold_of;
     std::size_t fold;
-    learn::Validation validation;
+    train::Validation validation;
     std::string name;
   };
 

@@ -11,9 +11,9 @@
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/program/export/samples.h"
-#include "tools/program/learn/examples.h"
-#include "tools/program/learn/recipe.h"
+#include "tools/program/samples/samples.h"
+#include "tools/program/train/network/examples.h"
+#include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce::biotac {
@@ -36,15 +36,15 @@ std::size_t palm_of(const TrialRecord& record, const Json& swept) {
   return static_cast<std::size_t>(found - palms.begin());
 }
 
-Touch touch_of(learn::Example example) {
+Touch touch_of(train::Example example) {
   return {std::move(example.frames.features), std::move(example.frames.label), std::move(example.object)};
 }
 
-learn::ExampleOptions touch_options(learn::LabelRule labels) {
-  learn::ExampleOptions how;
+train::ExampleOptions touch_options(train::LabelRule labels) {
+  train::ExampleOptions how;
   how.labels = labels;
-  how.input = learn::find_recipe("biotac_lstm").input;
-  how.classes = learn::ClassRule::direction;
+  how.input = train::find_recipe("biotac_lstm").input;
+  how.classes = train::ClassRule::direction;
   return how;
 }
 
@@ -116,7 +116,7 @@ Grasp grasp_of(const TrialRecord& record) {
   const Json swept = Json::parse(record.params);
   Grasp grasp;
   grasp.palm = palm_of(record, swept);
-  grasp.object = learn::swept_facts(record.params).object;
+  grasp.object = train::swept_facts(record.params).object;
   if (grasp.object.empty()) no_grasp(record, "it names no object");
   const auto slipped = swept.find("slipped");
   if (slipped == swept.end() && !record.outcome.hold) no_grasp(record, "its outcome does not say whether the object was held");
@@ -155,16 +155,16 @@ std::vector<Grasp> run_grasps(std::size_t draws, const ReproduceOptions& options
   return run_grid<Grasp>({cell}, options, [](const GridTrial& trial) { return grasp_of(trial.record()); }).front();
 }
 
-learn::FoldExample as_list(const Grasp& grasp) { return {{grasp.counts, {static_cast<std::uint8_t>(grasp.slipped ? 1 : 0)}}}; }
+train::FoldExample as_list(const Grasp& grasp) { return {{grasp.counts, {static_cast<std::uint8_t>(grasp.slipped ? 1 : 0)}}}; }
 
-learn::FoldExample as_image(const Grasp& grasp, const learn::biotac::ImageLayout& layout) {
-  learn::FoldExample example = as_list(grasp);
-  example.frames.features = averaged(grasp.counts, learn::biotac::pixels_of(layout));
+train::FoldExample as_image(const Grasp& grasp, const train::biotac::ImageLayout& layout) {
+  train::FoldExample example = as_list(grasp);
+  example.frames.features = averaged(grasp.counts, train::biotac::pixels_of(layout));
   return example;
 }
 
-learn::FoldExample as_graph(const Grasp& grasp) {
-  learn::FoldExample example = as_list(grasp);
+train::FoldExample as_graph(const Grasp& grasp) {
+  train::FoldExample example = as_list(grasp);
   for (std::size_t finger = 0; finger < fingers; ++finger) {
     for (std::size_t e = 0; e < electrodes; ++e)
       example.frames.features[e * fingers + finger] = grasp.counts[finger * electrodes + e];
@@ -176,8 +176,8 @@ std::vector<Touch> read_touches(const std::string& path, const ReproduceOptions&
   if (options.say) options.say(fmt::format("reading {}", path));
   std::vector<Touch> touches;
   const std::string truth = guarded(path, [&] { return DatasetReader(path).header().truth; });
-  const learn::LabelRule labels = truth.empty() ? learn::LabelRule::micro : learn::LabelRule::paper;  // imported: their set's own
-  for (learn::Example& example : learn::read_examples(path, touch_options(labels)).all) {
+  const train::LabelRule labels = truth.empty() ? train::LabelRule::micro : train::LabelRule::paper;  // imported: their set's own
+  for (train::Example& example : train::read_examples(path, touch_options(labels)).all) {
     if (example.object.empty())
       throw InputError(
           fmt::format("{}: trial {} names no object; allowed: recordings of {}, or of BioTacSP-DoS as `slipbench import "
@@ -199,20 +199,20 @@ std::vector<Touch> run_touches(const char* scene, std::size_t draws, const Repro
              {cell}, options,
              [](const GridTrial& trial) {
                const TrialRecord record = trial.record();
-               return touch_of(learn::example_of(record, record.sensors.front(), touch_options(learn::LabelRule::micro)));
+               return touch_of(train::example_of(record, record.sensors.front(), touch_options(train::LabelRule::micro)));
              })
       .front();
 }
 
-std::vector<learn::FoldExample> windows_of(const Touch& touch, const Window& window) {
-  std::vector<learn::FoldExample> examples;
+std::vector<train::FoldExample> windows_of(const Touch& touch, const Window& window) {
+  std::vector<train::FoldExample> examples;
   for (std::size_t first = 0; first + window.rows <= touch.label.size(); first += window.stride) {
     const std::span<const std::uint8_t> labels = std::span(touch.label).subspan(first, window.rows);
-    if (std::ranges::find(labels, learn::masked) != labels.end()) continue;
+    if (std::ranges::find(labels, train::masked) != labels.end()) continue;
     const auto begin = touch.counts.begin() + static_cast<std::ptrdiff_t>(first * electrodes);
     std::vector<float> counts(begin, begin + static_cast<std::ptrdiff_t>(window.rows * electrodes));
-    learn::FrameSequence frames;
-    frames.label.assign(window.figures == Window::Figures::none ? window.rows : 1, learn::masked);
+    train::FrameSequence frames;
+    frames.label.assign(window.figures == Window::Figures::none ? window.rows : 1, train::masked);
     frames.label.back() = labels.back();
     if (!window.site) take_mean_off(counts);
     if (window.figures != Window::Figures::none) {
@@ -222,7 +222,7 @@ std::vector<learn::FoldExample> windows_of(const Touch& touch, const Window& win
         std::ranges::sort(frames.features);
       }
     } else {
-      frames.features = window.layout != nullptr ? averaged(counts, learn::biotac::pixels_of(*window.layout)) : std::move(counts);
+      frames.features = window.layout != nullptr ? averaged(counts, train::biotac::pixels_of(*window.layout)) : std::move(counts);
     }
     examples.push_back({std::move(frames)});
   }
@@ -233,7 +233,7 @@ std::vector<std::size_t> folds_by_object(std::span<const std::string> objects, s
   const std::set<std::string> different(objects.begin(), objects.end());
   if (different.size() < count)
     throw InputError(fmt::format("{} objects make no {} folds; allowed: {} or more", different.size(), count, count));
-  const std::vector<std::size_t> dealt = learn::folds(std::vector<std::size_t>(different.size()), count, seed);
+  const std::vector<std::size_t> dealt = train::folds(std::vector<std::size_t>(different.size()), count, seed);
   std::map<std::string, std::size_t> fold_of;
   for (const std::string& object : different) fold_of.emplace(object, dealt[fold_of.size()]);
   std::vector<std::size_t> folds;

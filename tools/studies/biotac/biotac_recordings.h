@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/trial_record.h"
-#include "tools/program/learn/recipes/biotac.h"
-#include "tools/program/learn/validation.h"
+#include "tools/base/record/trial_record.h"
+#include "tools/program/train/network/validation.h"
+#include "tools/program/train/recipes/biotac.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce::biotac {
 
-using learn::biotac::electrodes;
+using train::biotac::electrodes;
 
 inline constexpr std::size_t fingers = 3;  // ff, mf, th
 
@@ -50,9 +50,9 @@ std::vector<Grasp> run_grasps(std::size_t draws, const ReproduceOptions& options
 
 // What a network is shown of a grasp, as an example of one frame: the counts as they are; as images [fingers, rows, columns]; by node [electrodes,
 // fingers]. Label 1: slipped.
-learn::FoldExample as_list(const Grasp& grasp);
-learn::FoldExample as_image(const Grasp& grasp, const learn::biotac::ImageLayout& layout);
-learn::FoldExample as_graph(const Grasp& grasp);
+train::FoldExample as_list(const Grasp& grasp);
+train::FoldExample as_image(const Grasp& grasp, const train::biotac::ImageLayout& layout);
+train::FoldExample as_graph(const Grasp& grasp);
 
 // A recording of one finger that is touched, slides or turns.
 struct Touch {
@@ -75,14 +75,14 @@ std::vector<Touch> run_touches(const char* scene, std::size_t draws, const Repro
 struct Window {
   std::size_t rows = 5, stride = 5;
   bool site = true;                                    // else each electrode's mean over the window is taken off
-  const learn::biotac::ImageLayout* layout = nullptr;  // frames are images
+  const train::biotac::ImageLayout* layout = nullptr;  // frames are images
   enum class Figures { none, by_electrode, sorted } figures = Figures::none;  // one frame of figures instead of the rows
 };
 // The windows of one recording in which something touches throughout, as examples in which the last frame alone has a label. Figures by electrode:
 // 24 standard deviations and 24 slopes of the straight line through the rows [counts a row]; sorted: the standard deviations, the smallest first.
-std::vector<learn::FoldExample> windows_of(const Touch& touch, const Window& window);
+std::vector<train::FoldExample> windows_of(const Touch& touch, const Window& window);
 
-// The number of its fold for each of `objects`, all of one object in the same: the different ones are dealt out by learn::folds. Throws InputError
+// The number of its fold for each of `objects`, all of one object in the same: the different ones are dealt out by train::folds. Throws InputError
 // where there are fewer than `count`.
 std::vector<std::size_t> folds_by_object(std::span<const std::string> objects, std::size_t count, std::uint64_t seed);
 

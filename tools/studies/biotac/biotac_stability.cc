@@ -33,12 +33,12 @@ std::string grasps_text(const std::vector<Grasp>& grasps) {
 }  // namespace
 
 StabilityNetwork logistic_regression() {
-  return {{"lr", "logistic regression", {inputs, {learn::Linear{2}}}, plain_steps}, as_list};
+  return {{"lr", "logistic regression", {inputs, {train::Linear{2}}}, plain_steps}, as_list};
 }
 
 StabilityNetwork plain_network(std::size_t more) {
   StabilityNetwork mlp{
-      {"mlp", "MLP 128", {inputs, {learn::Linear{128}, learn::BatchNorm{}, learn::Relu{}, learn::Linear{2}}}, more * plain_steps},
+      {"mlp", "MLP 128", {inputs, {train::Linear{128}, train::BatchNorm{}, train::Relu{}, train::Linear{2}}}, more * plain_steps},
       as_list};
   if (more == 1) return mlp;
   mlp.network.name = "mlp_longer";
@@ -46,18 +46,18 @@ StabilityNetwork plain_network(std::size_t more) {
   return mlp;
 }
 
-StabilityNetwork cnn(const learn::biotac::ImageLayout& layout, std::size_t units) {
+StabilityNetwork cnn(const train::biotac::ImageLayout& layout, std::size_t units) {
   return {{"cnn", fmt::format("CNN {}, {} ({} x {})", units, layout.name, layout.rows, layout.columns),
-           learn::biotac::image_network(layout, fingers, units), network_steps},
+           train::biotac::image_network(layout, fingers, units), network_steps},
           [&layout](const Grasp& grasp) { return as_image(grasp, layout); }};
 }
 
 StabilityNetwork gcn(const std::vector<double>& adjacency, std::string name, std::string text) {
-  return {{std::move(name), std::move(text), learn::biotac::graph_network(adjacency, fingers), network_steps}, as_graph};
+  return {{std::move(name), std::move(text), train::biotac::graph_network(adjacency, fingers), network_steps}, as_graph};
 }
 
 std::vector<double> nearest_graph(std::size_t k) {
-  if (k == 0) return learn::biotac::drawn_graph();
+  if (k == 0) return train::biotac::drawn_graph();
   const auto& places = biotac_sp::electrode_places();
   std::vector<double> adjacency(electrodes * electrodes, 0.0);
   for (std::size_t node = 0; node < electrodes; ++node) {
@@ -78,7 +78,7 @@ Set set_of(const std::vector<Grasp>& grasps, const StabilityNetwork& network, Fo
     objects.push_back(grasp.object);
   }
   set.fold_of = by == FoldsBy::object ? folds_by_object(objects, set.folds, seed)
-                                      : learn::folds(std::vector<std::size_t>(grasps.size()), set.folds, seed);
+                                      : train::folds(std::vector<std::size_t>(grasps.size()), set.folds, seed);
   return set;
 }
 

@@ -16,14 +16,14 @@ inline constexpr std::size_t stability_folds = 5;
 // A network and how it is shown a grasp.
 struct StabilityNetwork {
   Network network;
-  std::function<learn::FoldExample(const Grasp&)> shown;
+  std::function<train::FoldExample(const Grasp&)> shown;
 };
 
 // Logistic regression and a plain network of 128 units on the 72 counts; `more`: times as many steps as usual.
 StabilityNetwork logistic_regression();
 StabilityNetwork plain_network(std::size_t more = 1);
 // The paper's: an image network of `units`, and a graph network by an adjacency.
-StabilityNetwork cnn(const learn::biotac::ImageLayout& layout, std::size_t units);
+StabilityNetwork cnn(const train::biotac::ImageLayout& layout, std::size_t units);
 StabilityNetwork gcn(const std::vector<double>& adjacency, std::string name, std::string text);
 
 // The adjacency in which a node is the mean of itself and its k nearest, by the electrodes' places on the core; 0: drawn_graph(). Directed, as the

@@ -12,7 +12,7 @@ Result biotac_table1(const ReproduceOptions& options) {
   const GraspSets grasps = grasps_for(options, 0, [](const Grasp& grasp) { return std::string(palms[grasp.palm].text) != "45"; });
   std::vector<std::pair<StabilityNetwork, std::vector<std::string>>> networks;
   for (std::size_t i = 0; i < published.size(); ++i) {
-    const learn::biotac::ImageLayout& layout = learn::biotac::image_layouts().at(i);
+    const train::biotac::ImageLayout& layout = train::biotac::image_layouts().at(i);
     StabilityNetwork network = cnn(layout, 128);
     network.network.name = layout.name;
     networks.push_back({network, {fmt::format("{} ({} x {})", layout.name, layout.rows, layout.columns), published.at(i)}});

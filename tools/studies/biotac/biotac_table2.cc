@@ -1,5 +1,4 @@
 // Table 2 of the paper: a grasp held or lost, from a snapshot before the lift, on objects that were not learnt; real, synthetic, both.
-#include <array>
 #include <map>
 
 #include <fmt/format.h>
@@ -59,7 +58,7 @@ Result biotac_table2(const ReproduceOptions& options) {
   using namespace biotac;
   const std::vector<StabilityNetwork> all{logistic_regression(), plain_network(), plain_network(4),
                                           gcn(nearest_graph(0), "gcn", "GCN, graph drawn by hand"),
-                                          cnn(learn::biotac::image_layouts().front(), 1024)};
+                                          cnn(train::biotac::image_layouts().front(), 1024)};
   Lessons lessons(options);
   const GraspSets grasps = grasps_for(options, table2_draws);
   const std::uint64_t seed = options.seed.value_or(1);

@@ -38,7 +38,7 @@ Set windows_of_all(const std::vector<Touch>& touches, const Window& window, std:
   set.folds = folds;
   std::vector<std::string> objects;
   for (const Touch& touch : touches) {
-    for (learn::FoldExample& example : windows_of(touch, window)) {
+    for (train::FoldExample& example : windows_of(touch, window)) {
       set.examples.push_back(std::move(example));
       objects.push_back(touch.object);
     }
@@ -48,21 +48,21 @@ Set windows_of_all(const std::vector<Touch>& touches, const Window& window, std:
 }
 
 // Of windows of `rows`, frames of `inputs`: all rows at once.
-learn::NetworkShape direction_regression(std::size_t inputs, std::size_t rows) {
-  return {inputs, {learn::Conv1d{classes, rows}}};
+train::NetworkShape direction_regression(std::size_t inputs, std::size_t rows) {
+  return {inputs, {train::Conv1d{classes, rows}}};
 }
-learn::NetworkShape direction_plain(std::size_t inputs, std::size_t rows) {
-  return {inputs, {learn::Conv1d{128, rows}, learn::BatchNorm{}, learn::Relu{}, learn::Linear{classes}}};
+train::NetworkShape direction_plain(std::size_t inputs, std::size_t rows) {
+  return {inputs, {train::Conv1d{128, rows}, train::BatchNorm{}, train::Relu{}, train::Linear{classes}}};
 }
 
 std::vector<DirectionNetwork> direction_networks(bool full) {
-  using namespace learn::biotac;
+  using namespace train::biotac;
   const ImageLayout& image = image_layouts().front();
   std::vector<DirectionNetwork> all;
   for (const bool site : {true, false}) {
-    const learn::Scaling scaling = site ? learn::Scaling::range : learn::Scaling::standard;
+    const train::Scaling scaling = site ? train::Scaling::range : train::Scaling::standard;
     const char* const suffix = site ? "" : "_no_site";
-    const auto add = [&](const char* name, const char* text, learn::NetworkShape shape, std::size_t steps, Window window,
+    const auto add = [&](const char* name, const char* text, train::NetworkShape shape, std::size_t steps, Window window,
                          std::size_t columns = direction_columns.size()) {
       window.site = site;
       all.push_back(
@@ -101,6 +101,107 @@ std::vector<DirectionNetwork> direction_networks(bool full) {
   return all;
 }
 
+std::size_t object_count(const std::vector<Touch>& touches) {
+  std::set<std::string> objects;
+  for (const Touch& touch : touches) objects.insert(touch.object);
+  return objects.size();
+}
+
+// What learns and judges. Without real recordings the synthetic ones do, alone.
+struct Touches {
+  std::vector<Touch> real, synthetic, random_site;
+};
+
+Touches all_touches(const ReproduceOptions& options) {
+  const std::size_t draws = options.trials != 0 ? options.trials : options.full ? published_touches : usual_draws;
+  Touches touches;
+  if (!options.real.empty()) touches.real = read_touches(options.real, options);
+  touches.synthetic = options.data.empty() ? run_touches(slip_scene, draws, options) : read_touches(options.data, options);
+  touches.random_site = run_touches(random_site_scene, draws, options);
+  return touches;
+}
+
+struct Row {
+  const DirectionNetwork* network;
+  std::map<std::string, std::pair<std::size_t, std::vector<std::size_t>>> numbers;  // of Lessons; the folds to report by
+};
+
+Row queued(const DirectionNetwork& one, const Touches& touches, std::uint64_t seed, Lessons& lessons) {
+  Row row{&one, {}};
+  const auto set_of_touches = [&](const std::vector<Touch>& some) {
+    return windows_of_all(some, one.window, object_count(some), seed);
+  };
+  const Set made = set_of_touches(touches.synthetic), anywhere = set_of_touches(touches.random_site);
+  const auto add = [&](const char* name, const Set& set, const Set* other, Learns learns) {
+    row.numbers[name] = {lessons.queue(set, other, learns, one.network), set.fold_of};
+  };
+  if (touches.real.empty()) {
+    add("synthetic", made, nullptr, Learns::own);
+    add("random_site", anywhere, nullptr, Learns::own);
+    return row;
+  }
+  const Set recorded = set_of_touches(touches.real);
+  for (const auto& [name, text] : std::span(direction_columns).first(one.columns)) {
+    const std::string column = name;
+    if (column == "real") add(name, recorded, nullptr, Learns::own);
+    if (column == "synthetic_to_real") add(name, recorded, &made, Learns::other);
+    if (column == "both") add(name, recorded, &made, Learns::both);
+    if (column == "random_to_real") add(name, recorded, &anywhere, Learns::other);
+    if (column == "synthetic") add(name, made, nullptr, Learns::own);
+    if (column == "random_site") add(name, anywhere, nullptr, Learns::own);
+  }
+  return row;
+}
+
+ResultTable published() {
+  return {"The paper: accuracy on objects of a kind, five repetitions",
+          {"network, 50 ms", "rigid and smooth", "rough", "little contact", "mean"},
+          {{"LSTM", "82.5 +- 2.0", "73.8 +- 2.0", "72.4 +- 3.6", "76.1 +- 2.4"},
+           {"ConvLSTM", "82.6 +- 1.2", "73.5 +- .7", "70.9 +- 1.9", "75.5 +- 1.2"}},
+          ""};
+}
+
+// The scores of `columns` of direction_columns, which go into `figures`, too.
+ResultTable scores_table(const char* title, const std::vector<Row>& rows, std::span<const std::array<const char*, 2>> columns,
+                         const Lessons& lessons, MeanSd Scores::*member, Json& figures) {
+  ResultTable table{title, {"network"}, {}, ""};
+  for (const auto& [name, text] : columns) table.head.emplace_back(text);
+  for (const Row& row : rows) {
+    std::vector<std::string> cells{row.network->network.text};
+    for (const auto& [name, text] : columns) {
+      const auto found = row.numbers.find(name);
+      if (found == row.numbers.end()) {
+        cells.emplace_back("-");
+        continue;
+      }
+      const auto& [number, fold_of] = found->second;
+      const Scores scores = scores_of(lessons.answers(number), fold_of);
+      figures[row.network->network.name][name] = json_of(scores);
+      cells.push_back(cell(scores.*member));
+    }
+    table.rows.push_back(std::move(cells));
+  }
+  return table;
+}
+
+std::vector<std::string> setup_of(const ReproduceOptions& options, const Touches& touches) {
+  const auto recordings = [&](const std::vector<Touch>& some) {
+    return fmt::format("{} recordings of {} objects", some.size(), object_count(some));
+  };
+  std::vector<std::string> setup;
+  if (!touches.real.empty()) setup.push_back(fmt::format("Real: {}, {}.", options.real, recordings(touches.real)));
+  setup.push_back(fmt::format("Synthetic: {}, {}.",
+                              options.data.empty() ? fmt::format("{}, {} fingers", slip_scene, devices) : options.data,
+                              recordings(touches.synthetic)));
+  setup.push_back(fmt::format("Random site: {}, {} fingers, {}.", random_site_scene, devices, recordings(touches.random_site)));
+  setup.push_back(fmt::format(
+      "Five rows of 100 Hz, one after the other; 0.5 s, half overlapping. Mean and standard deviation of the objects. Each electrode scaled to 0..1, "
+      "or to mean 0 and deviation 1 where the window's mean is taken off. Adam at 1e-3, {} steps of 64 at 50 ms, the LSTM of five layers half of them; the last state "
+      "is judged.",
+      (options.full ? 4 : 1) * direction_steps));
+  return setup;
+}
+
 }  // namespace
 }  // namespace biotac
 
@@ -114,101 +215,27 @@ Result biotac_table3(const ReproduceOptions& options) {
     throw InputError("reproduce: --trials is for recordings that are made; allowed: --data alone");
   if (!options.data.empty()) check_simulated(options.data);
   Lessons lessons(options);
-  const std::size_t draws = options.trials != 0 ? options.trials : options.full ? published_touches : usual_draws;
-  std::vector<Touch> real;
-  if (!options.real.empty()) real = read_touches(options.real, options);
-  const std::vector<Touch> synthetic = options.data.empty() ? run_touches(slip_scene, draws, options)
-                                                            : read_touches(options.data, options),
-                           random_site = run_touches(random_site_scene, draws, options);
-
-  struct Row {
-    const DirectionNetwork* network;
-    std::map<std::string, std::pair<std::size_t, std::vector<std::size_t>>> numbers;  // of Lessons; the folds to report by
-  };
+  const Touches touches = all_touches(options);
   std::vector<Row> rows;
-  const auto object_count = [](const std::vector<Touch>& touches) {
-    std::set<std::string> objects;
-    for (const Touch& touch : touches) objects.insert(touch.object);
-    return objects.size();
-  };
-  const std::uint64_t seed = options.seed.value_or(1);
   for (const DirectionNetwork& one : all) {
-    if (!options.only.empty() && std::ranges::find(options.only, one.network.name) == options.only.end()) continue;
-    Row& row = rows.emplace_back(Row{&one, {}});
-    const auto set_of_touches = [&](const std::vector<Touch>& touches) {
-      return windows_of_all(touches, one.window, object_count(touches), seed);
-    };
-    const Set made = set_of_touches(synthetic), anywhere = set_of_touches(random_site);
-    const auto add = [&](const char* name, const Set& set, const Set* other, Learns learns) {
-      row.numbers[name] = {lessons.queue(set, other, learns, one.network), set.fold_of};
-    };
-    if (real.empty()) {
-      add("synthetic", made, nullptr, Learns::own);
-      add("random_site", anywhere, nullptr, Learns::own);
-      continue;
-    }
-    const Set recorded = set_of_touches(real);
-    for (const auto& [name, text] : std::span(direction_columns).first(one.columns)) {
-      const std::string column = name;
-      if (column == "real") add(name, recorded, nullptr, Learns::own);
-      if (column == "synthetic_to_real") add(name, recorded, &made, Learns::other);
-      if (column == "both") add(name, recorded, &made, Learns::both);
-      if (column == "random_to_real") add(name, recorded, &anywhere, Learns::other);
-      if (column == "synthetic") add(name, made, nullptr, Learns::own);
-      if (column == "random_site") add(name, anywhere, nullptr, Learns::own);
-    }
+    if (options.only.empty() || std::ranges::find(options.only, one.network.name) != options.only.end())
+      rows.push_back(queued(one, touches, options.seed.value_or(1), lessons));
   }
   lessons.run();
 
   Result result;
   result.title = "Direction of slip under a BioTac SP: t, n, e, s, w, cw, aw";
   result.source = fmt::format("Table 3 of {}. Figures in %.", paper);
-  const auto table_of = [&](const char* title, MeanSd Scores::*member) {
-    ResultTable table;
-    table.title = title;
-    table.head = {"network"};
-    const auto columns = std::span(direction_columns).subspan(real.empty() ? 4 : 0);
-    for (const auto& [name, text] : columns) table.head.emplace_back(text);
-    for (const Row& row : rows) {
-      std::vector<std::string> cells{row.network->network.text};
-      for (const auto& [name, text] : columns) {
-        const auto found = row.numbers.find(name);
-        if (found == row.numbers.end()) {
-          cells.emplace_back("-");
-          continue;
-        }
-        const auto& [number, fold_of] = found->second;
-        const Scores scores = scores_of(lessons.answers(number), fold_of);
-        result.figures[row.network->network.name][name] = json_of(scores);
-        cells.push_back(cell(scores.*member));
-      }
-      table.rows.push_back(std::move(cells));
-    }
-    return table;
-  };
-  result.tables.push_back({"The paper: accuracy on objects of a kind, five repetitions",
-                           {"network, 50 ms", "rigid and smooth", "rough", "little contact", "mean"},
-                           {{"LSTM", "82.5 +- 2.0", "73.8 +- 2.0", "72.4 +- 3.6", "76.1 +- 2.4"},
-                            {"ConvLSTM", "82.6 +- 1.2", "73.5 +- .7", "70.9 +- 1.9", "75.5 +- 1.2"}},
-                           ""});
-  result.tables.push_back(table_of("Seven classes, balanced accuracy, object left out (chance 14.3)", &Scores::balanced));
-  result.tables.push_back(table_of("Slip against touch, area under the curve, object left out", &Scores::auc));
+  const auto columns = std::span(direction_columns).subspan(touches.real.empty() ? 4 : 0);
+  result.tables = {published(),
+                   scores_table("Seven classes, balanced accuracy, object left out (chance 14.3)", rows, columns, lessons,
+                                &Scores::balanced, result.figures),
+                   scores_table("Slip against touch, area under the curve, object left out", rows, columns, lessons, &Scores::auc,
+                                result.figures)};
   result.tables.back().note =
       "A network that names the direction says slip by the probability of all classes but t. The first columns are judged on real objects that were "
       "not learnt; synthetic and random site alone are one network each.";
-  const auto recordings = [&](const std::vector<Touch>& touches) {
-    return fmt::format("{} recordings of {} objects", touches.size(), object_count(touches));
-  };
-  if (!real.empty()) result.setup.push_back(fmt::format("Real: {}, {}.", options.real, recordings(real)));
-  result.setup.push_back(fmt::format("Synthetic: {}, {}.",
-                                     options.data.empty() ? fmt::format("{}, {} fingers", slip_scene, devices) : options.data,
-                                     recordings(synthetic)));
-  result.setup.push_back(fmt::format("Random site: {}, {} fingers, {}.", random_site_scene, devices, recordings(random_site)));
-  result.setup.push_back(fmt::format(
-      "Five rows of 100 Hz, one after the other; 0.5 s, half overlapping. Mean and standard deviation of the objects. Each electrode scaled to 0..1, "
-      "or to mean 0 and deviation 1 where the window's mean is taken off. Adam at 1e-3, {} steps of 64 at 50 ms, the LSTM of five layers half of them; the last state "
-      "is judged.",
-      (options.full ? 4 : 1) * direction_steps));
+  result.setup = setup_of(options, touches);
   result.remarks = {
       "The paper judges seven other objects, which are not in the local copy of its recordings: here each of the four is left out in turn.",
       "Where the finger is touched tells the direction in these recordings: without the window's mean there is only what moves within it."};

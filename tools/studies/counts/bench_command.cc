@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/output_file.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <sstream>
 #include <utility>
@@ -18,7 +17,7 @@
 #include "sim/core/error.h"
 #include "sim/core/own_library.h"
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/scratch_folder.h"
+#include "tools/base/files/scratch_folder.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"

@@ -1,7 +1,6 @@
 #include "tools/studies/counts/results.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <limits>

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "tools/base/statistics/descriptive.h"
-#include "tools/program/train/training_text.h"
-#include "tools/program/train/training_words.h"
+#include "tools/program/train/hd_json.h"
+#include "tools/program/train/hd_words.h"
 #include "tools/studies/hd_papillarray/hd_table1_run.h"
 
 namespace slipbench::reproduce {

@@ -6,7 +6,7 @@
 #include "sim/core/error.h"
 #include "tools/base/project/project_file.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::reproduce {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/scratch_folder.h"
+#include "tools/base/files/scratch_folder.h"
 #include "tools/base/workers/interrupt.h"
-#include "tools/program/train/train.h"
+#include "tools/program/train/train_hd.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {

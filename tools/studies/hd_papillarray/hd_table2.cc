@@ -1,6 +1,5 @@
 // Table II of the paper: grasp and lift in the closed loop, with every detector and controller, the oracle and the negative control.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>

@@ -12,14 +12,14 @@
 
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
-#include "tools/base/dataset/scratch_folder.h"
+#include "tools/base/files/scratch_folder.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/judge/detector_choice.h"
-#include "tools/program/judge/evaluate.h"
-#include "tools/program/learn/train_network.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/eval/detector_choice.h"
+#include "tools/program/eval/evaluate.h"
+#include "tools/program/sweep/run_sweep.h"
+#include "tools/program/train/train_network.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/hd_papillarray/hd_table1_run.h"
 #include "tools/studies/hd_papillarray/hd_table3_figures.h"
@@ -34,15 +34,15 @@ constexpr std::size_t steps_timed = 201;
 struct GruRow {
   std::string name;
   std::size_t draws = 1;
-  learn::LabelRule labels{};
+  train::LabelRule labels{};
   std::string recipe = "papillarray_gru";
 };
 const std::vector<GruRow>& gru_rows() {
-  static const std::vector<GruRow> rows{{"gru_micro", 1, learn::LabelRule::micro},
-                                        {"gru_micro_640", many_draws, learn::LabelRule::micro},
-                                        {"gru_latched", 1, learn::LabelRule::latched},
-                                        {"gru_latched_640", many_draws, learn::LabelRule::latched},
-                                        {"gru5_latched", 1, learn::LabelRule::latched, "papillarray_gru5"}};
+  static const std::vector<GruRow> rows{{"gru_micro", 1, train::LabelRule::micro},
+                                        {"gru_micro_640", many_draws, train::LabelRule::micro},
+                                        {"gru_latched", 1, train::LabelRule::latched},
+                                        {"gru_latched_640", many_draws, train::LabelRule::latched},
+                                        {"gru5_latched", 1, train::LabelRule::latched, "papillarray_gru5"}};
   return rows;
 }
 
@@ -88,24 +88,24 @@ void make_sequences(const std::string& path, std::size_t draws, const ReproduceO
 }
 
 GruOutcome run_row(const GruRow& row, const std::string& dataset, const std::string& model, const ReproduceOptions& options) {
-  learn::NetworkTraining training;
+  train::NetworkTraining training;
   training.dataset = dataset;
-  training.recipe = learn::find_recipe(row.recipe);
+  training.recipe = train::find_recipe(row.recipe);
   training.recipe.labels = row.labels;
   training.seed = options.seed.value_or(1);
   training.output = model;
-  const learn::NetworkSummary summary = learn::train_network(training, [&](const learn::MemberProgress& progress) {
+  const train::NetworkSummary summary = train::train_network(training, [&](const train::MemberProgress& progress) {
     end_if_interrupted();
     if (options.say) options.say(fmt::format("{}: step {} of {}", row.name, progress.training.step, progress.training.steps));
   });
   const std::unique_ptr<network::Engine> engine = network::load_engine(model);
-  judge::Options judged;
-  judged.detector = judge::chosen_detector(model, {});
+  eval::Options judged;
+  judged.detector = eval::chosen_detector(model, {});
   judged.dataset = dataset;
-  judged.labels = judge::parse_label_rule(hd::name_of(learn::label_words, row.labels));
+  judged.labels = eval::parse_label_rule(hd::name_of(train::label_words, row.labels));
   judged.trained = engine->description().trained;
   GruOutcome outcome;
-  outcome.figures = gru_figures(judge::evaluate(judged));
+  outcome.figures = gru_figures(eval::evaluate(judged));
   outcome.learnt = summary.learnt + summary.validated;
   outcome.kilobytes = 1e-3 * static_cast<double>(std::filesystem::file_size(model));
   outcome.step = network_step(*engine);
@@ -115,6 +115,75 @@ GruOutcome run_row(const GruRow& row, const std::string& dataset, const std::str
 
 std::string in_percent(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f}", 100.0 * share); }
 std::string in_ms(double seconds) { return std::isnan(seconds) ? "-" : fmt::format("{:.0f}", 1e3 * seconds); }
+
+ResultTable frames_table() {
+  return {
+      "Slip or not",
+      {"detector", "label", "sequences learnt", "balanced accuracy, %", "AUC", "trials right, %", "with early ones", "size, kB",
+       "a step, us"},
+      {{"paper: GRU", "incipient or not", "-", "-", "-", "95.6", "-", "1468", "25000 (GPU)"},
+       {"paper: CL-gstHDC, accuracy of three classes", "paper", "-", "-", "-", "-", "91.8 of frames", "0.375",
+        "5985; 0.42 (FPGA)"}},
+      "Trials right: slip called at or after the true first slip, or none called where there is none; with early ones: a call before it, "
+      "too. The paper does not say when an early call is right."};
+}
+
+ResultTable events_table() {
+  return {"By event",
+          {"detector", "label", "trials that slip", "seen", "early", "missed", "delay, ms: median", "10 to 90 %",
+           "false alarms: trials", "a minute of stick"},
+          {},
+          "Delay: from the true first slip, of the trials seen. Early: called before it."};
+}
+
+std::string text_of(const GruRow& row) { return row.recipe == "papillarray_gru5" ? "five GRUs averaged" : "GRU"; }
+std::string label_of(const GruRow& row) { return std::string(hd::name_of(train::label_words, row.labels)); }
+
+std::vector<std::string> frames_row(const GruRow& row, const GruOutcome& outcome) {
+  const GruFigures& figures = outcome.figures;
+  return {text_of(row),
+          label_of(row),
+          std::to_string(outcome.learnt),
+          in_percent(figures.balanced),
+          fmt::format("{:.3f}", figures.auc),
+          in_percent(figures.right(false)),
+          in_percent(figures.right(true)),
+          fmt::format("{:.0f}", outcome.kilobytes),
+          fmt::format("{:.0f}", 1e6 * outcome.step)};
+}
+
+std::vector<std::string> events_row(const GruRow& row, const GruOutcome& outcome) {
+  const GruFigures& figures = outcome.figures;
+  return {fmt::format("{}, {} learnt", text_of(row), outcome.learnt),
+          label_of(row),
+          std::to_string(figures.slipping),
+          std::to_string(figures.seen),
+          std::to_string(figures.early),
+          std::to_string(figures.missed),
+          in_ms(figures.delay),
+          fmt::format("{} to {}", in_ms(figures.delay_10), in_ms(figures.delay_90)),
+          fmt::format("{} of {}", figures.false_alarms, figures.trials - figures.slipping),
+          fmt::format("{:.1f}", figures.false_alarms_a_minute)};
+}
+
+Json figures_json(const GruOutcome& outcome) {
+  const GruFigures& figures = outcome.figures;
+  return {{"learnt", outcome.learnt},
+          {"trials", figures.trials},
+          {"slipping", figures.slipping},
+          {"seen", figures.seen},
+          {"early", figures.early},
+          {"missed", figures.missed},
+          {"false_alarms", figures.false_alarms},
+          {"balanced_accuracy", figures.balanced},
+          {"auc", figures.auc},
+          {"delay_s", figures.delay},
+          {"delay_p10_s", figures.delay_10},
+          {"delay_p90_s", figures.delay_90},
+          {"false_alarms_a_minute", figures.false_alarms_a_minute},
+          {"kilobytes", outcome.kilobytes},
+          {"step_s", outcome.step}};
+}
 
 }  // namespace
 
@@ -142,7 +211,7 @@ GruFigures gru_figures(const Json& result) {
 
 Result hd_table3(const ReproduceOptions& options) {
   check_only(options.only, names_of(gru_rows()));
-  static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
+  static_cast<void>(train::network_libraries());  // says what is missing before anything is run
   const std::vector<GruRow> rows = chosen(gru_rows(), options.only);
   const InterruptGuard guard("ending after the step at hand");
   const ScratchFolder folder;
@@ -151,20 +220,7 @@ Result hd_table3(const ReproduceOptions& options) {
   result.source =
       "Table III, offline evaluation, of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray "
       "Tactile Sensor\"";
-  ResultTable frames{
-      "Slip or not",
-      {"detector", "label", "sequences learnt", "balanced accuracy, %", "AUC", "trials right, %", "with early ones", "size, kB",
-       "a step, us"},
-      {{"paper: GRU", "incipient or not", "-", "-", "-", "95.6", "-", "1468", "25000 (GPU)"},
-       {"paper: CL-gstHDC, accuracy of three classes", "paper", "-", "-", "-", "-", "91.8 of frames", "0.375",
-        "5985; 0.42 (FPGA)"}},
-      "Trials right: slip called at or after the true first slip, or none called where there is none; with early ones: a call before it, "
-      "too. The paper does not say when an early call is right."};
-  ResultTable events{"By event",
-                     {"detector", "label", "trials that slip", "seen", "early", "missed", "delay, ms: median", "10 to 90 %",
-                      "false alarms: trials", "a minute of stick"},
-                     {},
-                     "Delay: from the true first slip, of the trials seen. Early: called before it."};
+  ResultTable frames = frames_table(), events = events_table();
   std::vector<std::string> datasets(many_draws + 1);
   for (const GruRow& row : rows) {
     std::string& dataset = datasets.at(row.draws);
@@ -172,32 +228,10 @@ Result hd_table3(const ReproduceOptions& options) {
       dataset = folder.file(fmt::format("hexapod{}.h5", row.draws));
       make_sequences(dataset, row.draws, options);
     }
-    const auto [figures, learnt, kilobytes, step] = run_row(row, dataset, folder.file(row.name + ".onnx"), options);
-    const std::string text = row.recipe == "papillarray_gru5" ? "five GRUs averaged" : "GRU";
-    const std::string label(hd::name_of(learn::label_words, row.labels));
-    frames.rows.push_back({text, label, std::to_string(learnt), in_percent(figures.balanced), fmt::format("{:.3f}", figures.auc),
-                           in_percent(figures.right(false)), in_percent(figures.right(true)), fmt::format("{:.0f}", kilobytes),
-                           fmt::format("{:.0f}", 1e6 * step)});
-    events.rows.push_back({fmt::format("{}, {} learnt", text, learnt), label, std::to_string(figures.slipping),
-                           std::to_string(figures.seen), std::to_string(figures.early), std::to_string(figures.missed),
-                           in_ms(figures.delay), fmt::format("{} to {}", in_ms(figures.delay_10), in_ms(figures.delay_90)),
-                           fmt::format("{} of {}", figures.false_alarms, figures.trials - figures.slipping),
-                           fmt::format("{:.1f}", figures.false_alarms_a_minute)});
-    result.figures[row.name] = {{"learnt", learnt},
-                                {"trials", figures.trials},
-                                {"slipping", figures.slipping},
-                                {"seen", figures.seen},
-                                {"early", figures.early},
-                                {"missed", figures.missed},
-                                {"false_alarms", figures.false_alarms},
-                                {"balanced_accuracy", figures.balanced},
-                                {"auc", figures.auc},
-                                {"delay_s", figures.delay},
-                                {"delay_p10_s", figures.delay_10},
-                                {"delay_p90_s", figures.delay_90},
-                                {"false_alarms_a_minute", figures.false_alarms_a_minute},
-                                {"kilobytes", kilobytes},
-                                {"step_s", step}};
+    const GruOutcome outcome = run_row(row, dataset, folder.file(row.name + ".onnx"), options);
+    frames.rows.push_back(frames_row(row, outcome));
+    events.rows.push_back(events_row(row, outcome));
+    result.figures[row.name] = figures_json(outcome);
   }
   result.tables = {frames, events};
   result.setup = {

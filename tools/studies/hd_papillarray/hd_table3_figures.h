@@ -17,7 +17,7 @@ struct GruFigures {
   [[nodiscard]] double right(bool early_counts) const;
 };
 
-// Of judge::evaluate()'s result.
+// Of eval::evaluate()'s result.
 GruFigures gru_figures(const Json& result);
 
 }  // namespace slipbench::reproduce

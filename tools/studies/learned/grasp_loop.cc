@@ -8,15 +8,15 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/scratch_folder.h"
+#include "tools/base/files/scratch_folder.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/learn/train_network.h"
-#include "tools/program/run/run_sweep.h"
-#include "tools/program/train/train.h"
+#include "tools/program/sweep/run_sweep.h"
+#include "tools/program/train/train_hd.h"
+#include "tools/program/train/train_network.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
@@ -107,15 +107,15 @@ void make_grasps(const std::string& path, const std::vector<std::string>& others
   stop_if_interrupted();
 }
 
-learn::NetworkSummary learnt(const std::string& dataset, learn::Recipe recipe, const std::string& output,
+train::NetworkSummary learnt(const std::string& dataset, train::Recipe recipe, const std::string& output,
                              const ReproduceOptions& options) {
-  learn::NetworkTraining training;
+  train::NetworkTraining training;
   training.dataset = dataset;
   training.recipe = std::move(recipe);
-  training.recipe.labels = learn::LabelRule::micro;
+  training.recipe.labels = train::LabelRule::micro;
   training.seed = options.seed.value_or(1);
   training.output = output;
-  return learn::train_network(training, [&](const learn::MemberProgress& progress) {
+  return train::train_network(training, [&](const train::MemberProgress& progress) {
     stop_if_interrupted();
     if (options.say)
       options.say(fmt::format("{}: step {} of {}", training.recipe.name, progress.training.step, progress.training.steps));
@@ -131,7 +131,7 @@ void teach(const std::vector<Loop>& rows, const Files& files, const std::string&
   };
   const bool gru = wanted("grasp_gru"), piezo = wanted("piezo_fft_gru"), myrmex = wanted("myrmex_net3"),
              memories = wanted("gst_hd_grasps");
-  if (gru || piezo || myrmex) static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
+  if (gru || piezo || myrmex) static_cast<void>(train::network_libraries());  // says what is missing before anything is run
   if (options.data.empty() && (gru || piezo || myrmex || memories)) {
     std::vector<std::string> others;
     if (piezo) others.emplace_back(skin);
@@ -139,25 +139,25 @@ void teach(const std::vector<Loop>& rows, const Files& files, const std::string&
     make_grasps(dataset, others, options);
   }
   if (gru)
-    figures["grasp_gru"] = learnt(dataset, learn::find_recipe("grasp_gru"), files.gru, options).held_out.balanced_accuracy();
+    figures["grasp_gru"] = learnt(dataset, train::find_recipe("grasp_gru"), files.gru, options).held_out.balanced_accuracy();
   if (piezo) {
-    learn::Recipe recipe = learn::find_recipe("piezo_fft_gru");
+    train::Recipe recipe = train::find_recipe("piezo_fft_gru");
     recipe.training.steps = piezo_steps;
     figures["piezo_fft_gru"] = learnt(dataset, recipe, files.piezo, options).held_out.balanced_accuracy();
   }
   if (myrmex)
     figures["myrmex_net3"] =
-        learnt(dataset, learn::find_recipe("myrmex_net3"), files.myrmex, options).held_out.balanced_accuracy();
+        learnt(dataset, train::find_recipe("myrmex_net3"), files.myrmex, options).held_out.balanced_accuracy();
   if (memories) {
     if (options.say) options.say("gst_hd");
-    TrainOptions training;
+    HdTraining training;
     training.dataset = dataset;
     training.sequences.labels = SlipRule::has_slipped;
     training.model.window = memory_window;
     training.seed = options.seed.value_or(1);
     training.jobs = options.jobs;
     training.output = files.memories;
-    train_dataset(training);
+    train_hd(training);
     stop_if_interrupted();
   }
 }

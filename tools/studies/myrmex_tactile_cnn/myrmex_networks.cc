@@ -12,8 +12,8 @@
 
 #include "sim/core/error.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/program/learn/recipe.h"
-#include "tools/program/learn/scaling.h"
+#include "tools/program/train/network/scaling.h"
+#include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
@@ -36,7 +36,7 @@ std::pair<std::size_t, std::size_t> bins_of(MyrmexInput input) {  // first and e
   return {0, input == MyrmexInput::static_image ? 1 : bins};
 }
 
-void append(learn::FrameSequence& sequence, const std::vector<float>& features, std::uint8_t label) {
+void append(train::FrameSequence& sequence, const std::vector<float>& features, std::uint8_t label) {
   sequence.features.insert(sequence.features.end(), features.begin(), features.end());
   sequence.label.push_back(label);
 }
@@ -97,11 +97,11 @@ MyrmexRow network_row(std::size_t net, MyrmexInput input, SlipWord word) {
   return row;
 }
 
-learn::NetworkShape shape_of(const MyrmexRow& row) {
-  if (row.layers.empty()) return {inputs_of(row.input), {learn::Linear{32}, learn::Tanh{}, learn::Linear{kinds}}};
-  learn::NetworkShape shape = learn::find_recipe(row.layers).network;
+train::NetworkShape shape_of(const MyrmexRow& row) {
+  if (row.layers.empty()) return {inputs_of(row.input), {train::Linear{32}, train::Tanh{}, train::Linear{kinds}}};
+  train::NetworkShape shape = train::find_recipe(row.layers).network;
   shape.inputs = inputs_of(row.input);
-  shape.layers.front() = learn::Reshape{{edge, edge, shape.inputs / taxels}};
+  shape.layers.front() = train::Reshape{{edge, edge, shape.inputs / taxels}};
   return shape;
 }
 
@@ -136,13 +136,13 @@ KindCounts MyrmexFigures::all() const {
   return sum;
 }
 
-std::vector<std::uint8_t> called_kinds(const learn::NetworkShape& shape, learn::FrameSequence learnt, learn::FrameSequence judged,
-                                       const learn::TrainingOptions& training) {
-  const std::array<const learn::FrameSequence*, 1> by{&learnt};
-  const learn::Scale scale = learn::scale_of(by, shape.inputs, learn::Scaling::standard);
+std::vector<std::uint8_t> called_kinds(const train::NetworkShape& shape, train::FrameSequence learnt, train::FrameSequence judged,
+                                       const train::TrainingOptions& training) {
+  const std::array<const train::FrameSequence*, 1> by{&learnt};
+  const train::Scale scale = train::scale_of(by, shape.inputs, train::Scaling::standard);
   apply(scale, learnt);
   apply(scale, judged);
-  const std::unique_ptr<learn::Network> network = learn::make_network(shape, training.seed);
+  const std::unique_ptr<train::Network> network = train::make_network(shape, training.seed);
   network->train(std::span(&learnt, 1), {}, training);
   const std::vector<float> logits = network->logits(judged.features);
   std::vector<std::uint8_t> called;
@@ -152,8 +152,8 @@ std::vector<std::uint8_t> called_kinds(const learn::NetworkShape& shape, learn::
 }
 
 MyrmexSize myrmex_size(const ReproduceOptions& options) {
-  if (!learn::networks_available()) static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
-  const std::size_t usual_steps = learn::find_recipe("myrmex_net3").training.steps;
+  if (!train::networks_available()) static_cast<void>(train::network_libraries());  // says what is missing before anything is run
+  const std::size_t usual_steps = train::find_recipe("myrmex_net3").training.steps;
   MyrmexSize size{options.trials != 0 ? options.trials : usual_draws, options.full ? published_steps : usual_steps,
                   options.full ? std::size_t{11} : std::size_t{0}};
   if (size.draws < 2)
@@ -194,7 +194,7 @@ std::size_t MyrmexValidations::queue(const MyrmexRow& row, MyrmexSplit split, st
 
 MyrmexFold MyrmexValidations::judged(const Plan& plan, std::size_t fold) const {
   const auto word = static_cast<std::size_t>(plan.row.word);
-  learn::FrameSequence learnt, asked;
+  train::FrameSequence learnt, asked;
   std::set<std::size_t> judging;  // trials of which none is learnt from
   std::vector<const MyrmexWindow*> windows;
   const auto ask = [&](const MyrmexTrial& trial, const MyrmexWindow& window) {
@@ -215,7 +215,7 @@ MyrmexFold MyrmexValidations::judged(const Plan& plan, std::size_t fold) const {
   }
   for (std::size_t t = 0; t < trials_.size() && of_taxels(plan.row.input); ++t) {
     for (const MyrmexWindow& window : trials_[t].windows) {
-      if (window.turn != 0 && window.label[word] != learn::masked && times.contains({t, window.time}))
+      if (window.turn != 0 && window.label[word] != train::masked && times.contains({t, window.time}))
         append(learnt, told(trials_[t], window, plan.row.input), window.label[word]);
     }
   }
@@ -225,7 +225,7 @@ MyrmexFold MyrmexValidations::judged(const Plan& plan, std::size_t fold) const {
       if (window.turn == 0 && window.late() && window.label[word] == 0) ask(trials_[t], window);
     }
   }
-  learn::TrainingOptions training = learn::find_recipe("myrmex_net3").training;
+  train::TrainingOptions training = train::find_recipe("myrmex_net3").training;
   training.steps = size_.steps * plan.row.longer;
   training.seed = options_.seed.value_or(1);
   const std::vector<std::uint8_t> labels = asked.label;
@@ -243,7 +243,7 @@ MyrmexFold MyrmexValidations::judged(const Plan& plan, std::size_t fold) const {
 }
 
 void MyrmexValidations::run() {
-  static_cast<void>(learn::network_libraries());  // loaded once, not by every child
+  static_cast<void>(train::network_libraries());  // loaded once, not by every child
   const std::vector<std::vector<MyrmexFold>> done = run_in_processes<MyrmexFold>(
       tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
       [this](std::size_t k) { return std::vector{judged(plans_[tasks_[k].of], tasks_[k].fold)}; });
@@ -258,8 +258,8 @@ void MyrmexValidations::run() {
 }
 
 double forward_seconds(const MyrmexRow& row) {
-  const learn::NetworkShape shape = shape_of(row);
-  const std::unique_ptr<learn::Network> network = learn::make_network(shape, 1);
+  const train::NetworkShape shape = shape_of(row);
+  const std::unique_ptr<train::Network> network = train::make_network(shape, 1);
   const std::vector<float> window(shape.inputs, 0.5F);
   std::vector<double> times;
   for (std::size_t pass = 0; pass < forward_passes; ++pass) {
@@ -281,7 +281,7 @@ std::vector<std::string> myrmex_setup(const ReproduceOptions& options, const Myr
   for (const MyrmexTrial& trial : trials) {
     for (const MyrmexWindow& window : trial.windows) {
       const std::uint8_t label = window.label[static_cast<std::size_t>(SlipWord::motion)];
-      if (window.turn != 0 || label == 0 || label == learn::masked) continue;
+      if (window.turn != 0 || label == 0 || label == train::masked) continue;
       ++moving;
       placed += (label == 2) == trial.rotational ? 1 : 0;
     }

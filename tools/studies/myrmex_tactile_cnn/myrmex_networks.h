@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/program/learn/network.h"
+#include "tools/program/train/network/network.h"
 #include "tools/studies/myrmex_tactile_cnn/myrmex_windows.h"
 #include "tools/studies/study_catalogue.h"
 
@@ -45,7 +45,7 @@ const char* slip_word(SlipWord word);  // "true", "bench", "motion"
 MyrmexRow network_row(std::size_t net, MyrmexInput input, SlipWord word);
 
 // The network of a row, from inputs to three logits.
-learn::NetworkShape shape_of(const MyrmexRow& row);
+train::NetworkShape shape_of(const MyrmexRow& row);
 
 // Windows by class [true][called].
 struct KindCounts {
@@ -88,8 +88,8 @@ struct MyrmexFigures {
 
 // The classes that a network calls the windows of `judged` [judged.size() x inputs] after it has learnt `learnt`: standardised by what is learnt,
 // the last state, of equals the earlier class. Throws InputError as make_network, std::invalid_argument as Network::train.
-std::vector<std::uint8_t> called_kinds(const learn::NetworkShape& shape, learn::FrameSequence learnt, learn::FrameSequence judged,
-                                       const learn::TrainingOptions& training);
+std::vector<std::uint8_t> called_kinds(const train::NetworkShape& shape, train::FrameSequence learnt, train::FrameSequence judged,
+                                       const train::TrainingOptions& training);
 
 struct MyrmexSize {
   std::size_t draws = 0;   // trials of each of the scene's eight cells

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/scene/scene.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench::reproduce {
 

@@ -66,6 +66,59 @@ Json figures_json(const MyrmexFigures& figures) {
   return {{"accuracy", figures.all().accuracy()}, {"folds", folds}, {"windows", figures.all().windows}};
 }
 
+ResultTable accuracy_table() {
+  return {
+      "Accuracy in %",
+      {"what it is told", "label", "paper, by window", "by window", "by trial", "SD of folds", "object left out",
+       "object, least fold", "forward, ms: paper", "ours"},
+      {},
+      "By window: a fifth of the windows of each class in turn judges, as in the paper, and its neighbours are learnt from. By trial: "
+      "five folds. Object left out: cylinder, remote, glass."};
+}
+
+ResultTable mistakes_table() {
+  return {"Stable windows called slip, in %, by trial",
+          {"what it is told", "label", "last half second before the true onset", "earlier", "of trials that hold"},
+          {},
+          "All windows of the last half second; of the others those drawn."};
+}
+
+// Time of a forward pass [ms] of the networks that the paper times; NaN of the others.
+double forward_ms(const MyrmexRow& row) {
+  const bool timed = !row.layers.empty() && row.input != MyrmexInput::static_image && row.longer == 1 && !row.late &&
+                     row.word == SlipWord::truth;
+  return timed ? 1e3 * forward_seconds(row) : std::numeric_limits<double>::quiet_NaN();
+}
+
+// The figures of a row, each validation's, go into the tables and into the result.
+void add_row(const Asked& asked, const MyrmexValidations& validations, ResultTable& accuracy, ResultTable& mistakes, Json& json) {
+  const MyrmexRow& row = asked.row;
+  const MyrmexFigures &by_window = validations.figures(asked.window), &by_trial = validations.figures(asked.trial),
+                      &by_object = validations.figures(asked.object);
+  std::vector<double> folds;
+  for (const KindCounts& fold : by_trial.folds) folds.push_back(fold.accuracy());
+  double least = std::numeric_limits<double>::quiet_NaN();
+  for (const KindCounts& fold : by_object.folds) least = std::fmin(least, fold.accuracy());
+  const double forward = forward_ms(row);
+  const bool timed = !std::isnan(forward);
+  accuracy.rows.push_back(
+      {row.text, slip_word(row.word), percent_text(row.published / 100.0), percent_text(by_window.all().accuracy()),
+       percent_text(by_trial.all().accuracy()), percent_text(mean_sd(folds).sd), percent_text(by_object.all().accuracy()),
+       percent_text(least),
+       timed ? fmt::format("{:.2f}", published_forward.at(static_cast<std::size_t>(row.layers.back() - '1'))) : "-",
+       timed ? fmt::format("{:.2f}", forward) : "-"});
+  mistakes.rows.push_back({row.text, slip_word(row.word), percent_text(by_trial.late.share()),
+                           percent_text(by_trial.earlier.share()), percent_text(by_trial.holds.share())});
+  json[row.name] = {{"by_window", figures_json(by_window)},
+                    {"by_trial", figures_json(by_trial)},
+                    {"object_left_out", figures_json(by_object)},
+                    {"stable_called_slip",
+                     {{"last_half_second", by_trial.late.share()},
+                      {"earlier", by_trial.earlier.share()},
+                      {"trials_that_hold", by_trial.holds.share()}}},
+                    {"forward_ms", forward}};
+}
+
 }  // namespace
 
 Result myrmex_table2(const ReproduceOptions& options) {
@@ -85,44 +138,8 @@ Result myrmex_table2(const ReproduceOptions& options) {
   Result result;
   result.title = "Networks of the Myrmex array: stable, translation or rotation";
   result.source = fmt::format("Table 2 of {}", myrmex_source);
-  ResultTable accuracy{
-      "Accuracy in %",
-      {"what it is told", "label", "paper, by window", "by window", "by trial", "SD of folds", "object left out",
-       "object, least fold", "forward, ms: paper", "ours"},
-      {},
-      "By window: a fifth of the windows of each class in turn judges, as in the paper, and its neighbours are learnt from. By trial: "
-      "five folds. Object left out: cylinder, remote, glass."};
-  ResultTable mistakes{"Stable windows called slip, in %, by trial",
-                       {"what it is told", "label", "last half second before the true onset", "earlier", "of trials that hold"},
-                       {},
-                       "All windows of the last half second; of the others those drawn."};
-  for (const auto& [row, window, trial, object] : asked) {
-    const MyrmexFigures &by_window = validations.figures(window), &by_trial = validations.figures(trial),
-                        &by_object = validations.figures(object);
-    std::vector<double> folds;
-    for (const KindCounts& fold : by_trial.folds) folds.push_back(fold.accuracy());
-    double least = std::numeric_limits<double>::quiet_NaN();
-    for (const KindCounts& fold : by_object.folds) least = std::fmin(least, fold.accuracy());
-    const bool timed = !row.layers.empty() && row.input != MyrmexInput::static_image && row.longer == 1 && !row.late &&
-                       row.word == SlipWord::truth;
-    const double forward = timed ? 1e3 * forward_seconds(row) : std::numeric_limits<double>::quiet_NaN();
-    accuracy.rows.push_back(
-        {row.text, slip_word(row.word), percent_text(row.published / 100.0), percent_text(by_window.all().accuracy()),
-         percent_text(by_trial.all().accuracy()), percent_text(mean_sd(folds).sd), percent_text(by_object.all().accuracy()),
-         percent_text(least),
-         timed ? fmt::format("{:.2f}", published_forward.at(static_cast<std::size_t>(row.layers.back() - '1'))) : "-",
-         timed ? fmt::format("{:.2f}", forward) : "-"});
-    mistakes.rows.push_back({row.text, slip_word(row.word), percent_text(by_trial.late.share()),
-                             percent_text(by_trial.earlier.share()), percent_text(by_trial.holds.share())});
-    result.figures[row.name] = {{"by_window", figures_json(by_window)},
-                                {"by_trial", figures_json(by_trial)},
-                                {"object_left_out", figures_json(by_object)},
-                                {"stable_called_slip",
-                                 {{"last_half_second", by_trial.late.share()},
-                                  {"earlier", by_trial.earlier.share()},
-                                  {"trials_that_hold", by_trial.holds.share()}}},
-                                {"forward_ms", forward}};
-  }
+  ResultTable accuracy = accuracy_table(), mistakes = mistakes_table();
+  for (const Asked& one : asked) add_row(one, validations, accuracy, mistakes, result.figures);
   result.tables = {accuracy, mistakes};
   result.setup = myrmex_setup(options, size, trials);
   result.remarks = {

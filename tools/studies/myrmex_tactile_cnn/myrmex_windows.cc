@@ -1,18 +1,16 @@
 #include "tools/studies/myrmex_tactile_cnn/myrmex_windows.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numeric>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "sim/core/random.h"
-#include "tools/program/export/myrmex_images.h"
-#include "tools/program/learn/examples.h"
-#include "tools/program/learn/recipe.h"
-#include "tools/program/learn/validation.h"
+#include "tools/program/samples/myrmex_images.h"
+#include "tools/program/train/network/examples.h"
+#include "tools/program/train/network/validation.h"
+#include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/myrmex_tactile_cnn/myrmex_onset.h"
 
 namespace slipbench::reproduce {
@@ -25,7 +23,7 @@ constexpr OnsetRule sinks{0.1, 3.0};
 void draw_windows(std::vector<MyrmexWindow>& windows, std::size_t word, std::size_t at_most, RandomStream& random) {
   std::map<std::uint8_t, std::vector<std::size_t>> of_class;
   for (std::size_t k = 0; k < windows.size(); ++k) {
-    if (windows[k].label[word] != learn::masked) of_class[windows[k].label[word]].push_back(k);
+    if (windows[k].label[word] != train::masked) of_class[windows[k].label[word]].push_back(k);
   }
   for (auto& [label, numbers] : of_class) {
     for (std::size_t i = 0; i < std::min(at_most, numbers.size()); ++i) {
@@ -38,7 +36,7 @@ void draw_windows(std::vector<MyrmexWindow>& windows, std::size_t word, std::siz
 }  // namespace
 
 std::uint8_t kind_at(double t, const SlipSpan& span, std::uint8_t kind) {
-  if (t > span.end) return learn::masked;
+  if (t > span.end) return train::masked;
   return span.onset && t >= *span.onset ? kind : std::uint8_t{0};
 }
 
@@ -53,12 +51,12 @@ MyrmexTrial myrmex_trial(const Scene& scene, const TrialRecord& record, const Wi
     labelled.onset = decrease_onset(top.time, sum_of_contacts(top), sinks, bench_settled, bench_apart, labelled.end);
   MyrmexTrial trial{object_name(scene.bodies.front()), is_rotational(scene.bodies.front()), real.onset.has_value(), {}};
   const std::uint8_t placed = trial.rotational ? 2 : 1;
-  learn::ExampleOptions how;
-  how.input = learn::find_recipe("myrmex_net3").input;
-  how.classes = learn::ClassRule::kind;
+  train::ExampleOptions how;
+  how.input = train::find_recipe("myrmex_net3").input;
+  how.classes = train::ClassRule::kind;
   RandomStream random(options.seed, record.trial, "windows");
   for (const SensorRecord* array : {&left, &right}) {
-    const learn::Example example = learn::example_of(record, *array, how);
+    const train::Example example = train::example_of(record, *array, how);
     const std::size_t size = example.frames.features.size() / example.time.size();
     std::vector<MyrmexWindow> windows(example.time.size());
     for (std::size_t k = 0; k < windows.size(); ++k) {
@@ -66,7 +64,7 @@ MyrmexTrial myrmex_trial(const Scene& scene, const TrialRecord& record, const Wi
       window.time = example.time[k];
       if (real.onset) window.to_onset = *real.onset - window.time;
       // While half of the load slips something moves, but for a single sample whose motion is that of no unit.
-      const std::uint8_t moves = example.frames.label[k] == 0 ? learn::masked : example.frames.label[k];
+      const std::uint8_t moves = example.frames.label[k] == 0 ? train::masked : example.frames.label[k];
       window.label = {kind_at(window.time, real, placed), kind_at(window.time, labelled, placed),
                       kind_at(window.time, real, moves)};
     }
@@ -88,7 +86,7 @@ MyrmexTrial myrmex_trial(const Scene& scene, const TrialRecord& record, const Wi
     std::iota(turns.begin(), turns.end(), 1U);
     for (std::size_t copy = 0; copy < options.turned; ++copy) {
       std::swap(turns[copy], turns[copy + random.integer(turns.size() - copy)]);
-      take(learn::example_of(record, *array, how, turns[copy]).frames.features, static_cast<std::uint8_t>(turns[copy]));
+      take(train::example_of(record, *array, how, turns[copy]).frames.features, static_cast<std::uint8_t>(turns[copy]));
     }
   }
   return trial;
@@ -135,7 +133,7 @@ std::vector<std::size_t> window_folds(const std::vector<MyrmexTrial>& trials, co
     of_trial.push_back(number_of(
         split == MyrmexSplit::object ? trial.object : fmt::format("{} {} {}", trial.object, trial.rotational, trial.slips)));
   }
-  if (split == MyrmexSplit::trial) of_trial = learn::folds(of_trial, count, seed);
+  if (split == MyrmexSplit::trial) of_trial = train::folds(of_trial, count, seed);
   for (const WindowPlace& place : places) fold_of.push_back(of_trial[place.trial]);
   return fold_of;
 }

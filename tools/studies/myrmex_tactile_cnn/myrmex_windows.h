@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "sim/scene/scene.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench::reproduce {
 
-inline constexpr std::size_t kinds = 3;  // classes of learn::ClassRule::kind: stable, translation, rotation
+inline constexpr std::size_t kinds = 3;  // classes of train::ClassRule::kind: stable, translation, rotation
 
 // Whose word it is that the object slips, and how.
 enum class SlipWord {
@@ -30,7 +30,7 @@ inline constexpr double last_seconds = 0.5;  // before the true onset: the windo
 struct MyrmexWindow {
   double time = 0.0;                                           // s
   double to_onset = std::numeric_limits<double>::quiet_NaN();  // s, from here to the true onset; NaN: the trial holds
-  std::array<std::uint8_t, slip_words> label{};                // by SlipWord; learn::masked: after the end
+  std::array<std::uint8_t, slip_words> label{};                // by SlipWord; train::masked: after the end
   std::array<bool, slip_words> drawn{};                        // is one of those that are learnt from and judged, by SlipWord
   std::uint8_t turn = 0;       // its images are turned by so many times 30 degrees; such a copy only learns
   std::vector<float> spectra;  // [12 x 12 taxels, 32 bins] amplitudes
@@ -51,7 +51,7 @@ struct SlipSpan {
   double end = 0.0;             // of contact
 };
 
-// The class at time t of a trial that slips by `span` with class `kind`; learn::masked after the end.
+// The class at time t of a trial that slips by `span` with class `kind`; train::masked after the end.
 std::uint8_t kind_at(double t, const SlipSpan& span, std::uint8_t kind);
 
 struct WindowOptions {

@@ -1,7 +1,6 @@
 #include "tools/studies/nib_reconfigurable/nib_calibration.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <stdexcept>

@@ -1,7 +1,6 @@
 #include "tools/studies/nib_reconfigurable/nib_laws.h"
 
 #include <algorithm>
-#include <string>
 #include <vector>
 
 #include "sim/effects/effect_catalogue.h"

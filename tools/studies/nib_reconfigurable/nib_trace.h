@@ -9,7 +9,7 @@
 #include "detectors/nib/features.h"
 #include "sim/core/detector.h"
 #include "sim/core/parameters.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench::reproduce {
 

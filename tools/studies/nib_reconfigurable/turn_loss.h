@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench::reproduce {
 

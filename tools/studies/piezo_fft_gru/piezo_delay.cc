@@ -9,10 +9,10 @@
 namespace slipbench::reproduce {
 namespace {
 
-using learn::LabelRule;
+using train::LabelRule;
 
 // From `onset` of each recording; both may be NaN.
-Alarms alarms_of(const std::vector<PiezoRecording>& recordings, const learn::Calls& calls, double PiezoRecording::*onset) {
+Alarms alarms_of(const std::vector<PiezoRecording>& recordings, const train::Calls& calls, double PiezoRecording::*onset) {
   Alarms alarms;
   for (std::size_t i = 0; i < recordings.size(); ++i) alarms.add(recordings[i].time, calls[i], recordings[i].*onset);
   return alarms;

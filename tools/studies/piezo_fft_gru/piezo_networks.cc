@@ -7,20 +7,20 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/program/learn/recipe.h"
+#include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
 namespace {
 
-using learn::LabelRule;
+using train::LabelRule;
 
 constexpr std::size_t epochs = 200;        // published
 constexpr double shown = 0.8, kept = 0.8;  // shares: of the recordings that are learnt from, and of these that do not validate
 
 // But for the steps, which the number of recordings decides.
-learn::TrainingOptions published_training() {
-  return {.batch = 32, .clip = 128, .optimiser = learn::Optimiser::rmsprop, .learning_rate = 8e-4};
+train::TrainingOptions published_training() {
+  return {.batch = 32, .clip = 128, .optimiser = train::Optimiser::rmsprop, .learning_rate = 8e-4};
 }
 
 void check_folds(const std::vector<PiezoRecording>& recordings) {
@@ -37,28 +37,28 @@ void check_folds(const std::vector<PiezoRecording>& recordings) {
 }
 
 // `before` copies of the first frame before, `after` of the last one behind; their labels are masked.
-learn::FrameSequence padded(const learn::FrameSequence& sequence, std::size_t inputs, std::size_t before, std::size_t after) {
-  learn::FrameSequence whole;
+train::FrameSequence padded(const train::FrameSequence& sequence, std::size_t inputs, std::size_t before, std::size_t after) {
+  train::FrameSequence whole;
   const auto width = static_cast<std::ptrdiff_t>(inputs);
   for (std::size_t k = 0; k < before; ++k)
     whole.features.insert(whole.features.end(), sequence.features.begin(), sequence.features.begin() + width);
   whole.features.insert(whole.features.end(), sequence.features.begin(), sequence.features.end());
   for (std::size_t k = 0; k < after; ++k)
     whole.features.insert(whole.features.end(), sequence.features.end() - width, sequence.features.end());
-  whole.label.assign(before + after, learn::masked);
+  whole.label.assign(before + after, train::masked);
   whole.label.insert(whole.label.end(), sequence.label.begin(), sequence.label.end());
   return whole;
 }
 
 // The calls of one fold one after the other, as a child process hands them over; and each recording's.
-std::vector<std::uint8_t> joined(const learn::Calls& calls) {
+std::vector<std::uint8_t> joined(const train::Calls& calls) {
   std::vector<std::uint8_t> all;
   for (const std::vector<std::uint8_t>& one : calls) all.insert(all.end(), one.begin(), one.end());
   return all;
 }
-learn::Calls split(const std::vector<std::uint8_t>& all, const std::vector<learn::FoldExample>& examples,
+train::Calls split(const std::vector<std::uint8_t>& all, const std::vector<train::FoldExample>& examples,
                    const std::vector<std::size_t>& fold_of, std::size_t fold) {
-  learn::Calls calls(examples.size());
+  train::Calls calls(examples.size());
   auto next = all.begin();
   for (std::size_t i = 0; i < examples.size(); ++i) {
     if (fold_of[i] != fold) continue;
@@ -69,8 +69,8 @@ learn::Calls split(const std::vector<std::uint8_t>& all, const std::vector<learn
   return calls;
 }
 
-learn::Counts all_of(const GroupCounts& fold) {
-  learn::Counts all = fold[with_slip];
+train::Counts all_of(const GroupCounts& fold) {
+  train::Counts all = fold[with_slip];
   all.add(fold[motors_alone]);
   return all;
 }
@@ -91,14 +91,14 @@ NetworkFigures figures_over(const std::vector<GroupCounts>& folds, Of&& counts) 
 }  // namespace
 
 NetworkRow row_of(const char* name, const char* text, const char* recipe, double f1, double accuracy) {
-  const learn::Recipe& published = learn::find_recipe(recipe);
+  const train::Recipe& published = train::find_recipe(recipe);
   return {.name = name, .text = text, .shape = published.network, .training = published.training, .f1 = f1, .accuracy = accuracy};
 }
 NetworkRow mlp_32() { return row_of("mlp_32", "FFT, MLP 32", "piezo_mlp", 0.7913, 88.76); }
 NetworkRow gru_32() { return row_of("gru_32", "FFT, GRU 32", "piezo_fft_gru", 0.9781, 98.70); }
 
-learn::Validation StudySize::training(const NetworkRow& row, std::uint64_t seed) const {
-  learn::Validation validation{row.shape, full ? published_training() : row.training};
+train::Validation StudySize::training(const NetworkRow& row, std::uint64_t seed) const {
+  train::Validation validation{row.shape, full ? published_training() : row.training};
   validation.training.seed = seed;
   if (!full) return validation;
   const auto epoch = static_cast<std::size_t>(shown * kept * static_cast<double>(recordings)) / validation.training.batch;
@@ -109,7 +109,7 @@ learn::Validation StudySize::training(const NetworkRow& row, std::uint64_t seed)
 }
 
 StudySize size_of(const ReproduceOptions& options, std::size_t usual) {
-  if (!learn::networks_available()) static_cast<void>(learn::network_libraries());  // says what is missing before anything is run
+  if (!train::networks_available()) static_cast<void>(train::network_libraries());  // says what is missing before anything is run
   if (!options.data.empty() && options.trials != 0)
     throw InputError("reproduce: --trials is for recordings that are made; allowed: --data alone");
   StudySize size{options.trials != 0 ? options.trials : options.full ? published_recordings : usual, options.full};
@@ -126,12 +126,12 @@ std::vector<PiezoRecording> recordings_for(const ReproduceOptions& options, cons
   return recordings;
 }
 
-std::vector<learn::FoldExample> examples_of(const std::vector<PiezoRecording>& recordings, const NetworkRow& row,
+std::vector<train::FoldExample> examples_of(const std::vector<PiezoRecording>& recordings, const NetworkRow& row,
                                             LabelRule rule) {
-  std::vector<learn::FoldExample> examples;
-  const std::size_t before = learn::history_of(row.shape) - 1 - row.later;
+  std::vector<train::FoldExample> examples;
+  const std::size_t before = train::history_of(row.shape) - 1 - row.later;
   for (const PiezoRecording& recording : recordings) {
-    learn::FrameSequence frames = recording.inputs[row.input].by(rule);
+    train::FrameSequence frames = recording.inputs[row.input].by(rule);
     if (row.told.values() > 0) frames.features = told_features(recording, row.told);
     examples.push_back({padded(frames, row.shape.inputs, before, row.later), recording.motors_only ? motors_alone : with_slip});
   }
@@ -199,34 +199,34 @@ std::vector<std::string> setup_lines(const ReproduceOptions& options, const Stud
 
 std::size_t Validations::queue(const std::vector<PiezoRecording>& recordings, const std::vector<std::size_t>& fold_of,
                                const NetworkRow& row, LabelRule rule, bool slip_alone) {
-  learn::Validation validation = size_.training(row, options_.seed.value_or(1));
+  train::Validation validation = size_.training(row, options_.seed.value_or(1));
   if (slip_alone) validation.learns = [](std::size_t group) { return group == with_slip; };
-  const auto examples = std::make_shared<const std::vector<learn::FoldExample>>(examples_of(recordings, row, rule));
+  const auto examples = std::make_shared<const std::vector<train::FoldExample>>(examples_of(recordings, row, rule));
   const std::size_t count = *std::ranges::max_element(fold_of) + 1;
   for (std::size_t fold = 0; fold < count; ++fold)
     tasks_.push_back(
         {results_.size(), examples, fold_of, fold, validation, fmt::format("{}, {} label", row.text, label_name(rule))});
-  results_.push_back({{}, learn::Calls(recordings.size())});
+  results_.push_back({{}, train::Calls(recordings.size())});
   return results_.size() - 1;
 }
 
 std::size_t Validations::queue_folds(const std::vector<PiezoRecording>& recordings, const NetworkRow& row, LabelRule rule,
                                      bool slip_alone) {
-  return queue(recordings, learn::folds(groups_of(recordings), fold_count, options_.seed.value_or(1)), row, rule, slip_alone);
+  return queue(recordings, train::folds(groups_of(recordings), fold_count, options_.seed.value_or(1)), row, rule, slip_alone);
 }
 
 void Validations::run() {
-  static_cast<void>(learn::network_libraries());  // loaded once, not by every child
+  static_cast<void>(train::network_libraries());  // loaded once, not by every child
   const std::vector<std::vector<std::uint8_t>> said = run_in_processes<std::uint8_t>(
       tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
       [this](std::size_t k) {
         const Task& task = tasks_[k];
-        return joined(learn::called_in_fold(*task.examples, task.fold_of, task.fold, task.validation));
+        return joined(train::called_in_fold(*task.examples, task.fold_of, task.fold, task.validation));
       });
   for (std::size_t k = 0; k < tasks_.size(); ++k) {
     Outcome& outcome = results_[tasks_[k].of];
-    learn::Calls called = split(said[k], *tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold);
-    const std::vector<learn::Counts> counts = learn::counts_of(*tasks_[k].examples, called);
+    train::Calls called = split(said[k], *tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold);
+    const std::vector<train::Counts> counts = train::counts_of(*tasks_[k].examples, called);
     std::ranges::copy(counts, outcome.folds.emplace_back().begin());
     for (std::size_t i = 0; i < called.size(); ++i) {
       if (!called[i].empty()) outcome.calls[i] = std::move(called[i]);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tools/base/statistics/descriptive.h"
-#include "tools/program/learn/validation.h"
+#include "tools/program/train/network/validation.h"
 #include "tools/studies/piezo_fft_gru/piezo_recordings.h"
 
 namespace slipbench::reproduce {
@@ -21,8 +21,8 @@ inline constexpr std::size_t with_slip = 0, motors_alone = 1;  // groups of reco
 // A row of a table: a network, what it eats and what the paper says of it.
 struct NetworkRow {
   std::string name, text;
-  learn::NetworkShape shape;
-  learn::TrainingOptions training = {};  // of the default size
+  train::NetworkShape shape;
+  train::TrainingOptions training = {};  // of the default size
   std::size_t input = 0;                 // PiezoRecording::inputs
   Told told = {};                        // a shortcut eats this instead
   std::size_t later = 0;                 // frames after the one that is named, which it has seen
@@ -41,7 +41,7 @@ struct StudySize {
   std::size_t recordings = 0;  // of each level
   bool full = false;  // 200 epochs, the best state by a fifth of the recordings learnt from; else a row's own, the last state
 
-  [[nodiscard]] learn::Validation training(const NetworkRow& row, std::uint64_t seed) const;
+  [[nodiscard]] train::Validation training(const NetworkRow& row, std::uint64_t seed) const;
 };
 inline constexpr std::size_t published_recordings = 3200, usual_recordings = 200;
 
@@ -57,13 +57,13 @@ inline constexpr double bench_level = 2.0;  // of the motors, in dataset.yaml
 
 // As examples of a row, by a label. What convolutions look back to before a recording is its first frame again, and what they see after it its
 // last: so all frames are judged. An answer that has seen `later` frames stands so many frames after the one that it names.
-std::vector<learn::FoldExample> examples_of(const std::vector<PiezoRecording>& recordings, const NetworkRow& row,
-                                            learn::LabelRule rule);
+std::vector<train::FoldExample> examples_of(const std::vector<PiezoRecording>& recordings, const NetworkRow& row,
+                                            train::LabelRule rule);
 
 // with_slip or motors_alone, of each.
 std::vector<std::size_t> groups_of(const std::vector<PiezoRecording>& recordings);
 
-using GroupCounts = std::array<learn::Counts, 2>;  // of with_slip and of motors_alone
+using GroupCounts = std::array<train::Counts, 2>;  // of with_slip and of motors_alone
 
 // Mean and standard deviation of the folds; NaN where there is none.
 struct NetworkFigures {
@@ -82,7 +82,7 @@ Json json_of(const std::vector<GroupCounts>& folds);
 // "98.70, 0.978" of the paper's.
 std::string paper_cell(const NetworkRow& row);
 
-const char* label_name(learn::LabelRule rule);  // "position", "true"
+const char* label_name(train::LabelRule rule);  // "position", "true"
 
 // What is said of every table: how it was measured, and what differs.
 std::vector<std::string> setup_lines(const ReproduceOptions& options, const StudySize& size, std::size_t recordings);
@@ -98,30 +98,30 @@ class Validations {
   // One network for each fold of `fold_of`. `slip_alone`: it learns from recordings with a slip alone. Returns a number to ask
   // with.
   std::size_t queue(const std::vector<PiezoRecording>& recordings, const std::vector<std::size_t>& fold_of, const NetworkRow& row,
-                    learn::LabelRule rule, bool slip_alone = false);
+                    train::LabelRule rule, bool slip_alone = false);
   // Five folds by recording, with and without a slip dealt out apart.
-  std::size_t queue_folds(const std::vector<PiezoRecording>& recordings, const NetworkRow& row, learn::LabelRule rule,
+  std::size_t queue_folds(const std::vector<PiezoRecording>& recordings, const NetworkRow& row, train::LabelRule rule,
                           bool slip_alone = false);
   // Throws InputError and Interrupted.
   void run();
 
   // After run(): fold by fold, and what each recording's frames are called by the network that has not learnt it.
   [[nodiscard]] const std::vector<GroupCounts>& folds(std::size_t validation) const { return results_[validation].folds; }
-  [[nodiscard]] const learn::Calls& calls(std::size_t validation) const { return results_[validation].calls; }
+  [[nodiscard]] const train::Calls& calls(std::size_t validation) const { return results_[validation].calls; }
 
  private:
   // One network to be judged on one fold.
   struct Task {
     std::size_t of;  // validation
-    std::shared_ptr<const std::vector<learn::FoldExample>> examples;
+    std::shared_ptr<const std::vector<train::FoldExample>> examples;
     std::vector<std::size_t> fold_of;
     std::size_t fold;
-    learn::Validation validation;
+    train::Validation validation;
     std::string name;
   };
   struct Outcome {
     std::vector<GroupCounts> folds;
-    learn::Calls calls;
+    train::Calls calls;
   };
 
   const ReproduceOptions& options_;

@@ -2,10 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <numeric>
-#include <type_traits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,7 +11,7 @@
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/program/learn/recipe.h"
+#include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
@@ -51,33 +48,6 @@ double bench_speed(const TrialRecord& record, double t) {
   return speed;
 }
 
-template <class T>
-void append(std::string& bytes, const std::vector<T>& values) {
-  const std::uint64_t count = values.size();
-  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
-  bytes.append(reinterpret_cast<const char*>(values.data()), count * sizeof(T));
-}
-
-// Takes values off the front of bytes that append() wrote.
-class Unpacker {
- public:
-  explicit Unpacker(const std::string& bytes) : left_(bytes) {}
-  [[nodiscard]] bool empty() const { return left_.empty(); }
-  template <class T>
-  std::vector<T> take() {
-    std::uint64_t count = 0;
-    std::memcpy(&count, left_.data(), sizeof count);
-    left_.remove_prefix(sizeof count);
-    std::vector<T> values(count);
-    if (count > 0) std::memcpy(values.data(), left_.data(), count * sizeof(T));
-    left_.remove_prefix(count * sizeof(T));
-    return values;
-  }
-
- private:
-  std::string_view left_;
-};
-
 }  // namespace
 
 void check_recordings(std::size_t recordings, std::size_t least, const std::string& why) {
@@ -87,7 +57,7 @@ void check_recordings(std::size_t recordings, std::size_t least, const std::stri
       recordings, why, least));
 }
 
-network::Input published_spectra() { return learn::find_recipe("piezo_fft_gru").input; }
+network::Input published_spectra() { return train::find_recipe("piezo_fft_gru").input; }
 
 network::Input spectra_of(double low, double high) {
   network::Input input = published_spectra();
@@ -96,7 +66,7 @@ network::Input spectra_of(double low, double high) {
   return input;
 }
 
-network::Input signal_at_100_hz() { return learn::find_recipe("piezo_raw_gru").input; }
+network::Input signal_at_100_hz() { return train::find_recipe("piezo_raw_gru").input; }
 
 PiezoRecording make_recording(const TrialRecord& record, const std::vector<network::Input>& inputs) {
   const auto sensor = std::ranges::find(record.sensors, "piezo_skin", &SensorRecord::type);
@@ -111,15 +81,15 @@ PiezoRecording make_recording(const TrialRecord& record, const std::vector<netwo
   if (labelled != sensor->labels.state_paper.end())
     recording.label_time = sensor->time[static_cast<std::size_t>(labelled - sensor->labels.state_paper.begin())];
   for (const network::Input& input : inputs) {
-    const auto example_by = [&](learn::LabelRule rule) {
-      learn::ExampleOptions how;
+    const auto example_by = [&](train::LabelRule rule) {
+      train::ExampleOptions how;
       how.input = input;
       how.labels = rule;
-      return learn::example_of(record, *sensor, how);
+      return train::example_of(record, *sensor, how);
     };
-    learn::Example truth = example_by(learn::LabelRule::micro);
+    train::Example truth = example_by(train::LabelRule::micro);
     recording.inputs.push_back(
-        {std::move(truth.frames.features), std::move(truth.frames.label), example_by(learn::LabelRule::paper).frames.label});
+        {std::move(truth.frames.features), std::move(truth.frames.label), example_by(train::LabelRule::paper).frames.label});
     if (recording.inputs.size() > 1) continue;
     recording.slip_time = truth.onset;
     recording.time = truth.time;
@@ -142,41 +112,29 @@ std::vector<float> told_features(const PiezoRecording& recording, const Told& to
   return features;
 }
 
-void pack(const PiezoRecording& recording, std::string& bytes) {
-  append(bytes, std::vector<double>{recording.level, recording.motors_only ? 1.0 : 0.0, recording.slip_time, recording.label_time,
-                                    static_cast<double>(recording.inputs.size())});
-  append(bytes, std::vector<char>(recording.tip.begin(), recording.tip.end()));
-  for (const PiezoFrames& frames : recording.inputs) {
-    append(bytes, frames.features);
-    append(bytes, frames.truth);
-    append(bytes, frames.paper);
-  }
-  append(bytes, recording.time);
-  append(bytes, recording.contact);
-  append(bytes, recording.motors);
+namespace {
+
+// The one list of what goes through the pipe.
+template <class RecordingOrConst, class Do>
+void with_members(RecordingOrConst& recording, Do&& use) {
+  use(recording.level, recording.motors_only, recording.slip_time, recording.label_time, recording.tip, recording.time,
+      recording.contact, recording.motors);
+  for (auto& frames : recording.inputs) use(frames.features, frames.truth, frames.paper);
 }
 
-std::vector<PiezoRecording> unpack(const std::string& bytes) {
+}  // namespace
+
+void pack(const PiezoRecording& recording, Packed& bytes) {
+  bytes.put(recording.inputs.size());
+  with_members(recording, [&](const auto&... members) { bytes.put(members...); });
+}
+
+std::vector<PiezoRecording> unpack(Packed bytes) {
   std::vector<PiezoRecording> recordings;
-  for (Unpacker unpacker(bytes); !unpacker.empty();) {
-    PiezoRecording recording;
-    const auto numbers = unpacker.take<double>();
-    recording.level = numbers.at(0);
-    recording.motors_only = numbers.at(1) != 0.0;
-    recording.slip_time = numbers.at(2);
-    recording.label_time = numbers.at(3);
-    const auto tip = unpacker.take<char>();
-    recording.tip.assign(tip.begin(), tip.end());
-    recording.inputs.resize(static_cast<std::size_t>(numbers.at(4)));
-    for (PiezoFrames& frames : recording.inputs) {
-      frames.features = unpacker.take<float>();
-      frames.truth = unpacker.take<std::uint8_t>();
-      frames.paper = unpacker.take<std::uint8_t>();
-    }
-    recording.time = unpacker.take<double>();
-    recording.contact = unpacker.take<std::uint8_t>();
-    recording.motors = unpacker.take<float>();
-    recordings.push_back(std::move(recording));
+  while (!bytes.at_end()) {
+    PiezoRecording& recording = recordings.emplace_back();
+    recording.inputs.resize(bytes.take<std::size_t>());
+    with_members(recording, [&](auto&... members) { bytes.take(members...); });
   }
   return recordings;
 }
@@ -198,10 +156,10 @@ std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, st
 }
 
 std::vector<PiezoRecording> read_recordings(const std::string& path, const std::vector<network::Input>& inputs) {
-  return unpack(guarded(path, [&] {
+  return unpack(Packed(guarded(path, [&] {
     const DatasetReader reader(path);
     ContentCheck check(reader);
-    std::string bytes;
+    Packed bytes;
     for (const std::size_t trial : reader.trials()) {
       reader.check_recorded(trial);
       const TrialRecord record = reader.read_trial(trial);
@@ -209,8 +167,8 @@ std::vector<PiezoRecording> read_recordings(const std::string& path, const std::
       pack(make_recording(record, inputs), bytes);
     }
     check.finish();
-    return bytes;
-  }));
+    return bytes.release();
+  })));
 }
 
 }  // namespace slipbench::reproduce

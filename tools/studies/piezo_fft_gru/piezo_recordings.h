@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "detectors/network/description.h"
-#include "tools/base/dataset/trial_record.h"
-#include "tools/program/learn/examples.h"
+#include "tools/base/record/trial_record.h"
+#include "tools/base/workers/packed.h"
+#include "tools/program/train/network/examples.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {
@@ -24,8 +25,8 @@ struct PiezoFrames {
   std::vector<float> features;             // [T, F]
   std::vector<std::uint8_t> truth, paper;  // [T] 1: slip
 
-  [[nodiscard]] learn::FrameSequence by(learn::LabelRule rule) const {
-    return {features, rule == learn::LabelRule::micro ? truth : paper};
+  [[nodiscard]] train::FrameSequence by(train::LabelRule rule) const {
+    return {features, rule == train::LabelRule::micro ? truth : paper};
   }
 };
 
@@ -75,7 +76,7 @@ struct Told {
 std::vector<float> told_features(const PiezoRecording& recording, const Told& told);
 
 // A recording as bytes, and back, for a child process to hand over.
-void pack(const PiezoRecording& recording, std::string& bytes);
-std::vector<PiezoRecording> unpack(const std::string& bytes);
+void pack(const PiezoRecording& recording, Packed& bytes);
+std::vector<PiezoRecording> unpack(Packed bytes);
 
 }  // namespace slipbench::reproduce

@@ -1,27 +1,27 @@
 // Table I of the paper: architectures, and beside them what needs no signal of a slip at all.
 #include <fmt/format.h>
 
-#include "tools/program/learn/recipe.h"
+#include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
 namespace slipbench::reproduce {
 namespace {
 
-using learn::LabelRule;
+using train::LabelRule;
 
 constexpr std::size_t signal = 1;  // of PiezoRecording::inputs
 constexpr std::size_t shortcut_steps = 300;
 // Twice as many as the other tables: 160 to learn from are too few for the convolutions (README.md).
 constexpr std::size_t table1_recordings = 2 * usual_recordings;
 
-learn::NetworkShape stacked(const learn::Layer& layer, bool relu) {
-  learn::NetworkShape shape{12, {}};
+train::NetworkShape stacked(const train::Layer& layer, bool relu) {
+  train::NetworkShape shape{12, {}};
   for (int i = 0; i < 4; ++i) {
     shape.layers.push_back(layer);
-    if (relu) shape.layers.emplace_back(learn::Relu{});
+    if (relu) shape.layers.emplace_back(train::Relu{});
   }
-  shape.layers.emplace_back(learn::Linear{2});
+  shape.layers.emplace_back(train::Linear{2});
   return shape;
 }
 
@@ -51,20 +51,20 @@ std::vector<NetworkRow> network_rows(bool full) {
   }
   constexpr std::size_t half = 62;  // of the 4 x 31 frames before the last
   rows.push_back(
-      {.name = "gru_128", .text = "FFT, GRU 128", .shape = stacked(learn::Gru{128}, false), .f1 = 0.9787, .accuracy = 98.73});
+      {.name = "gru_128", .text = "FFT, GRU 128", .shape = stacked(train::Gru{128}, false), .f1 = 0.9787, .accuracy = 98.73});
   rows.push_back({.name = "tcn_128_1",
                   .text = "FFT, TCN 128, kernel 1",
-                  .shape = stacked(learn::Conv1d{128, 1}, true),
+                  .shape = stacked(train::Conv1d{128, 1}, true),
                   .f1 = 0.8051,
                   .accuracy = 88.97});
   rows.push_back({.name = "tcn_128_32",
                   .text = "FFT, TCN 128, kernel 32",
-                  .shape = stacked(learn::Conv1d{128, 32}, true),
+                  .shape = stacked(train::Conv1d{128, 32}, true),
                   .f1 = 0.9694,
                   .accuracy = 98.26});
   rows.push_back({.name = "tcn_128_32_later",
                   .text = "the same, not causal",
-                  .shape = stacked(learn::Conv1d{128, 32}, true),
+                  .shape = stacked(train::Conv1d{128, 32}, true),
                   .later = half,
                   .f1 = 0.9836,
                   .accuracy = 99.21});
@@ -90,7 +90,7 @@ ResultTable table_of(const char* title, const std::vector<NetworkRow>& rows, con
   table.head = {"input, network",        "parameters",      "paper",        "position label: all",  "with contact",
                 "motors alone, % right", "true label: all", "with contact", "motors alone, % right"};
   for (const NetworkRow& row : rows) {
-    std::vector<std::string> cells{row.text, fmt::format("{}", learn::parameter_count(row.shape)), paper_cell(row)};
+    std::vector<std::string> cells{row.text, fmt::format("{}", train::parameter_count(row.shape)), paper_cell(row)};
     for (const LabelRule rule : {LabelRule::paper, LabelRule::micro}) {
       const auto number = numbers.at(rule).find(row.name);
       if (number == numbers.at(rule).end()) {

@@ -6,7 +6,7 @@
 namespace slipbench::reproduce {
 namespace {
 
-using learn::LabelRule;
+using train::LabelRule;
 
 struct Band {
   double low, high;     // Hz

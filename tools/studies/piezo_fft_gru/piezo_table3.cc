@@ -10,7 +10,7 @@
 namespace slipbench::reproduce {
 namespace {
 
-using learn::LabelRule;
+using train::LabelRule;
 
 }  // namespace
 

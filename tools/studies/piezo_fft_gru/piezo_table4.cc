@@ -13,7 +13,7 @@
 namespace slipbench::reproduce {
 namespace {
 
-using learn::LabelRule;
+using train::LabelRule;
 
 constexpr std::size_t usual_level_recordings = 120;  // of each level
 constexpr std::size_t level_steps = 400;             // of the MLP at each level
@@ -55,6 +55,47 @@ std::vector<std::string> cells_of(const Point& point, const Validations& validat
           fmt::format("{:+.1f}", on_all(alone).accuracy.mean - on_slip(alone).accuracy.mean)};
 }
 
+// The tables' first row, and what all columns but the first two are.
+ResultTable begun_table(const std::string& title, const std::string& first) {
+  return {title,
+          {first, "label", "learnt slip + noise: on slip + noise", "on slip", "learnt slip: on slip + noise", "on slip",
+           "slip to slip + noise"},
+          {},
+          ""};
+}
+
+bool is_wanted(const NetworkRow& row, const ReproduceOptions& options) {
+  return options.only.empty() || std::ranges::find(options.only, row.name) != options.only.end();
+}
+
+using Levels = std::map<double, std::vector<PiezoRecording>>;
+
+// What is validated: the paper's networks at the level `bench`, the MLP at all levels. `tip`: recordings whose motors move the tip alone; may be empty.
+std::vector<Point> queue_points(const ReproduceOptions& options, const Levels& levels, const Levels& tip,
+                                Levels::const_iterator bench, Validations& validations) {
+  std::vector<Point> points;
+  const auto add = [&](const NetworkRow& network, LabelRule rule, const auto& level) {
+    points.push_back({network, rule, level.first, validations.queue_folds(level.second, network, rule),
+                      validations.queue_folds(level.second, network, rule, true)});
+  };
+  const std::array rules{LabelRule::paper, LabelRule::micro};
+  for (const LabelRule rule : rules) {
+    if (!tip.empty()) add(gru_32_tip(), rule, *tip.begin());
+  }
+  for (const LabelRule rule : rules) {
+    if (is_wanted(gru_32(), options)) add(gru_32(), rule, *bench);
+  }
+  NetworkRow of_levels = mlp_32();
+  of_levels.training.steps = level_steps;
+  for (const LabelRule rule : rules) {
+    if (!is_wanted(of_levels, options)) break;
+    for (const auto& level : levels) {
+      if (options.full || rule == LabelRule::paper || level.first == bench->first) add(of_levels, rule, level);
+    }
+  }
+  return points;
+}
+
 }  // namespace
 
 Result piezo_table4(const ReproduceOptions& options) {
@@ -63,51 +104,22 @@ Result piezo_table4(const ReproduceOptions& options) {
   if (!options.data.empty() && std::ranges::find(options.only, gru_32_tip().name) != options.only.end()) {
     throw InputError(fmt::format("reproduce: --only {} needs recordings of its own; allowed: without --data", gru_32_tip().name));
   }
-  const std::map<double, std::vector<PiezoRecording>> levels =
-      by_level(recordings_for(options, size, all_levels(), {published_spectra()}));
+  const Levels levels = by_level(recordings_for(options, size, all_levels(), {published_spectra()}));
   const auto bench = levels.contains(bench_level) ? levels.find(bench_level) : levels.begin();
   Validations validations(options, size);
-  std::vector<Point> points;
-  const auto add = [&](const NetworkRow& network, LabelRule rule, const auto& level) {
-    points.push_back({network, rule, level.first, validations.queue_folds(level.second, network, rule),
-                      validations.queue_folds(level.second, network, rule, true)});
-  };
-  const std::array rules{LabelRule::paper, LabelRule::micro};
-  const auto wanted = [&](const NetworkRow& row) {
-    return options.only.empty() || std::ranges::find(options.only, row.name) != options.only.end();
-  };
   // A dataset has the motors that it was recorded with.
-  std::map<double, std::vector<PiezoRecording>> tip;
-  if (wanted(gru_32_tip()) && options.data.empty())
+  Levels tip;
+  if (is_wanted(gru_32_tip(), options) && options.data.empty())
     tip = by_level(recordings_for(options, size, {bench_level}, {published_spectra()}, Motors::of_the_tip));
-  for (const LabelRule rule : rules) {
-    if (!tip.empty()) add(gru_32_tip(), rule, *tip.begin());
-  }
-  for (const LabelRule rule : rules) {
-    if (wanted(gru_32())) add(gru_32(), rule, *bench);
-  }
-  NetworkRow of_levels = mlp_32();
-  of_levels.training.steps = level_steps;
-  for (const LabelRule rule : rules) {
-    if (!wanted(of_levels)) break;
-    for (const auto& level : levels) {
-      if (options.full || rule == LabelRule::paper || level.first == bench->first) add(of_levels, rule, level);
-    }
-  }
+  const std::vector<Point> points = queue_points(options, levels, tip, bench, validations);
   validations.run();
 
   Result result;
   result.title = "Networks of the piezoelectric skin that learn with and without recordings of motors alone";
   result.source = fmt::format("Table IV of {}", table_source);
-  ResultTable table, curve;
-  const std::vector<std::string> columns{"learnt slip + noise: on slip + noise", "on slip", "learnt slip: on slip + noise",
-                                         "on slip", "slip to slip + noise"};
-  table.title = fmt::format("Table IV: motor level {}", level_name(bench->first));
-  table.head = {"network", "label"};
+  ResultTable table = begun_table(fmt::format("Table IV: motor level {}", level_name(bench->first)), "network");
   table.rows.push_back({"paper, GRU 32", "position", "98.5, 0.974", "98.2, 0.977", "86.5, 0.678", "98.6, 0.983", "-12.1"});
-  curve.title = "MLP 32 against the motors' level";
-  curve.head = {"motor level", "label"};
-  for (ResultTable* one : {&table, &curve}) one->head.insert(one->head.end(), columns.begin(), columns.end());
+  ResultTable curve = begun_table("MLP 32 against the motors' level", "motor level");
   for (const Point& point : points) {
     const std::vector<std::string> cells = cells_of(point, validations);
     const auto row = [&](const std::string& first) {

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/writer.h"

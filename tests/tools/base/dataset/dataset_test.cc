@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/writer.h"
 

@@ -7,11 +7,11 @@
 #include <hdf5.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/content_check.h"
-#include "tools/base/dataset/content_walk.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/writer.h"
+#include "tools/base/record/content_walk.h"
 
 namespace slipbench::testing::integrity_test {
 namespace {

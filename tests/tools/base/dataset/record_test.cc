@@ -1,10 +1,11 @@
 #include <cmath>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/mask.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/files/output_file.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench::testing {
 namespace {

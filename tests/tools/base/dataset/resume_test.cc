@@ -9,9 +9,10 @@
 #include <hdf5.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/kept_trials.h"
 #include "tools/base/dataset/writer.h"
+#include "tools/base/files/output_file.h"
 
 namespace slipbench::testing::resume_test {
 namespace {

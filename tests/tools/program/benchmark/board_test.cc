@@ -19,11 +19,11 @@
 #include "tools/program/benchmark/score.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/judge/metrics.h"
-#include "tools/program/judge/replay.h"
-#include "tools/program/judge/truth.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/eval/metrics.h"
+#include "tools/program/eval/replay.h"
+#include "tools/program/eval/truth.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -124,9 +124,9 @@ Trials all_trials(const Held& held) {
 double score_on(const Trials& trials, const std::function<DetectorScene(const Scene&)>& detector) {
   std::vector<Part> parts;
   for (const auto& [scene, record] : trials) {
-    const judge::Truth truth = judge::truth_of(&scene, record, record.sensors[0], judge::TruthRule::masked);
-    const judge::Replayed replayed = judge::replay(detector(scene), record.sensors, 0, record.seed, record.trial);
-    parts.push_back(recording_part(judge::judged(record.trial, truth, replayed)));
+    const eval::Truth truth = eval::truth_of(&scene, record, record.sensors[0], eval::TruthRule::masked);
+    const eval::Replayed replayed = eval::replay(detector(scene), record.sensors, 0, record.seed, record.trial);
+    parts.push_back(recording_part(eval::judged(record.trial, truth, replayed)));
   }
   return score_of(parts, Track::open).value;
 }

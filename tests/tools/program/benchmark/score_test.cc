@@ -10,8 +10,8 @@ namespace slipbench::benchmark {
 namespace {
 
 // 100 samples of which the last 40 slip, from 0.6 s on; `said` of the first 60 are called slip in `alarms` alarms.
-judge::Judgement judgement(Detection detection, double delay, std::size_t said, std::size_t alarms) {
-  judge::Judgement one;
+eval::Judgement judgement(Detection detection, double delay, std::size_t said, std::size_t alarms) {
+  eval::Judgement one;
   one.slip_time = 0.6;
   one.detection = detection;
   one.delay = delay;
@@ -54,7 +54,7 @@ TEST(Score, FalseAlarmsBeyondTheLimitTakeTheCreditAway) {
 
 // A recording without slip has nothing to earn, but its false alarms count: two trials of 1.2 s without one, so the credit of the first stays.
 TEST(Score, RecordingsWithoutSlipOnlyCost) {
-  judge::Judgement quiet = judgement(Detection::quiet, none, 0, 0);
+  eval::Judgement quiet = judgement(Detection::quiet, none, 0, 0);
   quiet.slip_time = none;
   const Part seen = recording_part(judgement(Detection::seen, half_delay, 0, 0));
   EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, Track::open).value, 0.5);
@@ -66,7 +66,7 @@ TEST(Score, RecordingsWithoutSlipOnlyCost) {
 // The least force earns 1, worst_force_ratio times it 0, half-way 1/2. A dropped box and one that needs no tightening earn nothing, and the latter
 // does not count among those that could.
 TEST(Score, AGraspEarnsByItsForce) {
-  const judge::Judgement silent = judgement(Detection::missed, none, 0, 0);
+  const eval::Judgement silent = judgement(Detection::missed, none, 0, 0);
   const auto grasp = [](double ratio, bool dropped) {
     GraspOutcome outcome;
     outcome.dropped = dropped;

@@ -7,13 +7,13 @@
 
 #include "sim/core/interrupted.h"
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/calibrate/calibrate_page.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/export/export.h"
 #include "tools/program/import/import.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::calibrate::calibrate_test {
 namespace {

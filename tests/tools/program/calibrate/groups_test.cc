@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/program/calibrate/calibrate.h"
 #include "tools/program/calibrate/calibrate_page.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::calibrate::groups_test {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "sim/core/interrupted.h"
 #include "tests/expect.h"
-#include "tests/tools/program/cli/child_process.h"
+#include "tests/tools/program/commands/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/program/cli/child_process.h"
+#include "tests/tools/program/commands/child_process.h"
 
 namespace slipbench {
 namespace {

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
 #include "tests/tools/base/page/web_files.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tests/tools/program/cost/example.h"
 #include "tools/base/page/svg.h"
 #include "tools/program/cost/assets.h"

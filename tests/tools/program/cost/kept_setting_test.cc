@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::testing {
 namespace {

@@ -10,14 +10,14 @@
 #include <unistd.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/program/export/episode.h"
 #include "tools/program/export/export.h"
 #include "tools/program/export/gzip.h"
 #include "tools/program/export/npz.h"
-#include "tools/program/export/samples.h"
 #include "tools/program/export/table_csv.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench::any_sensor_test {
 namespace {

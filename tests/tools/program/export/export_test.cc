@@ -9,9 +9,9 @@
 #include <sstream>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
-#include "tools/program/export/papillarray_trial.h"
+#include "tools/program/export/papillarray_csv.h"
 
 namespace slipbench::testing {
 namespace {

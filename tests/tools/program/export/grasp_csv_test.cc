@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/program/export/export.h"
 
 namespace slipbench::grasp_csv_test {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/program/export/export.h"
 
 namespace slipbench::slip_csv_test {

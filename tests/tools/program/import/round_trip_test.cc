@@ -5,7 +5,7 @@
 #include "tools/base/dataset/reader.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/export/export.h"
-#include "tools/program/run/run_sweep.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::round_trip_test {
 namespace {

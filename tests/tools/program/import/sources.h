@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/program/import/import.h"
 
 namespace slipbench::testing {

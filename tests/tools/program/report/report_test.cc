@@ -7,8 +7,8 @@
 
 #include "tests/expect.h"
 #include "tests/tools/program/report/sample.h"
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/writer.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/report/report_trial.h"
 
 namespace slipbench::report {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/writer.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench::report {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "tests/tools/base/page/unpack.h"
-#include "tools/base/dataset/trial_record.h"
 #include "tools/base/page/json.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench::report {
 

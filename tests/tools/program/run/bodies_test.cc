@@ -11,13 +11,13 @@
 #include "sim/core/interrupted.h"
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
-#include "tools/base/dataset/encoder.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/export/export.h"
 #include "tools/program/report/report.h"
-#include "tools/program/run/run_sweep.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench {
 namespace {

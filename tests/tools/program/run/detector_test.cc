@@ -9,12 +9,13 @@
 
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/sha256.h"
+#include "tools/base/files/sha256.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/run_sweep.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/sweep/run_sweep.h"
+#include "tools/program/sweep/sweep_json.h"
 
 namespace slipbench::testing {
 namespace {

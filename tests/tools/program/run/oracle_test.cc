@@ -10,7 +10,7 @@
 #include "sim/simulation/stage_simulation.h"
 #include "tests/detectors/network/networks.h"
 #include "tests/expect.h"
-#include "tools/base/dataset/encoder.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/base/dataset/layout.h"
-#include "tools/base/dataset/trial_record.h"
+#include "tools/base/record/layout.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench::testing_run {
 

@@ -6,7 +6,7 @@
 
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
-#include "tests/tools/base/dataset/test_records.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/expect.h"
-#include "tests/tools/program/cli/child_process.h"
+#include "tests/tools/program/commands/child_process.h"
 #include "tests/tools/studies/counts/sample.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/studies/counts/child.h"

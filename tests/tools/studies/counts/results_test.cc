@@ -4,7 +4,7 @@
 #include <string>
 
 #include "tests/expect.h"
-#include "tests/tools/program/cli/child_process.h"
+#include "tests/tools/program/commands/child_process.h"
 #include "tests/tools/studies/counts/sample.h"
 
 namespace slipbench::counts {

@@ -1,0 +1,40 @@
+#include "tools/base/files/scratch_folder.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/base/record/test_records.h"
+
+namespace slipbench {
+namespace {
+
+TEST(ScratchFolders, GoWithAllThatLiesInThem) {
+  std::string path;
+  {
+    const ScratchFolder folder, other;
+    path = folder.path();
+    EXPECT_NE(path, other.path());
+    EXPECT_TRUE(std::filesystem::is_empty(path));
+    EXPECT_EQ(folder.file("a.h5"), path + "/a.h5");
+    std::filesystem::create_directory(folder.file("deep"));
+    std::ofstream(folder.file("deep/a.txt")) << "text";
+  }
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+// Nobody, not even root, makes a folder in /proc.
+TEST(ScratchFolders, SayWhereTheyCannotBeMade) {
+  const char* const was = std::getenv("TMPDIR");
+  const std::string before = was == nullptr ? "" : was;
+  ::setenv("TMPDIR", "/proc", 1);
+  const std::string message = refusal_of([] { const ScratchFolder folder; });
+  was == nullptr ? ::unsetenv("TMPDIR") : ::setenv("TMPDIR", before.c_str(), 1);
+  EXPECT_EQ(message.substr(0, 37), "cannot make a folder /proc/slipbench-");
+}
+
+}  // namespace
+}  // namespace slipbench

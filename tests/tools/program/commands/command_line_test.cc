@@ -1,0 +1,448 @@
+#include <cstdint>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/expect.h"
+#include "tools/program/cli/command.h"
+#include "tools/program/cli/command_elsewhere.h"
+#include "tools/program/commands/catalogue_commands.h"
+#include "tools/program/commands/command_table.h"
+#include "tools/program/commands/dataset_commands.h"
+#include "tools/program/commands/detectors/calibrate_command.h"
+#include "tools/program/commands/detectors/eval_command.h"
+#include "tools/program/commands/detectors/hd_commands.h"
+#include "tools/program/commands/detectors/train_command.h"
+#include "tools/program/commands/simulation/check_command.h"
+#include "tools/program/commands/simulation/simulation_commands.h"
+#include "tools/studies/counts/bench_command.h"
+#include "tools/studies/reproduce_command.h"
+
+namespace slipbench {
+namespace {
+
+using reproduce::ReproduceCommand;
+
+Request parse(const std::vector<std::string>& words) {
+  static Commands commands;  // what comes back points to one of them
+  const bool study = !words.empty() && (words.front() == "reproduce" || words.front() == "bench");
+  commands = study ? make_commands<ReproduceCommand, counts::BenchCommand>() : command_table();
+  return parse_command_line(commands, words);
+}
+
+// The command that the words ask for, with its options.
+template <class Kind>
+Kind parsed(const std::vector<std::string>& words) {
+  return dynamic_cast<const Kind&>(*parse(words).command);
+}
+
+std::string refusal(const std::vector<std::string>& words) {
+  return refusal_of([&] { parse(words); });
+}
+
+std::vector<std::string> paths(const std::vector<Override>& overrides) {
+  std::vector<std::string> result;
+  for (const Override& change : overrides) result.push_back(change.path + " -> " + change.value);
+  return result;
+}
+
+std::vector<std::string> run_paths(const std::vector<std::string>& words) {
+  return paths(parsed<RunCommand>(words).sweep.overrides);
+}
+
+TEST(CommandLine, RunTakesEverything) {
+  const auto command =
+      parsed<RunCommand>({"run", "s.yaml", "--seed", "7", "--trials", "3", "--jobs", "2", "-o", "out.h5", "--quiet"});
+  EXPECT_EQ(command.sweep.verb, "run");
+  EXPECT_EQ(command.sweep.scene_path, "s.yaml");
+  EXPECT_EQ(command.sweep.seed, 7U);
+  EXPECT_EQ(command.sweep.limit, 3U);
+  EXPECT_EQ(command.sweep.jobs, 2U);
+  EXPECT_EQ(command.sweep.output, "out.h5");
+  EXPECT_TRUE(command.quiet);
+  EXPECT_FALSE(command.json);
+}
+
+TEST(CommandLine, RunIsOneTrialUnlessToldOtherwise) {
+  EXPECT_EQ(parsed<RunCommand>({"run", "s.yaml"}).sweep.limit, 1U);
+  const auto one = parsed<RunCommand>({"run", "s.yaml", "--trial", "7"});
+  EXPECT_EQ(one.sweep.only, 7U);
+  EXPECT_EQ(one.sweep.limit, 0U);
+}
+
+TEST(CommandLine, RecordSaysWhatIsWritten) {
+  EXPECT_EQ(parsed<SweepCommand>({"sweep", "s.yaml", "-o", "out.h5"}).sweep.recording, Recording::full);
+  EXPECT_EQ(parsed<SweepCommand>({"sweep", "s.yaml", "-o", "out.h5", "--record", "outcome"}).sweep.recording, Recording::outcome);
+  EXPECT_EQ(refusal({"sweep", "s.yaml", "-o", "out.h5", "--record", "outcom"}),
+            "sweep: --record is 'outcom'; did you mean 'outcome'? allowed: full, outcome");
+  EXPECT_EQ(refusal({"run", "s.yaml", "--record", "outcome"}), "run: --record says what -o writes; allowed: with -o");
+}
+
+TEST(CommandLine, CheckTakesSeveralScenes) {
+  const auto command = parsed<CheckCommand>(
+      {"check", "a.yaml", "b.yaml", "--set", "seed=3", "c.yaml", "--trials", "5", "--junit", "j.xml", "-o", "left", "--quiet"});
+  EXPECT_THAT(command.scenes, ElementsAre("a.yaml", "b.yaml", "c.yaml"));
+  EXPECT_THAT(paths(command.options.overrides), ElementsAre("seed -> 3"));
+  EXPECT_EQ(command.options.trials, 5U);
+  EXPECT_EQ(command.junit, "j.xml");
+  EXPECT_EQ(command.output, "left");
+  EXPECT_EQ(refusal({"check", "a.yaml", "--junit", ""}), "check: --junit needs a file name");
+  EXPECT_EQ(refusal({"check", "a.yaml", "-o", ""}), "check: -o needs a folder name");
+}
+
+TEST(CommandLine, BenchComparesWithAFileOrTheCommittedResults) {
+  const auto plain = parsed<counts::BenchCommand>({"bench", "-o", "ci.json"});
+  EXPECT_FALSE(plain.compares);
+  EXPECT_EQ(plain.output, "ci.json");
+  const auto committed = parsed<counts::BenchCommand>({"bench", "--compare", "--jobs", "2"});
+  EXPECT_TRUE(committed.compares);
+  EXPECT_EQ(committed.compare_with, "");
+  EXPECT_EQ(committed.jobs, 2U);
+  EXPECT_EQ(parsed<counts::BenchCommand>({"bench", "--compare", "old.json"}).compare_with, "old.json");
+  EXPECT_EQ(refusal({"bench", "-o", ""}), "bench: -o needs a file name");
+}
+
+TEST(CommandLine, WhatIsNotGivenIsEmpty) {
+  const auto command = parsed<SweepCommand>({"sweep", "s.yaml"});
+  EXPECT_FALSE(command.sweep.seed || command.sweep.only);
+  EXPECT_EQ(command.sweep.trials, 0U);
+  EXPECT_EQ(command.sweep.jobs, 0U);
+  EXPECT_EQ(command.sweep.output, "");
+}
+
+TEST(CommandLine, SeedHolds64Bits) {
+  EXPECT_EQ(parsed<RunCommand>({"run", "s.yaml", "--seed", "18446744073709551615"}).sweep.seed,
+            std::numeric_limits<std::uint64_t>::max());
+  EXPECT_THAT(refusal({"run", "s.yaml", "--seed", "18446744073709551616"}),
+              "run: --seed is '18446744073709551616'; allowed: a whole number from 0 to 18446744073709551615");
+}
+
+TEST(CommandLine, SetTakesSeveralValuesWhereverItStands) {
+  const auto expected = ElementsAre("motion.speed -> 8 mm/s", "friction.static -> 0.4");
+  EXPECT_THAT(run_paths({"run", "s.yaml", "--set", "motion.speed=8 mm/s", "friction.static=0.4"}), expected);
+  EXPECT_THAT(run_paths({"run", "--set", "motion.speed=8 mm/s", "friction.static=0.4", "s.yaml"}), expected);
+  EXPECT_THAT(run_paths({"run", "--set", "motion.speed=8 mm/s", "s.yaml", "--set", "friction.static=0.4"}), expected);
+  EXPECT_EQ(parsed<RunCommand>({"run", "--set", "a=1", "b=2", "s.yaml", "--seed", "1"}).sweep.scene_path, "s.yaml");
+}
+
+TEST(CommandLine, SetValueMayHoldEqualsSignsBracketsAndSpaces) {
+  EXPECT_THAT(run_paths({"run", "s.yaml", "--set", "effects=[stribeck, {ageing: {}}]", "description=a = b"}),
+              ElementsAre("effects -> [stribeck, {ageing: {}}]", "description -> a = b"));
+}
+
+TEST(CommandLine, HdReplay) {
+  const auto command =
+      parsed<HdReplayCommand>({"hd", "replay", "v.csv", "--memories", "m", "--encoder", "published_core", "--ties", "zero"});
+  EXPECT_EQ(command.vectors, "v.csv");
+  EXPECT_EQ(command.memories, "m");
+  EXPECT_EQ(command.compat, hd::Compat::published_core);
+  EXPECT_EQ(command.ties, hd::Ties::zero);
+  EXPECT_EQ(command.engine, "kernel");
+  const auto plain = parsed<HdReplayCommand>({"--json", "hd", "replay", "v.csv", "--memories", "m"});
+  EXPECT_TRUE(plain.json);
+  EXPECT_FALSE(plain.compat || plain.ties);
+}
+
+TEST(CommandLine, JsonMayStandBeforeTheCommand) {
+  EXPECT_TRUE(parsed<ListCommand>({"--json", "list"}).json);
+  EXPECT_TRUE(parsed<ListCommand>({"list", "--json"}).json);
+  EXPECT_TRUE(parsed<HdReplayCommand>({"hd", "--json", "replay", "v.csv", "--memories", "m"}).json);
+}
+
+TEST(CommandLine, ReportAndExport) {
+  const auto report = parsed<ReportCommand>({"report", "a.h5", "--trial", "4", "-o", "a.html"});
+  EXPECT_EQ(report.dataset, "a.h5");
+  EXPECT_EQ(report.options.trial, 4U);
+  EXPECT_EQ(report.output, "a.html");
+  const auto exported = parsed<ExportCommand>({"export", "a.h5", "--format", "training-csv", "-o", "dir"});
+  EXPECT_EQ(exported.options.format, ExportFormat::training_csv);
+  EXPECT_FALSE(exported.options.slip_rule);  // each format has its own default
+  EXPECT_EQ(exported.output, "dir");
+  EXPECT_FALSE(exported.options.rate);
+  const auto slow = parsed<ExportCommand>({"export", "a.h5", "--format", "robomimic", "-o", "dir", "--rate", "0.1 kHz"});
+  EXPECT_EQ(slow.options.rate, 100.0);
+  EXPECT_THAT(refusal({"export", "a.h5", "--format", "robomimic", "-o", "dir", "--rate", "5 N"}), HasSubstr("export: --rate"));
+}
+
+TEST(CommandLine, ExportReadsWhatIsLeft) {
+  const auto command = parsed<ExportCommand>(
+      {"export", "a.h5", "--format", "parquet", "-o", "dir", "--labels", "micro", "--sensors", "pad,left", "--split", "valid"});
+  EXPECT_EQ(command.options.format, ExportFormat::parquet);
+  EXPECT_EQ(command.options.slip_rule, SlipRule::micro);
+  EXPECT_EQ(command.options.sensors, (std::vector<std::string>{"pad", "left"}));
+  EXPECT_EQ(command.options.split, "valid");
+}
+
+TEST(CommandLine, ExportReadsTheRuleAndItsSpeed) {
+  const auto command = parsed<ExportCommand>({"export", "a.h5", "--format", "vendor-csv", "-o", "dir", "--slip", "paper",
+                                              "--label-speed", "0.2 mm/s", "--sensor", "pad"});
+  EXPECT_EQ(command.options.slip_rule, SlipRule::paper);
+  EXPECT_DOUBLE_EQ(command.options.label_speed.value(), 2e-4);
+  EXPECT_EQ(command.options.sensors, std::vector<std::string>{"pad"});
+  EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor-csv", "-o", "dir", "--label-speed", "0 mm/s"}),
+              HasSubstr("export: --label-speed"));
+}
+
+TEST(CommandLine, TrainTakesEverything) {
+  const HdTraining options =
+      parsed<TrainCommand>({"train",         "a.h5",     "-o",  "m",      "--encoder", "sthdc",       "--context", "--dimension",
+                            "512",           "--window", "7",   "--ties", "zero",      "--quantiser", "exact",     "--labels",
+                            "micro",         "--sensor", "pad", "--seed", "3",         "--jobs",      "2",         "--compat",
+                            "published_core"})
+          .options;
+  EXPECT_EQ(options.dataset, "a.h5");
+  EXPECT_EQ(options.output, "m");
+  EXPECT_EQ(options.model.encoding, hd::Encoding::spatial_temporal);
+  EXPECT_TRUE(options.model.context_driven);
+  EXPECT_EQ(options.model.dimension, 512U);
+  EXPECT_EQ(options.model.window, 7U);
+  EXPECT_EQ(options.model.compat, hd::Compat::published_core);
+  EXPECT_EQ(options.model.ties, hd::Ties::zero);
+  EXPECT_EQ(options.quantiser, hd::Quantiser::exact);
+  EXPECT_EQ(options.sequences.labels, SlipRule::micro);
+  EXPECT_EQ(options.sequences.sensor, "pad");
+  EXPECT_EQ(options.seed, 3U);
+  EXPECT_EQ(options.jobs, 2U);
+}
+
+TEST(CommandLine, TrainTakesARecipe) {
+  const TrainCommand& command =
+      parsed<TrainCommand>({"train", "a.h5", "-o", "d.onnx", "--recipe", "piezo_fft_gru", "--labels", "latched", "--split",
+                            "object", "--steps", "100", "--held-out", "25", "--seed", "3", "--sensor", "pad", "--resume"});
+  ASSERT_TRUE(command.training.has_value());
+  EXPECT_EQ(command.training->dataset, "a.h5");
+  EXPECT_EQ(command.training->output, "d.onnx");
+  EXPECT_EQ(command.training->sensor, "pad");
+  EXPECT_EQ(command.training->seed, 3U);
+  EXPECT_DOUBLE_EQ(command.training->held_out, 0.25);
+  EXPECT_TRUE(command.training->resume);
+  EXPECT_EQ(command.training->recipe.labels, train::LabelRule::latched);
+  EXPECT_EQ(command.training->recipe.split, train::Split::object);
+  EXPECT_EQ(command.training->recipe.training.steps, 100U);
+  // A twentieth of the steps, as the recipe has it.
+  EXPECT_EQ(command.training->recipe.training.validate_every, 5U);
+  const TrainCommand& plain = parsed<TrainCommand>({"train", "a.h5", "-o", "d.onnx", "--recipe", "piezo_fft_gru"});
+  EXPECT_EQ(plain.training->recipe.training.steps, train::find_recipe("piezo_fft_gru").training.steps);
+  EXPECT_DOUBLE_EQ(plain.training->held_out, 0.2);
+  EXPECT_FALSE(parsed<TrainCommand>({"train", "a.h5", "-o", "m", "--recipe", "gst_hd"}).training.has_value());
+}
+
+TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
+  const auto refused = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"train", "a.h5", "-o", "m"});
+    return refusal(words);
+  };
+  EXPECT_THAT(refused({"--recipe", "piezo_fft_gr"}), HasSubstr("no recipe 'piezo_fft_gr'; did you mean 'piezo_fft_gru'?"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--encoder", "shdc"}), HasSubstr("train: --encoder is of gst_hd"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--jobs", "1"}), HasSubstr("train: --jobs is of gst_hd"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--turned", "2"}), HasSubstr("and piezo_mlp reads a piezo_skin"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--labels", "has_slipped"}),
+              HasSubstr("allowed: micro, strict, paper, latched, masked"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--split", "window"}), HasSubstr("allowed: trial, material, object, speed"));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp"}),
+              HasSubstr("-o m: a network is an ONNX file; allowed: a name that ends with .onnx"));
+  EXPECT_THAT(refused({"--steps", "3"}), HasSubstr("train: --steps is of networks"));
+  EXPECT_THAT(refused({"--resume"}), HasSubstr("train: --resume is of networks"));
+  EXPECT_THAT(refused({"--labels", "latched"}), HasSubstr("train: --labels is 'latched' with the recipe gst_hd"));
+}
+
+TEST(CommandLine, TrainsThePapersModelUnlessToldOtherwise) {
+  const auto model = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"train", "a.h5", "-o", "m"});
+    return parsed<TrainCommand>(words).options.model;
+  };
+  EXPECT_EQ(model({}), hd::Model());
+  EXPECT_EQ(parsed<TrainCommand>({"train", "a.h5", "-o", "m"}).options.sequences.labels, SlipRule::paper);
+  // The context is part of the graphs' ablation alone.
+  EXPECT_FALSE(model({"--encoder", "shdc"}).context_driven);
+  EXPECT_FALSE(model({"--no-context"}).context_driven);
+}
+
+TEST(CommandLine, EvalTakesADetectorAndItsParameters) {
+  const auto command =
+      parsed<EvalCommand>({"eval", "force_ratio", "a.h5", "--set", "ratio=0.3", "--set", "touch=20 mN", "--labels", "latched",
+                           "--sensor", "pad", "--split", "test", "--all", "-o", "p.html"});
+  EXPECT_EQ(command.detector, "force_ratio");
+  EXPECT_EQ(command.options.dataset, "a.h5");
+  ASSERT_EQ(command.parameters.size(), 2U);
+  EXPECT_EQ(command.parameters[1].path, "touch");
+  EXPECT_EQ(command.parameters[1].value, "20 mN");
+  EXPECT_EQ(command.labels, eval::TruthRule::latched);
+  EXPECT_EQ(command.options.sensor, "pad");
+  EXPECT_EQ(command.options.split, "test");
+  EXPECT_TRUE(command.options.all);
+  EXPECT_EQ(command.output, "p.html");
+  const auto plain = parsed<EvalCommand>({"eval", "m", "a.h5"});
+  EXPECT_EQ(plain.labels, std::nullopt) << "what a network learnt by, else strict";
+  EXPECT_EQ(plain.options.split, "");
+  EXPECT_EQ(parsed<EvalCommand>({"eval", "m", "a.h5", "--split", "all"}).options.split, "");
+}
+
+TEST(CommandLine, ReproduceTakesItsName) {
+  EXPECT_EQ(parsed<ReproduceCommand>({"reproduce"}).name, "");
+  const auto command = parsed<ReproduceCommand>(
+      {"reproduce", "paper/table", "--data", "a.h5", "--real", "r.h5", "--synthesise", "-o", "p.html", "--quiet"});
+  EXPECT_EQ(command.name, "paper/table");
+  EXPECT_EQ(command.options.data, "a.h5");
+  EXPECT_EQ(command.options.real, "r.h5");
+  EXPECT_TRUE(command.options.synthesise);
+  EXPECT_TRUE(command.quiet);
+  EXPECT_EQ(command.output, "p.html");
+}
+
+// What follows the list is not one of its names.
+TEST(CommandLine, ReproduceTakesAListOfRows) {
+  const auto command = parsed<ReproduceCommand>(
+      {"reproduce", "--trials", "3", "--full", "--memories", "m", "--only", "felt,light", "--only", "gst_hd", "table"});
+  EXPECT_THAT(command.options.only, ElementsAre("felt", "light", "gst_hd"));
+  EXPECT_EQ(command.name, "table");
+  EXPECT_EQ(command.options.trials, 3U);
+  EXPECT_TRUE(command.options.full);
+  EXPECT_EQ(command.options.memories, "m");
+}
+
+TEST(CommandLine, HelpIsTextToPrint) {
+  EXPECT_THAT(parse({}).help, HasSubstr("Usage: slipbench"));
+  EXPECT_THAT(parse({"--help"}).help, HasSubstr("describe"));
+  EXPECT_TRUE(parse({"--version"}).version);
+}
+
+TEST(CommandLine, AnOptionBeforeAStudyIsRefused) {
+  EXPECT_EQ(refusal_of([&] {
+              parse_command_line(command_table(), {"--quiet", "reproduce"});
+            }),
+            "unknown option '--quiet' before 'reproduce'; the options of a command stand behind its name");
+}
+
+TEST(CommandLine, AStudyWithoutItsProgramSaysWhatIsMissing) {
+  CommandElsewhere gone("study", "Study", "slipbench-gone");
+  const std::string said = refusal_of([&] { gone.run(); });
+  EXPECT_THAT(said, StartsWith("study: cannot start "));
+  EXPECT_THAT(said, HasSubstr("slipbench-gone: No such file or directory; it belongs beside slipbench"));
+}
+
+// The program knows of the studies what its help shows, and hands on what it is given.
+TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
+  const std::string help = parse({}).help;
+  std::istringstream lines(parse_command_line(make_commands<ReproduceCommand, counts::BenchCommand>(), {}).help);
+  int found = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("  reproduce ") && !line.starts_with("  bench ")) continue;
+    ++found;
+    EXPECT_THAT(help, HasSubstr(line + '\n'));
+  }
+  EXPECT_EQ(found, 2) << help;
+}
+
+TEST(CommandLine, EveryCommandExplainsItself) {
+  for (const std::string name : {"run",   "sweep",   "check", "report",   "view",   "export",     "import",    "verify",
+                                 "merge", "cluster", "hd",    "train",    "eval",   "benchmark",  "calibrate", "reproduce",
+                                 "cost",  "bench",   "list",  "describe", "doctor", "plugin-path"}) {
+    const std::string text = parse({name, "--help"}).help;
+    EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
+    EXPECT_THAT(text, HasSubstr("--json")) << name;
+  }
+}
+
+TEST(CommandLine, ARefusalSaysWhatIsAllowed) {
+  const std::string all =
+      "commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> refusals = {
+      {{"swep", "s.yaml"}, "unknown command 'swep'; did you mean 'sweep'? " + all},
+      {{"xyzzy"}, "unknown command 'xyzzy'; " + all},
+      {{"--json", "lst"}, "unknown command 'lst'; did you mean 'list'? " + all},
+      {{"doctor", "list"}, "doctor: unexpected argument 'list'; see slipbench doctor --help"},
+      {{"list", "run", "sweep"}, "list: unexpected argument 'sweep'; see slipbench list --help"},
+      {{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
+      {{"--json"}, "no command given; " + all},
+      {{"run"}, "run: SCENE is required"},
+      {{"verify"}, "verify: FILE is required"},
+      {{"describe"}, "describe: NAME is required"},
+      {{"merge", "-o", "m.h5"}, "merge: FILE is required"},
+      {{"merge", "a.h5"}, "merge: --output is required"},
+      {{"cluster", "s.yaml", "-o", "dir"}, "cluster: --shards is required"},
+      {{"sweep", "s.yaml", "--shard", "0/3", "-o", "a.h5"},
+       "sweep: --shard is '0/3'; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8"},
+      {{"sweep", "s.yaml", "--shard", "1/3"}, "sweep: --shard writes a part of a dataset; allowed: with -o"},
+      {{"run", "s.yaml", "--job", "2"},
+       "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --resume, --trial"},
+      {{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
+      {{"cost"}, "cost: a scene is missing; allowed: SCENE.yaml, --stability, or both"},
+      {{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},
+      {{"cost", "s.yaml", "--budget", "3 N"}, "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
+      {{"view", "a.h5", "--seed", "3"}, "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
+      {{"view", "a.h5", "--set", "seed=3"},
+       "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
+      {{"view"}, "view: FILE is required"},
+      {{"view", "a.h5", "-o", "b.h5"}, "view: -o is 'b.h5'; allowed: a name that ends in .html"},
+      {{"run", "s.yaml", "-o"}, "run: --output needs one value"},
+      {{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
+      {{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},
+      {{"export", "a.h5", "--format", "vendor-csv", "-o", ""}, "export: -o needs a folder name"},
+      {{"run", "s.yaml", "--set"}, "run: --set needs one value"},
+      {{"run", "s.yaml", "--set", "speed"}, "run: --set 'speed'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
+      {{"run", "s.yaml", "--set", "=1"}, "run: --set '=1'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
+      {{"run", "s.yaml", "--seed", "-1"}, "run: --seed is '-1'; allowed: a whole number from 0 to 18446744073709551615"},
+      {{"run", "s.yaml", "--seed", "1e3"}, "run: --seed is '1e3'; allowed: a whole number from 0 to 18446744073709551615"},
+      {{"run", "s.yaml", "--trials", "0"}, "run: --trials is '0'; allowed: a whole number from 1 to 18446744073709551615"},
+      {{"sweep", "s.yaml", "--jobs", "0"}, "sweep: --jobs is '0'; allowed: a whole number from 1 to 1024"},
+      {{"run", "s.yaml", "--jobs", "1025"}, "run: --jobs is '1025'; allowed: a whole number from 1 to 1024"},
+      {{"report", "a.h5", "--trial", "first"},
+       "report: --trial is 'first'; allowed: a whole number from 0 to 18446744073709551615"},
+      {{"export", "a.h5", "-o", "dir"}, "export: --format is required"},
+      {{"import", "a.csv"}, "import: --format is required"},
+      {{"train", "a.h5"}, "train: --output is required"},
+      {{"train", "a.h5", "-o", ""}, "train: -o needs a file name"},
+      {{"train", "a.h5", "-o", "m", "--encoder", "gshdc"},
+       "train: --encoder is 'gshdc'; did you mean 'shdc'? allowed: shdc, sthdc, gsthdc"},
+      {{"train", "a.h5", "-o", "m", "--ties", "up"}, "train: --ties is 'up'; allowed: one, zero"},
+      {{"train", "a.h5", "-o", "m", "--compat", "papr"},
+       "train: --compat is 'papr'; did you mean 'paper'? allowed: paper, published_core"},
+      {{"train", "a.h5", "-o", "m", "--quantiser", "fixed"},
+       "train: --quantiser is 'fixed'; allowed: fixed_point, exact, unrounded"},
+      {{"train", "a.h5", "-o", "m", "--dimension", "7"}, "train: --dimension is '7'; allowed: a whole number from 8 to 65535"},
+      {{"train", "a.h5", "-o", "m", "--window", "0"}, "train: --window is '0'; allowed: a whole number from 1 to 1000"},
+      {{"train", "a.h5", "-o", "m", "--context", "--no-context"}, "train: --context and --no-context exclude each other"},
+      {{"eval", "m"}, "eval: FILE is required"},
+      {{"eval", "m", "a.h5", "--labels", "stric"},
+       "unknown label rule 'stric'; did you mean 'strict'? allowed: strict, micro, paper, latched, masked, has_slipped"},
+      {{"eval", "m", "a.h5", "--split", "tests"},
+       "eval: --split is 'tests'; did you mean 'test'? allowed: all, train, valid, test"},
+      {{"export", "a.h5", "--format", "vendor-csv"}, "export: --output is required"},
+  };
+  for (const auto& [words, message] : refusals) EXPECT_EQ(refusal(words), message);
+}
+
+TEST(CommandLine, CalibrateTakesASceneRecordingsAndKeys) {
+  const std::string fit = "friction.scale: {min: 0.5, max: 2}";
+  const auto given =
+      parsed<CalibrateCommand>({"calibrate", "s.yaml", "a.h5", "b.h5", "--fit", fit, "--fit", "lag: {min: 0 ms, max: 5 ms}",
+                                "--set", "motion.speed=1", "--starts", "2", "--jobs", "3", "-o", "f.yaml"});
+  EXPECT_EQ(given.options.scene_path, "s.yaml");
+  EXPECT_THAT(given.options.recordings, ElementsAre("a.h5", "b.h5"));
+  ASSERT_EQ(given.options.keys.size(), 2u);
+  EXPECT_EQ(given.options.keys[1].max, 0.005);
+  EXPECT_EQ(given.options.starts, 2u);
+  EXPECT_EQ(given.options.jobs, 3u);
+  EXPECT_EQ(given.output, "f.yaml");
+  EXPECT_EQ(given.options.command, "slipbench calibrate s.yaml a.h5 b.h5 --fit '" + fit +
+                                       "' --fit 'lag: {min: 0 ms, max: 5 ms}' --set motion.speed=1 --starts 2");
+  EXPECT_EQ(refusal({"calibrate", "s.yaml", "a.h5"}), "calibrate: --fit is required");
+  EXPECT_EQ(refusal({"calibrate", "s.yaml", "--fit", fit}),
+            "calibrate: recordings and --synthetic-truth: allowed: one of the two");
+  EXPECT_EQ(refusal({"calibrate", "s.yaml", "a.h5", "--synthetic-truth", "--fit", fit}),
+            "calibrate: recordings and --synthetic-truth: allowed: one of the two");
+  EXPECT_THAT(refusal({"calibrate", "s.yaml", "a.csv", "--format", "papillaray-csv", "--fit", fit}),
+              HasSubstr("did you mean 'papillarray-csv'?"));
+}
+
+TEST(CommandLine, AWrongFormatIsNamedBeforeAMissingFolder) {
+  EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor"}), HasSubstr("'vendor'"));
+  EXPECT_THAT(refusal({"import", "a.csv", "--format", "bts"}), HasSubstr("unknown format 'bts'"));
+  EXPECT_THAT(refusal({"import", "a.csv", "--format", "bts3v2", "--seed", "-1"}), HasSubstr("import: --seed"));
+}
+
+}  // namespace
+}  // namespace slipbench

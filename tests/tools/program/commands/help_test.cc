@@ -1,0 +1,63 @@
+// Every example that a help text prints, run as it stands there.
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program/commands/child_process.h"
+
+namespace slipbench {
+namespace {
+
+const std::string scenes = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/";
+
+// The lines of a help text that begin with "  slipbench ".
+std::vector<std::string> examples_of(const std::string& command) {
+  std::istringstream help(run_program_file({command, "--help"}).out);
+  std::vector<std::string> examples;
+  for (std::string line; std::getline(help, line);) {
+    if (line.starts_with("  slipbench ")) examples.push_back(line.substr(2));
+  }
+  return examples;
+}
+
+std::string text_of(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// The sweep of 200 long trials, cut to 50 short ones: writing all of them as text takes long.
+std::string shortened(const std::string& sweep) {
+  const std::string fewer = std::regex_replace(sweep, std::regex("motion.compression: \\[.*\\]"), "motion.compression: [1 mm]");
+  return std::regex_replace(fewer, std::regex("duration: 4 s"), "duration: 2.1 s");
+}
+
+// In the order of the commands, since the later ones read what the earlier ones have written.
+// That of `benchmark` takes minutes; tests/tools/program/benchmark runs what its examples do on fewer trials.
+TEST(Help, EveryExampleWorks) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "scenes/papillarray");
+  std::filesystem::copy(scenes + "stage.yaml", folder / "scenes/papillarray/stage.yaml");
+  // One scene for all of its folder.
+  std::filesystem::create_directories(folder / "scenes/grasp");
+  std::filesystem::copy(SLIPBENCH_SOURCE_DIR "/scenes/grasp/check_ptfe.yaml", folder / "scenes/grasp/check_ptfe.yaml");
+  const std::string whole = text_of(scenes + "hexapod.yaml");
+  ASSERT_NE(shortened(whole), whole);
+  std::ofstream(folder / "scenes/papillarray/hexapod.yaml") << shortened(whole);
+  for (const char* command : {"run", "sweep", "check", "report", "verify", "merge", "export", "import", "train", "eval",
+                              "reproduce", "list", "describe"}) {
+    const std::vector<std::string> examples = examples_of(command);
+    EXPECT_FALSE(examples.empty()) << command;
+    for (const std::string& example : examples) {
+      const ChildResult result = run_shell(example, folder / "");
+      EXPECT_EQ(result.status, 0) << example << "\n" << result.err;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,158 @@
+// Every command over an imported dataset: it copes, or says what it lacks. None crashes, none leaves anything.
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/expect.h"
+#include "tests/tools/program/commands/child_process.h"
+#include "tests/tools/program/import/sources.h"
+
+namespace slipbench {
+namespace {
+
+class ImportedFiles : public ::testing::Test {
+ protected:
+  ImportedFiles() {
+    std::filesystem::create_directories(folder_ / "set/n");
+    std::filesystem::create_directories(folder_ / "set/t");
+    std::string header, row;
+    for (int e = 1; e <= 24; ++e) {
+      header += (e == 1 ? "ff_e" : ",ff_e") + std::to_string(e);
+      row += (e == 1 ? "" : ",") + std::to_string(100 * e);
+    }
+    for (const char* name : {"set/n/case1.csv", "set/n/pen2.csv", "set/t/case3.csv"})
+      std::ofstream(folder_ / name) << header << '\n' << row << '\n' << row << '\n';
+    data_ = folder_ / "a.h5";
+    imported_ = run_program_file({"import", folder_ / "set", "--format", "biotacsp-dos", "-o", data_});
+  }
+  static void expect_refusal(const std::vector<std::string>& words, const std::string& message) {
+    const ChildResult result = run_program_file(words);
+    EXPECT_EQ(result.status, 2) << words.front();
+    EXPECT_THAT(result.err, HasSubstr(message));
+    EXPECT_EQ(result.out, "");
+  }
+
+  TemporaryFolder folder_;
+  std::string data_;
+  ChildResult imported_;
+};
+
+TEST_F(ImportedFiles, ImportSaysWhatItRead) {
+  EXPECT_EQ(imported_.status, 0) << imported_.err;
+  EXPECT_EQ(imported_.out,
+            "3 recordings of 3 files, 6 samples, 2 objects\nwritten: " + data_ + "\nnext: slipbench verify " + data_ + "\n");
+  const ChildResult looked = run_program_file({"import", folder_ / "set", "--format", "biotacsp-dos", "--json"});
+  EXPECT_EQ(looked.status, 0);
+  EXPECT_EQ(nlohmann::json::parse(looked.out),
+            nlohmann::json::parse(R"({"sources": 3, "trials": 3, "samples": 6, "repeated_rows": 0,
+                                                                         "objects": {"case": 2, "pen": 1}, "files": []})"));
+}
+
+TEST_F(ImportedFiles, ImportRefusesBadWords) {
+  expect_refusal({"import", folder_ / "set", "-o", folder_ / "b.h5"}, "import: --format is required");
+  expect_refusal({"import", "--format", "bts3v2"}, "import");
+  expect_refusal({"import", folder_ / "set", "--format", "bts3v3"}, "unknown format 'bts3v3'; did you mean 'bts3v2'?");
+  expect_refusal({"import", folder_ / "set", "--format", "bts3v2", "-o", folder_ / "b.h5"},
+                 "set/n/case1.csv:1: column 1 is called 'ff_e1'; allowed: 'object'");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "b.h5"));
+}
+
+TEST_F(ImportedFiles, VerifyHoldsWhatIsThere) {
+  const ChildResult result = run_program_file({"verify", data_});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.out, AllOf(HasSubstr("holds: " + data_ + ": 3 trials"),
+                                HasSubstr("all: there is no truth to check (none: imported from biotacsp-dos)")));
+}
+
+TEST_F(ImportedFiles, ReadingsAreExported) {
+  EXPECT_EQ(run_program_file({"export", data_, "--format", "npz", "-o", folder_ / "npz"}).status, 0);
+  EXPECT_EQ(run_program_file({"export", data_, "--format", "csv", "-o", folder_ / "csv"}).status, 0);
+  std::ifstream table(folder_ / "csv/demo_2-pad.csv");
+  std::string header, first;
+  std::getline(table, header);
+  std::getline(table, first);
+  EXPECT_THAT(header, EndsWith("E24 [counts],state,state_micro,state_paper"));
+  EXPECT_THAT(first, EndsWith(",2400,,,1"));  // touch: non-slip by the set, no truth
+}
+
+TEST_F(ImportedFiles, WhatNeedsTheTruthIsRefused) {
+  const std::string message = " needs the truth, which it does not hold (none: imported from biotacsp-dos); allowed: ";
+  for (const char* format : {"robomimic", "vendor-csv", "training-csv", "grasp-csv", "slip-csv"})
+    expect_refusal({"export", data_, "--format", format, "-o", folder_ / "out"}, std::string("--format ") + format + message);
+  expect_refusal({"export", data_, "--format", "myrmex-csv", "-o", folder_ / "out"}, "no myrmex");
+  expect_refusal({"export", data_, "--format", "myrmex-rotated", "-o", folder_ / "out"}, "no myrmex");
+  expect_refusal({"report", data_, "-o", folder_ / "a.html"}, "a report" + message);
+  expect_refusal({"train", data_, "-o", folder_ / "memories"}, message);
+  expect_refusal({"eval", "force_ratio", data_}, "eval --labels strict" + message);
+  for (const char* left : {"out", "a.html", "memories"}) EXPECT_FALSE(std::filesystem::exists(folder_ / left)) << left;
+}
+
+#ifdef SLIPBENCH_WITH_ENGINE
+// Two recordings each: one slips by its own labels, one does not. The networks divide by the length of what they are fed, so that they say
+// numbers of a recording and none of zeros. The logs are 1004 us from row to row: 0.4 % below the rate that the network reads.
+TEST_F(ImportedFiles, AreJudgedByTheirOwnLabels) {
+  using namespace slipbench::testing;
+  const auto network = [](const char* name) { return SLIPBENCH_SOURCE_DIR "/tests/detectors/network/data/" + std::string(name); };
+  const std::string papillarray = network("unit13.onnx"), biotac = network("unit13_biotac.onnx");
+  struct Format {
+    std::string name, network, sensor, file, slipping,
+        sticking;  // `file`: what follows the folder in the path of the slipping one
+  };
+  const auto log = [](int state) {
+    std::string text = log_header(1);
+    for (const long time : {1004, 2008, 3012}) text += log_row(time, {log_cells(std::vector<int>(9, state))});
+    return text;
+  };
+  const auto training = [](const std::string& flags) {
+    std::string text;
+    for (const char* time : {"0.001004", "0.002008", "0.003012"}) text += training_row(time, std::vector<std::string>(9, flags));
+    return text;
+  };
+  const std::string slide = slide_header() + slide_row(1) + slide_row(2);
+  for (const Format& format : {Format{"bts3v2", biotac, "th", "a.csv", grasp_header() + grasp_row("coke", "1", 1000),
+                                      grasp_header() + grasp_row("ball", "0", 1000)},
+                               Format{"biotacsp-dos", biotac, "pad", "n/pen1.csv", slide, slide},
+                               Format{"papillarray-csv", papillarray, "pad", "a.csv", log(3), log(1)},
+                               Format{"training-csv", papillarray, "pad", "a.csv", training("1,1"), training("1,0")}}) {
+    const std::filesystem::path set = folder_ / format.name;
+    std::filesystem::create_directories(set / "n");
+    std::filesystem::create_directories(set / "t");
+    std::ofstream(set / format.file) << format.slipping;
+    std::ofstream(set / "t/pen2.csv") << format.sticking;
+    const std::string file = folder_ / (format.name + ".h5");
+    const ChildResult imported = run_program_file({"import", set, "--format", format.name, "-o", file});
+    ASSERT_EQ(imported.status, 0) << imported.err;
+    const ChildResult judged =
+        run_program_file({"eval", format.network, file, "--labels", "paper", "--sensor", format.sensor, "--json"});
+    ASSERT_EQ(judged.status, 0) << format.name << ": " << judged.err;
+    const auto result = nlohmann::json::parse(judged.out);
+    EXPECT_EQ(result["truth"], "none: imported from " + format.name);
+    const auto& all = result["all"];
+    EXPECT_EQ(all["trials"], 2) << format.name;
+    EXPECT_EQ(all["slipping"], 1) << format.name;
+    // A grasp is one sample, which lasts no time.
+    EXPECT_EQ(all["figures"]["false_alarms_per_minute"]["value"].is_null(), format.name == "bts3v2") << format.name;
+    EXPECT_THAT(result["worst"].dump(), Not(HasSubstr("nan"))) << format.name;
+  }
+}
+
+TEST_F(ImportedFiles, ANetworkHasToBeNamed) {
+  expect_refusal({"eval", "network", data_, "--labels", "paper"},
+                 "eval: no network is named; allowed: FILE.onnx in place of 'network', or the parameter model=FILE.onnx");
+}
+#endif
+
+TEST_F(ImportedFiles, IsNoScene) {
+  for (const char* command : {"run", "sweep", "check", "cost"}) expect_refusal({command, data_}, "a.h5");
+}
+
+TEST_F(ImportedFiles, IsNotResumed) {
+  expect_refusal({"run", SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml", "--resume", "-o", data_},
+                 "was written by another run");
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,130 @@
+// From simulated grasps to a detector that grips: every command of the chain, run as a user does.
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/expect.h"
+#include "tests/tools/program/commands/child_process.h"
+
+namespace slipbench {
+namespace {
+
+using Json = nlohmann::json;
+
+class LearnedLoop : public ::testing::Test {
+ protected:
+  // What the program says, which has to end well.
+  static std::string said(const std::vector<std::string>& words) {
+    const ChildResult result = run_program_file(words);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.out;
+  }
+  static Json json(std::vector<std::string> words) {
+    words.emplace_back("--json");
+    return Json::parse(said(words), nullptr, false);
+  }
+
+  // 20 grasps, ten with either controller.
+  void make_grasps() {
+    said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_});
+  }
+  // 4 N hold 2 0.2 4 N = 1.6 N of the 1.96 N of the box. The loop's own samples, judged afterwards.
+  Json lifted(const std::string& detector, const std::string& model) {
+    const std::string file = folder_ / "lift.h5";
+    said({"run", SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml", "--set", "friction.static=0.2", "--set", "friction.kinetic=0.19",
+          "--set", "detector=" + detector, "--trials", "2", "--seed", "77", "-o", file});
+    return json({"eval", model, file, "--labels", "micro"});
+  }
+
+  TemporaryFolder folder_;
+  const std::string grasps_ = folder_ / "grasps.h5";
+};
+
+// A fifth of 20 judges, a fifth of the other 16, rounded up, validates: both kinds are left out of a judgement but the four.
+TEST_F(LearnedLoop, NetworkFromSweepToGrip) {
+  make_grasps();
+  const std::string model = folder_ / "grasp.onnx";
+  const Json trained = json({"train", grasps_, "--recipe", "grasp_gru", "--steps", "60", "-o", model});
+  ASSERT_EQ(trained["recipe"], "grasp_gru");
+  const Json judged = json({"eval", model, grasps_, "--labels", "micro"});
+  EXPECT_EQ(judged["left_out"].size(), 16U);
+  EXPECT_EQ(judged["all"]["trials"], 4);
+  const Json lift = lifted("{type: network, model: " + model + "}", model);
+  EXPECT_EQ(lift["all"]["missed"], 0);                                        // every box slips, and the network says so
+  EXPECT_GT(lift["all"]["figures"]["balanced_slip_accuracy"]["value"], 0.6);  // 0.5 where it always does
+  EXPECT_TRUE(lift["loop"]["same"]);  // the classes that the loop saw are those that eval finds
+  EXPECT_EQ(lift["loop"]["detector"], "network");
+}
+
+// The words of the command that a text names as the next one.
+std::vector<std::string> next_command(const std::string& text) {
+  const std::string before = "next: slipbench ";
+  const std::size_t at = text.find(before);
+  if (at == std::string::npos) return {};
+  std::istringstream line(text.substr(at + before.size(), text.find('\n', at) - at - before.size()));
+  return {std::istream_iterator<std::string>(line), {}};
+}
+
+// Of two sensors one is learnt from: `eval` has to be told which.
+TEST_F(LearnedLoop, TheNextCommandThatIsNamedRuns) {
+  said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
+        "sensors={pad: {type: papillarray, rate: 100 Hz}, fast: {type: papillarray, rate: 250 Hz, follows: pad}}", "--set",
+        "detector={type: truth, sensor: pad}"});
+  const std::string text = said({"train", grasps_, "--recipe", "grasp_gru", "--steps", "5", "-o", folder_ / "grasp.onnx"});
+  const std::vector<std::string> words = next_command(text);
+  EXPECT_THAT(words, ElementsAre("eval", folder_ / "grasp.onnx", grasps_, "--sensor", "pad", "--labels", "micro"));
+  said(words);
+}
+
+// gst_hd learns from the only PapillArray, without being told, and `eval` finds two sensors that it could be asked about.
+TEST_F(LearnedLoop, TheNextCommandOfMemoriesRuns) {
+  said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
+        "sensors={pad: {type: papillarray, rate: 100 Hz}, skin: {type: piezo_skin, follows: pad}}", "--set",
+        "detector={type: truth, sensor: pad}"});
+  const std::vector<std::string> words = next_command(said({"train", grasps_, "--labels", "micro", "-o", folder_ / "memories"}));
+  EXPECT_THAT(words, ElementsAre("eval", folder_ / "memories", grasps_, "--sensor", "pad", "--labels", "micro"));
+  said(words);
+}
+
+TEST_F(LearnedLoop, MemoriesFromSweepToGrip) {
+  make_grasps();
+  const std::string memories = folder_ / "memories";
+  json({"train", grasps_, "--labels", "micro", "--quantiser", "unrounded", "-o", memories});
+  const Json lift = lifted("{type: gst_hd, memories: " + memories + "}", memories);
+  EXPECT_EQ(lift["all"]["trials"], 2);
+  EXPECT_EQ(lift["loop"]["detector"], "gst_hd");
+  EXPECT_TRUE(lift["loop"]["same"]);
+}
+
+// The shipped check of a learned detector. 2 mu 4 N = 1.6 N hold no 1.96 N: a detector that never says slip drops the box. One that always does
+// makes the loop tighten to the end, to 4 times the least, and drops none. Failed: the expectations that did.
+class LearnedCheck : public LearnedLoop {
+ protected:
+  static std::vector<std::string> failed(std::vector<std::string> more) {
+    std::vector<std::string> words{"check", SLIPBENCH_SOURCE_DIR "/scenes/grasp/check_learned.yaml", "--trials", "10", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Json check = Json::parse(run_program_file(words).out, nullptr, false);
+    std::vector<std::string> names;
+    for (const Json& expectation : check["scenes"][0]["expectations"]) {
+      if (!expectation["passed"]) names.push_back(expectation["name"]);
+    }
+    return names;
+  }
+};
+
+TEST_F(LearnedCheck, PassesAsShipped) {
+  const ChildResult result = run_program_file({"check", SLIPBENCH_SOURCE_DIR "/scenes/grasp/check_learned.yaml"});
+  EXPECT_EQ(result.status, 0) << result.out << result.err;
+}
+
+TEST_F(LearnedCheck, FindsALoopThatDropsBoxes) { EXPECT_THAT(failed({"--set", "detector.threshold=1"}), Contains("dropped")); }
+
+TEST_F(LearnedCheck, FindsALoopThatAlwaysTightens) {
+  EXPECT_THAT(failed({"--set", "detector={type: force_ratio, ratio: 0.001}"}), ElementsAre("max_force_ratio"));
+}
+
+}  // namespace
+}  // namespace slipbench

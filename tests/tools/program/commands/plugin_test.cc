@@ -1,0 +1,77 @@
+// Libraries of a user's own as the command line meets them: the line of the scene, the exit status, the trial that crashed.
+#include <cstdlib>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/expect.h"
+#include "tests/tools/program/commands/child_process.h"
+
+namespace slipbench {
+namespace {
+
+const std::string pressed_scene = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
+const std::string own_detector = "detector={type: plugin, library: " SLIPBENCH_TEST_PLUGINS "/";
+
+// One trial of a second, in which the pad is pressed.
+ChildResult run_own(const std::string& library, const std::string& wrong = "", const std::string& more = "") {
+  ::setenv("SLIPBENCH_WRONG", wrong.c_str(), 1);
+  ChildResult result = run_program_file({"run", pressed_scene, "--set", "duration=1 s", "--set", "motion.start=0.5 s", "--set",
+                                         own_detector + library + ".so" + more + "}", "--json"});
+  ::unsetenv("SLIPBENCH_WRONG");
+  return result;
+}
+
+TEST(PluginProgram, RunsTheExampleOfADetector) {
+  const ChildResult result = run_own("ratio_gate", "", ", parameters: {threshold: 0.4}");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("trials").at(0).at("detector").at("type"), "plugin");
+}
+
+TEST(PluginProgram, NamesTheLineOfAParameter) {
+  const ChildResult result = run_own("ratio_gate", "", ", parameters: {treshold: 0.4}");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("--set detector="), HasSubstr(": detector.parameters.treshold: '"),
+                                HasSubstr("did you mean 'threshold'? allowed: threshold, warning, touch, rate")));
+}
+
+TEST(PluginProgram, RefusesWrongLibraries) {
+  for (const std::string wrong :
+       {"version=3", "size0=8", "rate=nan", "rate=300", "rows=2", "make=1", "crash=1,in=1", "crash=1,in=2"}) {
+    const ChildResult result = run_own("wrong", wrong);
+    EXPECT_EQ(result.status, 2) << wrong;
+    EXPECT_EQ(result.out, "") << wrong;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("detector.library: '"), HasSubstr("wrong.so'"))) << wrong;
+  }
+}
+
+// A crash on the way is a failed trial: its number, the library, the function and the signal are named.
+TEST(PluginProgram, NamesWhatCrashed) {
+  for (const std::string crash : {"1", "2", "3", "4", "5", "6"}) {
+    const ChildResult result = run_own("wrong", "crash=" + crash + ",in=3");
+    EXPECT_THAT(result.status, AnyOf(1, 2)) << result.err;
+    EXPECT_THAT(result.err + result.out,
+                AllOf(HasSubstr("trial 0: "), HasSubstr("detector.library: '"), HasSubstr("wrong.so' crashed in update: SIG")));
+  }
+}
+
+// Wherever it is called, and with whatever status: nobody takes what has not come to its end for finished.
+TEST(PluginProgram, ExitInALibraryIsNoSuccess) {
+  for (const std::string in : {"1", "2", "3", "4"}) {
+    const ChildResult result = run_own("wrong", "crash=8,in=" + in);
+    EXPECT_EQ(result.status, 2) << in;
+    EXPECT_EQ(result.out, "") << in;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("wrong.so'"), HasSubstr("exit()"))) << in;
+  }
+}
+
+TEST(PluginProgram, NamesWhatIsNoEstimate) {
+  for (const std::string wrong : {"state=4", "latency=nan", "stuck=7", "function=1"}) {
+    const ChildResult result = run_own("wrong", wrong);
+    EXPECT_THAT(result.status, AnyOf(1, 2)) << wrong;
+    EXPECT_THAT(result.err + result.out, AllOf(HasSubstr("trial 0: "), HasSubstr("wrong.so'"))) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace slipbench

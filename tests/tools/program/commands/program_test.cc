@@ -1,0 +1,365 @@
+// The built program, run as scripts run it: exit status, what stands on which stream, and the words of its messages.
+#include <sys/stat.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/expect.h"
+#include "tests/tools/program/commands/child_process.h"
+
+namespace slipbench {
+namespace {
+
+const std::string stage = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
+const std::string three_speeds = "sweep={motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]}";
+
+// Refused: status 2, one line on stderr, nothing on stdout.
+void expect_refusal(const std::vector<std::string>& arguments, const ::testing::Matcher<std::string>& message) {
+  for (const bool json : {false, true}) {
+    std::vector<std::string> words = arguments;
+    if (json) words.emplace_back("--json");
+    const ChildResult result = run_program_file(words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err, AllOf(StartsWith("slipbench: "), message, EndsWith("\n")));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+}
+
+nlohmann::json json_of(const ChildResult& result) {
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  return nlohmann::json::parse(result.out);  // throws when anything else stands there
+}
+
+TEST(Program, HelpAndVersion) {
+  const ChildResult help = run_program_file({"--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_THAT(help.out, AllOf(HasSubstr("Usage: slipbench"), HasSubstr("sweep"), HasSubstr("Exit status")));
+  EXPECT_EQ(run_program_file({}).out, help.out);
+  const ChildResult version = run_program_file({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_THAT(version.out, StartsWith("slipbench "));
+  EXPECT_THAT(version.out, HasSubstr(json_of(run_program_file({"--version", "--json"}))["version"].get<std::string>()));
+}
+
+TEST(Program, WhatIsWrongIsRefused) {
+  expect_refusal({"swep"}, HasSubstr("unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report"));
+  expect_refusal({"run", stage, "--sead", "1"}, HasSubstr("unknown option '--sead'; did you mean '--seed'?"));
+  expect_refusal({"run", "nowhere.yaml"}, HasSubstr("nowhere.yaml"));
+  expect_refusal({"run", stage, "--set", "motion.sped=1"},
+                 AllOf(HasSubstr("--set motion.sped=1"), HasSubstr("did you mean 'speed'?")));
+  expect_refusal({"run", stage, "--set", "motion.speed=4 kg"}, AllOf(HasSubstr("--set motion.speed=4 kg"), HasSubstr("mm/s")));
+  expect_refusal({"run", stage, "--set", "duration.length=4"}, HasSubstr("duration"));
+  expect_refusal({"describe", "papilarray"}, HasSubstr("did you mean 'papillarray'? `slipbench list` shows all names"));
+  expect_refusal({"list", "effect"}, HasSubstr("did you mean 'effects'?"));
+  expect_refusal({"export", "a.h5", "--format", "vendor-cvs", "-o", "dir"}, HasSubstr("vendor-csv"));
+  expect_refusal({"train", "nowhere.h5", "-o", "memories"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"eval", "force_ratio", "nowhere.h5"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"report", "nowhere.h5"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"export", "nowhere.h5", "--format", "vendor-csv", "-o", "dir"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"report", stage}, HasSubstr("stage.yaml"));
+  const TemporaryFolder folder;
+  expect_refusal({"run", stage, "-o", folder / "none/out.h5"}, HasSubstr("none"));
+}
+
+TEST(Program, NumbersAtTheEndOfTheRange) {
+  for (const char* speed : {"motion.speed=1e308", "motion.speed=5e-324"}) {
+    const ChildResult result = run_program_file({"run", stage, "--set", speed, "motion.acceleration=inf"});
+    EXPECT_THAT(result.status, AnyOf(0, 2)) << speed;
+    EXPECT_THAT(result.err, Not(HasSubstr("internal error"))) << speed;
+  }
+}
+
+TEST(Program, WhatIsNotFiniteIsRefused) {
+  const TemporaryFolder folder;
+  // 1e300 times an offset of some millinewton is beyond a float.
+  const std::string offset = "sensors.pad.electronics=[{offset: {scale: 1e300}}]";
+  expect_refusal({"run", stage, "--set", offset}, HasSubstr("trial 0: sensors.pad: force is not finite at 3.999 s"));
+  expect_refusal({"run", stage, "--set", offset, "-o", folder / "out.h5"},
+                 HasSubstr("trial 0: sensors.pad: force is not finite at 0 s"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
+}
+
+// Opening a pipe would wait for ever for somebody to write into it.
+TEST(Program, APipeIsNoScene) {
+  const TemporaryFolder folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  expect_refusal({"run", pipe}, HasSubstr("pipe: is a pipe, no file"));
+}
+
+TEST(Program, Reproductions) {
+  const ChildResult list = run_program_file({"reproduce", "--json"});
+  EXPECT_EQ(list.status, 0);
+  EXPECT_EQ(nlohmann::json::parse(list.out)["reproductions"][0]["name"], "biotac-stability-slip/table1");
+  EXPECT_THAT(run_program_file({"reproduce", "list"}).out, HasSubstr("hd-papillarray/latency"));
+  expect_refusal({"reproduce", "hd-papillarray/latence"}, HasSubstr("did you mean 'hd-papillarray/latency'?"));
+  expect_refusal({"reproduce", "hd-papillarray/latency", "--data", "a.h5"},
+                 HasSubstr("hd-papillarray/latency does not take --data"));
+  expect_refusal({"reproduce", "hd-papillarray/latency", "-o", "page.txt"}, HasSubstr("a name that ends in .html"));
+}
+
+TEST(Program, WhatEvalCannotJudge) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "out.h5", bare = folder / "bare.h5";
+  ASSERT_EQ(run_program_file({"run", stage, "--set", "duration=2.5 s", "-o", file, "--quiet"}).status, 0);
+  ASSERT_EQ(run_program_file({"run", stage, "--record", "outcome", "-o", bare, "--quiet"}).status, 0);
+  expect_refusal({"eval", "fore_ratio", file}, HasSubstr("no detector 'fore_ratio'; did you mean 'force_ratio'?"));
+  expect_refusal({"eval", "truth", file}, HasSubstr("'truth' is the oracle, which reads the simulation and no recording"));
+  expect_refusal({"eval", "force_ratio", file, "--set", "ratoi=0.3"},
+                 HasSubstr("unknown key 'ratoi' in detector; did you mean 'ratio'?"));
+  expect_refusal({"eval", "band_energy", file},
+                 HasSubstr("out.h5: trial 0: detector.sensor: band_energy reads a signal of one value"));
+  expect_refusal({"eval", "force_ratio", file, "--sensor", "padd"}, HasSubstr("no sensor 'padd'; did you mean 'pad'?"));
+  expect_refusal({"eval", "force_ratio", bare}, HasSubstr("has no recording, only its outcome"));
+  expect_refusal({"eval", "force_ratio", file, "-o", folder / "page.txt"}, HasSubstr("a name that ends in .html"));
+  // Half of it is gone.
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  expect_refusal({"eval", "force_ratio", file}, HasSubstr("out.h5"));
+}
+
+TEST(Program, EvalPrintsOneObject) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "out.h5", page = folder / "page.html";
+  ASSERT_EQ(run_program_file({"run", stage, "-o", file, "--quiet"}).status, 0);
+  const ChildResult result = run_program_file({"eval", "force_ratio", file, "--set", "ratio=0.45", "-o", page, "--json"});
+  EXPECT_EQ(result.status, 0);
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["slipbench_eval"], 1);
+  EXPECT_EQ(json["detector"]["parameters"]["ratio"], 0.45);
+  EXPECT_EQ(json["all"]["trials"], 1);
+  EXPECT_TRUE(std::filesystem::exists(page));
+  EXPECT_TRUE(std::filesystem::exists(folder / "page.json"));
+  // A slipping pillar has f_t = 0.5 f_n, which is less than this: nothing is seen.
+  const ChildResult text = run_program_file({"eval", "force_ratio", file, "--set", "ratio=0.6"});
+  EXPECT_THAT(text.out, HasSubstr("recall of slip"));
+  EXPECT_THAT(text.out, HasSubstr("of 1 trials that slip: seen 0, early 0, missed 1"));
+}
+
+TEST(Program, FullStandardOutputIsAnError) {
+  const ChildResult result = run_program_file({"list"}, "/dev/full");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("cannot write to standard output: No space left on device"));
+}
+
+// Longer than the buffer of stdout: the failure shows while it is printed, not at the end.
+TEST(Program, FullStandardOutputIsAnErrorOfLongTextToo) {
+  const ChildResult result = run_program_file({"run", stage, "--trials", "20", "--json"}, "/dev/full");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.err, "slipbench: cannot write to standard output: No space left on device\n");
+}
+
+TEST(Program, ClosedStandardStreams) {
+  const TemporaryFolder folder;
+  const auto status = [&](const std::string& script) { return run_shell(script, folder / "").status; };
+  EXPECT_EQ(status("slipbench list >&- 2>&-"), 2) << "the list could not be written";
+  EXPECT_EQ(status("slipbench swep 2>&-"), 2);
+  EXPECT_EQ(status("slipbench run nowhere.yaml <&- >&- 2>&-"), 2);
+  EXPECT_EQ(status("slipbench run " + stage + " --quiet -o out.h5 <&- >&- 2>&-"), 0);
+  EXPECT_EQ(status("slipbench report out.h5 --trial 7 >&- 2>&-"), 2);
+  EXPECT_EQ(status("slipbench report out.h5"), 0);
+}
+
+// Where a stream is closed, the dataset must not take its number: the notice of an interrupt goes to number 2.
+TEST(Program, DatasetsDoNotTakeThePlaceOfAStandardStream) {
+  const TemporaryFolder folder;
+  const ChildResult result = run_shell(SLIPBENCH_PROGRAM " sweep " + stage +
+                                           " --trials 100000 -o long.h5 <&- >&- 2>&- &\n"
+                                           "sweep=$!\n"
+                                           "until [ -e long.h5.partial ]; do sleep 0.05; done\n"
+                                           "readlink /proc/$sweep/fd/0 /proc/$sweep/fd/1 /proc/$sweep/fd/2\n"
+                                           "kill -TERM $sweep\n"
+                                           "wait $sweep",
+                                       folder / "");
+  EXPECT_EQ(result.status, 130);
+  EXPECT_EQ(result.out, "/dev/null\n/dev/null\n/dev/null\n");
+}
+
+TEST(Program, Check) {
+  // The pad stands until 2 s.
+  const nlohmann::json good =
+      json_of(run_program_file({"check", stage, stage, "--set", "expect={gross_slip_by: 3 s}", "--json"}));
+  EXPECT_TRUE(good["passed"]);
+  EXPECT_EQ(good["scenes"].size(), 2U);
+  const TemporaryFolder folder;
+  const ChildResult failed = run_program_file(
+      {"check", stage, "--set", "expect={gross_slip_by: 1.0 s}", "-o", folder / "left", "--junit", folder / "j.xml"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.out, AllOf(HasSubstr("replay: slipbench run " + stage), HasSubstr("0 of 1 scenes passed, 1 failed")));
+  EXPECT_TRUE(std::filesystem::exists(folder / "left/stage/trial_0.html"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "j.xml"));
+  expect_refusal({"check", stage}, HasSubstr("no scene expects anything"));
+  expect_refusal({"check", stage, "--set", "expect={dropped: false}"}, HasSubstr("'dropped' in expect needs a gripper"));
+  expect_refusal({"check", stage, "--junit", stage}, HasSubstr("stage.yaml"));
+}
+
+TEST(Program, OneTrialOfASweepIsWhatItIsAmongAll) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> sweep{stage, "--set",
+                                       "sweep={motion.speed: {draw: uniform, min: 1 mm/s, max: 9 mm/s}, trials: 4}", "--json"};
+  std::vector<std::string> all{"sweep"}, one{"run", "--trial", "2"};
+  all.insert(all.end(), sweep.begin(), sweep.end());
+  one.insert(one.end(), sweep.begin(), sweep.end());
+  const nlohmann::json alone = json_of(run_program_file(one));
+  EXPECT_EQ(alone["planned"], 1);
+  EXPECT_EQ(alone["trials"][0], json_of(run_program_file(all))["trials"][2]);
+  one[2] = "4";
+  expect_refusal({one.begin(), one.end() - 1}, HasSubstr("stage.yaml: there is no trial 4; allowed: 0 to 3"));
+}
+
+TEST(Program, ListAndDescribe) {
+  const nlohmann::json list = json_of(run_program_file({"list", "--json"}));
+  for (const char* kind :
+       {"effects", "sensors", "surfaces", "materials", "motions", "electronics", "grasp", "contact", "detectors", "recipes"}) {
+    EXPECT_FALSE(list.at(kind).empty()) << kind;
+  }
+  EXPECT_EQ(json_of(run_program_file({"list", "recipes", "--json"}))["recipes"].at(0)["name"], "gst_hd");
+  const nlohmann::json recipe = json_of(run_program_file({"describe", "piezo_fft_gru", "--json"}))["entries"].at(0);
+  EXPECT_EQ(recipe["kind"], "recipe");
+  EXPECT_EQ(recipe["layers"], "GRU 32, GRU 32, GRU 32, GRU 32, linear 2");
+  EXPECT_EQ(recipe["parameters"], 23490);
+  EXPECT_EQ(json_of(run_program_file({"list", "sensors", "--json"})).size(), 1U);
+  const nlohmann::json entry = json_of(run_program_file({"describe", "papillarray", "--json"}))["entries"].at(0);
+  EXPECT_EQ(entry["kind"], "sensor");
+  EXPECT_EQ(json_of(run_program_file({"describe", "truth", "--json"}))["entries"].at(0)["kind"], "oracle");
+  EXPECT_EQ(json_of(run_program_file({"describe", "contact", "--json"}))["entries"].at(0)["parameters"].at(0)["name"],
+            "integrator");
+  // A detector and a controller of one name.
+  const nlohmann::json both = json_of(run_program_file({"describe", "stuck_fraction", "--json"}))["entries"];
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_EQ(both[0]["kind"], "detector");
+  EXPECT_EQ(both[1]["kind"], "controller");
+  EXPECT_EQ(both[0]["parameters"].back()["name"], "flip");
+  const ChildResult page = run_program_file({"describe", "papillarray"});
+  EXPECT_EQ(page.status, 0);
+  for (const nlohmann::json& parameter : entry["parameters"]) {
+    EXPECT_THAT(page.out, HasSubstr("default: " + parameter["default"].get<std::string>()));
+  }
+}
+
+TEST(Program, DoctorJsonIsOneObjectAlone) {
+  const ChildResult result = run_program_file({"doctor", "--json"});
+  EXPECT_LE(result.status, 1);  // 1 where something required is missing on this machine
+  EXPECT_TRUE(nlohmann::json::parse(result.out).is_object());
+  EXPECT_EQ(result.err, "");
+}
+
+TEST(Program, RunShowsThePhysicsAtOnce) {
+  const ChildResult result = run_program_file({"run", stage});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out, AllOf(HasSubstr("acrylic"), HasSubstr("P0"), HasSubstr("P8"), HasSubstr("x real time"),
+                                HasSubstr("gross slip at"), HasSubstr("next:"), Not(HasSubstr("\033"))));
+  // The centre pillar, pressed by d = 1 mm, slips when its tip has been dragged by mu k_n d / k_t = 0.5 * 7.1/3.9 * 1 mm = 0.91026 mm.
+  // The stage starts at 2 s and covers v^2/(2a) = 0.16 mm in v/a = 0.08 s, then 4 mm/s: 2.08 s + 0.75026 mm / (4 mm/s) = 2.2676 s.
+  // It bears the most, so it is the last of the nine and the gross slip.
+  EXPECT_THAT(result.out, HasSubstr("gross slip at 2.2676 s"));
+}
+
+TEST(Program, RunJsonIsOneObjectAlone) {
+  const nlohmann::json json = json_of(run_program_file({"run", stage, "--json"}));
+  EXPECT_TRUE(json.is_object());
+  EXPECT_EQ(json["trials"].size(), 1U);
+  EXPECT_GT(json["times_real_time"].get<double>(), 1.0);
+}
+
+TEST(Program, RunTakesTheFirstTrialsOfASweep) {
+  EXPECT_EQ(json_of(run_program_file({"run", stage, "--set", three_speeds, "--json"}))["trials"].size(), 1U);
+  EXPECT_EQ(json_of(run_program_file({"run", stage, "--set", three_speeds, "--trials", "2", "--json"}))["trials"].size(), 2U);
+  // More than the sweep has: the grid is repeated.
+  EXPECT_EQ(json_of(run_program_file({"run", stage, "--set", three_speeds, "--trials", "5", "--json"}))["trials"].size(), 5U);
+}
+
+TEST(Program, SweepRunsTheGridTimesTheDraws) {
+  EXPECT_EQ(json_of(run_program_file({"sweep", stage, "--set", three_speeds, "--json"}))["trials"].size(), 3U);
+  EXPECT_EQ(json_of(run_program_file({"sweep", stage, "--set", three_speeds, "--trials", "2", "--json"}))["trials"].size(), 6U);
+}
+
+TEST(Program, SweepPrintsPlainLinesAndATable) {
+  const ChildResult result = run_program_file({"sweep", stage, "--set", three_speeds});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("3/3 trials (100 %)"), Not(HasSubstr("\r")), Not(HasSubstr("\033"))));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("3 trials"), HasSubstr("gross slip"), HasSubstr("time in each class")));
+}
+
+TEST(Program, QuietSaysNothing) {
+  const ChildResult result = run_program_file({"sweep", stage, "--set", three_speeds, "--quiet"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST(Program, FromSceneToReportAndExports) {
+  const TemporaryFolder folder;
+  const std::string dataset = folder / "speeds.h5";
+  const ChildResult sweep = run_program_file({"sweep", stage, "--set", three_speeds, "-o", dataset});
+  EXPECT_EQ(sweep.status, 0) << sweep.err;
+  EXPECT_THAT(sweep.out, AllOf(HasSubstr("written: " + dataset), HasSubstr("next: slipbench report " + dataset)));
+  EXPECT_TRUE(std::filesystem::exists(dataset));
+
+  // The page stands beside the dataset unless told otherwise.
+  EXPECT_EQ(json_of(run_program_file({"report", dataset, "--json"}))["report"], folder / "speeds.html");
+  EXPECT_TRUE(std::filesystem::exists(folder / "speeds.html"));
+  expect_refusal({"report", dataset, "--trial", "3"}, HasSubstr("3"));  // trials are 0 to 2
+
+  const nlohmann::json files =
+      json_of(run_program_file({"export", dataset, "--format", "training-csv", "-o", folder / "csv", "--json"}))["files"];
+  EXPECT_EQ(files.size(), 3U);
+  std::ifstream file(files.at(0).get<std::string>());
+  std::string line;
+  ASSERT_TRUE(std::getline(file, line));
+  EXPECT_EQ(std::count(line.begin(), line.end(), ','), 72);  // 73 columns
+}
+
+TEST(Program, WarnsOnStderrAndInTheJson) {
+  const std::string start = "motion.start=4 s";  // the trial's end
+  const std::string warning =
+      "slipbench: warning: --set motion.start=4 s: motion.start: 4 s is not before the end of the trial, 4 s";
+  const ChildResult quiet = run_program_file({"run", stage, "--set", start, "--quiet"});
+  EXPECT_EQ(quiet.status, 0);
+  EXPECT_THAT(quiet.err, StartsWith(warning));
+  const ChildResult run = run_program_file({"run", stage, "--set", start, "--json"});
+  EXPECT_EQ(run.err, quiet.err);
+  const nlohmann::json told = nlohmann::json::parse(run.out);
+  ASSERT_EQ(told["warnings"].size(), 1U);
+  EXPECT_EQ(told["warnings"][0]["about"], "motion.start");
+  const nlohmann::json checked =
+      nlohmann::json::parse(run_program_file({"check", stage, "--set", start, "expect={no_slip_before: 3 s}", "--json"}).out);
+  EXPECT_EQ(checked["scenes"][0]["warnings"], told["warnings"]);
+  EXPECT_TRUE(json_of(run_program_file({"run", stage, "--json"}))["warnings"].empty());
+}
+
+TEST(Program, ControlCKeepsWhatIsFinished) {
+  const TemporaryFolder folder;
+  const std::string dataset = folder / "long.h5";
+  // 100,000 trials take minutes; the signal comes once the temporary file is there.
+  const ChildResult result =
+      run_program_interrupted({"sweep", stage, "--trials", "100000", "-o", dataset}, dataset + ".partial", SIGINT);
+  EXPECT_EQ(result.status, 130);
+  EXPECT_THAT(result.err, StartsWith("slipbench: stopping; once more to stop at once\n"));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("interrupted: "), HasSubstr(" of 100000 trials finished")));
+  EXPECT_FALSE(std::filesystem::exists(dataset));
+}
+
+// A search of 64 starts takes minutes; the signal comes once the program catches it.
+TEST(Program, ControlCOfCalibrateWritesNothing) {
+  const TemporaryFolder folder;
+  const ChildResult result = run_program_interrupted(
+      {"calibrate", SLIPBENCH_SOURCE_DIR "/scenes/papillarray/recordings.yaml", "--synthetic-truth", "--starts", "64", "--jobs",
+       "2", "--fit", "motion.tilt.0: {min: -2 deg, max: 2 deg}", "-o", folder / "fitted.yaml"},
+      "", SIGINT);
+  EXPECT_EQ(result.status, 130);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(result.err,
+            "slipbench: stopping; nothing is kept; once more to stop at once\nslipbench: interrupted; nothing is written\n");
+  EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,97 @@
+// Files that the program must not open, or whose words must not reach a terminal: every command that reads one refuses by name.
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "tests/expect.h"
+#include "tests/tools/program/commands/child_process.h"
+
+namespace slipbench {
+namespace {
+
+const std::string stage = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
+const std::string block = SLIPBENCH_SOURCE_DIR "/scenes/bodies/sliding_block.yaml";
+const std::string published = SLIPBENCH_SOURCE_DIR "/tests/detectors/hd/data/published";
+
+class RefusedFiles : public ::testing::Test {
+ protected:
+  RefusedFiles() {
+    pipe_ = folder_ / "pipe";
+    ::mkfifo(pipe_.c_str(), 0600);
+  }
+  static void expect_refusal(const std::vector<std::string>& words, const std::string& message) {
+    const ChildResult result = run_program_file(words);
+    EXPECT_EQ(result.status, 2) << words.front();
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
+
+  TemporaryFolder folder_;
+  std::string pipe_;
+};
+
+TEST_F(RefusedFiles, PipesAreRefusedByEveryReader) {
+  const std::string message = pipe_ + ": is a pipe, no file";
+  expect_refusal({"report", pipe_, "-o", folder_ / "a.html"}, message);
+  expect_refusal({"verify", pipe_}, message);
+  expect_refusal({"export", pipe_, "--format", "npz", "-o", folder_ / "out"}, message);
+  expect_refusal({"import", pipe_, "--format", "bts3v2"}, message);
+  expect_refusal({"train", pipe_, "-o", folder_ / "memories"}, message);
+  expect_refusal({"hd", "replay", pipe_, "--memories", published, "--encoder", "paper"}, message);
+  expect_refusal({"run", pipe_}, message);
+  expect_refusal({"run", block, "--set", "model=" + pipe_}, message);
+}
+
+TEST_F(RefusedFiles, PipeAmongTheMemoriesIsRefused) {
+  std::filesystem::copy(published, folder_ / "memories");
+  std::filesystem::remove(folder_ / "memories/CIM.hex");
+  ::mkfifo((folder_ / "memories/CIM.hex").c_str(), 0600);
+  expect_refusal({"hd", "replay", published + "/vectors.csv", "--memories", folder_ / "memories", "--encoder", "paper"},
+                 "memories/CIM.hex: is a pipe, no file");
+}
+
+TEST_F(RefusedFiles, LargeMemoryIsRefusedBeforeItIsRead) {
+  std::filesystem::copy(published, folder_ / "memories");
+  std::filesystem::resize_file(folder_ / "memories/IM.hex", 1'000'001);
+  expect_refusal({"hd", "replay", published + "/vectors.csv", "--memories", folder_ / "memories", "--encoder", "paper"},
+                 "memories/IM.hex: has 1000001 bytes; allowed: at most 1000000");
+}
+
+TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
+  const std::string model = folder_ / "model.xml";
+  const auto expect_model_refusal = [&](const std::string& text, const std::string& message) {
+    std::ofstream(model) << "<mujoco>\n" << text << "</mujoco>\n";
+    expect_refusal({"run", block, "--set", "model=" + model}, message);
+  };
+  expect_model_refusal("<include file=\"pipe\"/>\n", pipe_ + ": is a pipe, no file");
+  expect_model_refusal("<asset><mesh name=\"m\" file='pipe'/></asset>\n", pipe_ + ": is a pipe, no file");
+  expect_model_refusal("<asset><hfield name=\"h\" nrow=\"100000\" ncol=\"100000\" size=\"1 1 1 1\"/></asset>\n",
+                       "model.xml:2: <hfield> has the cells");
+  expect_model_refusal("<worldbody><replicate count=\"1000000000\"><geom size=\"1\"/></replicate></worldbody>\n",
+                       "model.xml:2: <replicate> has the count");
+  expect_model_refusal("<size memory=\"100G\"/>\n", "model.xml:2: <size> has the memory");
+}
+
+TEST_F(RefusedFiles, ControlCharactersDoNotReachTheTerminal) {
+  const ChildResult result = run_program_file({"report", folder_ / "a\x1b[31m\xc2\x9b.h5"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err,
+              AllOf(HasSubstr(R"(a\x1b[31m\xc2\x9b.h5: no such file)"), Not(HasSubstr("\x1b")), Not(HasSubstr("\xc2\x9b"))));
+}
+
+// Exit statuses 0, 1 and 2.
+TEST_F(RefusedFiles, VerifyTellsByItsStatus) {
+  const std::string data = folder_ / "a.h5";
+  ASSERT_EQ(run_program_file({"run", stage, "--set", "duration=0.6 s", "sensors.pad.rate=100 Hz", "--quiet", "-o", data}).status,
+            0);
+  const ChildResult holds = run_program_file({"verify", data});
+  EXPECT_EQ(holds.status, 0);
+  EXPECT_THAT(holds.out, AllOf(HasSubstr("holds: " + data), HasSubstr("digests"), HasSubstr("cone")));
+  EXPECT_EQ(run_program_file({"verify", data, folder_ / "none.h5"}).status, 2);
+  expect_refusal({"verify"}, "verify");
+}
+
+}  // namespace
+}  // namespace slipbench

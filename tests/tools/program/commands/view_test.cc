@@ -1,0 +1,121 @@
+// `slipbench view` with browsers of the test's own.
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/expect.h"
+#include "tests/tools/program/commands/child_process.h"
+
+namespace slipbench {
+namespace {
+
+const std::string stage_scene = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
+
+std::string bytes_at(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class View : public ::testing::Test {
+ protected:
+  View() {
+    std::filesystem::create_directory(folder_ / "bin");
+    std::filesystem::copy(stage_scene, folder_ / "stage.yaml");
+  }
+
+  // A program that writes down what it is asked to open, and ends with `status`.
+  void add_opener(const std::string& name, int status) const {
+    const std::string path = folder_ / ("bin/" + name);
+    std::ofstream(path) << "#!/bin/sh\nprintf '%s' \"$1\" > " << (folder_ / (name + ".opened")) << "\nexit " << status << "\n";
+    std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  }
+  [[nodiscard]] std::string opened_by(const std::string& name) const { return bytes_at(folder_ / (name + ".opened")); }
+
+  // `slipbench view words` where the screen and the browsers are those of `environment` alone.
+  [[nodiscard]] ChildResult view(const std::string& words, const std::string& environment = "") const {
+    return run_shell("unset DISPLAY WAYLAND_DISPLAY BROWSER; export PATH=$PWD/bin " + environment + "; slipbench view " + words,
+                     folder_ / "");
+  }
+  [[nodiscard]] ChildResult record(const std::string& words = "") const {
+    return run_shell("slipbench run stage.yaml --set duration=2.1 " + words + " --quiet", folder_ / "");
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(View, OpensTheReportOfADataset) {
+  ASSERT_EQ(record("-o a.h5").status, 0);
+  add_opener("xdg-open", 0);
+  const ChildResult seen = view("a.h5", "DISPLAY=:0");
+  EXPECT_EQ(seen.status, 0) << seen.err;
+  EXPECT_EQ(opened_by("xdg-open"), std::filesystem::canonical(folder_ / "a.html").string());
+  EXPECT_THAT(bytes_at(folder_ / "a.html"), StartsWith("<!DOCTYPE html>"));
+  EXPECT_THAT(seen.out, HasSubstr("opened by xdg-open"));
+}
+
+TEST_F(View, AsksTheBrowsersOfTheUserFirstAndPassesOverThoseThatFail) {
+  ASSERT_EQ(record("-o a.h5").status, 0);
+  for (const char* name : {"xdg-open", "mine"}) add_opener(name, 0);
+  add_opener("broken", 3);
+  EXPECT_THAT(view("a.h5", "WAYLAND_DISPLAY=wayland-0 BROWSER=absent:broken:mine").out, HasSubstr("opened by mine"));
+  EXPECT_EQ(opened_by("broken"), opened_by("mine"));
+  EXPECT_EQ(opened_by("xdg-open"), "");
+}
+
+TEST_F(View, SaysWhereThePageLiesWithoutAScreenOrAnOpener) {
+  ASSERT_EQ(record("-o a.h5").status, 0);
+  const std::string page = std::filesystem::canonical(folder_ / "").string() + "/a.html";
+  for (const char* environment : {"BROWSER=xdg-open", "DISPLAY=:0"}) {
+    if (std::string(environment) == "BROWSER=xdg-open") {
+      add_opener("xdg-open", 0);
+    } else {
+      std::filesystem::remove(folder_ / "bin/xdg-open");
+    }
+    const ChildResult seen = view("a.h5", environment);
+    EXPECT_EQ(seen.status, 0) << seen.err;
+    EXPECT_THAT(seen.out, HasSubstr("open it in a browser: " + page)) << environment;
+    EXPECT_EQ(opened_by("xdg-open"), "") << environment;
+  }
+}
+
+TEST_F(View, RunsASceneFirst) {
+  const ChildResult seen = view("stage.yaml --set duration=2.1 --json");
+  ASSERT_EQ(seen.status, 0) << seen.err;
+  EXPECT_EQ(nlohmann::json::parse(seen.out),
+            nlohmann::json::parse(R"({"dataset": "stage.h5", "report": "stage.html", "opened_by": null})"));
+  // The recording is that of `run` with the same words.
+  ASSERT_EQ(record("-o b.h5").status, 0);
+  EXPECT_EQ(bytes_at(folder_ / "stage.h5"), bytes_at(folder_ / "b.h5"));
+  // A second look replaces what the first has made.
+  EXPECT_EQ(view("stage.yaml --set duration=2.2").status, 0);
+  EXPECT_NE(bytes_at(folder_ / "stage.h5"), bytes_at(folder_ / "b.h5"));
+}
+
+TEST_F(View, KeepsWhatItHasNotMade) {
+  ASSERT_EQ(run_shell("slipbench sweep stage.yaml --set duration=2.1 -o stage.h5 --quiet", folder_ / "").status, 0);
+  const std::string before = bytes_at(folder_ / "stage.h5");
+  const ChildResult seen = view("stage.yaml");
+  EXPECT_EQ(seen.status, 2);
+  EXPECT_THAT(seen.err, HasSubstr("stage.h5 is there and not one trial of this scene, but of slipbench sweep stage.yaml"));
+  EXPECT_THAT(seen.err, HasSubstr("allowed: -o with another name, or slipbench view stage.h5"));
+  EXPECT_EQ(bytes_at(folder_ / "stage.h5"), before);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "stage.html"));
+  // Nor several trials of a run.
+  ASSERT_EQ(
+      run_shell("rm stage.h5; slipbench run stage.yaml --trials 2 --set duration=2.1 -o stage.h5 --quiet", folder_ / "").status,
+      0);
+  const std::string two = bytes_at(folder_ / "stage.h5");
+  EXPECT_EQ(view("stage.yaml").status, 2);
+  EXPECT_EQ(bytes_at(folder_ / "stage.h5"), two);
+
+  // Nor is a page replaced that is none of ours, and then nothing is simulated.
+  std::ofstream(folder_ / "mine.html") << "mine";
+  EXPECT_EQ(view("stage.yaml -o mine.html").status, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "mine.h5"));
+  EXPECT_EQ(bytes_at(folder_ / "mine.html"), "mine");
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,171 @@
+#include "tools/program/eval/evaluate.h"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/expect.h"
+#include "tests/tools/program/train/small_dataset.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/program/eval/detector_choice.h"
+#include "tools/program/eval/eval_page.h"
+
+namespace slipbench::eval::evaluate_test {
+namespace {
+
+using ::slipbench::testing::SmallDatasetTest;
+
+TEST(ChosenDetector, IsANameAFileOrAFolder) {
+  EXPECT_EQ(chosen_detector("force_ratio", {{"ratio", "0.3"}}).parameters.number("ratio"), 0.3);
+  EXPECT_EQ(chosen_detector("cl_gst_hd", {}).type, "gst_hd");
+  const DetectorScene folder = chosen_detector(SLIPBENCH_SOURCE_DIR "/tests", {{"rate", "50 Hz"}});
+  EXPECT_EQ(folder.type, "gst_hd");
+  EXPECT_EQ(folder.parameters.path("memories"), SLIPBENCH_SOURCE_DIR "/tests");
+  EXPECT_EQ(folder.parameters.number("rate"), 50.0);
+}
+
+TEST(LearntLabels, AreThoseOfTheTraining) {
+  EXPECT_EQ(learnt_labels("{}"), TruthRule::strict);
+  EXPECT_EQ(learnt_labels("no JSON"), TruthRule::strict);
+  EXPECT_EQ(learnt_labels(R"({"labels": "masked"})"), TruthRule::masked);
+  EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": "micra"})"); }),
+              HasSubstr("trained.labels: unknown label rule 'micra'; did you mean 'micro'?"));
+  EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": 1})"); }), HasSubstr("judge by one with --labels"));
+}
+
+TEST(ChosenDetector, RefusesAsAScene) {
+  const auto refusal = [](const std::string& text, const std::vector<Override>& parameters) {
+    return refusal_of([&] { chosen_detector(text, parameters); });
+  };
+  EXPECT_THAT(refusal("gst_hdd", {}), HasSubstr("no detector 'gst_hdd'; did you mean 'gst_hd'?"));
+  EXPECT_THAT(refusal("force_ratio", {{"ratio", "-1"}}), HasSubstr("detector.ratio: '-1' is out of range; allowed: > 0"));
+  EXPECT_THAT(refusal("force_ratio", {{"rotia", "1"}}), HasSubstr("unknown key 'rotia' in detector; did you mean 'ratio'?"));
+}
+
+class Evaluated : public SmallDatasetTest {
+ protected:
+  static Options options(const std::string& dataset) {
+    Options result;
+    result.detector = chosen_detector("force_ratio", {{"ratio", "0.45"}});
+    result.dataset = dataset;
+    return result;
+  }
+  // What a detector says that has learnt from these trials.
+  static std::string seen(const std::string& dataset, const std::vector<std::size_t>& trials) {
+    const DatasetReader reader(dataset);
+    Json digests = Json::array();
+    for (const std::size_t trial : trials) digests.push_back(reader.trial_sha256(trial));
+    return Json{{"sha256_seen", digests}}.dump();
+  }
+};
+
+// 24 trials, half of them at 4 mm/s, half at 16; masks of 70, 15 and 15 %.
+TEST_F(Evaluated, EveryTrialAndItsGroups) {
+  const std::string file = dataset();
+  const Json result = evaluate(options(file));
+  EXPECT_EQ(result.begin().key(), result_key);
+  const Json& all = result.at("all");
+  EXPECT_EQ(all.at("trials"), 24);
+  EXPECT_EQ(all.at("frames"), 24 * 400);
+  EXPECT_EQ(all.at("slipping"), all.at("seen").get<int>() + all.at("early").get<int>() + all.at("missed").get<int>());
+  ASSERT_EQ(result.at("by").size(), 2U) << "one material";
+  const Json& speed = result.at("by")[0];
+  EXPECT_EQ(speed.at("by"), "speed");
+  ASSERT_EQ(speed.at("groups").size(), 2U);
+  EXPECT_EQ(speed.at("groups")[0].at("name"), "4 to 8 mm/s");
+  EXPECT_EQ(speed.at("groups")[0].at("trials"), 12);
+  EXPECT_EQ(speed.at("groups")[1].at("name"), "16 to 32 mm/s");
+  EXPECT_EQ(result.at("by")[1].at("groups")[2].at("name"), "test");
+  EXPECT_FALSE(result.contains("loop")) << "the dataset has no detector";
+  EXPECT_FALSE(result.contains("roc")) << "it has no probability";
+  // The true first slip of a trial is that of its labels.
+  const SensorRecord pad = DatasetReader(file).read_sensor(5, "pad");
+  EXPECT_EQ(result.at("trials")[5].at("slip_time_s"), std::ranges::min(pad.labels.onset_time));
+}
+
+TEST_F(Evaluated, OnePartOfTheDataset) {
+  Options test = options(dataset());
+  test.split = "test";
+  const Json result = evaluate(test);
+  const std::vector<std::size_t> members = DatasetReader(test.dataset).mask("test");
+  EXPECT_EQ(result.at("all").at("trials"), members.size());
+  EXPECT_EQ(result.at("trials")[0].at("trial"), members[0]);
+}
+
+TEST_F(Evaluated, LeavesOutWhatADetectorWasTrainedOn) {
+  Options trained = options(dataset());
+  trained.trained = seen(trained.dataset, {0, 1, 2, 7});
+  const Json result = evaluate(trained);
+  EXPECT_EQ(result.at("left_out"), (Json{0, 1, 2, 7}));
+  EXPECT_EQ(result.at("all").at("trials"), 20);
+  for (const Json& by : result.at("by"))
+    EXPECT_NE(by.at("by"), "mask") << "a part of the masks that it has learnt from is not new to it";
+  // The same trials in another file, whose content has another digest.
+  Options copy = trained;
+  copy.dataset = dataset({{"description", "another one"}}, "other.h5");
+  EXPECT_NE(DatasetReader(copy.dataset).content_sha256(), DatasetReader(trained.dataset).content_sha256());
+  EXPECT_EQ(evaluate(copy).at("left_out"), (Json{0, 1, 2, 7}));
+  trained.all = true;
+  EXPECT_EQ(evaluate(trained).at("all").at("trials"), 24);
+  trained.all = false;
+  trained.trained = R"({"sha256_seen": ["12"]})";
+  EXPECT_THAT(refusal_of([&] { evaluate(trained); }), HasSubstr("sha256_seen is no list of digests"));
+}
+
+TEST_F(Evaluated, RefusesWhatItCannotJudge) {
+  const std::string file = dataset();
+  const auto refusal = [](const Options& options) { return refusal_of([&] { evaluate(options); }); };
+  Options wrong = options(file);
+  wrong.sensor = "padd";
+  EXPECT_THAT(refusal(wrong), HasSubstr("data.h5: trial 0: no sensor 'padd'; did you mean 'pad'?"));
+  EXPECT_THAT(refusal(options(path("nowhere.h5"))), HasSubstr("nowhere.h5"));
+  Options all = options(file);
+  all.trained = seen(file, DatasetReader(file).trials());
+  EXPECT_THAT(refusal(all), HasSubstr("no trial is left to judge: the detector was trained on all of them"));
+  // One byte of an array.
+  std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+  bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file) / 2));
+  bytes.put('\x5a').put('\x5a');
+  bytes.close();
+  EXPECT_THAT(refusal(options(file)), HasSubstr("data.h5"));
+}
+
+// Of imported recordings there is no truth, whatever the names of the figures say.
+TEST_F(Evaluated, SaysThatThereIsNoTruth) {
+  Json result = evaluate(options(dataset()));
+  result["command"] = "slipbench eval";
+  EXPECT_EQ(truth_note(result), "");
+  EXPECT_THAT(eval_page(result, path("page.html")), AllOf(Not(HasSubstr("imported")), HasSubstr("slipbench report ")));
+  result["truth"] = "none: imported from bts3v2";
+  EXPECT_EQ(truth_note(result),
+            "truth none: imported from bts3v2: where a name here says true, it is the label of the recordings' own set");
+  EXPECT_THAT(eval_page(result, path("page.html")), AllOf(HasSubstr("<p class=\"note\">truth none: imported from bts3v2"),
+                                                          HasSubstr("<li>trial "), Not(HasSubstr("slipbench report "))));
+}
+
+TEST_F(Evaluated, PageShowsTextAsText) {
+  Json result = evaluate(options(dataset()));
+  result["command"] = "slipbench eval <script>";
+  EXPECT_THAT(eval_page(result, path("page.html")), Not(HasSubstr("ROC")));
+  result["roc"] = {{nullptr, 0.0, 0.0}, {0.5, 0.25, 0.75}, {0.0, 1.0, 1.0}};
+  result["calibration"] = {{{"low", 0.0}, {"high", 0.5}, {"count", 3}, {"mean", 0.25}, {"share", 0.5}}};
+  const std::string page = eval_page(result, path("page.html"));
+  // A quarter of 342 px to the right of 62, three quarters of 218 px above 248.
+  EXPECT_THAT(page, HasSubstr("points=\"62,248 147.5,84.5 404,30\""));
+  EXPECT_THAT(page, HasSubstr("cx=\"147.5\" cy=\"139\"")) << "a quarter was said, half is true";
+  EXPECT_TRUE(begins_as_eval_page(page));
+  EXPECT_THAT(page, HasSubstr("slipbench eval &lt;script&gt;"));
+  EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(page, HasSubstr("default-src 'none'"));
+  const auto trial = std::to_string(result.at("worst")[0].at("trial").get<std::size_t>());
+  EXPECT_THAT(page, HasSubstr("href=\"data.html#trial-" + trial + "\"")) << "the report stands beside the page";
+  const std::vector<std::string> files = write_eval(path("page.html"), result);
+  ASSERT_EQ(files.size(), 2U);
+  EXPECT_EQ(Json::parse(std::ifstream(files[1])), result);
+  EXPECT_EQ(write_eval(path("page.html"), result), files) << "its own kind is replaced";
+  std::ofstream(path("other.html")) << "years of work";
+  EXPECT_THROW(check_eval_target(path("other.html")), InputError);
+}
+
+}  // namespace
+}  // namespace slipbench::eval::evaluate_test

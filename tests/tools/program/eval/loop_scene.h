@@ -1,0 +1,34 @@
+// A scene whose trial is fed again to the detector of its loop.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/scene/parser.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/eval/metrics.h"
+#include "tools/program/eval/replay.h"
+#include "tools/program/run/run_trial.h"
+
+namespace slipbench::eval::testing {
+
+inline Scene scene_of(const std::string& text) {
+  return parse_scene(SceneFile::from_text(text, "scene.yaml"), program_catalogues());
+}
+
+inline std::vector<std::uint8_t> codes(const std::vector<PadState>& states) {
+  std::vector<std::uint8_t> result;
+  for (const PadState state : states) result.push_back(static_cast<std::uint8_t>(state));
+  return result;
+}
+
+// What the loop saw in a trial of the scene, and what the replay of its record sees. Returns the replay.
+inline Replayed expect_same_as_loop(const Scene& scene, const TrialRecord& record) {
+  Replayed replayed = replay(*scene.detector, record.sensors, scene.detector->sensor, scene.seed, record.trial);
+  EXPECT_EQ(codes(replayed.seen), record.control.value().detector_class);
+  return replayed;
+}
+
+}  // namespace slipbench::eval::testing

@@ -1,0 +1,230 @@
+#include "tools/program/eval/metrics.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace slipbench::eval::metrics_test {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr PadState none = PadState::no_contact, stick = PadState::non_slip, some = PadState::incipient, all = PadState::gross;
+
+// Ten samples at 10 Hz, from 0 s on: one in the air, sticking from 0.1 s, slipping from 0.55 s to 0.75 s, seen at 0.6 and 0.7 s.
+Truth truth() {
+  Truth result;
+  for (int row = 0; row < 10; ++row) result.time.push_back(0.1 * row);
+  result.state = {none, stick, stick, stick, stick, stick, some, all, stick, stick};
+  result.stuck_fraction = {NAN, 1.0F, 1.0F, 1.0F, 1.0F, 1.0F, 0.5F, 0.0F, 1.0F, 1.0F};
+  result.period = 0.1;
+  result.first_slip = result.any_slip = 0.55;
+  return result;
+}
+
+Replayed seen(std::vector<PadState> states) {
+  Replayed result;
+  for (std::size_t row = 0; row < states.size(); ++row) result.seen_since.push_back(0.1 * static_cast<double>(row));
+  result.stuck_fraction.assign(states.size(), nan);
+  result.probability.assign(states.size(), nan);
+  result.seen = std::move(states);
+  return result;
+}
+
+// Seen first at 0.7 s, 0.15 s after the slip began; it is still seen at 0.8 s, when the pad sticks again: no new alarm.
+TEST(Judged, TheFirstAlarmDecides) {
+  const Judgement result = judged(3, truth(), seen({none, stick, stick, stick, stick, stick, stick, all, all, stick}));
+  EXPECT_EQ(result.trial, 3U);
+  EXPECT_EQ(result.detection, Detection::seen);
+  EXPECT_DOUBLE_EQ(result.delay, 0.7 - 0.55);
+  EXPECT_EQ(result.stick_alarms, 0U);
+  EXPECT_NEAR(result.stick_time, 0.7, 1e-12) << "samples 1 to 5, 8 and 9";
+  EXPECT_NEAR(result.air_time, 0.1, 1e-12);
+  EXPECT_EQ(result.frames[2][1], 1U) << "incipient and called non-slip";
+  EXPECT_EQ(result.frames[1][3], 1U);
+}
+
+// Alarms at 0 s in the air, at 0.2 s and, after a pause of one sample, at 0.4 s: early, by the first of them.
+TEST(Judged, AnAlarmBeforeTheSlipIsEarlyAndCountedWhereItBegins) {
+  const Judgement result = judged(0, truth(), seen({all, stick, some, stick, some, some, all, all, stick, stick}));
+  EXPECT_EQ(result.detection, Detection::early);
+  EXPECT_EQ(result.alarm_time, 0.0);
+  EXPECT_TRUE(std::isnan(result.delay));
+  EXPECT_EQ(result.air_alarms, 1U);
+  EXPECT_EQ(result.stick_alarms, 2U) << "that at 0.4 s goes on into the slip";
+}
+
+// Samples 8 and 9, in which the pad sticks again, are masked: neither a frame nor a false alarm, but the alarm at 0.8 s sees the slip.
+TEST(Judged, MaskedFramesJudgeNothingButTheDelay) {
+  Truth masked = truth();
+  masked.masked = {false, false, false, false, false, false, false, false, true, true};
+  Replayed late = seen({none, stick, stick, stick, stick, stick, stick, stick, all, stick});
+  late.probability.assign(10, 0.5);
+  const Judgement result = judged(0, masked, late);
+  EXPECT_EQ(result.frames[1][3] + result.frames[2][3] + result.frames[3][3], 0U);
+  EXPECT_EQ(result.frames[1][1], 5U) << "samples 1 to 5";
+  EXPECT_EQ(result.negatives.size(), 6U) << "and that in the air";
+  EXPECT_NEAR(result.stick_time, 0.5, 1e-12);
+  EXPECT_EQ(result.stick_alarms, 0U);
+  EXPECT_DOUBLE_EQ(result.delay, 0.8 - 0.55);
+}
+
+TEST(Judged, MissedQuietAndFalseAlarm) {
+  const std::vector<PadState> quiet(10, stick);
+  EXPECT_EQ(judged(0, truth(), seen(quiet)).detection, Detection::missed);
+  Truth still = truth();
+  still.first_slip = still.any_slip = nan;
+  still.state = quiet;
+  EXPECT_EQ(judged(0, still, seen(quiet)).detection, Detection::quiet);
+  std::vector<PadState> alarm = quiet;
+  alarm[4] = some;
+  const Judgement wrong = judged(0, still, seen(alarm));
+  EXPECT_EQ(wrong.detection, Detection::false_alarm);
+  EXPECT_EQ(wrong.alarm_time, 0.4);
+}
+
+// An estimate of 0.5 s with a latency of 0.08 s is there at 0.58 s, between two samples, and after the slip began.
+TEST(Judged, AnAlarmIsThereWhenItsLatencyIsOver) {
+  Replayed late = seen({none, stick, stick, stick, stick, stick, all, all, stick, stick});
+  late.seen_since[6] = 0.58;
+  EXPECT_DOUBLE_EQ(judged(0, truth(), late).delay, 0.58 - 0.55);
+}
+
+// Of closing fingers: alarms do not count from the slip at 0.1 s until the lift at 0.3 s, where one that lasts becomes an alarm.
+TEST(Judged, AnAlarmThatLastsIntoTheLiftIsOneFromThereOn) {
+  Truth grasp = truth();
+  grasp.any_slip = 0.1;
+  grasp.judged_from = 0.3;
+  const Judgement result = judged(0, grasp, seen({none, stick, some, some, some, some, some, some, stick, stick}));
+  EXPECT_EQ(result.detection, Detection::early);
+  EXPECT_DOUBLE_EQ(result.alarm_time, grasp.time[3]);
+  EXPECT_EQ(result.stick_alarms, 0U) << "it began where none counts";
+  EXPECT_NEAR(result.stick_time, 0.5, 1e-12) << "samples 3, 4, 5, 8 and 9";
+}
+
+// A recording of one sample, as BTS3v2's, lasts no time: alarms a minute and a delay would be those of its nominal rate.
+TEST(Judged, OneSampleHasNeitherADelayNorTime) {
+  Truth one;
+  one.time = {0.0};
+  one.period = 0.01;
+  one.state = {stick};
+  const Judgement held = judged(0, one, seen({all}));
+  EXPECT_EQ(held.detection, Detection::false_alarm);
+  EXPECT_EQ(held.frames[1][3], 1U);
+  EXPECT_EQ(held.stick_time, 0.0);
+  EXPECT_EQ(held.stick_alarms, 0U);
+  one.state = {all};
+  one.first_slip = one.any_slip = 0.0;
+  const Judgement slipped = judged(0, one, seen({all}));
+  EXPECT_EQ(slipped.detection, Detection::seen);
+  EXPECT_TRUE(std::isnan(slipped.delay));
+}
+
+TEST(Judged, ProbabilitiesAndStuckFractions) {
+  Replayed replayed = seen(std::vector<PadState>(10, stick));
+  replayed.probability[2] = 0.1;
+  replayed.probability[6] = 0.7;
+  replayed.stuck_fraction.assign(10, 0.75);
+  const Judgement result = judged(0, truth(), replayed);
+  EXPECT_EQ(result.negatives, std::vector<double>{0.1});
+  EXPECT_EQ(result.positives, std::vector<double>{0.7});
+  // Of nine samples in contact: seven whose all stick, one half, one nothing.
+  EXPECT_EQ(result.stuck_frames, 9U);
+  EXPECT_NEAR(result.stuck_error, 7.0 * 0.25 + 0.25 + 0.75, 1e-12);
+  EXPECT_THROW(judged(0, truth(), seen({stick})), std::logic_error);
+}
+
+double figure(const Summary& summary, std::string_view key) {
+  for (std::size_t k = 0; k < figures.size(); ++k) {
+    if (figures[k].key == key) return summary.estimates[k].value;
+  }
+  throw std::logic_error("no such figure");
+}
+
+// Four trials: seen after 10 ms and 30 ms, early, missed; and one without slip that is quiet.
+std::vector<Judgement> five() {
+  std::vector<Judgement> trials(5);
+  const Detection how[] = {Detection::seen, Detection::seen, Detection::early, Detection::missed, Detection::quiet};
+  for (std::size_t k = 0; k < 5; ++k) {
+    trials[k].trial = k;
+    trials[k].detection = how[k];
+    trials[k].stick_time = 6.0;
+    if (k < 4) trials[k].slip_time = 1.0;
+  }
+  trials[0].delay = 0.010;
+  trials[1].delay = 0.030;
+  trials[2].stick_alarms = 2;
+  trials[0].frames[3] = {0, 1, 0, 3};  // gross: one of four called non-slip
+  trials[4].frames[1] = {0, 9, 1, 0};  // non-slip: one of ten called incipient
+  return trials;
+}
+
+TEST(Summary, FiguresOfFiveTrials) {
+  const Summary summary = summarised(five());
+  EXPECT_EQ(summary.trials, 5U);
+  EXPECT_EQ(summary.slipping, 4U);
+  EXPECT_EQ(summary.seen, 2U);
+  EXPECT_DOUBLE_EQ(figure(summary, "delay_median_s"), 0.020);
+  EXPECT_DOUBLE_EQ(figure(summary, "delay_p10_s"), 0.012);  // a tenth of the way from 10 to 30 ms
+  EXPECT_DOUBLE_EQ(figure(summary, "early"), 0.25);
+  EXPECT_DOUBLE_EQ(figure(summary, "missed"), 0.25);
+  EXPECT_DOUBLE_EQ(figure(summary, "false_alarms_per_minute"), 4.0);  // 2 in 5 x 6 s
+  EXPECT_TRUE(std::isnan(figure(summary, "air_alarms_per_minute"))) << "it always touches";
+  EXPECT_DOUBLE_EQ(figure(summary, "recall_of_slip"), 0.75);
+  EXPECT_DOUBLE_EQ(figure(summary, "balanced_slip_accuracy"), 0.5 * (0.75 + 0.9));
+  EXPECT_DOUBLE_EQ(figure(summary, "f1_of_slip"), 2.0 * 3.0 / (4.0 + 4.0));
+  EXPECT_TRUE(std::isnan(figure(summary, "auc")));
+}
+
+// Clopper and Pearson of 1 in 4: p(k >= 1) = 1 - (1 - low)^4 = 0.025.
+TEST(Summary, SharesOfTrialsHaveTheExactInterval) {
+  const Summary summary = summarised(five());
+  for (std::size_t k = 0; k < figures.size(); ++k) {
+    if (figures[k].key != "missed") continue;
+    EXPECT_NEAR(summary.estimates[k].interval.low, 1.0 - std::pow(0.975, 0.25), 1e-9);
+  }
+}
+
+// Two trials of two values each; of the four pairs of a positive and a negative three are in order.
+TEST(Summary, AreaUnderTheCurve) {
+  std::vector<Judgement> trials(2);
+  trials[0].positives = {0.9};
+  trials[0].negatives = {0.5};
+  trials[1].positives = {0.4};
+  trials[1].negatives = {0.1};
+  EXPECT_DOUBLE_EQ(figure(summarised(trials), "auc"), 0.75);
+}
+
+// Twenty trials, half of them called wrongly: each tells the other ten nothing, or they are ten made twice, of which the interval of a share is the
+// wider one, or five made four times, which are too few for any.
+TEST(Summary, TwinsCountOnce) {
+  std::vector<Judgement> trials(20);
+  for (std::size_t k = 0; k < 20; ++k) trials[k].frames[1] = k % 2 == 0 ? StateCounts{0, 10, 0, 0} : StateCounts{0, 0, 0, 10};
+  const auto width = [&](std::size_t experiments) {
+    for (std::size_t k = 0; k < 20; ++k) trials[k].twin = std::to_string(k % experiments);
+    const Summary summary = summarised(trials);
+    for (std::size_t k = 0; k < figures.size(); ++k) {
+      if (figures[k].key == "false_alarm_share") {
+        EXPECT_DOUBLE_EQ(summary.estimates[k].value, 0.5);
+        return summary.estimates[k].interval.high - summary.estimates[k].interval.low;
+      }
+    }
+    throw std::logic_error("no such figure");
+  };
+  // Of a mean of n draws of 0 or 1 the standard deviation is 1/(2 sqrt(n)): 95 % are 1.96/sqrt(n) wide, to the coarseness of n steps.
+  EXPECT_NEAR(width(20), 1.96 / std::sqrt(20.0), 0.06);
+  EXPECT_NEAR(width(10), 1.96 / std::sqrt(10.0), 0.11);
+  EXPECT_TRUE(std::isnan(width(5)));
+}
+
+TEST(Summary, AsJson) {
+  const Json json = summary_json(summarised(five()));
+  EXPECT_EQ(json.at("called").at("gross").at("non_slip"), 1);
+  EXPECT_EQ(json.at("frames"), 14);
+  EXPECT_TRUE(json.at("figures").at("auc").at("value").is_null());
+  EXPECT_EQ(json.at("constant").at("balanced_slip_accuracy"), 0.5);
+  EXPECT_EQ(json.at("constant").at("accuracy"), 10.0 / 14.0);
+}
+
+}  // namespace
+}  // namespace slipbench::eval::metrics_test

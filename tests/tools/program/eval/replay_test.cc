@@ -1,0 +1,145 @@
+#include "tools/program/eval/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "tests/expect.h"
+#include "tests/tools/program/eval/loop_scene.h"
+
+namespace slipbench::eval::testing {
+namespace {
+
+// Pressed until 0.2 s, then slid.
+std::string stage(const std::string& detector,
+                  const std::string& sensors = "pad: {type: papillarray, rate: 1 kHz, electronics: typical}") {
+  return fmt::format(
+      "slipbench: 1\nduration: 0.6 s\nseed: 4\nmotion: {{kind: stage, gap: 0.1 mm, compression: 1 mm, approach_speed: 20 mm/s, start: 0.2 s, "
+      "speed: 8 mm/s, acceleration: 1 m/s2}}\nsensors: {{{}}}\ndetector: {}\n",
+      sensors, detector);
+}
+
+// How many classes the loop says, so that equality means something.
+std::size_t classes(const TrialRecord& record) {
+  const auto& said = record.control.value().detector_class;
+  return std::set<std::uint8_t>(said.begin(), said.end()).size();
+}
+
+TEST(Replay, IsWhatTheLoopSaw) {
+  for (const char* detector : {"{type: force_ratio}", "{type: force_ratio, ratio: 0.2, flip: 0.05}", "{type: stuck_fraction}",
+                               "{type: shear_rate}", "{type: gst_hd}"}) {
+    SCOPED_TRACE(detector);
+    const Scene scene = scene_of(stage(detector));
+    const TrialRecord record = run_trial(scene, 3, Recording::full).record;
+    EXPECT_GE(classes(record), 3U);
+    expect_same_as_loop(scene, record);
+  }
+}
+
+// The plugin says what it hears of a skin of 10 kHz, and its latency is a millisecond; it is asked at every sample of the pad, 1 kHz.
+TEST(Replay, HearsAllSensorsAndWaitsForTheLatency) {
+  const std::string sensors = "skin: {type: piezo_skin}, pad: {type: papillarray, rate: 1 kHz}";
+  const TrialRecord bare = run_trial(scene_of(stage("{type: force_ratio, sensor: pad}", sensors)), 0, Recording::full).record;
+  const double threshold = 0.5 * static_cast<double>(std::ranges::max(bare.sensors[0].channels[0].values));
+  const Scene scene = scene_of(
+      stage(fmt::format("{{type: plugin, library: {}/ears.so, sensor: pad, parameters: {{sensor: skin, threshold: {}}}}}",
+                        SLIPBENCH_TEST_PLUGINS, threshold),
+            sensors));
+  const TrialRecord record = run_trial(scene, 0, Recording::full).record;
+  EXPECT_GE(classes(record), 3U);
+  const Replayed replayed = expect_same_as_loop(scene, record);
+  EXPECT_EQ(replayed.seen.size(), record.sensors[1].time.size());
+}
+
+// Keeps what it is fed.
+class Keeper final : public Detector {
+ public:
+  explicit Keeper(std::vector<std::vector<float>>& frames) : frames_(&frames) {}
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    frames_->emplace_back(frame.values.begin(), frame.values.end());
+    return estimate_ = {frame.time};
+  }
+
+ private:
+  std::vector<std::vector<float>>* frames_;
+  SlipEstimate estimate_;
+};
+
+// The slow channel is new in samples 2 and 5 (every third), its values read 0.01 s before; the first row stands before its own.
+TEST(Replay, ASlowChannelStandsStillBetweenItsRows) {
+  SensorRecord sensor;
+  sensor.name = "pad";
+  sensor.rate = 10.0;
+  for (int row = 0; row < 7; ++row) sensor.time.push_back(0.1 * row);
+  sensor.channels.push_back({"slow", "counts", {2}, {10.0F, 11.0F, 20.0F, 21.0F}, std::vector{0.19, 0.49}});
+  sensor.channels.push_back({"fast", "counts", {}, {0.0F, 1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F}});
+  std::vector<std::vector<float>> frames;
+  replay(std::make_unique<Keeper>(frames), std::span(&sensor, 1), 0);
+  ASSERT_EQ(frames.size(), 7U);
+  for (std::size_t row = 0; row < 7; ++row) {
+    const float slow = row < 5 ? 10.0F : 20.0F;
+    EXPECT_EQ(frames[row], (std::vector{slow, slow + 1.0F, static_cast<float>(row)})) << row;
+  }
+}
+
+TEST(Replay, SaysSinceWhenAnEstimateIsSeen) {
+  const Scene scene = scene_of(stage("{type: gst_hd, rate: 100 Hz}"));
+  const TrialRecord record = run_trial(scene, 0, Recording::full).record;
+  const Replayed replayed = expect_same_as_loop(scene, record);
+  // Every tenth sample is classified, without latency.
+  const std::vector<double>& time = record.sensors[0].time;
+  EXPECT_EQ(replayed.seen_since[230], time[230]);
+  EXPECT_EQ(replayed.seen_since[239], time[230]);
+  EXPECT_TRUE(std::isnan(replayed.probability[230])) << "it has none";
+}
+
+// Asked at 10 Hz of samples at 20 Hz, it says a probability that grows by `step`.
+class Probable final : public Detector {
+ public:
+  explicit Probable(double step) : step_(step) {}
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    if (samples_++ % 2 == 0) estimate_ = {frame.time, 0.0, PadState::non_slip, 0.5, {7.0, step_ * static_cast<double>(said_++)}};
+    return estimate_;
+  }
+  [[nodiscard]] const std::vector<Feature>& features() const override {
+    static const std::vector<Feature> two{{"other", "N"}, {probability_feature, "1"}};
+    return two;
+  }
+
+ private:
+  double step_;
+  std::size_t samples_ = 0, said_ = 0;
+  SlipEstimate estimate_;
+};
+
+TEST(Replay, TakesAProbabilityOnceAnEstimate) {
+  SensorRecord sensor;
+  sensor.name = "pad";
+  sensor.rate = 20.0;
+  sensor.time = {0.0, 0.05, 0.10, 0.15, 0.20};
+  sensor.channels.push_back({"force", "N", {}, {1.0F, 2.0F, 3.0F, 4.0F, 5.0F}});
+  const std::vector<double> said = replay(std::make_unique<Probable>(0.25), std::span(&sensor, 1), 0).probability;
+  ASSERT_EQ(said.size(), 5U);
+  for (const std::size_t row : {0U, 2U, 4U}) EXPECT_EQ(said[row], 0.125 * static_cast<double>(row));
+  for (const std::size_t row : {1U, 3U}) EXPECT_TRUE(std::isnan(said[row])) << "said before";
+  EXPECT_THROW(replay(std::make_unique<Probable>(0.75), std::span(&sensor, 1), 0), InputError) << "1.5 at 0.2 s is none";
+}
+
+TEST(Replay, RefusesWhatTheLoopRefuses) {
+  const Scene scene = scene_of(stage("{type: force_ratio}"));
+  TrialRecord record = run_trial(scene, 0, Recording::full).record;
+  const Scene other = scene_of(stage("{type: band_energy}", "pad: {type: piezo_skin}"));
+  EXPECT_THROW(replay(*other.detector, record.sensors, 0, 1, 0), InputError);
+  DetectorScene oracle = *scene.detector;
+  oracle.type = "truth";
+  EXPECT_THAT(refusal_of([&] { replay(oracle, record.sensors, 0, 1, 0); }),
+              HasSubstr("is the oracle, which reads the simulation"));
+  record.sensors[0].time.clear();
+  EXPECT_THROW(replay(*scene.detector, record.sensors, 0, 1, 0), InputError);
+}
+
+}  // namespace
+}  // namespace slipbench::eval::testing

@@ -1,0 +1,133 @@
+// What a scene may say and is hardly meant.
+#include "tools/program/sweep/warnings.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "tests/expect.h"
+#include "tests/tools/base/record/test_records.h"
+#include "tools/program/catalogue/program_catalogues.h"
+
+namespace slipbench::testing {
+namespace {
+
+class Warnings : public FolderTest {
+ protected:
+  // Of a pad on a stage, whose lines 1 and 2 these are.
+  std::vector<Warning> of(const std::string& text, const std::vector<Override>& overrides = {}) {
+    std::ofstream(path("s.yaml")) << "slipbench: 1\nsensors: {pad: {type: papillarray}}\n" << text;
+    SweepOptions sweep;
+    sweep.scene_path = path("s.yaml");
+    sweep.overrides = overrides;
+    sweep.output = path("out.h5");
+    sweep.limit = sweep.overrides.empty() ? 0 : 1;
+    return scene_warnings(read_sweep(sweep, catalogues_), sweep);
+  }
+  // What it is about, and then what it says without the folder.
+  std::vector<std::string> told(const std::string& text, const std::vector<Override>& overrides = {}) {
+    std::vector<std::string> lines;
+    for (const Warning& warning : of(text, overrides)) {
+      const std::size_t folder = warning.text.find(path(""));
+      lines.push_back(folder == 0 ? warning.text.substr(path("").size()) : warning.text);
+      EXPECT_THAT(warning.text, HasSubstr(": " + warning.about));
+    }
+    return lines;
+  }
+
+  Catalogues catalogues_ = program_catalogues();
+};
+
+TEST_F(Warnings, MotionThatBeginsAtTheEndOrLater) {
+  EXPECT_THAT(told("motion: {start: 4 s}\n"),
+              ElementsAre("s.yaml:3: motion.start: 4 s is not before the end of the trial, 4 s: what begins then is not in it"));
+  EXPECT_THAT(told("motion: {start: 3.9 s}\n"), IsEmpty());
+  EXPECT_THAT(told("motion: {start: 4 s, speed: 0}\n"), IsEmpty());  // a pad that is only pressed
+}
+
+// 4.2 mm by the vendor's data sheet.
+TEST_F(Warnings, PillarPressedBeyondItsHeight) {
+  EXPECT_THAT(
+      told("motion: {compression: 5 mm}\n"),
+      ElementsAre(AllOf(StartsWith("s.yaml:3: motion.compression: 5 mm is more than"), HasSubstr("'pad' is high, 4.2 mm"))));
+  EXPECT_THAT(told("motion: {compression: 4.2 mm}\n"), IsEmpty());
+}
+
+TEST_F(Warnings, SpeedWithoutAUnit) {
+  EXPECT_THAT(told("motion: {speed: 4}\n"),
+              ElementsAre("s.yaml:3: motion.speed: 4 has no unit and is in m/s; with a unit it is as it is meant: '4 mm/s'"));
+  EXPECT_THAT(told("motion: {speed: 4 m/s}\n"), IsEmpty());
+  EXPECT_THAT(told("motion: {speed: 0.004}\n"), IsEmpty());
+  EXPECT_THAT(told("sweep: {motion.speed: [4 mm/s, 4, 5]}\n"),
+              ElementsAre(AllOf(HasSubstr("motion.speed: 4 has no unit"), HasSubstr("in 2 of 3 trials"))));
+}
+
+TEST_F(Warnings, ExtremeMassesAndLengths) {
+  const auto told_of = [&](const std::string& key, const std::string& value) {
+    const std::vector<Warning> found = of("box: {mass: 200 g}\ntime_step: 1 ms\n", {{key, value}});
+    return found.empty() ? "" : found.front().text;
+  };
+  EXPECT_EQ(told_of("box.mass", "1e-9 kg"), "--set box.mass=1e-9 kg: box.mass: 1e-09 kg is less than 1e-06 kg");
+  EXPECT_EQ(told_of("box.mass", "200"), "");
+  EXPECT_EQ(told_of("box.mass", "2000"), "--set box.mass=2000: box.mass: 2000 kg is more than 1000 kg");
+  EXPECT_EQ(told_of("box.size", "[60, 60 mm, 100 mm]"), "--set box.size=[60, 60 mm, 100 mm]: box.size.0: 60 m is more than 10 m");
+}
+
+TEST_F(Warnings, MaterialThatTheScenesFrictionReplaces) {
+  const std::string friction = "friction: {static: 0.5, kinetic: 0.5}\n";
+  EXPECT_THAT(
+      told(friction, {{"surface.material", "ptfe"}}),
+      ElementsAre(AllOf(StartsWith("--set surface.material=ptfe: surface.material: changes nothing"), HasSubstr("s.yaml:3"))));
+  EXPECT_THAT(told("friction: {static: 0.5}\n", {{"surface.material", "ptfe"}}), IsEmpty());
+  EXPECT_THAT(told(friction, {{"surface.material", "ptfe"}, {"friction.static", "0.5"}}), IsEmpty());
+}
+
+TEST_F(Warnings, PartsOfASplitWithoutATrial) {
+  const std::string two = "sweep: {surface.material: [ptfe, felt], trials: 10}\n",
+                    three = "sweep: {surface.material: [ptfe, felt, paper]}\n";
+  EXPECT_THAT(told(two), ElementsAre(AllOf(HasSubstr("split: by material there are 2 to divide: valid is without a trial"))));
+  EXPECT_THAT(told(three), IsEmpty());
+  EXPECT_THAT(told(two + "split: {by: trial}\n"), IsEmpty());
+  EXPECT_THAT(told(two + "split: {shares: [0.5, 0, 0.5]}\n"), IsEmpty());
+  EXPECT_THAT(
+      told("sweep: {trials: 10}\nsplit: {by: material}\n"),
+      ElementsAre(AllOf(StartsWith("s.yaml:4: "), HasSubstr("there is 1 to divide: valid and test are without a trial"))));
+  EXPECT_THAT(told("sweep: {trials: 10}\n"), IsEmpty());
+  EXPECT_THAT(told("sweep: {motion.speed: [1 mm/s, 2 mm/s, 3 mm/s], trials: 2}\nsplit: {by: speed}\n"), IsEmpty());
+  EXPECT_THAT(told("sweep: {surface.shape: [plane, sphere, box]}\nsplit: {by: object}\n"), IsEmpty());
+}
+
+TEST_F(Warnings, ConverterAtAnEndInMostSamples) {
+  EXPECT_THAT(converter_warnings({{"pad", {50, 100}}}), IsEmpty());
+  const std::vector<Warning> most = converter_warnings({{"nib", {0, 100}}, {"pad", {51, 100}}});
+  ASSERT_EQ(most.size(), 1U);
+  EXPECT_EQ(most.front().about, "sensors.pad.electronics");
+  EXPECT_THAT(most.front().text, HasSubstr("in 51 of 100 samples"));
+}
+
+// A body of a microgram on springs of kilonewtons a metre moves at more than a million radians a second, and steps are to follow that.
+TEST_F(Warnings, StepsThatTakeTenMinutes) {
+  const std::vector<Warning> found = of("box: {mass: 1e-9 kg}\n");
+  const auto steps = std::ranges::find(found, "time_step", &Warning::about);
+  ASSERT_NE(steps, found.end());
+  EXPECT_THAT(steps->text, AllOf(HasSubstr("auto makes steps of"), HasSubstr("days or more")));
+  EXPECT_EQ(std::ranges::count(of("box: {mass: 200 g}\n"), "time_step", &Warning::about), 0);
+}
+
+TEST_F(Warnings, ShippedScenesHaveNone) {
+  std::size_t scenes = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(SLIPBENCH_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() != ".yaml") continue;
+    SweepOptions sweep;
+    sweep.scene_path = entry.path().string();
+    sweep.output = path("out.h5");
+    EXPECT_THAT(warnings_json(scene_warnings(read_sweep(sweep, catalogues_), sweep)).dump(), "[]") << entry.path();
+    ++scenes;
+  }
+  EXPECT_GE(scenes, 20U);
+}
+
+}  // namespace
+}  // namespace slipbench::testing

@@ -1,0 +1,242 @@
+#include "tools/program/text/describe.h"
+
+#include <string>
+#include <vector>
+
+#include "tests/expect.h"
+
+namespace slipbench {
+namespace {
+
+// A small catalogue with one parameter of each type. Two kinds share the name "pad".
+Catalogues small_catalogues() {
+  Catalogues catalogues;
+  Entry creep;
+  creep.name = "creep";
+  creep.summary = "The tip creeps under load.";
+  creep.law = "du/dt = f_t / c\n  c  damping";
+  creep.source = "A. Author 2020";
+  creep.parameters = {number_spec("damping", Quantity::damping, "2 N s/m", positive, "How slowly it creeps.", "assumed"),
+                      number_spec("share", Quantity::none, "0.5", fraction, "Share that creeps.", ""),
+                      integer_spec("steps", "3", {1.0, 8.0}, "How many.", ""),
+                      vector_spec(2, "shift", Quantity::length, "[0 mm, 1 mm]", any_value, "Where to.", ""),
+                      choice_spec("mode", "soft", {"soft", "hard"}, "Which.", ""),
+                      flag_spec("twice", "false", "Whether twice.", ""),
+                      path_spec("table", "own", "Which table.", "")};
+  catalogues.effects = {creep};
+  Entry pad;
+  pad.name = "pad";
+  pad.summary = "A sensor.";
+  catalogues.sensors = {pad};
+  catalogues.surfaces = {pad};
+  Entry hum;
+  hum.name = "hum";
+  hum.summary = "Mains hum.";
+  catalogues.electronics["pad"] = {hum};
+  catalogues.materials = {{"glass", 0.4, 0.3, "assumed: smooth"}};
+  Entry threshold;
+  threshold.name = "limit";
+  threshold.summary = "A threshold.";
+  threshold.parameters = {number_spec("ratio", Quantity::none, "0.4", positive, "Above which it slips.", "")};
+  catalogues.detectors = {threshold};
+  return catalogues;
+}
+
+CatalogueItem item(const std::string& name) { return find_items(catalogue_items(small_catalogues()), name).front(); }
+
+std::string page(const std::string& name) { return describe_text(item(name), small_catalogues(), Style(false), 100); }
+
+std::string refusal(const std::string& name) {
+  return refusal_of([&] { find_items(catalogue_items(small_catalogues()), name); });
+}
+
+TEST(Describe, PageHoldsEverythingDeclared) {
+  EXPECT_EQ(page("creep"), R"(creep  effect
+  The tip creeps under load.
+
+Law
+  du/dt = f_t / c
+    c  damping
+
+Source
+  A. Author 2020
+
+Parameters
+  damping  number
+      How slowly it creeps.
+      unit:    N s/m
+      default: 2 N s/m
+      allowed: > 0 N s/m
+      source:  assumed
+  share  number
+      Share that creeps.
+      unit:    none (also %)
+      default: 0.5
+      allowed: >= 0 and <= 1
+  steps  integer
+      How many.
+      default: 3
+      allowed: >= 1 and <= 8
+  shift  2 numbers
+      Where to.
+      unit:    m (also mm, um, cm, nm)
+      default: [0 mm, 1 mm]
+      allowed: any value
+  mode  choice
+      Which.
+      default: soft
+      allowed: soft, hard
+  twice  true or false
+      Whether twice.
+      default: false
+      allowed: true, false
+  table  path
+      Which table.
+      default: own
+      allowed: own, or a path from the scene's own folder
+
+In a scene (effects)
+  effects:
+    - creep:
+        damping: 2 N s/m
+        share: 0.5
+        steps: 3
+        shift: [0 mm, 1 mm]
+        mode: soft
+        twice: false
+        table: own
+)");
+}
+
+TEST(Describe, DetectorStandsBesideTheSensors) {
+  EXPECT_THAT(page("limit"), HasSubstr("In a scene (detector.type)\n  detector:\n    type: limit\n    ratio: 0.4\n"));
+}
+
+TEST(Describe, MaterialShowsItsFrictionAndSource) {
+  const std::string text = page("glass");
+  EXPECT_THAT(text, HasSubstr("mu_static  0.4\n  mu_kinetic 0.3\n"));
+  EXPECT_THAT(text, HasSubstr("assumed: smooth"));
+  EXPECT_THAT(text, HasSubstr("surface: {material: glass}"));
+}
+
+TEST(Describe, NamesSharedByCataloguesAreAllFound) {
+  const std::vector<CatalogueItem> found = find_items(catalogue_items(small_catalogues()), "pad");
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].kind.singular, "sensor");
+  EXPECT_EQ(found[1].kind.singular, "surface");
+}
+
+TEST(Describe, UnknownNameGetsTheNearestOne) {
+  EXPECT_EQ(refusal("crep"), "describe: unknown name 'crep'; did you mean 'creep'? `slipbench list` shows all names");
+  EXPECT_EQ(refusal("nonsense"), "describe: unknown name 'nonsense'; `slipbench list` shows all names");
+}
+
+TEST(Describe, ExamplesNameTheEntryWhereItsKindBelongs) {
+  const Catalogues catalogues = small_catalogues();
+  EXPECT_EQ(scene_example(item("pad"), catalogues), "sensors:\n  pad:\n    type: pad\n");
+  EXPECT_EQ(scene_example(find_items(catalogue_items(catalogues), "pad")[1], catalogues), "surface:\n  shape: pad\n");
+  EXPECT_EQ(scene_example(item("hum"), catalogues), "sensors:\n  pad:\n    type: pad\n    electronics:\n      - hum\n");
+}
+
+// Its own numbers are bare, as MuJoCo writes them: where they have a unit the meaning says so.
+TEST(Describe, ContactIsTheScenesOwnKey) {
+  const std::string text = page("contact");
+  EXPECT_THAT(text, HasSubstr("contact  part of fidelity mujoco_contact\n  MuJoCo's own contact friction"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "  solref  2 numbers\n      Time constant [s] and damping ratio of a contact, both above 0; or -stiffness [1/s2] and\n      -damping [1/s], both below 0.\n"));
+  EXPECT_THAT(text, HasSubstr("      default: [0.02, 1]\n"));
+  EXPECT_THAT(text, HasSubstr("      unit:    kg (also g)\n      default: 0.1 g\n"));
+  EXPECT_THAT(text,
+              HasSubstr("In a scene (contact)\n  fidelity: mujoco_contact\n  friction: {static: 0.5, kinetic: 0.5}\n  contact:\n"
+                        "    integrator: discrete\n    cone: elliptic\n"));
+}
+
+TEST(Describe, ColoursOnlyWhereTheStyleHasThem) {
+  EXPECT_THAT(page("creep"), Not(HasSubstr("\033")));
+  EXPECT_THAT(describe_text(item("creep"), small_catalogues(), Style(true), 100), HasSubstr("\033[1;36mcreep\033[0m"));
+}
+
+TEST(Describe, JsonHoldsEverythingDeclared) {
+  const nlohmann::ordered_json json = describe_json(item("creep"), small_catalogues());
+  EXPECT_EQ(json["kind"], "effect");
+  EXPECT_EQ(json["law"], "du/dt = f_t / c\n  c  damping");
+  ASSERT_EQ(json["parameters"].size(), 7U);
+  const nlohmann::ordered_json& damping = json["parameters"][0];
+  EXPECT_EQ(damping["name"], "damping");
+  EXPECT_EQ(damping["unit"], "N s/m");
+  EXPECT_EQ(damping["default"], "2 N s/m");
+  EXPECT_EQ(damping["allowed"], "> 0 N s/m");
+  EXPECT_EQ(damping["source"], "assumed");
+  EXPECT_EQ(json["parameters"][4]["choices"], nlohmann::ordered_json({"soft", "hard"}));
+  const nlohmann::ordered_json glass = describe_json(item("glass"), small_catalogues());
+  EXPECT_EQ(glass["mu_static"], 0.4);
+  EXPECT_EQ(glass["mu_kinetic"], 0.3);
+}
+
+TEST(List, ShowsNamesAndSummariesByKind) {
+  const std::vector<CatalogueItem> items = catalogue_items(small_catalogues());
+  // Names are padded to the longest, seven characters: the scene's own key `contact` is there whatever the catalogues hold.
+  EXPECT_EQ(list_text(items, catalogue_kinds(), Style(false), 100), R"(effects  scene key effects
+  creep    The tip creeps under load.
+
+sensors  scene key sensors.<name>.type
+  pad      A sensor.
+
+surfaces  scene key surface.shape
+  pad      A sensor.
+
+bodies  scene key bodies.<name>.shape
+  (none)
+
+materials  scene key surface.material
+  glass    mu_static 0.4, mu_kinetic 0.3
+
+motions  scene key motion.kind
+  (none)
+
+electronics  scene key sensors.<name>.electronics
+  hum      Mains hum.
+
+grasp  scene key box, grip, scatter
+  (none)
+
+contact  scene key contact
+  contact  MuJoCo's own contact friction, with fidelity: mujoco_contact.
+
+detectors  scene key detector.type
+  limit    A threshold.
+
+controllers  scene key controller.type
+  (none)
+
+expectations  scene key expect
+  (none)
+)");
+}
+
+TEST(List, OneKindOnly) {
+  const std::vector<CatalogueItem> items = catalogue_items(small_catalogues());
+  const CatalogueKind kind = find_kind("materials");
+  EXPECT_EQ(list_text(items, {&kind, 1}, Style(false), 100),
+            "materials  scene key surface.material\n  glass    mu_static 0.4, mu_kinetic 0.3\n");
+  EXPECT_EQ(list_json(items, {&kind, 1}).dump(), R"({"materials":[{"name":"glass","summary":"mu_static 0.4, mu_kinetic 0.3"}]})");
+}
+
+TEST(List, LongSummariesWrapBesideTheirName) {
+  const std::vector<CatalogueItem> items = catalogue_items(small_catalogues());
+  const CatalogueKind kind = find_kind("effects");
+  // Eleven columns of margin leave 15 of the 26.
+  EXPECT_EQ(list_text(items, {&kind, 1}, Style(false), 26),
+            "effects  scene key effects\n  creep    The tip creeps\n           under load.\n");
+}
+
+TEST(List, UnknownCatalogueGetsTheNearestOne) {
+  EXPECT_EQ(
+      refusal_of([&] { find_kind("sensor"); }),
+      "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers, expectations, recipes");
+}
+
+}  // namespace
+}  // namespace slipbench

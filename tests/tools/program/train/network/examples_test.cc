@@ -1,0 +1,301 @@
+#include "tools/program/train/network/examples.h"
+
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <string>
+
+#include "tests/expect.h"
+#include "tests/tools/base/record/test_records.h"
+#include "tools/program/train/network/scaling.h"
+#include "tools/program/train/recipes/recipe.h"
+
+namespace slipbench::train::examples_test {
+namespace {
+
+constexpr double rate = 10e3;
+
+// 450 samples of a piezo_skin that sticks: frames of 200 end with the samples 199, 299 and 399.
+SensorRecord skin(std::size_t samples = 450) {
+  SensorRecord sensor;
+  sensor.name = "skin";
+  sensor.type = "piezo_skin";
+  sensor.rate = rate;
+  sensor.channels.push_back({"signal", "1", {1}, std::vector<float>(samples, 7.0F)});
+  for (std::size_t i = 0; i < samples; ++i) sensor.time.push_back(static_cast<double>(i) / rate);
+  for (auto* states : {&sensor.labels.state, &sensor.labels.state_micro, &sensor.labels.state_paper}) states->assign(samples, 1);
+  return sensor;
+}
+
+void set(std::vector<std::uint8_t>& states, std::size_t first, std::size_t last, PadState state) {
+  std::fill(states.begin() + static_cast<std::ptrdiff_t>(first), states.begin() + static_cast<std::ptrdiff_t>(last),
+            static_cast<std::uint8_t>(state));
+}
+
+Example example(const SensorRecord& sensor, LabelRule labels) {
+  ExampleOptions options;
+  options.input = find_recipe("piezo_fft_gru").input;
+  options.labels = labels;
+  return example_of({}, sensor, options);
+}
+
+// A sine of 300 Hz has six whole periods in a frame: its variance a^2/2 is all in the bin of 300 Hz, 50 Hz wide. Silence is that of rounding,
+// 1/12 counts^2 over 5 kHz.
+TEST(PiezoFrames, OfASineAreOneBin) {
+  SensorRecord sensor = skin();
+  constexpr double amplitude = 40.0, rounding = 1.0 / 12.0 / 5000.0;
+  for (std::size_t i = 0; i < 450; ++i) {
+    sensor.channels[0].values[i] =
+        static_cast<float>(1000.0 + amplitude * std::sin(2.0 * std::numbers::pi * 300.0 * static_cast<double>(i) / rate));
+  }
+  const std::vector<float> features = example(sensor, LabelRule::micro).frames.features;
+  ASSERT_EQ(features.size(), 3U * 12U);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const double expected = i % 12 == 5 ? std::log10(amplitude * amplitude / 2.0 / 50.0 + rounding) : std::log10(rounding);
+    EXPECT_NEAR(features[i], expected, 1e-3) << i;  // float32 samples of 1000 counts are rounded by 3e-5
+  }
+}
+
+// By each rule slip begins elsewhere; a frame has the label of its last sample.
+TEST(Example, LabelsAFrameByItsEnd) {
+  SensorRecord sensor = skin();
+  set(sensor.labels.state_micro, 250, 450, PadState::incipient);
+  set(sensor.labels.state_paper, 300, 450, PadState::gross);
+  sensor.labels.micro_onset_time = {std::nan(""), 0.025};
+  sensor.labels.onset_time = {std::nan(""), std::nan("")};
+  const Example micro = example(sensor, LabelRule::micro);
+  EXPECT_THAT(micro.frames.label, ElementsAre(0, 1, 1));
+  EXPECT_THAT(micro.time, ElementsAre(sensor.time[199], sensor.time[299], sensor.time[399]));
+  EXPECT_EQ(micro.onset, 0.025);
+  EXPECT_TRUE(micro.touches);
+  EXPECT_THAT(example(sensor, LabelRule::paper).frames.label, ElementsAre(0, 0, 1));
+  EXPECT_THAT(example(sensor, LabelRule::strict).frames.label, ElementsAre(0, 0, 0));
+  EXPECT_TRUE(std::isnan(example(sensor, LabelRule::strict).onset));
+}
+
+// Slip from 150 to 250, then rest, contact lost from 380 on, touched again from 390 on: the frames end in slip, in rest, and in a new contact.
+TEST(Example, LatchesOrMasksRestAfterASlip) {
+  SensorRecord sensor = skin();
+  set(sensor.labels.state_micro, 150, 250, PadState::incipient);
+  set(sensor.labels.state_micro, 380, 390, PadState::no_contact);
+  EXPECT_THAT(example(sensor, LabelRule::micro).frames.label, ElementsAre(1, 0, 0));
+  EXPECT_THAT(example(sensor, LabelRule::latched).frames.label, ElementsAre(1, 1, 0));
+  EXPECT_THAT(example(sensor, LabelRule::masked).frames.label, ElementsAre(1, masked, 0));
+}
+
+// Four units at the corners of a square of 2 mm: all go along, turn about the middle, or do both, the turn slower at the rim than what they go
+// along by, or faster.
+TEST(Example, TellsTranslationFromRotation) {
+  SensorRecord sensor = skin(200);
+  sensor.labels.k_normal.assign(4, 1.0);
+  sensor.labels.unit_positions = {1e-3, 0.0, 0.0, 1e-3, -1e-3, 0.0, 0.0, -1e-3};
+  set(sensor.labels.state_micro, 0, 200, PadState::gross);
+  const auto label = [&](double x, double y, double turn) {
+    sensor.labels.slip_velocity.assign(200 * 8, 0.0F);
+    for (std::size_t u = 0; u < 4; ++u) {
+      const std::size_t at = 199 * 8 + 2 * u;
+      sensor.labels.slip_velocity[at] = static_cast<float>(x - turn * sensor.labels.unit_positions[2 * u + 1]);
+      sensor.labels.slip_velocity[at + 1] = static_cast<float>(y + turn * sensor.labels.unit_positions[2 * u]);
+    }
+    ExampleOptions options;
+    options.input = find_recipe("piezo_fft_gru").input;
+    options.classes = ClassRule::kind;
+    return example_of({}, sensor, options).frames.label.back();
+  };
+  EXPECT_EQ(label(1e-3, 0.0, 0.0), 1);
+  EXPECT_EQ(label(0.0, 0.0, 1.0), 2);
+  EXPECT_EQ(label(0.0, -1e-3, 0.9), 1);  // 0.9 mm/s at the rim
+  EXPECT_EQ(label(0.0, -1e-3, 1.1), 2);
+  EXPECT_EQ(label(0.0, 0.0, 0.0), masked);  // by the label it slips, and nothing moves
+}
+
+// By what the motion was told; without contact there is no direction. Samples 0 to 249 touch nothing.
+TEST(Example, HasTheDirectionOfItsMotion) {
+  SensorRecord sensor = skin();
+  set(sensor.labels.state_micro, 0, 250, PadState::no_contact);
+  const auto label = [&](const std::string& speed, const std::string& rotation, const std::string& direction) {
+    TrialRecord record;
+    record.params =
+        R"({"motion.speed": )" + speed + R"(, "motion.rotation": )" + rotation + R"(, "motion.direction": )" + direction + "}";
+    ExampleOptions options;
+    options.input = find_recipe("piezo_fft_gru").input;
+    options.classes = ClassRule::direction;
+    const std::vector<std::uint8_t> labels = example_of(record, sensor, options).frames.label;
+    EXPECT_EQ(labels.front(), masked);
+    return classes_of(ClassRule::direction, LabelRule::micro).at(labels.back()).name;
+  };
+  EXPECT_EQ(label("0.008", "0", "0"), "n");
+  EXPECT_EQ(label("0.008", "0", "1.5707963"), "e");
+  EXPECT_EQ(label("0.008", "0", "3.1415927"), "s");
+  EXPECT_EQ(label("0.008", "0", "4.712389"), "w");
+  EXPECT_EQ(label("0", "0.66", "0"), "cw");
+  EXPECT_EQ(label("0", "-0.66", "0"), "aw");
+  EXPECT_EQ(label("0", "0", "0"), "t");
+  EXPECT_THROW(label("0", "0", "null"), InputError);
+  TrialRecord imported;  // says its class, and nothing of the truth
+  imported.params = R"({"object": "pen", "class": "cw"})";
+  sensor.labels.state_micro.clear();
+  ExampleOptions options;
+  options.input = find_recipe("piezo_fft_gru").input;
+  options.classes = ClassRule::direction;
+  EXPECT_THAT(refusal_of([&] { example_of(imported, sensor, options); }), HasSubstr("allowed: --labels paper"));
+  options.labels = LabelRule::paper;
+  EXPECT_THAT(example_of(imported, sensor, options).frames.label, ElementsAre(5, 5, 5));
+  EXPECT_EQ(example_of(imported, sensor, options).object, R"(object="pen")");
+}
+
+TEST(Example, KeepsAtMostSoManyOfAClass) {
+  SensorRecord sensor = skin(2200);                                 // 21 frames
+  set(sensor.labels.state_micro, 1200, 2200, PadState::incipient);  // those that end with 1299 to 2199: ten
+  ExampleOptions options;
+  options.input = find_recipe("piezo_fft_gru").input;
+  options.at_most = 4;
+  const Example kept = example_of({}, sensor, options);
+  EXPECT_THAT(kept.frames.label, ElementsAre(0, 0, 0, 0, 1, 1, 1, 1));
+  EXPECT_EQ(kept.frames.features.size(), 8U * 12U);
+  EXPECT_TRUE(std::ranges::is_sorted(kept.time));
+  EXPECT_EQ(example_of({}, sensor, options).time, kept.time);
+  options.seed = 2;
+  EXPECT_NE(example_of({}, sensor, options).time, kept.time);
+}
+
+TEST(Example, OtherSensorsAreRefused) {
+  SensorRecord slow = skin();
+  slow.rate = 1000.0;
+  EXPECT_THROW(example(slow, LabelRule::micro), InputError);
+  EXPECT_THROW(example(skin(199), LabelRule::micro), InputError);  // shorter than a frame
+  SensorRecord unlabelled = skin();
+  unlabelled.labels.state_micro.clear();
+  unlabelled.labels.state_paper.clear();
+  EXPECT_THAT(refusal_of([&] { example(unlabelled, LabelRule::micro); }),
+              HasSubstr("0 states by the labels micro for 450 samples; allowed: one each"));
+}
+
+// A recording has its set's own labels alone, and a rate that is a little off.
+TEST(Example, OfARecordingIsByItsOwnLabels) {
+  SensorRecord recording = skin();
+  recording.labels.state_micro.clear();
+  recording.rate = 1e6 / 100.4;
+  EXPECT_THAT(refusal_of([&] { example(recording, LabelRule::latched); }),
+              HasSubstr("0 states by the labels latched for 450 samples; allowed: --labels paper, which are there"));
+  EXPECT_THAT(example(recording, LabelRule::paper).frames.label, ElementsAre(0, 0, 0));
+}
+
+TEST(SweptFacts, AreOfTheTrialsParameters) {
+  const SweptFacts facts = swept_facts(
+      R"({"surface.material": "glass", "bodies.object.shape": "box", "bodies.object.mass": 0.25, "bodies.object.position": [0, 1, 2],
+          "motion.speed": 0.004, "motion.travel": 0.1, "friction.scale": 1.1, "controls.squeeze": 0.01})");
+  EXPECT_EQ(facts.material, R"(surface.material="glass")");
+  EXPECT_EQ(facts.object, R"(surface.material="glass" bodies.object.shape="box")");
+  EXPECT_EQ(facts.speed, 0.004);
+  EXPECT_EQ(facts.mass, 0.25);
+  EXPECT_EQ(swept_facts("{}").object, "");
+  EXPECT_TRUE(std::isnan(swept_facts("{}").speed));
+}
+
+std::vector<Example> trials(std::size_t count) {
+  std::vector<Example> all(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    all[i].trial = i;
+    all[i].touches = i % 2 == 0;
+    all[i].material = i % 3 == 0 ? "a" : i % 3 == 1 ? "b" : "c";
+    all[i].speed = 1e-3 * std::pow(2.0, static_cast<double>(i % 4));
+  }
+  return all;
+}
+
+// Of 20 trials a fifth judges, of the other 16 a fifth validates, rounded up: 4 and 4. Half of them touch.
+TEST(SplitExamples, DealsTrialsOutWithAndWithoutContact) {
+  const std::vector<Example> all = trials(20);
+  const std::vector<Part> parts = split_examples(all, Split::trial, 0.2, 1);
+  EXPECT_EQ(std::ranges::count(parts, Part::judges), 4);
+  EXPECT_EQ(std::ranges::count(parts, Part::validates), 4);
+  std::size_t touching = 0;
+  for (std::size_t i = 0; i < 20; ++i) touching += parts[i] == Part::judges && all[i].touches ? 1 : 0;
+  EXPECT_EQ(touching, 2U);
+  EXPECT_EQ(split_examples(all, Split::trial, 0.2, 1), parts);
+  EXPECT_NE(split_examples(all, Split::trial, 0.2, 2), parts);
+  EXPECT_EQ(std::ranges::count(split_examples(all, Split::trial, 0.0, 1), Part::judges), 0);
+}
+
+// Ten experiments, each made twice: 2 judge and of the other 8 a fifth validates, rounded up, and both of a pair are in the same part.
+TEST(SplitExamples, KeepsTwinsTogether) {
+  std::vector<Example> all = trials(20);
+  for (std::size_t i = 0; i < 20; ++i) {
+    all[i].twin = std::to_string(i % 10);
+    all[i].touches = true;
+  }
+  const std::vector<Part> parts = split_examples(all, Split::trial, 0.2, 1);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(parts[i], parts[i + 10]);
+  EXPECT_EQ(std::ranges::count(parts, Part::judges), 4);
+  EXPECT_EQ(std::ranges::count(parts, Part::validates), 4);
+}
+
+// Eight classes of five trials each: a fifth of 40 judges, 8, and a fifth of 32 validates, 7. Each part has its share of each class, none twice.
+TEST(SplitExamples, DealsEachClassOut) {
+  std::vector<Example> all = trials(40);
+  for (std::size_t i = 0; i < 40; ++i) {
+    all[i].touches = true;
+    all[i].frames.label.assign(3, static_cast<std::uint8_t>(i % 8));
+  }
+  const std::vector<Part> parts = split_examples(all, Split::trial, 0.2, 1);
+  for (const Part part : {Part::judges, Part::validates}) {
+    std::set<std::size_t> classes;
+    for (std::size_t i = 0; i < 40; ++i) {
+      if (parts[i] == part) classes.insert(i % 8);
+    }
+    EXPECT_EQ(classes.size(), part == Part::judges ? 8U : 7U);
+    EXPECT_EQ(std::ranges::count(parts, part), static_cast<std::ptrdiff_t>(classes.size()));
+  }
+}
+
+// What judges is never learnt: one of three materials, one of four octaves of speed.
+TEST(SplitExamples, HoldsAWholeGroupOut) {
+  const std::vector<Example> all = trials(24);
+  for (const Split split : {Split::material, Split::speed}) {
+    const std::vector<Part> parts = split_examples(all, split, 0.2, 1);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        const bool same = split == Split::material ? all[i].material == all[k].material : all[i].speed == all[k].speed;
+        EXPECT_TRUE(!same || (parts[i] == Part::judges) == (parts[k] == Part::judges));
+      }
+    }
+    EXPECT_EQ(std::ranges::count(parts, Part::judges), split == Split::material ? 8 : 6);
+    EXPECT_GT(std::ranges::count(parts, Part::validates), 0);
+  }
+}
+
+// Both sensors of a trial are on one side, and what is turned only learns.
+TEST(SplitExamples, KeepsATrialTogether) {
+  std::vector<Example> all = trials(10);
+  for (std::size_t i = 0; i < 10; ++i) {
+    all.push_back(all[i]);
+    all.back().turn = 3;
+  }
+  const std::vector<Part> parts = split_examples(all, Split::trial, 0.2, 1);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(parts[10 + i], parts[i] == Part::learns ? Part::learns : Part::left_out);
+}
+
+TEST(SplitExamples, NeedsSomethingOnEachSide) {
+  EXPECT_THROW(split_examples(trials(1), Split::trial, 0.2, 1), InputError);
+  EXPECT_THROW(split_examples(trials(20), Split::object, 0.2, 1), InputError);  // no object is known
+}
+
+// Of 0 and 2 the mean is 1 and the standard deviation 1, so that 4 becomes 3. The second feature is always 5.
+TEST(Scale, IsThatOfItsFrames) {
+  const FrameSequence a{{0.0F, 5.0F}, {0}}, b{{2.0F, 5.0F}, {1}};
+  const std::vector<const FrameSequence*> both{&a, &b};
+  FrameSequence judged{{4.0F, 6.0F, 1.0F, 5.0F}, {0, 0}};
+  apply(scale_of(both, 2, Scaling::standard), judged);
+  EXPECT_THAT(judged.features, ElementsAre(3.0F, 1.0F, 0.0F, 0.0F));
+  FrameSequence ranged{{4.0F, 6.0F}, {0}};
+  apply(scale_of(both, 2, Scaling::range), ranged);
+  EXPECT_THAT(ranged.features, ElementsAre(2.0F, 1.0F));
+  const Scale common = scale_of(both, 2, Scaling::common);  // of 0, 5, 2, 5: mean 3, variance (9 + 4 + 1 + 4)/4
+  EXPECT_THAT(common.offset, ElementsAre(3.0));
+  EXPECT_DOUBLE_EQ(common.scale[0], 1.0 / std::sqrt(4.5));
+  EXPECT_THROW(scale_of(std::span<const FrameSequence* const>{}, 2, Scaling::standard), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace slipbench::train::examples_test

@@ -1,0 +1,258 @@
+#include "tools/program/train/train_hd.h"
+
+#include <filesystem>
+
+#include "detectors/hd/engine.h"
+#include "sim/core/random.h"
+#include "tests/expect.h"
+#include "tests/tools/program/train/small_dataset.h"
+#include "tools/program/train/hd_json.h"
+
+namespace slipbench::testing::train_test {
+namespace {
+
+constexpr PadState non_slip = PadState::non_slip;
+constexpr PadState incipient = PadState::incipient;
+constexpr PadState gross = PadState::gross;
+
+hd::Model small_model(hd::Encoding encoding = hd::Encoding::graph_spatial_temporal, bool context = true) {
+  hd::Model model;
+  model.dimension = 200;
+  model.window = 4;
+  model.encoding = encoding;
+  model.context_driven = context;
+  return model;
+}
+
+// All pillars lean by `lean` of their 1 mm of compression.
+Displacements leaning(float lean) {
+  Displacements frame{};
+  for (std::size_t p = 0; p < 9; ++p) frame[3 * p] = 1e-3F * lean, frame[3 * p + 2] = 1e-3F;
+  return frame;
+}
+
+// `rows` frames by chance that all touch.
+Sequence random_sequence(std::size_t trial, std::size_t rows) {
+  RandomStream random(1, trial, "test");
+  Sequence sequence;
+  sequence.trial = trial;
+  sequence.motion = {0.004, 0.0, 1e-3};
+  for (std::size_t row = 0; row < rows; ++row) {
+    sequence.time.push_back(0.01 * static_cast<double>(row));
+    Displacements& frame = sequence.displacements.emplace_back();
+    for (float& value : frame) value = static_cast<float>(random.uniform(-1.5e-3, 1.5e-3));
+    sequence.label.push_back(static_cast<PadState>(1 + random.integer(3)));
+    sequence.moving.push_back(1);
+  }
+  return sequence;
+}
+
+TEST(Encode, TakesFramesThatTouchAndHaveAWindowBehindThem) {
+  Sequence sequence = random_sequence(0, 10);
+  sequence.label[5] = sequence.label[9] = PadState::no_contact;
+  for (const hd::Encoding encoding : {hd::Encoding::spatial, hd::Encoding::graph_spatial_temporal}) {
+    const hd::Model model = small_model(encoding);
+    std::vector<std::size_t> rows;
+    for (const Sample& sample : encode(model, hd::generate(model, 1), hd::Quantiser::fixed_point, {&sequence, 1}, 1)) {
+      rows.push_back(sample.row);
+      EXPECT_EQ(sample.label, sequence.label[sample.row]);
+    }
+    EXPECT_EQ(rows, (std::vector<std::size_t>{3, 4, 6, 7, 8})) << static_cast<int>(encoding);
+  }
+}
+
+TEST(Encode, ForgetsTheSequenceBefore) {
+  const std::vector<Sequence> both{random_sequence(0, 12), random_sequence(1, 12)};
+  const hd::Model model = small_model();
+  const hd::Memories memories = hd::generate(model, 1);
+  const std::vector<Sample> together = encode(model, memories, hd::Quantiser::fixed_point, both, 1);
+  const std::vector<Sample> alone = encode(model, memories, hd::Quantiser::fixed_point, std::span(both).subspan(1), 1);
+  ASSERT_EQ(together.size(), 2 * alone.size());
+  for (std::size_t i = 0; i < alone.size(); ++i) EXPECT_EQ(together[alone.size() + i].query, alone[i].query);
+}
+
+TEST(Encode, NamesTheTrialThatDoesNotFit) {
+  Sequence sequence = random_sequence(7, 5);
+  sequence.displacements[2][4] = 5.0F;  // m
+  const hd::Model model = small_model();
+  EXPECT_THAT(refusal_of([&] {
+                encode(model, hd::generate(model, 1), hd::Quantiser::fixed_point, {&sequence, 1}, 2);
+              }),
+              HasSubstr("trial 7: at 0.02 s: "));
+}
+
+TEST(Fit, TimesCountRepeats) {
+  const std::vector<Sequence> sequences{random_sequence(0, 40)};
+  const hd::Model model = small_model();
+  const hd::Memories memories = hd::generate(model, 1);
+  const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, sequences, 1);
+  std::vector<std::uint32_t> times(samples.size(), 0);
+  std::vector<Sample> repeated;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    times[i] = static_cast<std::uint32_t>(i % 3);
+    repeated.insert(repeated.end(), times[i], samples[i]);
+  }
+  const std::vector<std::uint32_t> once(repeated.size(), 1);
+  EXPECT_EQ(fit(model, memories, samples, times), fit(model, memories, repeated, once));
+}
+
+// What the loop would be told by the engine, by either code path.
+TEST(Classifier, SaysWhatTheEngineSays) {
+  const std::vector<Sequence> sequences{random_sequence(0, 300)};
+  for (const bool context : {true, false}) {
+    const hd::Model model = small_model(hd::Encoding::graph_spatial_temporal, context);
+    hd::Memories memories = hd::generate(model, 1);
+    const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, sequences, 1);
+    memories.associative = fit(model, memories, samples, std::vector<std::uint32_t>(samples.size(), 1));
+    const Classifier classifier(model, memories);
+    const auto engine = hd::make_reference(model, memories);
+    std::size_t next = 0;
+    for (std::size_t row = 0; row < sequences[0].time.size(); ++row) {
+      const hd::Decision decision = engine->update(hd::quantise(sequences[0].displacements[row], hd::Quantiser::fixed_point));
+      if (decision.state == PadState::no_contact) continue;
+      EXPECT_EQ(classifier.classify(samples[next++]), decision.state) << row;
+    }
+    EXPECT_EQ(next, samples.size());
+  }
+}
+
+// Two identical prototypes are equally near to everything.
+TEST(Classifier, GivesTiesToTheHigherClass) {
+  const hd::Model model = small_model();
+  hd::Memories memories = hd::generate(model, 1);
+  const std::vector<Sequence> sequences{random_sequence(0, 5)};
+  const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, sequences, 1);
+  memories.associative.assign(3, memories.item[0]);
+  EXPECT_EQ(Classifier(model, memories).classify(samples[0]), gross);
+}
+
+// The lean alone says the class, so that every query of a class equals its prototype and every test frame is called right.
+TEST(CrossValidation, IsPerfectWhereTheClassIsInTheFrame) {
+  std::vector<Sequence> sequences;
+  for (std::size_t trial = 0; trial < 12; ++trial) {
+    Sequence sequence = random_sequence(trial, 30);
+    for (std::size_t row = 0; row < 30; ++row) {
+      sequence.label[row] = row < 10 ? non_slip : row < 20 ? incipient : gross;
+      sequence.displacements[row] = leaning(row < 10 ? 0.0F : row < 20 ? 0.5F : 2.0F);
+    }
+    sequence.onset = 0.1;
+    sequences.push_back(sequence);
+  }
+  const hd::Model model = small_model(hd::Encoding::spatial, false);
+  const hd::Memories memories = hd::generate(model, 1);
+  const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, sequences, 1);
+  for (const Evaluation& draw : cross_validate(model, memories, sequences, samples, Split::by_sequence, 1, 1)) {
+    EXPECT_EQ(accuracy(draw.all), 1.0);
+    EXPECT_EQ(draw.delays.delay, std::vector<double>(draw.tested, 0.0));
+    EXPECT_EQ(draw.delays.false_alarms, 0U);
+  }
+}
+
+// Sequence k gives 2^k samples, so that the number of tested samples says which sequences were tested.
+TEST(CrossValidation, TestsTheSequencesThatDidNotTrainAndNoOther) {
+  std::vector<Sequence> sequences;
+  std::vector<std::size_t> conditions;
+  const hd::Model model = small_model();
+  for (std::size_t k = 0; k < 8; ++k) {
+    sequences.push_back(random_sequence(k, (std::size_t{1} << k) + model.window - 1));
+    conditions.push_back(condition_of(sequences[k].motion));
+  }
+  const hd::Memories memories = hd::generate(model, 1);
+  const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, sequences, 1);
+  const std::vector<Evaluation> draws = cross_validate(model, memories, sequences, samples, Split::by_sequence, 9, 1);
+  ASSERT_EQ(draws.size(), draw_count);
+  for (std::size_t draw = 0; draw < draw_count; ++draw) {
+    const BootstrapDraw drawn = bootstrap(conditions, 9, draw);
+    std::uint64_t expected = 0;
+    for (std::size_t k = 0; k < 8; ++k) expected += drawn.tests(k) ? std::uint64_t{1} << k : 0;
+    EXPECT_EQ(samples_in_contact(draws[draw].all), expected) << draw;
+    EXPECT_EQ(draws[draw].training, 8U);
+    EXPECT_EQ(draws[draw].tested + draws[draw].distinct, 8U);
+  }
+}
+
+TEST(CrossValidation, RefusesWhenNothingIsLeftToTest) {
+  const std::vector<Sequence> one{random_sequence(0, 20)};
+  const hd::Model model = small_model();
+  const hd::Memories memories = hd::generate(model, 1);
+  const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, one, 1);
+  EXPECT_THAT(refusal_of([&] { cross_validate(model, memories, one, samples, Split::by_sequence, 1, 2); }),
+              HasSubstr("draw 0 leaves no frame to test: 1 sequences with contact after a window of 4 frames are too few"));
+}
+
+class TrainTest : public SmallDatasetTest {
+ protected:
+  HdTraining options(const std::string& data, const std::string& folder, std::size_t jobs) {
+    HdTraining training;
+    training.dataset = data;
+    training.model = small_model();
+    training.jobs = jobs;
+    training.output = path(folder);
+    return training;
+  }
+  std::vector<std::string> files_of(const std::string& folder) {
+    std::vector<std::string> texts;
+    for (const char* name : {"AM.hex", "CIM.hex", "CM.hex", "IM.hex", "model.txt"})
+      texts.push_back(bytes_of(path(folder) + "/" + name));
+    return texts;
+  }
+};
+
+TEST_F(TrainTest, SameSeedSameMemoriesAndFiguresOnAnyNumberOfThreads) {
+  const std::string data = dataset();
+  const HdSummary first = train_hd(options(data, "one", 1));
+  const HdSummary second = train_hd(options(data, "three", 3));
+  EXPECT_EQ(files_of("one"), files_of("three"));
+  EXPECT_EQ(draws_json(first.by_sequence), draws_json(second.by_sequence));
+  EXPECT_EQ(draws_json(first.by_frame), draws_json(second.by_frame));
+  HdTraining other = options(data, "other", 1);
+  other.seed = 2;
+  train_hd(other);
+  EXPECT_NE(files_of("one")[3], files_of("other")[3]);
+}
+
+// 0.4 s at 1 kHz are 400 samples, every tenth a frame: 40, and the pad touches to the end.
+TEST_F(TrainTest, SaysThatTheWindowIsLongerThanTheSequences) {
+  HdTraining training = options(dataset(), "memories", 1);
+  training.model.window = 1000;
+  EXPECT_THAT(refusal_of([&] { train_hd(training); }),
+              HasSubstr("data.h5: a window of 1000 frames is longer than the sequences; allowed: up to 40, the last frame"));
+  training.model.window = 41;
+  EXPECT_THAT(refusal_of([&] { train_hd(training); }), HasSubstr("a window of 41 frames is longer"));
+  // The last frame of each of the 24, 0.19 s after the slide began: all of them slip.
+  training.model.window = 40;
+  EXPECT_THAT(refusal_of([&] { train_hd(training); }),
+              HasSubstr("of the frames in contact 0 are non-slip and 24 slip by the labels paper"));
+}
+
+// A pad that is pressed on and never moved does not slip: any answer of "non-slip" would be right.
+TEST_F(TrainTest, RefusesDataWithoutASlip) {
+  HdTraining training = options(dataset({{"sweep.motion.speed", "[0 mm/s]"}}), "memories", 1);
+  EXPECT_THAT(refusal_of([&] { train_hd(training); }),
+              HasSubstr("non-slip and 0 slip by the labels paper; allowed: frames of both"));
+  EXPECT_FALSE(std::filesystem::exists(path("memories")));
+}
+
+TEST_F(TrainTest, TeachesThePublishedCoresBundle) {
+  const std::string data = dataset();
+  train_hd(options(data, "paper", 1));
+  HdTraining training = options(data, "core", 1);
+  training.model.compat = hd::Compat::published_core;
+  train_hd(training);
+  EXPECT_EQ(hd::load(path("core")).model, training.model);
+  EXPECT_NE(files_of("core")[0], files_of("paper")[0]);
+}
+
+// The dataset is not there: what is refused first is what was looked at first.
+TEST_F(TrainTest, RefusesItsTargetBeforeItReads) {
+  std::ofstream(path("own.html")) << "years of work";
+  EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "own.html", 1)); }),
+              HasSubstr("own.html: is no folder"));
+  EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "own.html/model", 1)); }),
+              HasSubstr("own.html/model: cannot write: Not a directory"));
+  EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "new", 1)); }), HasSubstr("nowhere.h5"));
+  EXPECT_EQ(bytes_of(path("own.html")), "years of work");
+}
+
+}  // namespace
+}  // namespace slipbench::testing::train_test

@@ -1,0 +1,122 @@
+#include "tools/program/train/train_network.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <nlohmann/json.hpp>
+
+#include "detectors/network/engine.h"
+#include "tests/expect.h"
+#include "tests/tools/program/train/small_dataset.h"
+#include "tools/base/dataset/reader.h"
+
+namespace slipbench::train::train_network_test {
+namespace {
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class TrainNetwork : public slipbench::testing::SmallDatasetTest {
+ protected:
+  NetworkTraining small(const std::string& recipe = "papillarray_gru") {
+    NetworkTraining training;
+    training.dataset = dataset();
+    training.recipe = find_recipe(recipe);
+    training.recipe.training.steps = 4;
+    training.recipe.training.validate_every = 2;
+    training.recipe.training.batch = 4;
+    training.output = path("detector.onnx");
+    return training;
+  }
+  std::string refusal(const NetworkTraining& training) {
+    return refusal_of([&] { train_network(training); });
+  }
+};
+
+// 24 trials: 5 judge, 4 of the other 19 validate (a fifth, rounded up). 0.4 s are ten stacks of 40 rows, so 15 trials are 150 frames.
+TEST_F(TrainNetwork, WritesADetectorThatSaysWhatItHasSeen) {
+  const NetworkTraining training = small();
+  std::vector<std::size_t> steps;
+  const NetworkSummary summary =
+      train_network(training, [&](const MemberProgress& progress) { steps.push_back(progress.training.step); });
+  EXPECT_THAT(steps, ElementsAre(2, 4));
+  EXPECT_EQ(summary.trials, 24U);
+  EXPECT_EQ(summary.judged, 5U);
+  EXPECT_EQ(summary.validated, 4U);
+  EXPECT_EQ(summary.learnt, 15U);
+  EXPECT_EQ(summary.frames, 150U);
+  const std::unique_ptr<network::Engine> engine = network::load_engine(training.output);
+  const network::Description& description = engine->description();
+  EXPECT_EQ(description.input.sensor, "papillarray");
+  EXPECT_EQ(description.input.window, 40U);
+  EXPECT_EQ(description.states.size(), 1U);
+  EXPECT_EQ(description.threshold, summary.threshold);
+  const auto trained = nlohmann::json::parse(description.trained);
+  EXPECT_EQ(trained["recipe"], "papillarray_gru");
+  EXPECT_EQ(trained["labels"], "latched");
+  EXPECT_EQ(trained["seed"], 1);
+  EXPECT_EQ(trained["trials_judged"].size(), 5U);
+  EXPECT_EQ(trained["data_sha256"][0].get<std::string>().size(), 64U);
+  // Those of the 15 learnt and the 4 validated; what judged is none of them.
+  EXPECT_EQ(trained["sha256_seen"].size(), 19U);
+  const DatasetReader reader(training.dataset);
+  const auto seen = trained["sha256_seen"].get<std::vector<std::string>>();
+  for (const auto& trial : trained["trials_judged"])
+    EXPECT_EQ(std::ranges::count(seen, reader.trial_sha256(trial.get<std::size_t>())), 0);
+  EXPECT_FALSE(std::filesystem::exists(training.output + ".checkpoint-0"));
+  EXPECT_FALSE(std::filesystem::exists(training.output + ".unchecked"));
+}
+
+TEST_F(TrainNetwork, TheSameSeedGivesTheSameBytesAlsoWhereItIsKilled) {
+  NetworkTraining training = small("papillarray_gru5");
+  training.recipe.members = 2;
+  train_network(training);
+  const std::string whole = bytes_of(training.output);
+  training.output = path("again.onnx");
+  struct Killed {};
+  std::size_t reports = 0;
+  const auto killing = [&](const MemberProgress&) {
+    if (++reports == 3) throw Killed{};
+  };
+  EXPECT_THROW(train_network(training, killing), Killed);  // within the second network
+  EXPECT_FALSE(std::filesystem::exists(training.output));
+  training.resume = true;
+  train_network(training);
+  EXPECT_EQ(bytes_of(training.output), whole);
+  training.seed = 2;
+  training.resume = false;
+  train_network(training);  // which replaces a detector
+  EXPECT_NE(bytes_of(training.output), whole);
+}
+
+TEST_F(TrainNetwork, RefusesWhatDoesNotFit) {
+  NetworkTraining training = small();
+  training.recipe = find_recipe("piezo_fft_gru");
+  EXPECT_THAT(
+      refusal(training),
+      HasSubstr("no sensor fits: has pad (papillarray at 1000 Hz); allowed: a piezo_skin at 10000 Hz (within 1 %) with signal"));
+  training = small();
+  training.sensor = "thumb";
+  EXPECT_THAT(refusal(training), HasSubstr("no sensor 'thumb' fits"));
+  training = small();
+  training.recipe.split = Split::material;
+  EXPECT_THAT(refusal(training), HasSubstr("sweeps no material"));
+  training = small();
+  training.dataset = dataset({{"sweep.motion.speed", "[0.001 mm/s, 0.002 mm/s]"}}, "still.h5");  // at most 0.4 um: nothing slips
+  EXPECT_THAT(refusal(training), HasSubstr("have a class without a frame: 150 hold, 0 slip"));
+  EXPECT_FALSE(std::filesystem::exists(training.output));
+}
+
+TEST_F(TrainNetwork, KeepsAFileThatIsNoDetector) {
+  const NetworkTraining training = small();
+  std::ofstream(training.output) << "mine";
+  EXPECT_THAT(refusal(training), HasSubstr("exists and is no detector"));
+  EXPECT_EQ(bytes_of(training.output), "mine");
+}
+
+}  // namespace
+}  // namespace slipbench::train::train_network_test

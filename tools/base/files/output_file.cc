@@ -1,0 +1,101 @@
+#include "tools/base/files/output_file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
+  throw InputError(fmt::format("cannot write {}: {}", path, reason));
+}
+
+// The first bytes of a file; empty where there is none.
+std::string first_bytes(const std::string& path) {
+  std::string bytes(4096, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
+
+}  // namespace
+
+std::string temporary_path(const std::string& path) { return path + ".partial"; }
+
+void rename_file(const std::string& from, const std::string& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) {
+    throw InputError(fmt::format("cannot rename {} to {}: {}", from, to, std::strerror(errno)));
+  }
+}
+
+void check_target(const std::string& path) {
+  if (path.empty() || path.back() == '/') {
+    throw InputError(fmt::format("cannot write '{}': no file name; allowed: a path such as out.h5", path));
+  }
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) == 0) {
+    if (S_ISLNK(status.st_mode)) {
+      std::error_code error;
+      refuse(path,
+             fmt::format("it is a symbolic link to {}, which would be replaced, not followed; allowed: a file or a new name",
+                         std::filesystem::read_symlink(path, error).string()));
+    }
+    if (S_ISDIR(status.st_mode)) refuse(path, fmt::format("it is a folder; allowed: a file in it, such as {}/out", path));
+    if (!S_ISREG(status.st_mode)) refuse(path, "it is no regular file");
+    // The file would be replaced, not written to, so that the system would not object; its owner meant it to stay.
+    if (::access(path.c_str(), W_OK) != 0 || (status.st_mode & 0222U) == 0) refuse(path, "it is read-only");
+    return;
+  }
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    refuse(path, fmt::format("there is no folder {}", folder.string()));
+  }
+}
+
+void check_text_target(const std::string& path, const std::vector<std::string>& inputs, const TextKind& kind) {
+  for (const std::string& name : {path, temporary_path(path)}) {
+    check_target(name);
+    for (const std::string& input : inputs) {
+      std::error_code error;
+      if (std::filesystem::equivalent(name, input, error)) refuse(path, fmt::format("{} is the input", name));
+    }
+    const std::string found = first_bytes(name);
+    if (!found.empty() && !kind.begins(found)) {
+      refuse(path, fmt::format("{} exists and is no {}; allowed: a new name, or a {} to replace", name, kind.name, kind.name));
+    }
+  }
+}
+
+void write_text_file(const std::string& path, const std::string& text) {
+  const std::string temporary = temporary_path(path);
+  const auto fail = [&](int reason) {
+    std::remove(temporary.c_str());
+    refuse(path, std::strerror(reason));
+  };
+  // A link that has come since the name was checked is not followed.
+  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor < 0) refuse(path, std::strerror(errno));
+  std::FILE* const file = ::fdopen(descriptor, "wb");
+  if (file == nullptr) refuse(path, std::strerror(errno));
+  const bool written =
+      std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0 && ::fsync(::fileno(file)) == 0;
+  const int reason = errno;
+  const bool closed = std::fclose(file) == 0;
+  if (!written) fail(reason);
+  if (!closed || std::rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
+}
+
+}  // namespace slipbench

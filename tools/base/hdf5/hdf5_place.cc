@@ -1,0 +1,223 @@
+#include "tools/base/hdf5/hdf5_place.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/core/error.h"
+#include "sim/core/regular_file.h"
+
+namespace slipbench::hdf5 {
+namespace {
+
+// Names of members, and the first of them that is a link elsewhere.
+struct Members {
+  std::vector<std::string> names;
+  std::string link;
+};
+
+herr_t add_member(hid_t, const char* name, const H5L_info_t* info, void* context) {
+  auto& members = *static_cast<Members*>(context);
+  if (info->type != H5L_TYPE_HARD && members.link.empty()) members.link = name;
+  members.names.emplace_back(name);
+  return 0;
+}
+
+herr_t add_attribute(hid_t, const char* name, const H5A_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
+[[noreturn]] void refuse_link(const Place& place) {
+  place.fail(
+      "is a link to elsewhere, not data of this file; allowed: a dataset as the program writes it, which holds all of its data");
+}
+
+void check_name(const Place& place, const std::string& name) {
+  if (printable(name) != name) place.fail("holds the name " + quote(name) + "; allowed: names without control characters");
+}
+
+std::uint64_t file_bytes(const Place& place) {
+  hsize_t bytes = 0;
+  check(H5Fget_filesize(place.file, &bytes));
+  return bytes;
+}
+
+}  // namespace
+
+void Place::fail(const std::string& what) const { throw InputError(fmt::format("{}: {}: {}", file_name, object, what)); }
+
+Place Place::below(const std::string& name) const { return {file, file_name, object == "/" ? "/" + name : object + "/" + name}; }
+
+Handle open_file(const std::string& path) {
+  check_regular_file(path);
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
+  check(H5Pset_file_locking(access.get(), false, true));
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get());
+  if (file < 0) throw InputError(fmt::format("{}: is no readable HDF5 file: {}", path, last_error()));
+  return {file, &H5Fclose};
+}
+
+void keep_little(const Handle& file) {
+  constexpr std::size_t bytes = 96 << 10;  // as they lie on the disk; decoded they take some ten times as much
+  H5AC_cache_config_t config{};
+  config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  check(H5Fget_mdc_config(file.get(), &config));
+  config.set_initial_size = true;
+  config.initial_size = config.min_size = config.max_size = bytes;
+  config.incr_mode = H5C_incr__off;
+  config.flash_incr_mode = H5C_flash_incr__off;
+  config.decr_mode = H5C_decr__off;
+  check(H5Fset_mdc_config(file.get(), &config));
+}
+
+Handle open_object(const Place& place) {
+  for (std::size_t end = place.object.find('/', 1); place.object != "/"; end = place.object.find('/', end + 1)) {
+    const std::string path = place.object.substr(0, end);
+    H5L_info_t info{};
+    if (H5Lget_info(place.file, path.c_str(), &info, H5P_DEFAULT) < 0) place.fail("missing or damaged");
+    if (info.type != H5L_TYPE_HARD) refuse_link({place.file, place.file_name, path});
+    if (end == std::string::npos) break;
+  }
+  const hid_t id = H5Oopen(place.file, place.object.c_str(), H5P_DEFAULT);
+  if (id < 0) place.fail("missing or damaged");
+  return {id, &H5Oclose};
+}
+
+Handle open_member(const Place& place, const Handle& group, const std::string& name) {
+  const hid_t id = H5Oopen(group.get(), name.c_str(), H5P_DEFAULT);
+  if (id < 0) place.fail("missing or damaged");
+  return {id, &H5Oclose};
+}
+
+std::vector<std::string> members_of(const Place& place) { return members_of(place, open_object(place)); }
+
+std::vector<std::string> members_of(const Place& place, const Handle& group) {
+  Members members;
+  hsize_t position = 0;
+  if (H5Literate(group.get(), H5_INDEX_NAME, H5_ITER_INC, &position, &add_member, &members) < 0) {
+    place.fail("its members cannot be listed: " + last_error());
+  }
+  for (const std::string& name : members.names) check_name(place, name);
+  if (!members.link.empty()) refuse_link(place.below(members.link));
+  return std::move(members.names);
+}
+
+std::vector<std::string> attributes_of(const Place& place, const Handle& object) {
+  std::vector<std::string> names;
+  hsize_t position = 0;
+  if (H5Aiterate2(object.get(), H5_INDEX_NAME, H5_ITER_INC, &position, &add_attribute, &names) < 0) {
+    place.fail("its attributes cannot be listed: " + last_error());
+  }
+  for (const std::string& name : names) check_name(place, name);
+  return names;
+}
+
+std::vector<std::size_t> extents_of(const Place& place, const Handle& space) {
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  if (rank < 0) place.fail("its extents cannot be read");
+  std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
+  check(H5Sget_simple_extent_dims(space.get(), extents.data(), nullptr));
+  return {extents.begin(), extents.end()};
+}
+
+std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents, std::size_t element_bytes,
+                     std::uint64_t compression) {
+  if (std::ranges::find(extents, std::size_t{0}) != extents.end()) return 0;
+  const std::uint64_t most = file_bytes(place) * compression / std::max<std::size_t>(1, element_bytes);
+  std::uint64_t count = 1;
+  for (const std::size_t extent : extents) {
+    if (count > most / extent)
+      place.fail(fmt::format("its extents [{}] are more than a file of this size can hold", fmt::join(extents, ", ")));
+    count *= extent;
+  }
+  return count;
+}
+
+Handle array_properties(const Place& place, const Handle& array) {
+  if (H5Iget_type(array.get()) != H5I_DATASET) place.fail("is no array");
+  return {H5Dget_create_plist(array.get()), &H5Pclose};
+}
+
+std::vector<std::size_t> array_extents(const Place& place, const Handle& array) {
+  return array_extents(place, array, array_properties(place, array));
+}
+
+std::vector<std::size_t> array_extents(const Place& place, const Handle& array, const Handle& properties) {
+  const H5D_layout_t layout = H5Pget_layout(properties.get());
+  constexpr const char* allowed = "; allowed: a dataset as the program writes it, which holds all of its data";
+  if (layout == H5D_VIRTUAL) place.fail(std::string("is a virtual dataset, whose values lie in other files") + allowed);
+  if (H5Pget_external_count(properties.get()) != 0) place.fail(std::string("its values lie in another file") + allowed);
+  const Handle space(H5Dget_space(array.get()), &H5Sclose);
+  const Handle type(H5Dget_type(array.get()), &H5Tclose);
+  const std::size_t size = H5Tget_size(type.get());
+  std::vector<std::size_t> extents = extents_of(place, space);
+  const std::uint64_t compression = layout == H5D_CHUNKED ? best_compression : 1;
+  const std::size_t count = count_of(place, extents, size, compression);
+  if (count > 0 && count * size / compression > H5Dget_storage_size(array.get())) {
+    place.fail(fmt::format("its extents [{}] are more than its stored bytes can unfold to", fmt::join(extents, ", ")));
+  }
+  if (layout == H5D_CHUNKED) {
+    std::vector<hsize_t> chunk(std::max<std::size_t>(1, extents.size()));
+    check(H5Pget_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()));
+    count_of(place, {chunk.begin(), chunk.end()}, size, compression);  // a chunk is unfolded as a whole
+  }
+  return extents;
+}
+
+Attribute open_attribute(const Place& place, const Handle& object, const std::string& name) {
+  const hid_t opened = H5Aopen(object.get(), name.c_str(), H5P_DEFAULT);
+  if (opened < 0) {
+    const std::string why = last_error();
+    if (H5Aexists(object.get(), name.c_str()) == 0) place.fail("has no attribute '" + name + "'");
+    place.fail("attribute '" + name + "' cannot be read: " + why);
+  }
+  Attribute attribute;
+  attribute.handle = Handle(opened, &H5Aclose);
+  attribute.type = Handle(H5Aget_type(attribute.handle.get()), &H5Tclose);
+  attribute.shape = extents_of(place, Handle(H5Aget_space(attribute.handle.get()), &H5Sclose));
+  count_of(place, attribute.shape, H5Tget_size(attribute.type.get()), 1);
+  return attribute;
+}
+
+std::vector<std::string> texts_of(const Place& place, const Attribute& attribute, const std::string& name) {
+  if (H5Tis_variable_str(attribute.type.get()) <= 0) place.fail("attribute '" + name + "' is no text");
+  std::vector<char*> texts(count_of(place, attribute.shape, 1, 1), nullptr);
+  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+  check(H5Tset_size(type.get(), H5T_VARIABLE));
+  check(H5Tset_cset(type.get(), H5Tget_cset(attribute.type.get())));
+  if (!texts.empty() && H5Aread(attribute.handle.get(), type.get(), texts.data()) < 0) {
+    place.fail("attribute '" + name + "' cannot be read: " + last_error());
+  }
+  std::vector<std::string> result;
+  for (char* text : texts) {
+    result.emplace_back(text != nullptr ? text : "");
+    if (text != nullptr) check(H5free_memory(text));
+  }
+  return result;
+}
+
+std::vector<std::string> texts_of(const Place& place, const Handle& array) {
+  const std::vector<std::size_t> extents = array_extents(place, array);
+  const Handle type(H5Dget_type(array.get()), &H5Tclose);
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0) place.fail("is no list of names");
+  const std::size_t width = H5Tget_size(type.get());
+  const std::size_t count = count_of(place, extents, width, best_compression);
+  std::string padded(count * width, '\0');
+  if (count > 0 && H5Dread(array.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0) {
+    place.fail("cannot be read: " + last_error());
+  }
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string text = padded.substr(i * width, width);
+    texts.push_back(text.substr(0, text.find('\0')));
+  }
+  return texts;
+}
+
+}  // namespace slipbench::hdf5

@@ -1,0 +1,75 @@
+// The places of an open HDF5 file. What is read of a file goes through here: nothing leads out of it, and nothing is as large as
+// a damaged number says.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/base/hdf5/hdf5_handle.h"
+
+namespace slipbench::hdf5 {
+
+// Deflate cannot do better: a pair of bits for 258 bytes twice over, so 1032 bytes for one.
+inline constexpr std::uint64_t best_compression = 1032;
+
+// An object of an open file. `file_name` must outlive it.
+struct Place {
+  hid_t file;
+  const std::string& file_name;
+  std::string object;  // "/data/demo_0"
+
+  // Throws InputError "FILE: OBJECT: what".
+  [[noreturn]] void fail(const std::string& what) const;
+  [[nodiscard]] Place below(const std::string& name) const;
+};
+
+inline constexpr std::size_t deepest = 8;  // groups below each other: a group that holds itself has no end
+
+// Opens a file to read. Throws InputError where it is no regular file (which might block) or no HDF5.
+Handle open_file(const std::string& path);
+
+// Bounds what HDF5 keeps of a file's metadata in memory to what the list of its trials and one of these need: for files of which many are open.
+void keep_little(const Handle& file);
+
+// Opens a group or array by the links of the file itself: a soft or external link on the way is refused.
+Handle open_object(const Place& place);
+
+// Names of the members of `group`, which is open at `place`, in ascending order. Names with control characters and links that lead elsewhere are
+// refused.
+std::vector<std::string> members_of(const Place& place, const Handle& group);
+// The same of a group that is not open.
+std::vector<std::string> members_of(const Place& place);
+// Opens a member of `group` that members_of() has named, which lies at `place`: without the way there from the root, which costs ten times as much.
+Handle open_member(const Place& place, const Handle& group, const std::string& name);
+// Names of an object's attributes in ascending order.
+std::vector<std::string> attributes_of(const Place& place, const Handle& object);
+
+std::vector<std::size_t> extents_of(const Place& place, const Handle& space);
+// Number of elements, refused where `element_bytes` each are more than the file can hold at that compression.
+std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents, std::size_t element_bytes,
+                     std::uint64_t compression);
+
+// Extents of an array, once it is known that all of its values lie in the file: no external storage, no virtual dataset, no more
+// bytes than what is stored can unfold to.
+std::vector<std::size_t> array_extents(const Place& place, const Handle& array);
+// The same where the array's creation properties are at hand.
+std::vector<std::size_t> array_extents(const Place& place, const Handle& array, const Handle& properties);
+// Creation properties of what is open at `place`. Throws InputError where it is no array.
+Handle array_properties(const Place& place, const Handle& array);
+
+// An attribute that is there; its extents are checked likewise.
+struct Attribute {
+  Handle handle;
+  Handle type;
+  std::vector<std::size_t> shape;
+};
+Attribute open_attribute(const Place& place, const Handle& object, const std::string& name);
+
+// The texts of an attribute, which has variable length.
+std::vector<std::string> texts_of(const Place& place, const Attribute& attribute, const std::string& name);
+// The texts of an array, which have a fixed length and are padded with zeros.
+std::vector<std::string> texts_of(const Place& place, const Handle& array);
+
+}  // namespace slipbench::hdf5

@@ -1,0 +1,233 @@
+#include "tools/base/record/encoder.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <libdeflate.h>
+
+#include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+#include "sim/core/regular_file.h"
+#include "tools/base/record/arrays.h"
+#include "tools/base/record/content_digest.h"
+#include "tools/base/record/content_walk.h"
+#include "tools/base/record/layout.h"
+
+namespace slipbench {
+namespace {
+
+EncodedAttribute::Doubles confusion_matrix(const Confusion& confusion) {
+  EncodedAttribute::Doubles matrix{{confusion.size(), confusion.size()}, {}};
+  for (const StateCounts& truth : confusion) matrix.values.insert(matrix.values.end(), truth.begin(), truth.end());
+  return matrix;
+}
+
+std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
+  std::vector<EncodedAttribute> attributes;
+  attributes.push_back({"", "num_samples", static_cast<std::uint64_t>(record.num_samples())});
+  attributes.push_back({"", "seed", record.seed});
+  attributes.push_back({"", "params", record.params});
+  attributes.push_back({"", "outcome", outcome_json(record.outcome)});
+  if (!record.model_sha256.empty()) attributes.push_back({"", "model_sha256", record.model_sha256});
+  for (const SensorRecord& sensor : record.sensors) {
+    const std::string samples = sensor_group(sensor.name);
+    std::vector<std::string> channels;
+    for (const SensorColumn& channel : sensor.channels) channels.push_back(channel.name);
+    attributes.push_back({samples, "type", sensor.type});
+    attributes.push_back({samples, "rate_hz", sensor.rate});
+    attributes.push_back({samples, "frame", sensor.frame});
+    if (!sensor.follows.empty()) attributes.push_back({samples, "follows", sensor.follows});
+    attributes.push_back({samples, "channels", std::move(channels)});
+    attributes.push_back({samples, "channel_names", sensor.channel_names});
+    if (!has_labels(sensor.labels)) continue;
+    if (!sensor.labels.truth) {
+      attributes.push_back({label_group(sensor.name), "rule", sensor.labels.rule});
+      continue;
+    }
+    attributes.push_back({label_group(sensor.name), "frame", std::string(label_frame_text)});
+    for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {
+      EncodedAttribute::Doubles matrix{{sensor.labels.units()}, values};
+      matrix.shape.insert(matrix.shape.end(), tail.begin(), tail.end());
+      attributes.push_back({label_group(sensor.name), name, std::move(matrix)});
+    });
+  }
+  for (const BodyRecord& body : record.bodies) {
+    if (!body.size.empty()) {
+      attributes.push_back({body_group(body.name), "size", EncodedAttribute::Doubles{{body.size.size()}, body.size}});
+    }
+  }
+  if (record.control) {
+    attributes.push_back({control_group, "detector", record.control->detector});
+    attributes.push_back({control_group, "controller", record.control->controller});
+    attributes.push_back({control_group, "sensor", record.control->sensor});
+    attributes.push_back({control_group, "rate_hz", record.control->rate});
+    if (record.sensors.empty()) attributes.push_back({control_group, "confusion", confusion_matrix(record.control->confusion)});
+  }
+  return attributes;
+}
+
+std::string_view numpy_name(ElementType type) {
+  switch (type) {
+    case ElementType::f64: return "<f8";
+    case ElementType::f32: return "<f4";
+    case ElementType::u32: return "<u4";
+    case ElementType::u8: return "|u1";
+  }
+  return {};
+}
+
+void add_attribute(ContentDigest& digest, const EncodedAttribute& attribute) {
+  struct Adder {
+    ContentDigest& digest;
+    std::string key;
+    void operator()(std::uint64_t value) const { digest.add_numbers(key, "<u8", {}, &value, sizeof value); }
+    void operator()(double value) const { digest.add_numbers(key, "<f8", {}, &value, sizeof value); }
+    void operator()(const std::string& text) const { digest.add_text(key, text); }
+    void operator()(const std::vector<std::string>& texts) const { digest.add_texts(key, {texts.size()}, texts); }
+    void operator()(const EncodedAttribute::Doubles& matrix) const {
+      digest.add_numbers(key, "<f8", matrix.shape, matrix.values.data(), matrix.values.size() * sizeof(double));
+    }
+  };
+  std::visit(Adder{digest, attribute.path + "@" + attribute.name}, attribute.value);
+}
+
+// The same entries that content_walk.h finds in the file.
+Digest digest_of(const std::vector<ArrayView>& arrays, const std::vector<EncodedAttribute>& attributes) {
+  ContentDigest digest;
+  for (const ArrayView& view : arrays) {
+    digest.add_numbers(view.path, numpy_name(view.type), view.shape, view.bytes, view.size_bytes());
+    digest.add_text(view.path + "@unit", view.unit);
+    if (!view.codes.empty()) digest.add_text(view.path + "@codes", std::string(view.codes));
+  }
+  for (const EncodedAttribute& attribute : attributes) add_attribute(digest, attribute);
+  return digest.finish();
+}
+
+// HDF5's shuffle filter: all first bytes of the elements, then all second bytes, and so on.
+template <std::size_t Size>
+void shuffle(const std::uint8_t* in, std::size_t bytes, std::uint8_t* out) {
+  const std::size_t count = bytes / Size;
+  for (std::size_t byte = 0; byte < Size; ++byte) {
+    for (std::size_t i = 0; i < count; ++i) out[byte * count + i] = in[i * Size + byte];
+  }
+}
+
+}  // namespace
+
+struct TrialEncoder::State {
+  std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor{
+      libdeflate_alloc_compressor(deflate_level), &libdeflate_free_compressor};
+  std::vector<std::uint8_t> padded;
+  std::vector<std::uint8_t> shuffled;
+  std::vector<std::uint8_t> deflated;
+
+  std::vector<std::uint8_t> deflate_chunk(const std::uint8_t* bytes, std::size_t size, std::size_t element) {
+    const std::uint8_t* source = bytes;
+    if (element > 1) {
+      shuffled.resize(size);
+      if (element == 8) {
+        shuffle<8>(bytes, size, shuffled.data());
+      } else {
+        shuffle<4>(bytes, size, shuffled.data());
+      }
+      source = shuffled.data();
+    }
+    deflated.resize(libdeflate_zlib_compress_bound(compressor.get(), size));
+    const std::size_t length = libdeflate_zlib_compress(compressor.get(), source, size, deflated.data(), deflated.size());
+    return {deflated.begin(), deflated.begin() + static_cast<std::ptrdiff_t>(length)};
+  }
+
+  EncodedArray encode_array(const ArrayView& view) {
+    EncodedArray array{view.path, view.unit, std::string(view.codes), view.type, view.shape, 0, {}};
+    const std::size_t rows = view.shape[0];
+    const std::size_t row_bytes = view.row_bytes();
+    if (rows == 0 || row_bytes == 0) return array;
+    const std::size_t parts = std::max<std::size_t>(1, (view.size_bytes() + chunk_bytes - 1) / chunk_bytes);
+    array.chunk_rows = (rows + parts - 1) / parts;
+    for (std::size_t first = 0; first < rows; first += array.chunk_rows) {
+      end_if_interrupted();
+      const std::uint8_t* bytes = view.bytes + first * row_bytes;
+      const std::size_t present = std::min(array.chunk_rows, rows - first) * row_bytes;
+      const std::size_t whole = array.chunk_rows * row_bytes;
+      if (present < whole) {  // HDF5 stores chunks at full size
+        padded.assign(whole, 0);
+        std::memcpy(padded.data(), bytes, present);
+        bytes = padded.data();
+      }
+      array.chunks.push_back(deflate_chunk(bytes, whole, size_of(view.type)));
+    }
+    return array;
+  }
+};
+
+std::size_t EncodedTrial::stored_bytes() const {
+  std::size_t bytes = 0;
+  for (const EncodedArray& array : arrays) {
+    for (const auto& chunk : array.chunks) bytes += chunk.size();
+  }
+  return bytes;
+}
+
+TrialEncoder::TrialEncoder() : state_(std::make_unique<State>()) {
+  if (!state_->compressor) throw std::bad_alloc();
+}
+TrialEncoder::~TrialEncoder() = default;
+TrialEncoder::TrialEncoder(TrialEncoder&&) noexcept = default;
+TrialEncoder& TrialEncoder::operator=(TrialEncoder&&) noexcept = default;
+
+EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
+  EncodedTrial trial;
+  trial.trial = record.trial;
+  trial.material = record.material;
+  trial.attributes = attributes_of(record);
+  // A record that was read has its sensors in another order, and is to give the same bytes.
+  std::ranges::stable_sort(trial.attributes, {}, &EncodedAttribute::path);
+  const std::vector<ArrayView> arrays = arrays_of(record);
+  for (const ArrayView& view : arrays) trial.arrays.push_back(state_->encode_array(view));
+  trial.digest = digest_of(arrays, trial.attributes);
+  trial.attributes.push_back({"", trial_sha256_name, hexadecimal(trial.digest)});
+  return trial;
+}
+
+std::string truth_sha256(const LabelRecord& labels) {
+  if (std::ranges::all_of(labels.force, [](float force) { return force == 0.0F; })) return {};
+  Sha256 sha;
+  sha.update(labels.force.data(), labels.force.size() * sizeof(float));
+  sha.update(labels.unit_state.data(), labels.unit_state.size());
+  return hexadecimal(sha.finish());
+}
+
+Digest trial_digest(const TrialRecord& record) { return digest_of(arrays_of(record), attributes_of(record)); }
+
+std::string content_digest(const std::vector<Digest>& digests) {
+  Sha256 hash;
+  for (const Digest& digest : digests) hash.update(digest.data(), digest.size());
+  return hexadecimal(hash.finish());
+}
+
+Digest text_digest(const std::string& text) {
+  Sha256 hash;
+  hash.update(text.data(), text.size());
+  return hash.finish();
+}
+
+std::string text_sha256(const std::string& text) { return hexadecimal(text_digest(text)); }
+
+std::string file_sha256(const std::string& path) {
+  check_regular_file(path);
+  std::ifstream stream(path, std::ios::binary);
+  Sha256 hash;
+  std::array<char, 65536> block;
+  while (stream.read(block.data(), block.size()), stream.gcount() > 0) {
+    hash.update(block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  if (!stream.is_open() || stream.bad()) throw InputError(path + ": cannot be read");
+  return hexadecimal(hash.finish());
+}
+
+}  // namespace slipbench

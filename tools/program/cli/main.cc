@@ -1,3 +1,0 @@
-#include "tools/program/cli/program.h"
-
-int main(int argc, char** argv) { return slipbench::run_program(slipbench::command_table(), {argv + 1, argv + argc}); }

@@ -1,0 +1,80 @@
+#include "tools/program/commands/catalogue_commands.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/cli/arguments.h"
+#include "tools/program/cli/terminal.h"
+#include "tools/program/text/describe.h"
+#include "tools/program/text/recipe_text.h"
+
+namespace slipbench {
+
+void ListCommand::declare(Arguments& arguments) {
+  arguments.about("list", "List what a scene may name, and recipes", R"(
+Examples:
+  slipbench list
+  slipbench list effects
+  slipbench list recipes)");
+  arguments.text(
+      "CATALOGUE", catalogue,
+      "effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers, expectations or recipes (default: all)");
+}
+
+int ListCommand::run() {
+  const std::vector<CatalogueItem> items = catalogue_items(program_catalogues());
+  std::vector<CatalogueKind> kinds;
+  if (catalogue.empty()) kinds.assign(catalogue_kinds().begin(), catalogue_kinds().end());
+  const bool recipes = catalogue.empty() || catalogue == "recipes";
+  if (!recipes) kinds = {find_kind(catalogue)};
+  if (json) {
+    nlohmann::ordered_json lists = list_json(items, kinds);
+    if (recipes) lists["recipes"] = recipe_list_json();
+    fmt::print("{}\n", lists.dump());
+    return exit_good;
+  }
+  const Style style = style_for(stdout);
+  const std::size_t width = terminal_width(stdout);
+  fmt::print("{}{}{}", list_text(items, kinds, style, width), kinds.empty() || !recipes ? "" : "\n",
+             recipes ? recipe_list_text(style, width) : "");
+  return exit_good;
+}
+
+void DescribeCommand::declare(Arguments& arguments) {
+  arguments.about("describe", "Explain one name: parameters, units, defaults, law, source", R"(
+Generated from the declarations that the scene parser reads.
+
+Examples:
+  slipbench describe papillarray
+  slipbench describe stage
+  slipbench describe acrylic --json
+  slipbench describe piezo_fft_gru)");
+  arguments.text("NAME", name, "A name that `slipbench list` shows").required();
+}
+
+int DescribeCommand::run() {
+  const Catalogues catalogues = program_catalogues();
+  const auto recipe = std::ranges::find(train::recipes(), name, &train::Recipe::name);
+  const bool is_recipe = recipe != train::recipes().end();
+  std::vector<CatalogueItem> found;
+  if (!is_recipe) found = find_items(catalogue_items(catalogues), name, recipe_names());
+  if (json) {
+    nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+    for (const CatalogueItem& item : found) entries.push_back(describe_json(item, catalogues));
+    if (is_recipe) entries.push_back(recipe_json(*recipe));
+    fmt::print("{}\n", nlohmann::ordered_json{{"name", name}, {"entries", entries}}.dump());
+    return exit_good;
+  }
+  const Style style = style_for(stdout);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    fmt::print("{}{}", i == 0 ? "" : "\n", describe_text(found[i], catalogues, style, terminal_width(stdout)));
+  if (is_recipe) fmt::print("{}", recipe_text(*recipe, style, terminal_width(stdout)));
+  return exit_good;
+}
+
+}  // namespace slipbench

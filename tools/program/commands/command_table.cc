@@ -1,0 +1,41 @@
+#include "tools/program/commands/command_table.h"
+
+#include <memory>
+#include <utility>
+
+#include "tools/program/cli/command_elsewhere.h"
+#include "tools/program/commands/catalogue_commands.h"
+#include "tools/program/commands/dataset_commands.h"
+#include "tools/program/commands/detectors/benchmark_command.h"
+#include "tools/program/commands/detectors/calibrate_command.h"
+#include "tools/program/commands/detectors/eval_command.h"
+#include "tools/program/commands/detectors/hd_commands.h"
+#include "tools/program/commands/detectors/train_command.h"
+#include "tools/program/commands/import_command.h"
+#include "tools/program/commands/installation_commands.h"
+#include "tools/program/commands/simulation/check_command.h"
+#include "tools/program/commands/simulation/cluster_command.h"
+#include "tools/program/commands/simulation/cost_command.h"
+#include "tools/program/commands/simulation/merge_command.h"
+#include "tools/program/commands/simulation/simulation_commands.h"
+#include "tools/program/commands/simulation/view_command.h"
+#include "tools/program/commands/verify_command.h"
+
+namespace slipbench {
+
+Commands command_table() {
+  const auto study = [](const char* name, const char* summary) {
+    return std::make_unique<CommandElsewhere>(name, summary, "slipbench-studies");
+  };
+  Commands commands = make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand,
+                                    ImportCommand, VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand,
+                                    EvalCommand, BenchmarkCommand, CalibrateCommand>();
+  commands.push_back(study("reproduce", "Reproduce a table of a paper"));
+  commands.push_back(std::make_unique<CostCommand>());
+  commands.push_back(study("bench", "Count the instructions of the reference scenes"));
+  for (auto& command : make_commands<ListCommand, DescribeCommand, DoctorCommand, PluginPathCommand>())
+    commands.push_back(std::move(command));
+  return commands;
+}
+
+}  // namespace slipbench

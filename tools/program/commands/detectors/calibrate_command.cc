@@ -1,0 +1,154 @@
+#include "tools/program/commands/detectors/calibrate_command.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+#include "tools/base/workers/interrupt.h"
+#include "tools/program/calibrate/calibrate_page.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/cli/arguments.h"
+#include "tools/program/cli/progress.h"
+#include "tools/program/cli/table.h"
+#include "tools/program/cli/terminal.h"
+#include "tools/program/import/import.h"
+#include "tools/program/sweep/run_sweep.h"
+
+namespace slipbench {
+namespace {
+
+std::string command_text(const calibrate::Options& options, const std::vector<std::string>& fits) {
+  std::string text = "slipbench calibrate " + shell_word(options.scene_path);
+  for (const std::string& recording : options.recordings) text += " " + shell_word(recording);
+  if (options.format != nullptr) text += " --format " + shell_word(format_name(*options.format));
+  if (options.groups)
+    text += " --groups " + shell_word(fmt::format("{}={}", options.groups->label, fmt::join(options.groups->values, ",")));
+  for (const std::string& fit : fits) text += " --fit " + shell_word(fit);
+  for (const Override& change : options.overrides) text += " --set " + shell_word(change.path + "=" + change.value);
+  if (options.seed) text += fmt::format(" --seed {}", *options.seed);
+  text += fmt::format(" --starts {}", options.starts);
+  return options.synthetic_truth ? text + " --synthetic-truth" : text;
+}
+
+double half_width(const Json& interval) { return 0.5 * (interval.at("high").get<double>() - interval.at("low").get<double>()); }
+
+std::string summary(const calibrate::Options& options, const Json& result, const Style& style) {
+  std::vector<std::string> head{"key", "value", "95 % interval"};
+  if (options.synthetic_truth) head.insert(head.end(), {"drawn", "error"});
+  Table table(head);
+  for (std::size_t k = 0; k < options.keys.size(); ++k) {
+    const calibrate::FitKey& key = options.keys[k];
+    const Json& parameter = result.at("parameters").at(k);
+    const auto add = [&](const std::string& name, const Json& one) {
+      const bool known = one.at("determined").get<bool>(), bound = one.at("at_bound").get<bool>();
+      const auto shown = [&](const char* what) { return key.text(one.at(what).get<double>()); };
+      std::vector<std::string> row{
+          name, known ? shown("value") : "not determined",
+          (known ? "+- " + key.text(half_width(one), 2) : "") + (bound ? known ? ", at its bound" : "at its bound" : "")};
+      if (options.synthetic_truth)
+        row.insert(row.end(), {shown("truth"), known ? key.text(one.at("error").get<double>(), 2) : ""});
+      table.add(std::move(row));
+    };
+    if (!key.each) {
+      add(key.path, parameter);
+    } else {
+      for (std::size_t r = 0; r < parameter.at("by_recording").size(); ++r)
+        add(fmt::format("{} of {}", key.path, r), parameter.at("by_recording").at(r));
+    }
+  }
+  const bool groups = options.groups.has_value();
+  return table.text(style) +
+         fmt::format("residuals are {:.3g} times the {}\n",
+                     result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
+                     groups ? "scatter of recordings and devices" : "sensor's repeatability");
+}
+
+}  // namespace
+
+void CalibrateCommand::declare(Arguments& arguments) {
+  arguments.about("calibrate", "Fit a scene to recordings of a real sensor",
+                  fmt::format(R"(
+Fits what --fit names to recordings, by simulation alone, and says how well each is known and what the recordings do not determine. The scene's
+sweep has a trial for each recording, in their order, or one trial that all repeat: it says how the stage moved. The first samples of both are
+taken for the same instant; --fit 'lag: {{min: -50 ms, max: 50 ms}}' fits the difference.
+
+  --fit 'KEY: {{min: .., max: ..}}'         a key of the scene between two bounds
+  draw: log_uniform                       searched by its logarithm
+  each: true                              a value for each recording; the fitted scene draws it with the scatter that was found
+
+--groups class=n,e,s compares recordings whose motion nobody knows: those whose label class is n belong to the first cell of the grid of the scene's sweep,
+and so on. Its trials are draws, and means over a group are compared. What the sweep draws can be fitted: sweep.motion.compression.median.
+
+-o writes the scene with the fitted values, and beside it FILE.html and FILE.json: intervals, profiles, residuals, real beside synthetic.
+--synthetic-truth simulates the recordings from values drawn between the bounds, with the scene's electronics, and shows how well it finds
+them: status 1 where a value is missed by more than twice its interval.
+
+Formats:
+{}
+Examples:
+  slipbench calibrate pad.yaml logs --format papillarray-csv --fit 'sensors.pad.k_normal: {{min: 2 N/mm, max: 12 N/mm}}' -o mine.yaml
+  slipbench calibrate scenes/papillarray/recordings.yaml --synthetic-truth --fit 'motion.tilt.0: {{min: -2 deg, max: 2 deg}}')",
+                              import_formats_text()));
+  arguments.texts("SCENE REAL ...", words_, "Scene file (YAML), then datasets, or with --format CSV files and folders")
+      .required();
+  arguments.lines("--fit KEY:BOUNDS ...", fits_,
+                  "What is fitted, e.g. 'friction.static: {min: 0.2, max: 1}'; several may follow");
+  arguments.read("--format NAME", fmt::format("REAL are {}, see below", fmt::join(import_format_names(), " or ")),
+                 [this](const std::string& name) { options.format = &import_format(name); });
+  arguments.read("--groups LABEL=VALUES",
+                 "Unknown motion: recordings by a label, a value for each cell of the grid, e.g. class=n,e,s",
+                 [this](const std::string& text) { options.groups = calibrate::parse_groups(text); });
+  arguments.flag("--synthetic-truth", options.synthetic_truth, "In place of REAL: recordings of drawn parameters");
+  arguments.overrides(options.overrides, options.seed);
+  arguments.number("--starts N", options.starts, "Searches from different points, 1 to 64 (default: 4)", 1, 64);
+  arguments.jobs(jobs_);
+  arguments.flag("--quiet", quiet, "No progress and no summary");
+  arguments.file("-o,--output FILE.yaml", output, "Fitted scene to write, with FILE.html and FILE.json beside it");
+  arguments.then([this] {
+    options.scene_path = words_.front();
+    options.recordings.assign(words_.begin() + 1, words_.end());
+    if (options.recordings.empty() != options.synthetic_truth)
+      throw InputError("calibrate: recordings and --synthetic-truth: allowed: one of the two");
+    for (const std::string& fit : fits_) {
+      for (calibrate::FitKey& key : calibrate::parse_fit_keys(fit)) options.keys.push_back(std::move(key));
+    }
+    if (options.keys.empty()) throw InputError("calibrate: --fit is required");
+    options.jobs = jobs_.value_or(std::max(1U, std::thread::hardware_concurrency()));
+    options.command = command_text(options, fits_);
+  });
+}
+
+int CalibrateCommand::run() {
+  std::vector<std::string> inputs = options.recordings;
+  inputs.push_back(options.scene_path);
+  if (!output.empty()) calibrate::check_calibration_target(output, inputs);
+  calibrate::Result result;
+  try {
+    const InterruptGuard guard("stopping; nothing is kept");
+    const InterruptScope scope(&InterruptGuard::flag());
+    Progress progress = Progress::for_stream(stderr, silent());
+    options.interrupt = &InterruptGuard::flag();
+    options.progress = [&](std::size_t done, std::size_t of) { progress.update(done, of, std::nullopt); };
+    result = calibrate::calibrate(options, program_catalogues());
+  } catch (const Interrupted&) {
+    say(stderr, "slipbench: interrupted; nothing is written\n");
+    return exit_interrupted;
+  }
+  std::vector<std::string> files;
+  if (!output.empty()) files = calibrate::write_calibration(output, result.fitted, result.json);
+  if (json) {
+    fmt::print("{}\n", result.json.dump());
+  } else {
+    const Style style = style_for(stdout);
+    if (!quiet) fmt::print("{}", summary(options, result.json, style));
+    for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);
+  }
+  return options.synthetic_truth && !calibrate::recovers(result.json) ? exit_check_failed : exit_good;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,246 @@
+#include "tools/program/commands/detectors/train_command.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/interrupted.h"
+#include "tools/base/workers/interrupt.h"
+#include "tools/program/cli/arguments.h"
+#include "tools/program/cli/progress.h"
+#include "tools/program/cli/table.h"
+#include "tools/program/cli/terminal.h"
+#include "tools/program/sweep/run_sweep.h"
+#include "tools/program/text/recipe_text.h"
+#include "tools/program/text/train_text.h"
+#include "tools/program/train/hd_json.h"
+#include "tools/program/train/hd_words.h"
+
+namespace slipbench {
+
+namespace {
+
+std::string one_decimal(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100.0 * share); }
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+// One of `names`.
+std::string checked_labels(const std::string& given, const std::string& recipe, const std::vector<std::string>& names) {
+  if (std::ranges::find(names, given) != names.end()) return given;
+  throw InputError(fmt::format("train: --labels is '{}' with the recipe {}{}", given, recipe, allowed_names(given, names)));
+}
+
+// What a training says as it goes on. A step's time is that since the report before.
+class StepReport {
+ public:
+  std::string operator()(const train::MemberProgress& progress) {
+    const train::TrainingProgress& training = progress.training;
+    std::string text = progress.members == 1 ? "" : fmt::format("network {}/{}, ", progress.member + 1, progress.members);
+    text += fmt::format("step {}/{}, loss {:.4f}", training.step, training.steps, training.loss);
+    if (training.validation)
+      text += fmt::format(", validation {}{}", one_decimal(*training.validation), training.best ? " (best)" : "");
+    if (time_ && training.step > step_ && training.step < training.steps)
+      text += fmt::format(", ETA {}", clock_text((now() - *time_) / static_cast<double>(training.step - step_) *
+                                                 static_cast<double>(training.steps - training.step)));
+    time_ = now();
+    step_ = training.step;
+    return text;
+  }
+
+ private:
+  std::optional<double> time_;
+  std::size_t step_ = 0;
+};
+
+}  // namespace
+
+void TrainCommand::declare(Arguments& arguments) {
+  arguments.about("train", "Train a slip detector on a dataset", R"(
+Without --recipe, and with --recipe gst_hd, trains the hyperdimensional slip detector of a PapillArray in a single pass. Six
+draws are made first, by sequence and, to compare, by frame: within each compression and speed as many sequences are drawn with
+replacement as there are; those never drawn are the test. Draw 0 is for choosing options, the other five make the figures. Then all
+sequences train the classifier that is saved.
+
+Encoders: shdc (pillars of one frame), sthdc (over a window), gsthdc (with graphs, over a window). --context is gsthdc's default only.
+Bundles: paper starts afresh with every frame, published_core keeps the counts of the pillars over a window, as the gripper's core does.
+
+Any other recipe (`slipbench list recipes`) is a network. What judges is held out first: a fifth of the trials, or of the materials,
+objects or octaves of speed that --split names. A fifth of the rest chooses the best state and the threshold. The ONNX file is a whole
+detector, and says what it has seen. A killed training goes on with --resume, to the same bytes. One thread, one network at a time.
+
+Labels: strict and micro are the truth (a unit slips as a whole, or in part), paper is the rule of the sensor's paper. Of networks:
+latched is micro, and slip until contact is lost; masked leaves out frames that stick again after a slip. Of gst_hd: with has_slipped
+a pillar that slipped by the paper's rule so counts until it loses contact.
+
+Examples:
+  slipbench train hexapod.h5 -o memories
+  slipbench train hexapod.h5 --encoder shdc --labels strict -o plain
+  slipbench train hexapod.h5 --recipe papillarray_gru --steps 20 -o detector.onnx)");
+  arguments.text("FILE", options.dataset, "Dataset (HDF5); of gst_hd with a PapillArray, on a stage or in a grasp").required();
+  arguments.file("-o,--output PATH", options.output, "Folder for the memories of gst_hd, ONNX file of a network; always needed")
+      .required();
+  arguments.text("--recipe NAME", recipe_, "What is taught: `slipbench list recipes` (default: gst_hd)");
+  arguments.text(
+      "--labels RULE", labels_,
+      "Truth to learn: paper, has_slipped, strict, micro of gst_hd (default: paper); micro, strict, paper, latched, masked of a network "
+      "(default: the recipe's)");
+  arguments.text("--sensor NAME", options.sequences.sensor,
+                 "The scene's name of the sensor (default: the only one; of a network every one that fits)");
+  arguments.number("--seed N", options.seed, "Seed of weights, memories and draws (default: 1)", 0);
+  arguments.word("--split FACT", split_, "Network: what learns and judges differ in: {} (default: the recipe's)",
+                 train::split_words);
+  arguments.number("--held-out PERCENT", held_out_, "Network: trials that judge, 0 to 50 (default: 20)", 0, 50);
+  arguments.number("--steps N", steps_, "Network: steps of training (default: the recipe's)", 1, 10'000'000);
+  arguments.number("--turned N", turned_,
+                   "Network of a Myrmex: copies of each trial with its images turned, 0 to 11 (default: 0)", 0, 11);
+  arguments.flag("--resume", resume_, "Network: go on where a killed training left OUTPUT.checkpoint-0");
+  arguments.word("--encoder NAME", encoding_, "gst_hd: {} (default: gsthdc)", encoder_words);
+  arguments.flag("--context", context_, "gst_hd: bind with the context of the centre pillar's compression (default with gsthdc)");
+  arguments.flag("--no-context", no_context_, "gst_hd: do not (default with shdc and sthdc)");
+  arguments.number("--dimension D", dimension_, "gst_hd: bits of a hypervector, 8 to 65535 (default: 1000)", 8, 65535);
+  arguments.number("--window N", window_, "gst_hd: frames at 100 Hz, 1 to 1000 (default: 15)", 1, 1000);
+  arguments.word("--compat NAME", compat_, "gst_hd: whose bundle: {} (default: paper)", hd::compat_words);
+  arguments.word("--ties RULE", ties_, "gst_hd: what an even bundle gives: {} (default: one)", hd::ties_words);
+  arguments.word("--quantiser NAME", quantiser_, "gst_hd: how displacements become levels: {} (default: fixed_point)",
+                 hd::quantiser_words);
+  arguments.jobs(jobs_, "gst_hd: worker threads, 1 to 1024 (default: one a hardware thread)");
+  arguments.then([this] { recipe_.empty() || recipe_ == hd_recipe ? read_hd() : read_network(); });
+}
+
+void TrainCommand::read_hd() {
+  for (const auto& [given, name] : {std::pair{split_.has_value(), "--split"},
+                                    {held_out_.has_value(), "--held-out"},
+                                    {steps_.has_value(), "--steps"},
+                                    {turned_.has_value(), "--turned"},
+                                    {resume_, "--resume"}}) {
+    if (given) throw InputError(fmt::format("train: {} is of networks; allowed: it with another --recipe than gst_hd", name));
+  }
+  if (context_ && no_context_) throw InputError("train: --context and --no-context exclude each other");
+  if (!labels_.empty()) options.sequences.labels = parse_slip_rule(checked_labels(labels_, hd_recipe, slip_rule_names()));
+  hd::Model& model = options.model;
+  model.encoding = encoding_.value_or(model.encoding);
+  model.dimension = dimension_.value_or(model.dimension);
+  model.window = window_.value_or(model.window);
+  model.compat = compat_.value_or(model.compat);
+  model.ties = ties_.value_or(model.ties);
+  options.quantiser = quantiser_.value_or(options.quantiser);
+  options.jobs = jobs_.value_or(options.jobs);
+  model.context_driven = context_ || (model.encoding == hd::Encoding::graph_spatial_temporal && !no_context_);
+}
+
+void TrainCommand::read_network() {
+  train::Recipe recipe = train::find_recipe(recipe_);
+  for (const auto& [given, name] : {std::pair{encoding_.has_value(), "--encoder"},
+                                    {context_, "--context"},
+                                    {no_context_, "--no-context"},
+                                    {dimension_.has_value(), "--dimension"},
+                                    {window_.has_value(), "--window"},
+                                    {compat_.has_value(), "--compat"},
+                                    {ties_.has_value(), "--ties"},
+                                    {quantiser_.has_value(), "--quantiser"},
+                                    {jobs_.has_value(), "--jobs"}}) {
+    if (given) throw InputError(fmt::format("train: {} is of gst_hd; allowed: it without --recipe {}", name, recipe_));
+  }
+  if (turned_.value_or(0) > 0 && recipe.input.sensor != "myrmex")
+    throw InputError(fmt::format("train: --turned is for images of a myrmex, and {} reads a {}; allowed: none of it", recipe_,
+                                 recipe.input.sensor));
+  if (!labels_.empty())
+    recipe.labels = *hd::value_of(train::label_words, checked_labels(labels_, recipe_, hd::names_of(train::label_words)));
+  if (!options.output.ends_with(".onnx"))
+    throw InputError(
+        fmt::format("train: -o {}: a network is an ONNX file; allowed: a name that ends with .onnx", options.output));
+  recipe.split = split_.value_or(recipe.split);
+  recipe.turned = turned_.value_or(recipe.turned);
+  if (steps_) {
+    recipe.training.validate_every = std::max<std::size_t>(1, recipe.training.validate_every * *steps_ / recipe.training.steps);
+    recipe.training.steps = *steps_;
+  }
+  training = {options.dataset,
+              std::move(recipe),
+              options.sequences.sensor,
+              0.01 * static_cast<double>(held_out_.value_or(20)),
+              options.seed,
+              options.output,
+              resume_};
+}
+
+int TrainCommand::run() { return training ? train_network() : train_hd(); }
+
+std::string TrainCommand::eval_options(const std::vector<std::string>& sensors) const {
+  return " --sensor " + shell_word(sensors.front()) + " --labels " +
+         std::string(hd::name_of(train::label_words, training->recipe.labels));
+}
+
+int TrainCommand::train_network() {
+  tell(fmt::format("reading {}", training->dataset));
+  StepReport report;
+  train::NetworkSummary summary;
+  try {
+    const InterruptGuard guard("stopping at the next validation");
+    const InterruptScope scope(&InterruptGuard::flag());
+    summary = train::train_network(*training, [&](const train::MemberProgress& progress) {
+      tell(report(progress));
+      end_if_interrupted();
+    });
+  } catch (const Interrupted&) {
+    const bool left = std::filesystem::exists(training->output + ".checkpoint-0");
+    say(stderr, left ? fmt::format("slipbench: interrupted: kept in {}.checkpoint-0; the same command with --resume goes on\n",
+                                   training->output)
+                     : "slipbench: interrupted; nothing is kept\n");
+    return exit_interrupted;
+  }
+  if (json) {
+    nlohmann::ordered_json all = nlohmann::ordered_json::parse(summary.description);
+    all["output"] = training->output;
+    all["threshold"] = summary.threshold;
+    fmt::print("{}\n", all.dump());
+    return exit_good;
+  }
+  const Style style = style_for(stdout);
+  Table table({"", summary.judged > 0 ? "held-out trials" : "validation"});
+  if (summary.judged > 0) {
+    table.add({"balanced accuracy, all classes", one_decimal(summary.held_out_accuracy)});
+    table.add({"balanced accuracy, slip or not", one_decimal(summary.held_out.balanced_accuracy())});
+    table.add({"F1 of slip", one_decimal(summary.held_out.f1())});
+  } else {
+    table.add({"balanced accuracy, all classes", one_decimal(summary.validation)});
+  }
+  fmt::print(
+      "{}\n{}  {} trials learnt, {} validated ({}), {} held out; {} frames, {} parameters, state of step {}, threshold {:.3f}\n{} {}\n{} slipbench "
+      "eval {} {}\n",
+      style.heading(
+          fmt::format("{}, labels {}", training->recipe.name, hd::name_of(train::label_words, training->recipe.labels))),
+      table.text(style), summary.learnt, summary.validated, one_decimal(summary.validation), summary.judged, summary.frames,
+      summary.parameters, summary.steps, summary.threshold, style.good("written:"), training->output, style.dim("next:"),
+      shell_word(training->output), shell_word(training->dataset) + eval_options(summary.sensors));
+  return exit_good;
+}
+
+int TrainCommand::train_hd() {
+  const HdSummary summary = slipbench::train_hd(options);
+  if (json) {
+    fmt::print("{}\n", train_json(summary, options).dump());
+    return exit_good;
+  }
+  const Style style = style_for(stdout);
+  const Evaluation sum = pooled(std::span(summary.by_sequence).subspan(1));
+  fmt::print("{}\n{}\n{}\n{}{}\n{} {}\n{} slipbench eval {} {} --sensor {} --labels {}\n",
+             style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(options.model),
+                                       slip_rule_name(options.sequences.labels), summary.sequences, summary.samples)),
+             draws_text(summary, style), style.heading("by sequence, the tests of the five draws together"),
+             delays_text(sum.delays), confusion_text(sum.all, style), style.good("written:"), options.output, style.dim("next:"),
+             shell_word(options.output), shell_word(options.dataset), shell_word(summary.sensor),
+             slip_rule_name(options.sequences.labels));
+  return exit_good;
+}
+
+}  // namespace slipbench

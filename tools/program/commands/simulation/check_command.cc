@@ -1,0 +1,212 @@
+#include "tools/program/commands/simulation/check_command.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "tools/base/files/output_file.h"
+#include "tools/base/workers/interrupt.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/check/junit.h"
+#include "tools/program/cli/arguments.h"
+#include "tools/program/cli/progress.h"
+#include "tools/program/cli/table.h"
+#include "tools/program/cli/terminal.h"
+#include "tools/program/commands/simulation/accuracy_setting.h"
+#include "tools/program/sweep/warnings.h"
+#include "tools/program/text/sweep_text.h"
+#include "tools/program/text/warning_text.h"
+
+namespace slipbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string rate_text(const Interval& rate) { return fmt::format("{:.3f} to {:.3f}", rate.low, rate.high); }
+
+std::string count_text(std::size_t count, std::size_t of) { return fmt::format("{} of {}", count, of); }
+
+std::string check_text(const SceneCheck& check, const Style& style) {
+  std::string text = style.heading(check.scene_path);
+  if (check.verdict == Verdict::not_checked) return text + "  " + style.dim("not checked: the scene expects nothing") + '\n';
+  text += fmt::format("  {} trials, seed {}\n", check.expectations.front().trials, check.seed);
+  Table table({"expectation", "limit", "median", "worst", "trial", "kept", "needed",
+               fmt::format("{:g} % interval", 100.0 * check.confidence), "control", ""});
+  for (const ExpectationResult& result : check.expectations) {
+    table.add({result.name, result.limit, result.median_text, result.worst_text, std::to_string(result.worst.trial),
+               count_text(result.kept, result.trials), std::to_string(result.needed), rate_text(result.rate),
+               result.control_kept ? count_text(*result.control_kept, check.control_trials) : "-",
+               result.passed() ? "ok" : "FAIL"});
+  }
+  text += table.text(style) + detectors_text(check.detectors, style);
+  for (const ExpectationResult& result : check.expectations) {
+    if (!result.passed())
+      text += fmt::format("  {} {}\n    replay: {}\n", style.error("FAIL"), failure_text(result), result.replay);
+  }
+  for (const std::string& failure : check.failures) text += "  " + failure + '\n';
+  if (check.verdict == Verdict::tests_nothing) text += fmt::format("  {} {}\n", style.error("FAIL"), tests_nothing_text(check));
+  if (!check.files.empty()) text += fmt::format("  left behind, trial {}: {}\n", *check.replayed, fmt::join(check.files, ", "));
+  return text;
+}
+
+// NaN becomes null.
+Json check_json(const SceneCheck& check) {
+  Json expectations = Json::array();
+  for (const ExpectationResult& result : check.expectations) {
+    expectations.push_back({{"name", result.name},
+                            {"limit", result.limit},
+                            {"passed", result.passed()},
+                            {"kept", result.kept},
+                            {"trials", result.trials},
+                            {"needed", result.needed},
+                            {"interval", {result.rate.low, result.rate.high}},
+                            {"median", result.median},
+                            {"worst", result.worst.value},
+                            {"worst_trial", result.worst.trial},
+                            {"control_kept", result.control_kept ? Json(*result.control_kept) : Json(nullptr)},
+                            {"replay", result.replay}});
+  }
+  return {{"scene", check.scene_path},
+          {"verdict", verdict_text(check.verdict)},
+          {"seed", check.seed},
+          {"confidence", check.confidence},
+          {"control", check.control.empty() ? Json(nullptr) : Json(check.control)},
+          {"control_trials", check.control_trials},
+          {"expectations", std::move(expectations)},
+          {"detectors", detectors_json(check.detectors)},
+          {"failures", check.failures},
+          {"warnings", warnings_json(check.warnings)},
+          {"replayed", check.replayed ? Json(*check.replayed) : Json(nullptr)},
+          {"files", check.files}};
+}
+
+// A folder of its own for each scene, called after its file.
+std::string folder_of(const std::string& scene, const std::string& parent, std::set<std::string>& taken) {
+  const std::string stem = std::filesystem::path(scene).stem().string();
+  std::string name = stem;
+  for (int next = 2; !taken.insert(name).second; ++next) name = fmt::format("{}_{}", stem, next);
+  return (std::filesystem::path(parent) / name).string();
+}
+
+const TextKind junit_kind{"JUnit report", [](std::string_view beginning) {
+                            return beginning.starts_with("<?xml") && beginning.find("<testsuites") != std::string_view::npos;
+                          }};
+
+bool good(const SceneCheck& check) { return check.verdict == Verdict::passed || check.verdict == Verdict::not_checked; }
+
+void print_total(const std::vector<SceneCheck>& checks, const Style& style) {
+  const auto count = [&](Verdict verdict) { return std::ranges::count(checks, verdict, &SceneCheck::verdict); };
+  std::string text = fmt::format("{} of {} scenes passed", count(Verdict::passed), checks.size());
+  for (const Verdict verdict : {Verdict::failed, Verdict::tests_nothing, Verdict::not_checked}) {
+    if (count(verdict) > 0) text += fmt::format(", {} {}", count(verdict), verdict_text(verdict));
+  }
+  fmt::print("{}\n", std::ranges::all_of(checks, good) ? style.good(text) : style.error(text));
+}
+
+// What to check, with a folder of its own for each scene. Throws InputError before anything runs: for a scene that cannot be
+// read, where none expects anything, and for a JUnit file that cannot be written.
+std::vector<CheckOptions> plan_checks(const CheckCommand& command, const Catalogues& catalogues) {
+  if (!command.junit.empty()) check_text_target(command.junit, command.scenes, junit_kind);
+  std::set<std::string> taken;
+  std::vector<CheckOptions> planned;
+  bool any = false;
+  for (const std::string& scene : command.scenes) {
+    planned.push_back(command.options);
+    planned.back().scene_path = scene;
+    planned.back().folder = folder_of(scene, command.output, taken);
+    planned.back().interrupt = &InterruptGuard::flag();
+    any = expects_anything(planned.back(), catalogues) || any;
+  }
+  if (!any) {
+    throw InputError(
+        "check: no scene expects anything; allowed: at least one with a key 'expect', such as 'expect: {gross_slip_by: 1 s}'");
+  }
+  return planned;
+}
+
+// With the setting in place of a wish for accuracy. Says and adds what the scene warns of.
+SceneCheck check_settled(CheckOptions& check, const Catalogues& catalogues, const CheckCommand& command) {
+  std::vector<Warning> warnings;
+  if (expects_anything(check, catalogues)) {
+    SweepOptions sweep = sweep_of(check);
+    settle_accuracy(sweep, catalogues, command);
+    warnings = scene_warnings(read_sweep(sweep, catalogues), sweep);
+    print_warnings(warnings);
+    check.overrides = std::move(sweep.overrides);
+  }
+  // While a setting is looked for and the scene's trials are planned a signal ends the program as usual.
+  std::optional<InterruptGuard> guard;
+  check.on_start = [&guard] { guard.emplace(); };
+  Progress progress = Progress::for_stream(stderr, command.silent());
+  SceneCheck found = check_scene(
+      check, catalogues, [&progress](const SweepProgress& state) { progress.update(state.done, state.total, state.simulated); });
+  print_warnings(found.warnings);
+  found.warnings.insert(found.warnings.begin(), warnings.begin(), warnings.end());
+  return found;
+}
+
+}  // namespace
+
+void CheckCommand::declare(Arguments& arguments) {
+  arguments.about("check", "Hold the trials of scenes against what they expect", R"(
+A scene says under `expect` what must come out of its trials, and under `sweep` how many there are; `slipbench list expectations` shows
+what can be asked. An expectation passes where enough trials keep it (`pass`, `reliability`); beside the count stands the exact
+(Clopper-Pearson) interval of the rate. Then all trials run again with the negative control, a controller that never tightens on slip: where it
+passes as well, the scene tests nothing, which is a failure. A scene without `expect` is not checked.
+
+A scene that fails leaves the trial that shows most of it as DIR/SCENE/trial_K.h5 and .html, and the command that replays it. To put a
+controller of one's own to the test: --set "controller={type: plugin, library: /path/to/mine.so}"; a detector likewise.
+
+Examples:
+  slipbench check scenes/grasp/*.yaml --junit check.xml
+  slipbench check scenes/grasp/check_ptfe.yaml --set controller.debounce=2 --trials 5 -o check)");
+  arguments.texts("SCENE ...", scenes, "Scene files (YAML)").required();
+  arguments.overrides(options.overrides, options.seed);
+  arguments.flag("--quiet", quiet, "No progress and no summary");
+  arguments.number("--trials N", options.trials, "Number of random draws of each cell of the grid", 1);
+  arguments.jobs(options.jobs);
+  arguments.file("--junit FILE.xml", junit, "Write what was found as JUnit XML");
+  arguments.folder("-o,--output DIR", output, "Folder for the trials of failed checks (default: slipbench-check)");
+}
+
+int CheckCommand::run() {
+  const Catalogues catalogues = program_catalogues();
+  const Style style = style_for(stdout);
+  const bool prints = !silent();
+  std::vector<CheckOptions> planned = plan_checks(*this, catalogues);
+  std::vector<SceneCheck> checks;
+  try {
+    for (CheckOptions& check : planned) {
+      checks.push_back(check_settled(check, catalogues, *this));
+      if (prints) {
+        fmt::print("{}\n", check_text(checks.back(), style));
+        std::fflush(stdout);
+      }
+    }
+  } catch (const Interrupted&) {
+    say(stderr, fmt::format("slipbench: interrupted: {} of {} scenes checked\n", checks.size(), planned.size()));
+    return exit_interrupted;
+  }
+  if (!junit.empty()) write_text_file(junit, junit_xml(checks));
+  const bool passed = std::ranges::all_of(checks, good);
+  if (json) {
+    Json scenes = Json::array();
+    for (const SceneCheck& check : checks) scenes.push_back(check_json(check));
+    fmt::print("{}\n", Json{{"passed", passed}, {"scenes", std::move(scenes)}}.dump());
+  } else if (prints) {
+    print_total(checks, style);
+  }
+  return passed ? exit_good : exit_check_failed;
+}
+
+}  // namespace slipbench

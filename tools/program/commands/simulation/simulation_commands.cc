@@ -1,0 +1,256 @@
+#include "tools/program/commands/simulation/simulation_commands.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "tools/base/workers/interrupt.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/cli/arguments.h"
+#include "tools/program/cli/progress.h"
+#include "tools/program/cli/terminal.h"
+#include "tools/program/commands/simulation/accuracy_setting.h"
+#include "tools/program/commands/simulation/recording_words.h"
+#include "tools/program/sweep/sweep_json.h"
+#include "tools/program/sweep/warnings.h"
+#include "tools/program/text/sweep_text.h"
+#include "tools/program/text/warning_text.h"
+
+namespace slipbench {
+namespace {
+
+// What a sweep gave, and how long it took on the clock.
+struct Finished {
+  SweepSummary summary;
+  double elapsed = 0.0;  // s
+};
+
+// The trials' part of the one JSON object: on the disk, since it may be larger than the memory.
+class TrialsJson {
+ public:
+  TrialsJson() : file_(std::tmpfile(), &std::fclose) {
+    if (!file_) throw InputError(fmt::format("cannot make a temporary file: {}", std::strerror(errno)));
+  }
+  void add(const TrialSummary& trial) {
+    fmt::print(file_.get(), "{}{}", empty_ ? "" : ",", trial_json(trial));
+    empty_ = false;
+  }
+  // Ends the object `head` with them. Nothing is printed where they could not all be kept.
+  void print(const std::string& head) {
+    if (std::fflush(file_.get()) != 0 || std::ferror(file_.get()) != 0) {
+      throw InputError(fmt::format("cannot write a temporary file: {}", std::strerror(errno)));
+    }
+    std::rewind(file_.get());
+    fmt::print("{},\"trials\":[", head.substr(0, head.size() - 1));
+    std::array<char, 65536> block{};
+    while (const std::size_t count = std::fread(block.data(), 1, block.size(), file_.get()))
+      std::fwrite(block.data(), 1, count, stdout);
+    if (std::ferror(file_.get()) != 0) throw InputError("cannot read a temporary file");
+    fmt::print("]}}\n");
+  }
+
+ private:
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  bool empty_ = true;
+};
+
+Finished simulate(const ReadSweep& read, SweepOptions sweep, const Catalogues& catalogues, bool silent) {
+  // Until the scene is checked there is nothing to keep: a signal ends the program as usual.
+  std::optional<InterruptGuard> guard;
+  sweep.on_start = [&guard] { guard.emplace(); };
+  sweep.interrupt = &InterruptGuard::flag();
+  sweep.keep_units = false;
+  Progress progress = Progress::for_stream(stderr, silent);
+  const auto start = std::chrono::steady_clock::now();
+  SweepSummary summary = run_sweep(read, sweep, catalogues, [&progress](const SweepProgress& state) {
+    progress.update(state.done, state.total, state.simulated);
+  });
+  return {std::move(summary), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
+}
+
+void print_json(const Finished& finished, const std::vector<Warning>& warnings, TrialsJson& trials) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(summary_json(finished.summary));
+  json["elapsed_s"] = finished.elapsed;
+  json["computed_s"] = finished.summary.computed;
+  json["times_real_time"] = finished.summary.simulated / finished.elapsed;
+  json["times_real_time_per_core"] = finished.summary.simulated / finished.summary.computed;
+  json["warnings"] = warnings_json(warnings);
+  if (const std::vector<DetectorScore> scores = detector_scores(finished.summary.trials); !scores.empty()) {
+    json["detectors"] = detectors_json(scores);
+  }
+  if (std::vector<GraspRow> rows = grasp_rows(finished.summary); !rows.empty()) json["grasps"] = grasp_json(rows);
+  trials.print(json.dump());
+}
+
+void print_only_trial(const SweepOptions& options, const SweepSummary& summary, const Catalogues& catalogues,
+                      const Style& style) {
+  fmt::print("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
+             trial_text(summary.trials.front(), sensors_of(summary.scene), style));
+  if (summary.available > 1) {
+    fmt::print("  this is trial {} of the {} of the scene's sweep; all of them: slipbench sweep {}\n",
+               summary.trials.front().trial, summary.available, options.scene_path);
+  }
+}
+
+void print_next(const SweepOptions& options, const SweepSummary& summary, const Style& style) {
+  if (summary.files.empty()) {
+    fmt::print("{} slipbench {} {} -o FILE.h5 keeps the recordings\n", style.dim("next:"), options.verb, options.scene_path);
+  } else {
+    const char* next = summary.shard ? "slipbench merge SHARD.h5 ... -o FILE.h5, once all shards are there" : "slipbench report ";
+    fmt::print("{} {}\n{} {}{}\n", style.good("written:"), files_text(summary.files), style.dim("next:"), next,
+               summary.shard ? "" : summary.files.front());
+  }
+}
+
+// Which trials failed, why, and how to run them again.
+void print_failed(const SweepSummary& summary) {
+  constexpr std::size_t most = 10;
+  std::string text = fmt::format("slipbench: {}\n", failures_text(summary.failed, summary.planned));
+  for (std::size_t i = 0; i < std::min(most, summary.failed.size()); ++i) {
+    text += fmt::format("  {}\n    again: {}\n", summary.failed[i].message, summary.failed[i].command);
+  }
+  say(stderr, text);
+}
+
+void print_summary(const SweepOptions& options, const Finished& finished, const Catalogues& catalogues) {
+  const SweepSummary& summary = finished.summary;
+  const Style style = style_for(stdout);
+  if (summary.trials.size() == 1) {
+    print_only_trial(options, summary, catalogues, style);
+  } else {
+    fmt::print("{}", sweep_text(summary, style));
+  }
+  if (summary.shard)
+    fmt::print("shard {}: {} of the sweep's {} trials\n", shard_text(*summary.shard), summary.planned, summary.shard->trials);
+  fmt::print("\n{}\n", speed_text(summary, finished.elapsed));
+  print_next(options, summary, style);
+}
+
+// "3/8".
+SweepShard parse_shard_option(const std::string& text) {
+  SweepShard shard{.number = 0, .count = 0};
+  const char* const end = text.data() + text.size();
+  const auto [slash, error] = std::from_chars(text.data(), end, shard.number);
+  if (error == std::errc() && slash != end && *slash == '/') std::from_chars(slash + 1, end, shard.count);
+  if (shard_text(shard) == text && shard.number >= 1 && shard.number <= shard.count) return shard;
+  throw InputError(fmt::format("sweep: --shard is {}; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8", quote(text)));
+}
+
+int report_interrupted(const SweepSummary& summary) {
+  const std::string kept = summary.files.empty()
+                               ? "nothing is kept"
+                               : fmt::format("kept in {}; the same command with --resume goes on", files_text(summary.files));
+  say(stderr, fmt::format("slipbench: interrupted: {} of {} trials finished; {}\n", std::max(summary.trials.size(), summary.kept),
+                          summary.planned, kept));
+  return exit_interrupted;
+}
+
+}  // namespace
+
+void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help) {
+  sweep.verb = arguments.name();
+  arguments.text("SCENE", sweep.scene_path, "Scene file (YAML)").required();
+  arguments.overrides(sweep.overrides, sweep.seed);
+  arguments.flag("--quiet", quiet, "No progress and no summary");
+  arguments.number("--trials N", trials, trials_help, 1);
+  arguments.jobs(sweep.jobs);
+  arguments.file("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5)");
+  arguments.word("--record NAME", sweep.recording, "What -o writes: everything (full, the default), or outcomes alone (outcome)",
+                 recording_words);
+  arguments.flag("--resume", sweep.resume, "Go on with what a killed or interrupted run of the same command has left of FILE.h5");
+  arguments.then([this] {
+    if (sweep.resume && sweep.output.empty())
+      throw InputError(sweep.verb + ": --resume goes on with a dataset; allowed: with -o");
+    if (sweep.recording != Recording::full && sweep.output.empty()) {
+      throw InputError(sweep.verb + ": --record says what -o writes; allowed: with -o");
+    }
+  });
+}
+
+int SimulationCommand::run() {
+  const Catalogues catalogues = program_catalogues();
+  settle_accuracy(sweep, catalogues, *this);
+  const ReadSweep read = read_sweep(sweep, catalogues);
+  std::vector<Warning> warnings = scene_warnings(read, sweep);
+  print_warnings(warnings);
+  TrialsJson trials;
+  if (json) sweep.on_trial = [&trials](const TrialSummary& trial) { trials.add(trial); };
+  const Finished finished = simulate(read, sweep, catalogues, silent());
+  const SweepSummary& summary = finished.summary;
+  // A trial that was asked for alone is no part of a sweep that could go on.
+  if (summary.planned == 1 && !summary.shard && !summary.failed.empty()) throw InputError(summary.failed.front().message);
+  const std::vector<Warning> shown = converter_warnings(summary.trials);
+  print_warnings(shown);
+  warnings.insert(warnings.end(), shown.begin(), shown.end());
+  const bool sums_up = !quiet && !brief;
+  if (json) {
+    print_json(finished, warnings, trials);
+  } else if (summary.was_complete && sums_up) {
+    fmt::print("{} is complete, with {} trials: there is nothing to resume\n", sweep.output, summary.resumed);
+  } else if (sums_up && !summary.interrupted && !summary.trials.empty()) {
+    print_summary(sweep, finished, catalogues);
+  }
+  if (!summary.damaged.empty()) {
+    say(stderr, fmt::format("slipbench: {} of the trials that were left were damaged and have been simulated again: {}\n",
+                            summary.damaged.size(), fmt::join(summary.damaged, ", ")));
+  }
+  if (!summary.failed.empty()) print_failed(summary);
+  if (!sweep.output.empty() && summary.files.empty() && !summary.interrupted) say(stderr, "slipbench: nothing is written\n");
+  if (summary.interrupted) return report_interrupted(summary);
+  return summary.failed.empty() ? exit_good : exit_check_failed;
+}
+
+void RunCommand::declare(Arguments& arguments) {
+  arguments.about("run", "Simulate one trial of a scene", R"(
+One trial, the first of the scene's sweep where it has one. With --trials N: the first N trials of the sweep; a scene with
+fewer trials is repeated with fresh random draws until there are N. With --trial K: trial K of these alone, byte for byte as it is
+among them. The same command and seed give the same bytes in FILE.h5,
+whatever --jobs is.
+
+Examples:
+  slipbench run scenes/papillarray/stage.yaml
+  slipbench run scenes/papillarray/stage.yaml --set motion.speed="8 mm/s" friction.scale=0.8 -o slide.h5
+  slipbench run scenes/papillarray/stage.yaml --set "effects=[stribeck, {ageing: {}}]" --json)");
+  declare_both(arguments, sweep.limit, "Simulate N trials instead of one");
+  arguments.number("--trial K", sweep.only, "Simulate trial K alone", 0);
+  arguments.then([this] {
+    if (sweep.limit == 0 && !sweep.only) sweep.limit = 1;
+  });
+}
+
+void SweepCommand::declare(Arguments& arguments) {
+  arguments.about("sweep", "Simulate all trials of a scene's sweep", R"(
+All trials of the scene's sweep: every cell of its grid, times the number of random draws of each cell. --trials N sets the number
+of draws of each cell (otherwise the scene's sweep.trials, or 1). Without -o the trials are simulated and summed up, and nothing is written. With --record outcome FILE.h5 holds what was swept and how each
+trial ended, a few kB a trial: enough for the report's maps and curves, not for training.
+
+FILE.h5 is written under a temporary name and renamed at the end; a file of that name is replaced. Above 1 GB it is split into
+FILE.h5, FILE-0001.h5, ... Ctrl-C: running trials end, all finished ones are kept in FILE.partial.h5, the exit status is 130;
+a second Ctrl-C stops at once. The same command with --resume goes on with what a killed or interrupted run has left. Where trials
+fail the others are written, and the exit status is 1.
+
+Examples:
+  slipbench sweep scenes/papillarray/hexapod.yaml -o hexapod.h5
+  slipbench sweep scenes/papillarray/stage.yaml --set "sweep={motion.speed: [1 mm/s, 4 mm/s]}" -o speeds.h5
+  slipbench sweep scenes/papillarray/hexapod.yaml --shard 1/2 -o shard-1.h5
+  slipbench sweep scenes/papillarray/hexapod.yaml --shard 2/2 -o shard-2.h5)");
+  declare_both(arguments, sweep.trials, "Number of random draws of each cell of the grid");
+  arguments.read("--shard k/n", "Simulate part k of n alone, for slipbench merge: the parts of all machines make up the sweep",
+                 [this](const std::string& text) {
+                   sweep.shard = parse_shard_option(text);
+                   if (sweep.output.empty()) throw InputError("sweep: --shard writes a part of a dataset; allowed: with -o");
+                 });
+}
+
+}  // namespace slipbench

@@ -1,0 +1,146 @@
+#include "tools/program/commands/simulation/view_command.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/files/output_file.h"
+#include "tools/program/cli/arguments.h"
+#include "tools/program/cli/terminal.h"
+#include "tools/program/commands/simulation/simulation_commands.h"
+#include "tools/program/report/report.h"
+#include "tools/program/view/browser.h"
+#include "tools/program/view/rerun.h"
+
+namespace slipbench {
+namespace {
+
+constexpr const char* verb = "run";  // what makes the recording, and can make it again
+
+std::string with_ending(const std::string& path, const char* ending) {
+  return std::filesystem::path(path).replace_extension(ending).string();
+}
+
+// A recording that a user may have waited for is no scratch paper: only one that a single run of the same scene makes anew is replaced.
+void check_replaceable(const std::string& dataset, const std::string& scene) {
+  std::error_code error;
+  if (!std::filesystem::exists(dataset, error)) return;
+  // Of several trials nothing: they took long, and one is all that this makes.
+  const std::string of_one = guarded(dataset, [&] {
+    const DatasetReader reader(dataset);
+    return reader.trials().size() <= 1 ? reader.header().command : std::string();
+  });
+  const std::string own = fmt::format("slipbench {} {}", verb, shell_word(scene));
+  if (of_one == own || of_one.starts_with(own + ' ')) return;
+  const std::string command = guarded(dataset, [&] { return DatasetReader(dataset).header().command; });
+  throw InputError(fmt::format(
+      "view: {} is there and not one trial of this scene, but of {}; allowed: -o with another name, or slipbench view {}",
+      dataset, command, dataset));
+}
+
+}  // namespace
+
+void ViewCommand::declare(Arguments& arguments) {
+  arguments.about("view", "Open the report of a dataset or of a scene in the browser", R"(
+Of a dataset: makes its report, as slipbench report does, and opens it. Of a scene: runs it first, as slipbench run does, and keeps the
+recording and the page in the current folder. On a machine without a screen it says where the page lies.
+
+With --rerun the trial is shown in the viewer Rerun, where the Python that you use (python3) has rerun-sdk. Of a run that is still writing its
+dataset the newest trial is shown, again and again, until the run ends. With -o FILE.rrd no viewer opens.
+
+Examples:
+  slipbench view hexapod.h5
+  slipbench view hexapod.h5 --trial 17
+  slipbench view scenes/papillarray/stage.yaml --set motion.speed="8 mm/s"
+  slipbench view hexapod.h5 --trial 17 --rerun)");
+  arguments.text("FILE", subject, "Dataset (HDF5) or scene (YAML)").required();
+  arguments.overrides(sweep.overrides, sweep.seed);
+  arguments.flag("--quiet", quiet, "No progress");
+  arguments.number("--trials N", sweep.limit, "Of a scene: simulate N trials instead of one", 1);
+  arguments.jobs(sweep.jobs);
+  arguments.file("-o,--output FILE.html", output,
+                 "Page to write (default: named after FILE); of a scene the recording lies beside it; with --rerun a FILE.rrd");
+  arguments.flag("--rerun", rerun, "Show the trial in the viewer Rerun; follows a run that is writing FILE.h5");
+  arguments.number("--trial K", trial, "Trial to show in full (default: the first); of a scene it alone is simulated", 0);
+  arguments.then([this] {
+    const char* const ending = rerun ? ".rrd" : ".html";
+    if (!output.empty() && std::filesystem::path(output).extension() != ending) {
+      throw InputError(fmt::format("view: -o is {}; allowed: a name that ends in {}", quote(output), ending));
+    }
+    if (of_scene()) return;
+    const bool simulates = !sweep.overrides.empty() || sweep.seed || sweep.limit > 0 || sweep.jobs > 0;
+    if (simulates)
+      throw InputError(fmt::format("view: {} is simulated already; --set, --seed, --trials and --jobs go with a scene", subject));
+  });
+}
+
+bool ViewCommand::of_scene() const {
+  const std::string ending = std::filesystem::path(subject).extension().string();
+  return ending == ".yaml" || ending == ".yml";
+}
+
+int ViewCommand::simulate(const std::string& dataset) const {
+  if (!rerun) check_report_target(with_ending(dataset, ".html"), dataset);
+  check_replaceable(dataset, subject);
+  RunCommand command;
+  command.sweep = sweep;
+  command.sweep.verb = verb;
+  command.sweep.scene_path = subject;
+  command.sweep.output = dataset;
+  command.sweep.only = trial;
+  if (sweep.limit == 0 && !trial) command.sweep.limit = 1;
+  command.brief = true;
+  command.quiet = silent();
+  return command.run();
+}
+
+int ViewCommand::show(const std::string& dataset) const {
+  const RerunResult result = show_in_rerun(dataset, {.trial = trial, .save = output});
+  if (result.status != 0) return result.status;
+  if (json) {
+    fmt::print("{}\n", nlohmann::ordered_json{{"dataset", dataset}, {"trials", result.trials}, {"saved", output}}.dump());
+  } else if (!output.empty()) {
+    fmt::print("{} {}\n", style_for(stdout).good("written:"), output);
+  }
+  return exit_good;
+}
+
+int ViewCommand::run() {
+  const bool scene = of_scene();
+  const std::string page = !output.empty() ? output
+                           : scene         ? with_ending(std::filesystem::path(subject).filename().string(), ".html")
+                                           : with_ending(subject, ".html");
+  const std::string dataset = scene ? with_ending(page, ".h5") : subject;
+  if (rerun && !output.empty()) check_text_target(output, {dataset}, {"recording of Rerun", &begins_as_rrd});
+  if (scene) {
+    // Before minutes of simulation, not after them.
+    if (const int status = rerun ? status_of_rerun() : exit_good; status != exit_good) return status;
+    // Trials that failed are no part of the page, and the others are worth a look.
+    if (const int status = simulate(dataset); status != exit_good && status != exit_check_failed) return status;
+  }
+  if (rerun) return show(dataset);
+  write_report(dataset, page, {.trial = trial});
+  const std::optional<std::string> browser = open_in_browser(page);
+  if (json) {
+    nlohmann::ordered_json found{{"dataset", dataset}, {"report", page}};
+    found["opened_by"] = browser ? nlohmann::ordered_json(*browser) : nlohmann::ordered_json();
+    fmt::print("{}\n", found.dump());
+    return exit_good;
+  }
+  const Style style = style_for(stdout);
+  if (scene) fmt::print("{} {}\n", style.good("written:"), dataset);
+  fmt::print("{} {}\n", style.good("written:"), page);
+  if (browser) {
+    fmt::print("opened by {}\n", *browser);
+  } else {
+    fmt::print("{} open it in a browser: {}\n", style.dim("next:"), std::filesystem::absolute(page).string());
+  }
+  return exit_good;
+}
+
+}  // namespace slipbench

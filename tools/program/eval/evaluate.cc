@@ -1,0 +1,452 @@
+#include "tools/program/eval/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/scene/parser.h"
+#include "tools/base/dataset/content_check.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/record/encoder.h"
+#include "tools/base/statistics/descriptive.h"
+#include "tools/base/statistics/roc.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/eval/metrics.h"
+#include "tools/program/eval/replay.h"
+#include "tools/program/run/recorded_scene.h"
+
+namespace slipbench::eval {
+namespace {
+
+constexpr std::size_t most_groups = 24, roc_points = 400, calibration_parts = 10, worst_of_a_kind = 4;
+constexpr std::array<const char*, 3> masks{"train", "valid", "test"};
+
+// A detector may think for as long as it likes about a dataset that holds what was written.
+constexpr std::uint64_t replay_seconds = 100'000;
+
+// What is known of a trial beside its samples.
+struct Facts {
+  std::string material, object, mask;
+  double speed = std::numeric_limits<double>::quiet_NaN();     // m/s, commanded, of the outermost unit
+  double friction = std::numeric_limits<double>::quiet_NaN();  // static, mean over the units
+};
+
+// One trial with all that is reported of it.
+struct Judged {
+  Judgement judgement;
+  Facts facts;
+  std::optional<bool>
+      as_in_loop;  // whether the dataset's own detector gave the same classes; empty: it read another sensor, or there is none
+  std::string loop_detector;
+  std::optional<GraspOutcome> grasp;
+  Json sensor;  // name, type, rate
+};
+
+// A dataset that is no simulation's has no scene.
+bool has_scene(const DatasetReader& reader) { return !reader.header().scene.empty(); }
+
+// Swept values that say which thing is touched.
+std::string object_of(const std::string& params) {
+  const Json swept = Json::parse(params, nullptr, false);
+  std::string object;
+  if (!swept.is_object()) return object;
+  for (const auto& [path, value] : swept.items()) {
+    const bool of_object = path == "object" || path.starts_with("surface.") || path.starts_with("box.") ||
+                           path.starts_with("bodies.") || path == "model";
+    if (of_object)
+      object += (object.empty() ? "" : ", ") + path + " " + (value.is_string() ? value.get<std::string>() : value.dump());
+  }
+  return object;
+}
+
+// Distance of the outermost unit from the pad's centre [m], which a rotation moves the fastest.
+double reach_of(const LabelRecord& labels) {
+  double reach = 0.0;
+  for (std::size_t k = 0; k + 1 < labels.unit_positions.size(); k += 2) {
+    reach = std::max(reach, std::hypot(labels.unit_positions[k], labels.unit_positions[k + 1]));
+  }
+  return reach;
+}
+
+// A number of the scene's motion; 0 where it has none of that name.
+double of_motion(const Scene& scene, const char* name) {
+  const auto& values = scene.motion.parameters.values();
+  const auto found = values.find(name);
+  return found != values.end() && std::holds_alternative<double>(found->second) ? std::abs(std::get<double>(found->second)) : 0.0;
+}
+
+// `scene`: null where the trial is no simulation's.
+Facts facts_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor) {
+  Facts facts;
+  facts.object = object_of(record.params);
+  const std::vector<double>& friction = sensor.labels.mu_static;
+  if (!friction.empty()) facts.friction = mean_sd(friction).mean;
+  if (scene == nullptr) return facts;
+  facts.material = scene->material;
+  if (scene->motion.parameters.values().contains("speed")) {
+    facts.speed = std::max(of_motion(*scene, "speed"), reach_of(sensor.labels) * of_motion(*scene, "rotation"));
+  }
+  return facts;
+}
+
+// The names of a trial's sensors in the scene's order, which a file does not keep.
+std::vector<std::string> ordered_sensors(const DatasetReader& reader, std::size_t trial) {
+  std::vector<std::string> names = reader.sensors(trial);
+  if (names.size() < 2 || !has_scene(reader)) return names;
+  const SceneFile scene = SceneFile::from_text(reader.header().scene, reader.files().front() + ": scene");
+  const YamlNode* sensors = scene.root().find("sensors");
+  if (sensors == nullptr) return names;
+  const auto place = [sensors](const std::string& name) {
+    return std::ranges::find(sensors->children, name, &YamlNode::key) - sensors->children.begin();
+  };
+  std::ranges::stable_sort(names, {}, place);
+  return names;
+}
+
+std::size_t chosen_sensor(const std::vector<std::string>& names, const std::string& wanted) {
+  if (wanted.empty() && names.size() == 1) return 0;
+  const auto found = std::ranges::find(names, wanted);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  throw InputError(fmt::format(
+      "{}{}", wanted.empty() ? std::string("has several sensors, which one? say it with --sensor") : "no sensor " + quote(wanted),
+      allowed_names(wanted, names)));
+}
+
+std::vector<SensorRecord> in_order(TrialRecord& record, const std::vector<std::string>& names) {
+  std::vector<SensorRecord> sensors;
+  for (const std::string& name : names) {
+    sensors.push_back(std::move(*std::ranges::find(record.sensors, name, &SensorRecord::name)));
+  }
+  record.sensors.clear();
+  return sensors;
+}
+
+Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Options& options, const Catalogues& catalogues) {
+  reader.check_recorded(trial);
+  TrialRecord record = reader.read_trial(trial);
+  const std::vector<std::string> names = ordered_sensors(reader, trial);
+  const std::size_t sensor = chosen_sensor(names, options.sensor);
+  const std::vector<SensorRecord> sensors = in_order(record, names);
+  const Replayed replayed = replay(options.detector, sensors, sensor, record.seed, trial);
+  std::optional<Scene> scene;
+  if (has_scene(reader)) scene = recorded_scene(reader, record, catalogues);
+  const Scene* const known = scene ? &*scene : nullptr;
+  Judged result;
+  result.judgement = judged(trial, truth_of(known, record, sensors[sensor], options.labels), replayed);
+  result.judgement.twin = truth_sha256(sensors[sensor].labels);
+  result.facts = facts_of(known, record, sensors[sensor]);
+  result.grasp = record.outcome.grasp;
+  result.sensor = {{"name", names[sensor]}, {"type", sensors[sensor].type}, {"rate_hz", sensors[sensor].rate}};
+  if (record.control && !record.control->detector.empty() && record.control->sensor == names[sensor]) {
+    result.loop_detector = record.control->detector;
+    const auto same = [](std::uint8_t one, PadState other) { return one == static_cast<std::uint8_t>(other); };
+    result.as_in_loop = std::ranges::equal(record.control->detector_class, replayed.seen, same);
+  }
+  return result;
+}
+
+// Digests of the trials that the detector has learnt from or chosen its state by, whatever file they are in.
+std::set<std::string> seen_trials(const Options& options) {
+  const Json trained = Json::parse(options.trained, nullptr, false);
+  std::set<std::string> digests;
+  if (!trained.is_object() || !trained.contains("sha256_seen")) return digests;
+  const Json& told = trained.at("sha256_seen");
+  const auto is_digest = [](const Json& one) { return one.is_string() && one.get_ref<const std::string&>().size() == 64; };
+  if (!told.is_array() || !std::ranges::all_of(told, is_digest)) {
+    const DetectorScene& detector = options.detector;
+    throw InputError(fmt::format("{}: metadata: trained.sha256_seen is no list of digests; allowed: 64 hexadecimal digits each",
+                                 detector.type == "network" ? detector.parameters.path("model") : detector.type));
+  }
+  if (!options.all) digests.insert(told.begin(), told.end());
+  return digests;
+}
+
+Json parameters_json(const Parameters& parameters) {
+  Json json = Json::object();
+  for (const auto& [name, value] : parameters.values()) {
+    std::visit(
+        [&json, &key = name](const auto& held) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(held)>, double>) {
+            json[key] = std::isfinite(held) ? Json(held) : Json(fmt::format("{}", held));
+          } else {
+            json[key] = held;
+          }
+        },
+        value);
+  }
+  return json;
+}
+
+// What a trial is put with, and where that stands among the groups.
+struct Group {
+  double order = 0.0;
+  std::string name;  // empty: not known
+
+  friend bool operator<(const Group& a, const Group& b) { return std::tie(a.order, a.name) < std::tie(b.order, b.name); }
+};
+using Key = std::function<Group(const Judged&)>;
+
+// Octave of a speed, as the range of mm/s that it holds.
+Group octave_of(double speed) {
+  if (std::isnan(speed)) return {};
+  if (!(speed > 0.0)) return {0.0, "at rest"};
+  // Speeds are round numbers, those of a turn nearly: 3.99 mm/s belongs to those from 4 mm/s on.
+  const double low = std::exp2(std::floor(std::log2(1.01e3 * speed)));
+  return {low, fmt::format("{:g} to {:g} mm/s", low, 2.0 * low)};
+}
+
+// Summaries by a key; empty where it tells nothing or too much.
+Json broken_down(const std::vector<Judged>& trials, const Key& key) {
+  std::map<Group, std::vector<Judgement>> groups;
+  for (const Judged& trial : trials) {
+    const Group group = key(trial);
+    if (group.name.empty()) return {};
+    groups[group].push_back(trial.judgement);
+  }
+  if (groups.size() < 2 || groups.size() > most_groups) return {};
+  Json json = Json::array();
+  for (const auto& [about, members] : groups) {
+    Json group = {{"name", about.name}};
+    group.update(summary_json(summarised(members)));
+    json.push_back(std::move(group));
+  }
+  return json;
+}
+
+// `untouched`: the detector has learnt from no trial of the dataset. Where it has, the dataset's masks say nothing of what is new to it.
+Json breakdowns(const std::vector<Judged>& trials, bool untouched) {
+  Json json = Json::array();
+  const auto add = [&](const char* by, const Key& key) {
+    Json groups = broken_down(trials, key);
+    if (!groups.is_null()) json.push_back({{"by", by}, {"groups", std::move(groups)}});
+  };
+  add("material", [](const Judged& trial) { return Group{0.0, trial.facts.material}; });
+  add("object", [](const Judged& trial) {
+    const bool is_material = trial.facts.object == "surface.material " + trial.facts.material;
+    return Group{0.0, is_material ? "" : trial.facts.object};
+  });
+  add("speed", [](const Judged& trial) { return octave_of(trial.facts.speed); });
+  if (!untouched) return json;
+  add("mask", [](const Judged& trial) {
+    const auto place = std::ranges::find(masks, trial.facts.mask);
+    return Group{static_cast<double>(place - masks.begin()), trial.facts.mask};
+  });
+  return json;
+}
+
+// Adds `roc` and `calibration`.
+void add_curves(Json& json, const std::vector<Judged>& trials) {
+  std::vector<double> positives, negatives;
+  for (const Judged& trial : trials) {
+    positives.insert(positives.end(), trial.judgement.positives.begin(), trial.judgement.positives.end());
+    negatives.insert(negatives.end(), trial.judgement.negatives.begin(), trial.judgement.negatives.end());
+  }
+  if (positives.empty() || negatives.empty()) return;
+  json["roc"] = Json::array();
+  for (const RocPoint& point : roc_curve(positives, negatives, roc_points)) {
+    json["roc"].push_back(
+        {std::isfinite(point.threshold) ? Json(point.threshold) : Json(nullptr), point.false_share, point.true_share});
+  }
+  json["calibration"] = Json::array();
+  for (const CalibrationBin& bin : calibration(positives, negatives, calibration_parts)) {
+    json["calibration"].push_back(
+        {{"low", bin.low}, {"high", bin.high}, {"count", bin.count}, {"mean", bin.mean}, {"share", bin.share}});
+  }
+}
+
+// What the dataset's own loop did, where its detector was this one.
+Json loop_json(const std::vector<Judged>& trials) {
+  if (std::ranges::none_of(trials, [](const Judged& trial) { return trial.as_in_loop.has_value(); })) return {};
+  const bool same = std::ranges::all_of(trials, [](const Judged& trial) { return trial.as_in_loop.value_or(false); });
+  std::set<std::string> detectors;
+  for (const Judged& trial : trials) {
+    if (!trial.loop_detector.empty()) detectors.insert(trial.loop_detector);
+  }
+  Json json = {{"detector", fmt::format("{}", fmt::join(detectors, ", "))}, {"same", same}};
+  if (!same || !std::ranges::all_of(trials, [](const Judged& trial) { return trial.grasp.has_value(); })) return json;
+  std::size_t dropped = 0;
+  std::vector<double> translation, rotation, force, reaction;
+  const auto put = [](std::vector<double>& values, double value) {
+    if (!std::isnan(value)) values.push_back(value);
+  };
+  for (const Judged& trial : trials) {
+    const GraspOutcome& grasp = *trial.grasp;
+    dropped += grasp.dropped ? 1U : 0U;
+    put(translation, grasp.slip_translation);
+    put(rotation, grasp.slip_rotation);
+    put(force, grasp.max_grip_force / grasp.ideal_grip_force);
+    put(reaction, grasp.reaction_time);
+  }
+  json["trials"] = trials.size();
+  json["dropped"] = dropped;
+  json["slip_translation_m"] = number_json(median(translation));
+  json["slip_rotation_rad"] = number_json(median(rotation));
+  json["force_ratio"] = number_json(median(force));
+  json["reaction_time_s"] = number_json(median(reaction));
+  return json;
+}
+
+// Samples that are called slip and do not slip, or the other way round.
+std::size_t wrong_frames(const Confusion& frames) {
+  std::size_t wrong = 0;
+  for (std::size_t truth = 0; truth < frames.size(); ++truth) {
+    for (std::size_t seen = 0; seen < frames.size(); ++seen) wrong += (truth >= 2) != (seen >= 2) ? frames[truth][seen] : 0;
+  }
+  return wrong;
+}
+
+Json trial_json(const Judged& trial) {
+  const Judgement& judgement = trial.judgement;
+  std::size_t frames = 0;
+  for (const StateCounts& row : judgement.frames) {
+    for (const std::size_t samples : row) frames += samples;
+  }
+  return {{"trial", judgement.trial},
+          {"detection", detection_word(judgement.detection)},
+          {"slip_time_s", number_json(judgement.slip_time)},
+          {"alarm_time_s", number_json(judgement.alarm_time)},
+          {"delay_s", number_json(judgement.delay)},
+          {"false_alarms", judgement.stick_alarms + judgement.air_alarms},
+          {"frames", frames},
+          {"wrong", wrong_frames(judgement.frames)},
+          {"material", trial.facts.material},
+          {"object", trial.facts.object},
+          {"speed_m_s", number_json(trial.facts.speed)},
+          {"friction", number_json(trial.facts.friction)},
+          {"mask", trial.facts.mask}};
+}
+
+// Some of each kind: missed; early by how much; false alarms by their number; seen late.
+Json worst_json(const std::vector<Judged>& trials) {
+  Json json = Json::array();
+  const auto add = [&](Detection detection, const std::function<double(const Judgement&)>& badness, const auto& why) {
+    std::vector<const Judgement*> found;
+    for (const Judged& trial : trials) {
+      const Judgement& one = trial.judgement;
+      if (one.detection == detection && !std::isnan(badness(one))) found.push_back(&one);  // NaN: no delay, of one sample
+    }
+    std::ranges::stable_sort(found, std::greater{}, [&badness](const Judgement* one) { return badness(*one); });
+    if (found.size() > worst_of_a_kind) found.resize(worst_of_a_kind);
+    for (const Judgement* one : found) json.push_back({{"trial", one->trial}, {"why", why(*one)}});
+  };
+  const auto alarms = [](const Judgement& one) { return static_cast<double>(one.stick_alarms + one.air_alarms); };
+  const auto lead = [](const Judgement& one) { return one.slip_time - one.alarm_time; };
+  const auto wrong = [](const Judgement& one) { return static_cast<double>(wrong_frames(one.frames)); };
+  add(Detection::missed, wrong,
+      [](const Judgement& one) { return fmt::format("missed; slips from {:.4g} s on", one.slip_time); });
+  add(Detection::early, lead, [&](const Judgement& one) { return fmt::format("early by {:.4g} s", lead(one)); });
+  add(Detection::false_alarm, alarms,
+      [](const Judgement& one) { return fmt::format("never slips; alarm at {:.4g} s", one.alarm_time); });
+  add(
+      Detection::seen, [](const Judgement& one) { return one.delay; },
+      [](const Judgement& one) { return fmt::format("seen late, by {:.4g} s", one.delay); });
+  return json;
+}
+
+void check_dataset(const std::string& dataset) {
+  guarded(dataset, [&dataset] {
+    const DatasetReader reader(dataset);
+    if (!reader.complete()) throw InputError(dataset + ": its run did not come to its end; allowed: a whole dataset");
+    if (reader.trials().empty()) throw InputError(dataset + ": holds no trial");
+    ContentCheck check(reader);
+    for (const std::size_t trial : reader.trials()) {
+      reader.check_recorded(trial);
+      check.add(trial);
+    }
+    check.finish();
+    return std::string();
+  });
+}
+
+std::string evaluated(const Options& options) {
+  const DatasetReader reader(options.dataset);
+  if (options.labels != TruthRule::paper) {
+    reader.check_truth("eval --labels " + label_rule_name(options.labels), "--labels paper, what the recordings' own set says");
+  }
+  std::map<std::size_t, std::string> mask_of;
+  for (const char* mask : masks) {
+    for (const std::size_t trial : reader.mask(mask)) mask_of[trial] = mask;
+  }
+  const std::set<std::string> seen = seen_trials(options);
+  const Catalogues catalogues = program_catalogues();
+  std::vector<Judged> trials;
+  Json left_out = Json::array();
+  for (const std::size_t trial : reader.trials()) {
+    const std::string mask = mask_of.contains(trial) ? mask_of.at(trial) : "";
+    if (!options.split.empty() && mask != options.split) continue;
+    if (seen.contains(trial_identity(reader, trial))) {
+      left_out.push_back(trial);
+      continue;
+    }
+    try {
+      trials.push_back(judged_trial(reader, trial, options, catalogues));
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: trial {}: {}", reader.files()[reader.file_of(trial)], trial, error.what()));
+    }
+    trials.back().facts.mask = mask;
+  }
+  if (trials.empty()) {
+    throw InputError(fmt::format("{}: no trial is left to judge: {}", options.dataset,
+                                 left_out.empty() ? "its split '" + options.split + "' is empty"
+                                                  : "the detector was trained on all of them; allowed: other data, or --all"));
+  }
+  std::vector<Judgement> judgements;
+  for (const Judged& trial : trials) judgements.push_back(trial.judgement);
+  Json json = {{result_key, 1},
+               {"detector", {{"type", options.detector.type}, {"parameters", parameters_json(options.detector.parameters)}}},
+               {"dataset", options.dataset},
+               {"sensor", trials.front().sensor},
+               {"labels", label_rule_name(options.labels)},
+               {"truth", reader.header().truth},
+               {"split", options.split.empty() ? "all" : options.split},
+               {"left_out", left_out},
+               {"all", summary_json(summarised(judgements))},
+               {"by", breakdowns(trials, left_out.empty())},
+               {"failed", reader.failed().size()}};
+  add_curves(json, trials);
+  if (Json loop = loop_json(trials); !loop.is_null()) json["loop"] = std::move(loop);
+  json["worst"] = worst_json(trials);
+  json["trials"] = Json::array();
+  for (const Judged& trial : trials) json["trials"].push_back(trial_json(trial));
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+TruthRule learnt_labels(const std::string& trained) {
+  const Json said = Json::parse(trained, nullptr, false);
+  if (!said.is_object() || !said.contains("labels")) return TruthRule::strict;
+  const Json& labels = said.at("labels");
+  try {
+    if (labels.is_string()) return parse_label_rule(labels.get<std::string>());
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("the detector's metadata: trained.labels: {}; judge by another with --labels", error.what()));
+  }
+  throw InputError("the detector's metadata: trained.labels is no name of a rule; judge by one with --labels");
+}
+
+std::string truth_note(const Json& result) {
+  const auto truth = result.at("truth").get<std::string>();
+  return truth.empty() ? truth
+                       : fmt::format("truth {}: where a name here says true, it is the label of the recordings' own set", truth);
+}
+
+Json evaluate(const Options& options) {
+  check_dataset(options.dataset);
+  ReadingLimits limits = reading_limits(options.dataset);
+  limits.cpu += replay_seconds;
+  limits.wait += replay_seconds;
+  return Json::parse(guarded(options.dataset, limits, [&options] { return evaluated(options); }));
+}
+
+}  // namespace slipbench::eval

@@ -1,0 +1,54 @@
+// `slipbench eval`: any detector on any dataset of its sensor.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/scene/scene.h"
+#include "tools/base/page/json.h"
+#include "tools/program/eval/truth.h"
+
+namespace slipbench::eval {
+
+struct Options {
+  DetectorScene detector;
+  std::string dataset;
+  TruthRule labels = TruthRule::strict;
+  std::string sensor;  // the scene's name; empty: the only one
+  std::string split;   // "train", "valid" or "test" of the dataset's masks; empty: every trial
+  // What the detector says of its training, JSON: trials whose digests stand in `sha256_seen` are left out, unless `all`.
+  std::string trained = "{}";
+  bool all = false;
+};
+
+// The rule that a detector learnt by, of what it says of its training; strict where that names none. Throws InputError for a rule that is none.
+TruthRule learnt_labels(const std::string& trained);
+
+inline constexpr const char* result_key = "slipbench_eval";
+
+// The result, which --json prints and the page shows; its first key is result_key: 1.
+//   detector {type, parameters}, dataset, sensor {name, type, rate_hz}, labels, split
+//   truth          empty; of imported recordings "none: imported from bts3v2": what is judged by, then, is the set's own label
+//   left_out       trials that the detector was trained on, which are not judged
+//   all            summary_json() of the trials judged
+//   by             [{by, groups: [{name, ...summary_json()}]}]: material, object, speed (octaves), and mask, where no trial is left out; of those
+//                  that have 2 to 24 groups
+//   failed         trials that failed, which the dataset does not hold
+//   roc            [[threshold, false share, true share]] and
+//   calibration    [{low, high, count, mean, share}], where the detector has a probability and both classes occur
+//   loop           what the dataset's own loop did with this detector: {detector, same}; `same`: it gave the same classes in every sample; in
+//                  grasps where it is true: trials, dropped, slip_translation_m, slip_rotation_rad, force_ratio (medians; greatest force over the
+//                  least that holds), reaction_time_s. Absent where the dataset has no detector on that sensor
+//   trials         [{trial, detection, slip_time_s, alarm_time_s, delay_s, false_alarms, frames, wrong, material, object, speed_m_s, friction,
+//                  mask}]
+//   worst          numbers of the trials to look at first, with why: [{trial, why}]
+// Times in s. Throws InputError, naming file and trial: no whole dataset, outcomes alone, no such sensor or split, what replay() and truth_of()
+// refuse. Reads in a child process (tools/base/dataset/guarded.h), in which the detector runs too.
+Json evaluate(const Options& options);
+
+// What a reader of a result must know where `truth` is not empty; empty where it is.
+std::string truth_note(const Json& result);
+
+}  // namespace slipbench::eval

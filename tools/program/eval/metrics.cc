@@ -1,0 +1,230 @@
+#include "tools/program/eval/metrics.h"
+
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include "tools/base/statistics/binomial.h"
+#include "tools/base/statistics/bootstrap.h"
+#include "tools/base/statistics/descriptive.h"
+
+namespace slipbench::eval {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t bootstrap_draws = 1000;
+constexpr std::uint64_t bootstrap_seed = 1;
+
+constexpr std::array<const char*, 4> state_words{"no_contact", "non_slip", "incipient", "gross"};
+
+bool is_slip(PadState state) { return state == PadState::incipient || state == PadState::gross; }
+
+// Sums over trials.
+struct Pool {
+  Summary counts;
+  std::vector<double> delays;
+  double stick_alarms = 0.0, stick_time = 0.0, air_alarms = 0.0, air_time = 0.0, stuck_error = 0.0, stuck_frames = 0.0;
+
+  void add(const Judgement& trial) {
+    ++counts.trials;
+    slipbench::add(counts.frames, trial.frames);
+    switch (trial.detection) {
+      case Detection::quiet: break;
+      case Detection::false_alarm: ++counts.false_alarms; break;
+      case Detection::early: ++counts.early; break;
+      case Detection::seen: ++counts.seen; break;
+      case Detection::missed: ++counts.missed; break;
+    }
+    if (!std::isnan(trial.slip_time)) ++counts.slipping;
+    if (!std::isnan(trial.delay)) delays.push_back(trial.delay);
+    stick_alarms += static_cast<double>(trial.stick_alarms);
+    stick_time += trial.stick_time;
+    air_alarms += static_cast<double>(trial.air_alarms);
+    air_time += trial.air_time;
+    stuck_error += trial.stuck_error;
+    stuck_frames += static_cast<double>(trial.stuck_frames);
+  }
+};
+
+double ratio(double part, double whole) { return whole > 0.0 ? part / whole : nan; }
+
+constexpr std::size_t place_of(std::string_view key) {
+  for (std::size_t k = 0; k < figures.size(); ++k) {
+    if (figures[k].key == key) return k;
+  }
+  throw std::logic_error("no such figure");
+}
+
+// In the order of `figures`, but for the AUC, which is NaN.
+std::vector<double> figures_of(const Pool& pool) {
+  const Confusion& frames = pool.counts.frames;
+  const auto slipping = static_cast<double>(pool.counts.slipping);
+  std::vector<double> values(figures.size(), nan);
+  const auto set = [&values](std::string_view key, double value) { values[place_of(key)] = value; };
+  set("recall_of_slip", recall_of_slip(frames));
+  set("balanced_slip_accuracy", balanced_slip_accuracy(frames));
+  set("delay_median_s", median(pool.delays));
+  set("delay_p10_s", quantile(pool.delays, 0.1));
+  set("delay_p90_s", quantile(pool.delays, 0.9));
+  set("early", ratio(static_cast<double>(pool.counts.early), slipping));
+  set("missed", ratio(static_cast<double>(pool.counts.missed), slipping));
+  const StateCounts& stick = frames[static_cast<std::size_t>(PadState::non_slip)];
+  const double stick_called_slip = static_cast<double>(stick[static_cast<std::size_t>(PadState::incipient)] +
+                                                       stick[static_cast<std::size_t>(PadState::gross)]);
+  set("false_alarm_share",
+      ratio(stick_called_slip, static_cast<double>(std::accumulate(stick.begin(), stick.end(), std::size_t{0}))));
+  set("false_alarms_per_minute", 60.0 * ratio(pool.stick_alarms, pool.stick_time));
+  set("air_alarms_per_minute", 60.0 * ratio(pool.air_alarms, pool.air_time));
+  set("f1_of_slip", f1_of_slip(frames));
+  set("balanced_accuracy", balanced_accuracy(frames));
+  set("accuracy", accuracy(frames));
+  set("stuck_fraction_error", ratio(pool.stuck_error, pool.stuck_frames));
+  return values;
+}
+
+// The trials of each experiment.
+std::vector<std::vector<std::size_t>> experiments_of(std::span<const Judgement> trials) {
+  std::vector<std::vector<std::size_t>> experiments;
+  std::map<std::string, std::size_t> known;
+  for (std::size_t k = 0; k < trials.size(); ++k) {
+    const std::size_t next = experiments.size();
+    const std::size_t place = trials[k].twin.empty() ? next : known.try_emplace(trials[k].twin, next).first->second;
+    if (place == next) experiments.emplace_back();
+    experiments[place].push_back(k);
+  }
+  return experiments;
+}
+
+Estimate auc_of(std::span<const Judgement> trials, const std::vector<std::vector<std::size_t>>& experiments) {
+  std::vector<double> positives, negatives;
+  std::vector<std::size_t> positive_trial, negative_trial;
+  for (std::size_t place = 0; place < experiments.size(); ++place) {
+    for (const std::size_t k : experiments[place]) {
+      positives.insert(positives.end(), trials[k].positives.begin(), trials[k].positives.end());
+      negatives.insert(negatives.end(), trials[k].negatives.begin(), trials[k].negatives.end());
+    }
+    positive_trial.resize(positives.size(), place);
+    negative_trial.resize(negatives.size(), place);
+  }
+  if (positives.empty() || negatives.empty()) return {};
+  const Auc found = auc(positives, positive_trial, negatives, negative_trial);
+  return {found.value, found.interval};
+}
+
+}  // namespace
+
+Json number_json(double value) { return std::isnan(value) ? Json(nullptr) : Json(value); }
+
+Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed) {
+  const std::size_t rows = truth.time.size();
+  if (truth.state.size() != rows || replayed.seen.size() != rows) throw std::logic_error("truth and answers differ in length");
+  Judgement result;
+  result.trial = trial;
+  result.slip_time = truth.first_slip;
+  bool seen_before = false;
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double time = truth.time[row];
+    const PadState state = truth.state[row], seen = replayed.seen[row];
+    const bool judges = truth.masked.empty() || !truth.masked[row];
+    if (judges) count(result.frames, state, seen);
+    if (const double value = replayed.probability[row]; judges && !std::isnan(value)) {
+      (is_slip(state) ? result.positives : result.negatives).push_back(value);
+    }
+    if (!truth.stuck_fraction.empty()) {
+      const double error = std::abs(replayed.stuck_fraction[row] - static_cast<double>(truth.stuck_fraction[row]));
+      if (!std::isnan(error)) {
+        result.stuck_error += error;
+        ++result.stuck_frames;
+      }
+    }
+    const bool begins = !std::exchange(seen_before, is_slip(seen)) && is_slip(seen);
+    if (!truth.counts(time)) continue;
+    if (is_slip(seen) && std::isnan(result.alarm_time)) {
+      // One that was there before it counted is an alarm from the sample on from which it counts.
+      const bool new_here = row == 0 || replayed.seen_since[row] > truth.time[row - 1];
+      result.alarm_time = new_here ? replayed.seen_since[row] : time;
+    }
+    if (!judges || rows == 1) continue;  // one sample lasts no time: its period is the nominal rate's
+    if (state == PadState::non_slip) {
+      result.stick_time += truth.period;
+      result.stick_alarms += begins ? 1U : 0U;
+    } else if (state == PadState::no_contact) {
+      result.air_time += truth.period;
+      result.air_alarms += begins ? 1U : 0U;
+    }
+  }
+  TrialOutcome outcome;
+  if (!std::isnan(result.alarm_time)) {
+    // Without a slip it is a false alarm.
+    (result.alarm_time >= truth.first_slip ? outcome.detection_time : outcome.false_alarm_time) = result.alarm_time;
+  }
+  settle_detection(outcome, !std::isnan(truth.first_slip));
+  result.detection = *outcome.detection;
+  if (result.detection == Detection::seen && rows > 1) result.delay = result.alarm_time - truth.first_slip;
+  return result;
+}
+
+Summary summarised(std::span<const Judgement> trials) {
+  const std::vector<std::vector<std::size_t>> experiments = experiments_of(trials);
+  const auto pool_of = [&](std::span<const std::size_t> drawn) {
+    Pool pool;
+    for (const std::size_t place : drawn) {
+      for (const std::size_t k : experiments[place]) pool.add(trials[k]);
+    }
+    return pool;
+  };
+  Pool all;
+  for (const Judgement& trial : trials) all.add(trial);
+  Summary summary = all.counts;
+  const std::vector<double> values = figures_of(all);
+  std::vector<Interval> intervals(figures.size(), {nan, nan});
+  if (experiments.size() >= fewest_experiments) {
+    intervals = bootstrap_intervals(experiments.size(), bootstrap_draws, bootstrap_seed,
+                                    [&](std::span<const std::size_t> drawn) { return figures_of(pool_of(drawn)); });
+  }
+  for (std::size_t k = 0; k < figures.size(); ++k) {
+    summary.estimates[k].value = values[k];
+    if (!std::isnan(values[k])) summary.estimates[k].interval = intervals[k];
+  }
+  if (summary.slipping > 0 && experiments.size() == trials.size()) {
+    summary.estimates[place_of("early")].interval = clopper_pearson(summary.early, summary.slipping);
+    summary.estimates[place_of("missed")].interval = clopper_pearson(summary.missed, summary.slipping);
+  }
+  summary.estimates[place_of("auc")] = auc_of(trials, experiments);
+  return summary;
+}
+
+Json summary_json(const Summary& summary) {
+  Json values, called;
+  for (std::size_t k = 0; k < figures.size(); ++k) {
+    const Estimate& estimate = summary.estimates[k];
+    values[std::string(figures[k].key)] = {{"value", number_json(estimate.value)},
+                                           {"low", number_json(estimate.interval.low)},
+                                           {"high", number_json(estimate.interval.high)}};
+  }
+  std::size_t frames = 0;
+  for (std::size_t truth = 0; truth < state_words.size(); ++truth) {
+    for (std::size_t seen = 0; seen < state_words.size(); ++seen) {
+      called[state_words[truth]][state_words[seen]] = summary.frames[truth][seen];
+      frames += summary.frames[truth][seen];
+    }
+  }
+  const double slip_or_not = summary.estimates[place_of("balanced_slip_accuracy")].value;
+  return {{"trials", summary.trials},
+          {"slipping", summary.slipping},
+          {"seen", summary.seen},
+          {"early", summary.early},
+          {"missed", summary.missed},
+          {"false_alarms", summary.false_alarms},
+          {"frames", frames},
+          {"figures", std::move(values)},
+          {"constant",
+           {{"balanced_slip_accuracy", std::isnan(slip_or_not) ? Json(nullptr) : Json(0.5)},
+            {"balanced_accuracy", number_json(constant_balanced_accuracy(summary.frames))},
+            {"accuracy", number_json(constant_accuracy(summary.frames))}}},
+          {"called", std::move(called)}};
+}
+
+}  // namespace slipbench::eval

@@ -1,0 +1,505 @@
+#include "tools/program/sweep/run_sweep.h"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <new>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "sim/scene/scene_reader.h"
+#include "tools/base/dataset/kept_trials.h"
+#include "tools/base/record/encoder.h"
+#include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/ordered_workers.h"
+#include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/run/recorder.h"
+#include "tools/program/run/run_trial.h"
+#include "tools/program/run/split.h"
+#include "tools/program/sweep/named_files.h"
+#include "tools/program/sweep/sweep_shard.h"
+
+namespace slipbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What is kept of a trial; without a dataset nothing has to be.
+Recording recording_of(const SweepOptions& options) { return options.output.empty() ? Recording::outcome : options.recording; }
+
+// Whether a value given for `path` replaces all that was given for `earlier`. Below `sweep` the rest of a path is one key.
+bool replaces(const std::string& path, const std::string& earlier) {
+  return earlier == path || (earlier.starts_with(path + '.') && !path.starts_with("sweep."));
+}
+
+// The overrides that count, in an order in which they can be applied again. An object has each key once, so a repeated path
+// stands where it was given last; what it replaces must go with its first value, since it may be below it.
+std::string overrides_json(const std::vector<Override>& overrides) {
+  std::vector<Override> kept;
+  for (const Override& change : overrides) {
+    std::erase_if(kept, [&](const Override& earlier) { return replaces(change.path, earlier.path); });
+    kept.push_back(change);
+  }
+  Json json = Json::object();
+  for (const Override& change : kept) json[change.path] = change.value;
+  return json.dump();
+}
+
+// A trial as a worker hands it over.
+struct FinishedTrial {
+  TrialSummary summary;
+  double duration = 0.0;  // s, simulated
+  double computed = 0.0;  // s, on the clock
+  std::optional<EncodedTrial> encoded;
+  std::string failure = {};  // why the trial failed; empty: it did not
+};
+
+TrialSummary summary_of(TrialResult& result) {
+  const TrialRecord& record = result.record;
+  TrialSummary summary{.trial = record.trial, .params = record.params, .outcome = record.outcome, .sensors = {}, .detector = {}};
+  for (std::size_t i = 0; i < record.sensors.size(); ++i) {
+    const SensorRecord& sensor = record.sensors[i];
+    summary.sensors.push_back(
+        {sensor.name, std::move(result.units[i]), sensor.labels.state_count, sensor.labels.state_micro_count});
+  }
+  if (record.control) summary.controller = record.control->controller;
+  if (record.control && !record.control->detector.empty()) {
+    summary.detector = {record.control->detector, record.control->sensor, record.control->confusion};
+  }
+  return summary;
+}
+
+// How the trials are run and kept.
+struct WorkPlan {
+  const TrialPlan& trials;
+  std::uint64_t seed = 0;
+  Recording recording = Recording::full;
+  double max_bytes = max_record_bytes;  // of a trial's record
+  const std::atomic<bool>* interrupt = nullptr;
+};
+
+FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
+  const InterruptScope scope(plan.interrupt);
+  TrialPlan::Trial trial = plan.trials.trial(index);
+  trial.scene.seed = plan.seed;
+  const auto start = std::chrono::steady_clock::now();
+  TrialResult result = run_trial(trial.scene, index, plan.recording, plan.max_bytes, plan.interrupt);
+  const std::chrono::duration<double> computed = std::chrono::steady_clock::now() - start;
+  result.record.params = params_json(trial.drawn);
+  FinishedTrial finished{summary_of(result), trial.scene.duration, computed.count(), std::nullopt};
+  if (plan.recording == Recording::outcome) keep_outcome(result.record);
+  if (encoder != nullptr) finished.encoded = encoder->encode(result.record);
+  return finished;
+}
+
+// Grid cells beyond this many are checked when they run.
+constexpr std::size_t max_checked_cells = 10'000;
+
+// Worker threads, and what the record of each may take.
+struct Workforce {
+  std::size_t threads = 1;
+  double max_bytes = max_record_bytes;
+};
+
+// As many threads as `options` ask for. Where they ask for none, one a hardware thread, but no more than have room for twice a
+// record of `bytes` (0: nothing is recorded) each: its events come on top.
+Workforce workforce_for(const SweepOptions& options, std::size_t trials, double bytes) {
+  double threads = static_cast<double>(std::max(1U, std::thread::hardware_concurrency()));
+  if (options.jobs != 0) {
+    threads = static_cast<double>(options.jobs);
+  } else if (bytes > 0.0) {
+    threads = std::clamp(std::floor(max_record_bytes / (2.0 * bytes)), 1.0, threads);
+  }
+  threads = std::min(threads, static_cast<double>(std::max<std::size_t>(1, trials)));
+  return {static_cast<std::size_t>(threads), max_record_bytes / threads};
+}
+
+// The trials that are looked at before a run of `trials`: the first of every grid cell, or the only one. Of a shard the first of
+// the cells that it has trials of, since the others are those of other machines.
+std::vector<std::size_t> checked_trials(const TrialPlan& plan, const SweepOptions& options,
+                                        const std::vector<std::size_t>& trials) {
+  if (options.only) return {*options.only};
+  std::vector<std::size_t> checked;
+  if (!options.shard) {
+    for (std::size_t index = 0; index < std::min(plan.size(), max_checked_cells * plan.draws()); index += plan.draws())
+      checked.push_back(index);
+    return checked;
+  }
+  for (const std::size_t trial : trials) {
+    const std::size_t first = trial / plan.draws() * plan.draws();
+    if (checked.size() < max_checked_cells && (checked.empty() || checked.back() != first)) checked.push_back(first);
+  }
+  return checked;
+}
+
+// Builds checked_trials(), so that a scene that contradicts itself, or whose records would not fit into memory, is refused before anything is
+// written. Adds the files that they name to `files`. `asked`: trials of the whole sweep.
+Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const std::vector<std::size_t>& trials,
+                      std::size_t asked, const Catalogues& catalogues, std::set<std::string>& files) {
+  const std::vector<std::size_t> checked = checked_trials(plan, options, trials);
+  std::size_t index = checked.front();
+  std::size_t largest = index;  // trial of the largest record
+  double bytes = 0.0;
+  try {
+    for (const std::size_t trial : checked) {
+      if (options.interrupt != nullptr && *options.interrupt) break;
+      index = trial;
+      const Scene scene = plan.trial(index).scene;
+      if (scene.detector) check_run(*scene.detector, options.only ? index + 1 : asked);
+      const double size = check_trial(scene, index);
+      add_named_files(scene, catalogues, files);
+      if (recording_of(options) == Recording::outcome || size <= bytes) continue;
+      largest = index;
+      bytes = size;
+    }
+    index = largest;
+    const Workforce workforce = workforce_for(options, trials.size(), bytes);
+    check_record_size(plan.trial(index).scene, bytes, workforce.max_bytes);
+    return workforce;
+  } catch (const SceneValueError& error) {
+    throw InputError(plan.where(index, error.path()) + ": " + error.what());
+  }
+}
+
+// Says nothing of the trial, which may run with more memory. So it ends the run, whose finished trials are kept, and is not noted
+// as a failure.
+class OutOfMemory : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+// As run_one; what went wrong is told with the trial's number, and with the line of the scene where one is to blame.
+FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
+  try {
+    return run_one(plan, index, encoder);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const SceneValueError& error) {
+    throw InputError(fmt::format("trial {}: {}: {}", index, plan.trials.where(index, error.path()), error.what()));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("trial {}: {}", index, error.what()));
+  } catch (const std::bad_alloc&) {
+    throw OutOfMemory(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
+  } catch (const std::exception& error) {
+    throw std::runtime_error(fmt::format("trial {}: {}", index, error.what()));
+  }
+}
+
+// `trials`: the numbers of those that the workers simulate.
+OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepOptions& options,
+                                              const std::vector<std::size_t>& trials) {
+  std::shared_ptr<TrialEncoder> encoder = options.output.empty() ? nullptr : std::make_shared<TrialEncoder>();
+  return [plan, encoder, &trials](std::size_t index) {
+    try {
+      return run_numbered(plan, trials[index], encoder.get());
+    } catch (const OutOfMemory&) {
+      throw;
+    } catch (const InputError& error) {
+      FinishedTrial failed;
+      failed.summary.trial = trials[index];
+      failed.failure = error.what();
+      return failed;
+    }
+  };
+}
+
+// A trial of an earlier run, as it would be handed over by a worker.
+FinishedTrial resumed_trial(const KeptTrials& kept, const WorkPlan& plan, std::size_t index, TrialEncoder& encoder) {
+  TrialResult result;
+  result.record = kept.read(index);
+  result.units.resize(result.record.sensors.size());
+  const Scene scene = plan.trials.trial(index).scene;
+  result.record.material = split_group(scene);
+  FinishedTrial finished{summary_of(result), scene.duration, 0.0, encoder.encode(result.record)};
+  finished.summary.resumed = true;
+  return finished;
+}
+
+// The command that runs one trial of a sweep again.
+std::string repeating_command(const SweepOptions& options, std::uint64_t seed, std::size_t trial) {
+  SweepOptions run = options;
+  run.verb = "run";
+  run.recording = Recording::full;
+  run.seed = seed;
+  run.only = trial;
+  run.shard.reset();
+  // `run` knows the trials of the scene's own sweep: their number goes there.
+  if (options.trials > 0) run.overrides.push_back({"sweep.trials", std::to_string(std::exchange(run.trials, 0))});
+  return canonical_command(run);
+}
+
+// Keeps the finished trials of a run that failed, and says where; empty when there are none.
+std::string keep_finished(DatasetWriter& writer, std::size_t planned) {
+  const std::vector<std::string> files = writer.keep_partial();
+  const std::size_t finished = writer.size();
+  if (files.empty()) return "";
+  return fmt::format("; {} {} {} of {} trials", fmt::join(files, ", "), files.size() == 1 ? "holds" : "hold", finished, planned);
+}
+
+// The scene's sweep, its cells repeated until there are at least options.limit trials.
+TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
+  TrialPlan plan(file, catalogues, options.trials, seed);
+  if (plan.size() >= options.limit) return plan;
+  const std::size_t cells = TrialPlan(file, catalogues, 1, seed).size();
+  return {file, catalogues, (options.limit + cells - 1) / cells, seed};
+}
+
+}  // namespace
+
+void keep_outcome(TrialRecord& record) {
+  record.sensors.clear();
+  record.body_time.clear();
+  record.bodies.clear();
+}
+
+std::string params_json(const std::vector<std::pair<std::string, std::string>>& drawn) {
+  std::string text = "{";
+  for (const auto& [path, value] : drawn) {
+    if (text.size() > 1) text += ", ";
+    text += Json(path).dump() + ": " + value;  // values come as JSON already
+  }
+  return text + "}";
+}
+
+PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
+  PlannedTrials planned{long_enough_plan(file, catalogues, options, seed), options.limit};
+  if (planned.asked == 0) planned.asked = planned.plan.size();
+  if (options.only && *options.only >= planned.asked) {
+    throw InputError(fmt::format("{}: there is no trial {}; allowed: 0 to {}", file.name(), *options.only, planned.asked - 1));
+  }
+  return planned;
+}
+
+std::string shell_word(const std::string& word) {
+  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string_view("_-./=:,+%@").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+std::string canonical_command(const SweepOptions& options) {
+  std::string command = fmt::format("slipbench {} {}", options.verb, shell_word(options.scene_path));
+  for (const Override& change : options.overrides) command += " --set " + shell_word(change.path + "=" + change.value);
+  if (options.seed) command += fmt::format(" --seed {}", *options.seed);
+  if (options.trials > 0) command += fmt::format(" --trials {}", options.trials);
+  if (options.limit > 1) command += fmt::format(" --trials {}", options.limit);
+  if (options.only) command += fmt::format(" --trial {}", *options.only);
+  if (options.recording == Recording::outcome) command += " --record outcome";
+  if (options.shard) command += shard_words(*options.shard);
+  return command;
+}
+
+ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues) {
+  SceneFile file = SceneFile::load(options.scene_path);
+  for (const Override& change : options.overrides) file.apply(change);
+  const std::uint64_t seed = options.seed ? *options.seed : read_seed(file.root());
+  PlannedTrials planned = plan_trials(file, catalogues, options, seed);
+  return {std::move(file), seed, std::move(planned)};
+}
+
+SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
+  return run_sweep(read_sweep(options, catalogues), options, catalogues, progress);
+}
+
+namespace {
+
+// The numbers of those that run.
+std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
+  if (options.shard) return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
+  std::vector<std::size_t> trials(options.only ? 1 : planned.asked);
+  std::iota(trials.begin(), trials.end(), options.only.value_or(0));
+  return trials;
+}
+
+// A sweep on its way: its trials, where they go, and what has come of them so far.
+class RunningSweep {
+ public:
+  RunningSweep(const ReadSweep& read, const SweepOptions& options, const ProgressCallback& progress);
+
+  // Refuses what cannot run, before anything is written.
+  void check(const Catalogues& catalogues);
+  // Finds what an earlier run has left. True: it had come to its end, and nothing is left to do.
+  bool resume();
+  // Makes the dataset's first file.
+  void open();
+  // Runs the trials that are missing and finishes the dataset; of a run that fails what is finished is kept.
+  void run();
+
+  SweepSummary take_summary() { return std::move(summary_); }
+
+ private:
+  void run_trials();
+  void take(FinishedTrial& trial);
+  void finish();
+  void report();
+
+  [[nodiscard]] bool holds(std::size_t trial) const { return kept_ && kept_->holds(trial); }
+  [[nodiscard]] bool unpublished() const { return writer_ && writer_->published() < writer_->size(); }
+
+  const ReadSweep& read_;
+  const SweepOptions& options_;
+  const ProgressCallback& progress_;
+  const TrialPlan& plan_;
+  std::vector<std::size_t> trials_;  // numbers of those that run
+  Workforce workforce_;
+  DatasetHeader header_;
+  std::optional<KeptTrials> kept_;         // of an earlier run
+  std::unique_ptr<DatasetWriter> writer_;  // null: nothing is written
+  SweepSummary summary_;
+  std::size_t reported_ = 0;  // trials done, of the last report
+};
+
+RunningSweep::RunningSweep(const ReadSweep& read, const SweepOptions& options, const ProgressCallback& progress)
+    : read_(read),
+      options_(options),
+      progress_(progress),
+      plan_(read.planned.plan),
+      trials_(chosen_trials(read.planned, options, read.seed)) {
+  summary_.seed = read.seed;
+  summary_.command = canonical_command(options);
+  summary_.planned = trials_.size();
+  if (options.shard) summary_.shard = SweepShard{options.shard->number, options.shard->count, read.planned.asked};
+  summary_.scene = plan_.trial(trials_.front()).scene;
+  summary_.available = plan_.size();
+}
+
+void RunningSweep::check(const Catalogues& catalogues) {
+  if (summary_.scene.accuracy) throw std::logic_error("run_sweep: a scene whose wish for accuracy has not been settled");
+  std::set<std::string> files;
+  workforce_ = check_cells(plan_, options_, trials_, read_.planned.asked, catalogues, files);
+  if (options_.on_start) options_.on_start();
+  header_ = {SLIPBENCH_VERSION,
+             read_.file.text(),
+             overrides_json(options_.overrides),
+             summary_.seed,
+             summary_.command,
+             split_rule(summary_.scene),
+             options_.output.empty() ? std::map<std::string, std::string>{} : digests_of(files),
+             {},
+             summary_.shard};
+}
+
+bool RunningSweep::resume() {
+  kept_.emplace(options_.output, header_);
+  summary_.damaged = kept_->damaged();
+  if (kept_->size() > 0 || !kept_->damaged().empty()) return false;
+  std::optional<FinishedDataset> whole = finished_dataset(options_.output, header_);
+  if (!whole) return false;
+  summary_.was_complete = true;
+  summary_.resumed = whole->trials;
+  summary_.failed = std::move(whole->failed);
+  summary_.files = std::move(whole->files);
+  return true;
+}
+
+void RunningSweep::open() {
+  const std::size_t planned = options_.shard ? trials_.size() : plan_.size();
+  writer_ = std::make_unique<DatasetWriter>(options_.output, header_, planned, options_.shard_limit, kept_ ? &*kept_ : nullptr);
+  // OpenSSL crashes where there is no memory to set itself up, which many workers may leave none for: it does so before them.
+  static_cast<void>(content_digest({}));
+}
+
+void RunningSweep::run() {
+  try {
+    try {
+      run_trials();
+    } catch (const Interrupted&) {  // in the first of the trials that were running: those before it are in
+    }
+    finish();
+  } catch (const std::exception& error) {
+    if (!writer_) throw;
+    const std::string left = keep_finished(*writer_, summary_.planned);
+    if (dynamic_cast<const InputError*>(&error) != nullptr) throw InputError(error.what() + left);
+    if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) throw InputError("out of memory" + left);
+    throw std::runtime_error(error.what() + left);
+  }
+}
+
+void RunningSweep::run_trials() {
+  std::vector<std::size_t> missing;
+  std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !holds(trial); });
+  summary_.trials.reserve(summary_.planned);  // growing, it would leave holes of as much again in the heap
+  const WorkPlan work{plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt};
+  TrialEncoder encoder;
+  OrderedWorkers<FinishedTrial> workers(
+      missing.size(), workforce_.threads, [&] { return make_work(work, options_, missing); }, options_.interrupt);
+  // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.
+  constexpr std::chrono::milliseconds longest_unsafe{250};
+  auto due = std::chrono::steady_clock::now() + longest_unsafe;
+  for (const std::size_t trial : trials_) {
+    end_if(options_.interrupt);
+    const bool resumed = holds(trial);
+    if (!resumed && unpublished() && !workers.ready_until(due)) writer_->publish();
+    std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept_, work, trial, encoder) : workers.next();
+    if (!finished) break;
+    take(*finished);
+    if (!resumed) workers.give_back(std::move(*finished));
+    if (writer_ && std::chrono::steady_clock::now() >= due) writer_->publish();
+    if (std::chrono::steady_clock::now() >= due) due = std::chrono::steady_clock::now() + longest_unsafe;
+    report();
+  }
+}
+
+void RunningSweep::take(FinishedTrial& trial) {
+  if (!trial.failure.empty()) {
+    const std::size_t number = trial.summary.trial;
+    summary_.failed.push_back({number, std::move(trial.failure), repeating_command(options_, summary_.seed, number)});
+    if (writer_) writer_->add_failed(summary_.failed.back());
+    return;
+  }
+  if (writer_) writer_->append(*trial.encoded);
+  if (trial.summary.resumed) {
+    ++summary_.resumed;
+  } else {
+    summary_.simulated += trial.duration;
+    summary_.computed += trial.computed;
+  }
+  if (options_.on_trial) options_.on_trial(trial.summary);
+  if (!options_.keep_units && summary_.planned > 1) {
+    for (SensorSummary& sensor : trial.summary.sensors) sensor.units.clear();
+  }
+  // A copy: what a worker has allocated would keep the memory around it, which is ten times its own.
+  summary_.trials.push_back(std::as_const(trial.summary));
+}
+
+void RunningSweep::finish() {
+  summary_.interrupted = summary_.trials.size() + summary_.failed.size() < summary_.planned;
+  // A shard tells of its failed trials even where it has no others: merging counts them.
+  const bool whole = !summary_.interrupted && (!summary_.trials.empty() || summary_.shard);
+  if (writer_) summary_.files = whole ? writer_->commit() : writer_->keep_partial();
+  if (writer_) summary_.kept = writer_->size();
+  report();
+}
+
+void RunningSweep::report() {
+  const std::size_t done = (writer_ ? writer_->published() : summary_.trials.size()) + summary_.failed.size();
+  if (progress_ && done > reported_) progress_({done, summary_.planned, summary_.simulated});
+  reported_ = done;
+}
+
+}  // namespace
+
+SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const Catalogues& catalogues,
+                       const ProgressCallback& progress) {
+  RunningSweep sweep(read, options, progress);
+  sweep.check(catalogues);
+  if (options.resume && sweep.resume()) return sweep.take_summary();
+  if (!options.output.empty()) sweep.open();
+  sweep.run();
+  return sweep.take_summary();
+}
+
+}  // namespace slipbench

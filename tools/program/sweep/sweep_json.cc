@@ -1,0 +1,78 @@
+#include "tools/program/sweep/sweep_json.h"
+
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/base/dataset/header.h"
+#include "tools/base/statistics/confusion.h"
+#include "tools/program/catalogue/detector_catalogue.h"
+
+namespace slipbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// One number of every unit; nlohmann writes NaN as null.
+template <class Number>
+Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) {
+  Json values = Json::array();
+  for (const UnitOutcome& unit : units) values.push_back(unit.*member);
+  return values;
+}
+
+}  // namespace
+
+std::string trial_json(const TrialSummary& trial) {
+  Json sensors = Json::object();
+  for (const SensorSummary& sensor : trial.sensors) {
+    if (trial.resumed) break;
+    sensors[sensor.name] = {{"touch_time_s", column(sensor.units, &UnitOutcome::touch_time)},
+                            {"onset_time_s", column(sensor.units, &UnitOutcome::onset_time)},
+                            {"micro_onset_time_s", column(sensor.units, &UnitOutcome::micro_onset_time)},
+                            {"slip_distance_m", column(sensor.units, &UnitOutcome::slip_distance)},
+                            {"load_N", column(sensor.units, &UnitOutcome::load)},
+                            {"margin", column(sensor.units, &UnitOutcome::margin)},
+                            {"state_count", sensor.state_count},
+                            {"state_micro_count", sensor.state_micro_count}};
+  }
+  Json json = {{"trial", trial.trial},
+               {"params", Json::parse(trial.params)},
+               {"outcome", Json::parse(outcome_json(trial.outcome))},
+               {"sensors", std::move(sensors)}};
+  if (trial.detector) {
+    json["detector"] = {{"type", trial.detector->type},
+                        {"oracle", trial.detector->type == oracle_type},
+                        {"sensor", trial.detector->sensor},
+                        {"recall_of_slip", recall_of_slip(trial.detector->confusion)},
+                        {"balanced_accuracy", balanced_accuracy(trial.detector->confusion)},
+                        {"constant_balanced_accuracy", constant_balanced_accuracy(trial.detector->confusion)},
+                        {"accuracy", accuracy(trial.detector->confusion)},
+                        {"constant_accuracy", constant_accuracy(trial.detector->confusion)},
+                        {"confusion", trial.detector->confusion}};
+  }
+  if (!trial.controller.empty()) json["controller"] = trial.controller;
+  if (trial.resumed) json["resumed"] = true;
+  return json.dump();
+}
+
+std::string summary_json(const SweepSummary& summary) {
+  Json failed = Json::array();
+  for (const FailedTrial& trial : summary.failed) {
+    failed.push_back({{"trial", trial.trial}, {"message", trial.message}, {"command", trial.command}});
+  }
+  Json json = {{"command", summary.command},
+               {"seed", summary.seed},
+               {"planned", summary.planned},
+               {"finished", summary.was_complete ? summary.resumed : summary.trials.size()},
+               {"resumed", summary.resumed},
+               {"failed", std::move(failed)},
+               {"simulated_s", summary.simulated},
+               {"interrupted", summary.interrupted},
+               {"files", summary.files}};
+  if (summary.shard) json["shard"] = shard_text(*summary.shard);
+  return json.dump();
+}
+
+}  // namespace slipbench

@@ -1,0 +1,62 @@
+#include "tools/program/sweep/sweep_shard.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/random.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::size_t most_estimated = 10'000;  // cells
+
+// Whether a swept value can change what a trial costs.
+bool costs(std::string_view path) {
+  const std::string_view section = path.substr(0, path.find('.'));
+  return section == "duration" || section == "time_step" || section == "fidelity" || section == "sensors";
+}
+
+// Ticks times elements, by fidelity: an articulated element takes some hundred times as long as one of a field.
+std::pair<bool, double> cost_of(const Scene& scene, std::size_t trial) {
+  constexpr double usual_step = 1e-3;  // s, where the scene leaves the step to the program
+  std::size_t elements = 0;
+  for (const SensorScene& sensor : scene.sensors) elements += make_sensor(sensor, scene.seed, trial)->layout().elements.size();
+  return {scene.fidelity != "field", scene.duration / scene.time_step.value_or(usual_step) * static_cast<double>(elements)};
+}
+
+}  // namespace
+
+std::vector<std::size_t> trials_of_shard(const TrialPlan& plan, std::size_t trials, std::uint64_t seed, std::size_t number,
+                                         std::size_t count) {
+  if (count > trials) {
+    throw InputError(fmt::format("--shard is {}/{} and the sweep has {} trial{}; allowed: no more shards than trials", number,
+                                 count, trials, trials == 1 ? "" : "s"));
+  }
+  std::vector<std::size_t> order(trials);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  RandomStream random(seed, 0, "shard");
+  for (std::size_t left = order.size(); left > 1; --left) {  // Fisher-Yates
+    std::swap(order[left - 1], order[static_cast<std::size_t>(random.integer(left))]);
+  }
+  const auto drawn = plan.trial(0).drawn;
+  const std::size_t cells = (trials + plan.draws() - 1) / plan.draws();
+  if (cells <= most_estimated && std::ranges::any_of(drawn, [](const auto& swept) { return costs(swept.first); })) {
+    std::vector<std::pair<bool, double>> cost;
+    for (std::size_t cell = 0; cell < cells; ++cell)
+      cost.push_back(cost_of(plan.trial(cell * plan.draws()).scene, cell * plan.draws()));
+    std::ranges::stable_sort(order,
+                             [&](std::size_t a, std::size_t b) { return cost[a / plan.draws()] > cost[b / plan.draws()]; });
+  }
+  std::vector<std::size_t> mine;
+  for (std::size_t i = number - 1; i < order.size(); i += count) mine.push_back(order[i]);
+  std::ranges::sort(mine);
+  return mine;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,268 @@
+#include "tools/program/sweep/warnings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/program/run/run_trial.h"
+#include "tools/program/run/split.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::size_t most_read = 64;     // trials whose values are looked at
+constexpr std::size_t most_split = 1024;  // trials whose groups are looked at
+constexpr std::size_t most_built = 3;     // trials that are built to see how long their steps are
+constexpr double longest_trial = 600.0;   // s, on the clock
+
+constexpr double usual_speed = 1.0;  // m/s
+// In SI. A value within is no surprise.
+struct Usual {
+  Quantity quantity;
+  double least, most;
+};
+constexpr std::array<Usual, 2> usual{{{Quantity::mass, 1e-6, 1e3}, {Quantity::length, 1e-6, 10.0}}};
+// Sensors and effects have lengths of all sizes.
+constexpr std::array<std::string_view, 5> bodily{"bodies.", "box.", "grip.", "motion.", "surface."};
+
+// So many of `numbers`, spread evenly from the first to the last.
+std::vector<std::size_t> spread(std::span<const std::size_t> numbers, std::size_t most) {
+  const std::size_t count = std::min(numbers.size(), most);
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0; k < count; ++k) chosen.push_back(numbers[count == 1 ? 0 : k * (numbers.size() - 1) / (count - 1)]);
+  return chosen;
+}
+
+class Collector {
+ public:
+  Collector(const TrialPlan& plan, std::size_t trials) : plan_(plan), trials_(trials) {}
+
+  void add(std::size_t trial, const std::string& about, const std::string& text) {
+    const auto known = std::ranges::find(found_, about, [](const Found& found) { return found.warning.about; });
+    if (known != found_.end()) {
+      known->trials += known->last == trial ? 0 : 1;
+      known->last = trial;
+      return;
+    }
+    found_.push_back({{about, fmt::format("{}: {}: {}", plan_.where(trial, about), about, text)}, 1, trial});
+  }
+
+  [[nodiscard]] std::vector<Warning> warnings() && {
+    std::vector<Warning> result;
+    for (Found& found : found_) {
+      if (found.trials > 1)
+        found.warning.text += fmt::format("; so or likewise in {} of {} trials looked at", found.trials, trials_);
+      result.push_back(std::move(found.warning));
+    }
+    return result;
+  }
+
+ private:
+  struct Found {
+    Warning warning;
+    std::size_t trials;
+    std::size_t last;
+  };
+  const TrialPlan& plan_;
+  std::size_t trials_;  // looked at
+  std::vector<Found> found_;
+};
+
+void look_at_values(const Trace& values, std::size_t trial, Collector& found) {
+  for (const auto& [path, read] : values) {
+    if (read.written.empty() || read.quantity == Quantity::none) continue;
+    const double value = parse_quantity(read.written, read.quantity);
+    const double size = std::abs(value);
+    if (!std::isfinite(value) || value == 0.0) continue;
+    if (read.quantity == Quantity::speed && size > usual_speed && quantity_of(read.written) == Quantity::none) {
+      found.add(
+          trial, path,
+          fmt::format("{} has no unit and is in m/s; with a unit it is as it is meant: '{} mm/s'", read.written, read.written));
+    }
+    const auto range = std::ranges::find(usual, read.quantity, &Usual::quantity);
+    if (range == usual.end() || (size >= range->least && size <= range->most)) continue;
+    const auto starts = [&path = path](std::string_view section) { return path.starts_with(section); };
+    if (range->quantity == Quantity::length && std::ranges::none_of(bodily, starts)) continue;
+    found.add(trial, path,
+              fmt::format("{} is {} {}", format_quantity(value, range->quantity), size < range->least ? "less than" : "more than",
+                          format_quantity(size < range->least ? range->least : range->most, range->quantity)));
+  }
+}
+
+// A number of the motion; empty where it has none of that name.
+std::optional<double> of_motion(const Scene& scene, const std::string& name) {
+  const auto& values = scene.motion.parameters.values();
+  const auto found = values.find(name);
+  if (found == values.end()) return std::nullopt;
+  return std::get<double>(found->second);
+}
+
+bool on_stage(const SensorScene& sensor) { return sensor.site.empty() && sensor.follows.empty(); }
+
+void look_at_motion(const Scene& scene, std::size_t trial, Collector& found) {
+  if (scene.grasp || std::ranges::none_of(scene.sensors, on_stage)) return;
+  const std::optional<double> start = of_motion(scene, "start"), speed = of_motion(scene, "speed"),
+                              turn = of_motion(scene, "rotation");
+  const bool rests = speed && turn && *speed == 0.0 && *turn == 0.0;
+  if (start && *start >= scene.duration && !rests) {
+    found.add(trial, "motion.start",
+              fmt::format("{} is not before the end of the trial, {}: what begins then is not in it",
+                          format_quantity(*start, Quantity::time), format_quantity(scene.duration, Quantity::time)));
+  }
+  const std::optional<double> compression = of_motion(scene, "compression");
+  for (const SensorScene& sensor : scene.sensors) {
+    if (!compression || !on_stage(sensor)) continue;
+    const double height = make_sensor(sensor, scene.seed, trial)->layout().unit_height;
+    if (*compression <= height) continue;
+    found.add(
+        trial, "motion.compression",
+        fmt::format("{} is more than a unit of sensor '{}' is high, {}: its springs go on where the device would not",
+                    format_quantity(*compression, Quantity::length), sensor.name, format_quantity(height, Quantity::length)));
+  }
+}
+
+void look_at_material(const Trace& values, const TrialPlan& plan, std::size_t trial, Collector& found) {
+  const auto written = [&](const std::string& path) {
+    const auto read = values.find(path);
+    return read != values.end() && !read->second.written.empty();
+  };
+  if (!written("friction.static") || !written("friction.kinetic")) return;
+  const auto by_command = [&](const std::string& path) { return plan.where(trial, path).starts_with("--set"); };
+  if (!by_command("surface.material") || by_command("friction.static") || by_command("friction.kinetic")) return;
+  found.add(trial, "surface.material",
+            fmt::format("changes nothing: the scene's friction.static and friction.kinetic ({}) replace what it stands for",
+                        plan.where(trial, "friction.static")));
+}
+
+// Ten minutes or more, to two digits.
+std::string long_time_text(double seconds) {
+  if (seconds < 7200.0) return fmt::format("{:.0f} min", seconds / 60.0);
+  return seconds < 172800.0 ? fmt::format("{:.0f} h", seconds / 3600.0) : fmt::format("{:.2g} days", seconds / 86400.0);
+}
+
+void look_at_steps(const Scene& scene, std::size_t trial, Collector& found) {
+  if (scene.time_step) return;
+  const PlannedSteps steps = planned_steps(scene, trial);
+  if (steps.seconds <= longest_trial) return;
+  found.add(trial, "time_step",
+            fmt::format("auto makes steps of {:.3g} s, {:.2g} in a trial, which take {} or more", steps.shortest, steps.count,
+                        long_time_text(steps.seconds)));
+}
+
+void count(const TrialOutcome& outcome, const std::string& sensor, const StateCounts& states,
+           std::map<std::string, ConverterUse>& sensors) {
+  ConverterUse& use = sensors[sensor];
+  const auto found = outcome.saturated.find(sensor);
+  if (found != outcome.saturated.end()) use.at_an_end += found->second;
+  use.samples += std::accumulate(states.begin(), states.end(), std::uint64_t{0});
+}
+
+}  // namespace
+
+std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers, bool build) {
+  const std::vector<std::size_t> trials = spread(numbers, most_read);
+  const std::vector<std::size_t> built = spread(trials, build ? most_built : 0);
+  Collector found(plan, trials.size());
+  for (const std::size_t trial : trials) {
+    try {
+      Trace values;
+      const Scene scene = plan.read(trial, values);
+      look_at_values(values, trial, found);
+      look_at_motion(scene, trial, found);
+      look_at_material(values, plan, trial, found);
+      if (std::ranges::find(built, trial) != built.end()) look_at_steps(scene, trial, found);
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+  return std::move(found).warnings();
+}
+
+std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers) {
+  std::vector<std::pair<std::size_t, std::string>> trials;
+  std::optional<SplitRule> rule;
+  for (const std::size_t trial : spread(numbers, most_split)) {
+    try {
+      const TrialPlan::Trial planned = plan.trial(trial);
+      rule = split_rule(planned.scene);
+      const bool one_material =
+          std::ranges::none_of(planned.drawn, [](const auto& swept) { return swept.first == "surface.material"; });
+      if (!rule && one_material) return {};
+      trials.emplace_back(trial, split_group(planned.scene));
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+  const Masks masks = split_trials(trials, 0, rule);
+  if (!rule && masks.split_by == "trial") return {};
+  const std::array<double, 3> shares = rule ? rule->shares : std::array<double, 3>{1.0, 1.0, 1.0};
+  std::vector<std::string> empty;
+  if (shares[1] > 0.0 && masks.valid.empty()) empty.emplace_back("valid");
+  if (shares[2] > 0.0 && masks.test.empty()) empty.emplace_back("test");
+  if (empty.empty() || trials.empty()) return {};
+  std::set<std::string> groups;
+  for (const auto& [trial, group] : trials) groups.insert(group);
+  const std::size_t count = masks.split_by == "trial" ? trials.size() : groups.size();
+  return {
+      {"split",
+       fmt::format(
+           "{}: split: by {} there {} {} to divide: {} without a trial; with 'split: {{by: trial}}' trials of one {} are in several parts",
+           plan.where(trials.front().first, "split"), masks.split_by, count == 1 ? "is" : "are", count,
+           empty.size() == 2 ? "valid and test are" : empty.front() + " is", masks.split_by)}};
+}
+
+std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& sweep) {
+  const PlannedTrials& planned = read.planned;
+  std::vector<std::size_t> numbers{sweep.only.value_or(0)};
+  if (!sweep.only) {
+    numbers.resize(planned.asked);
+    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  }
+  std::vector<Warning> warnings = scene_warnings(planned.plan, numbers, true);
+  if (!sweep.output.empty()) std::ranges::move(split_warnings(planned.plan, numbers), std::back_inserter(warnings));
+  return warnings;
+}
+
+std::vector<Warning> converter_warnings(const std::map<std::string, ConverterUse>& sensors) {
+  std::vector<Warning> warnings;
+  for (const auto& [name, use] : sensors) {
+    if (2 * use.at_an_end <= use.samples) continue;
+    warnings.push_back(
+        {"sensors." + name + ".electronics",
+         fmt::format(
+             "the converter of sensor '{}' is at an end of its range in {} of {} samples: most of its signal is not there", name,
+             use.at_an_end, use.samples)});
+  }
+  return warnings;
+}
+
+void count_converters(const TrialRecord& record, std::map<std::string, ConverterUse>& sensors) {
+  for (const SensorRecord& sensor : record.sensors) count(record.outcome, sensor.name, sensor.labels.state_count, sensors);
+}
+
+std::vector<Warning> converter_warnings(const std::vector<TrialSummary>& trials) {
+  std::map<std::string, ConverterUse> sensors;
+  for (const TrialSummary& trial : trials) {
+    for (const SensorSummary& sensor : trial.sensors) count(trial.outcome, sensor.name, sensor.state_count, sensors);
+  }
+  return converter_warnings(sensors);
+}
+
+nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Warning& warning : warnings) json.push_back({{"about", warning.about}, {"text", warning.text}});
+  return json;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,116 @@
+#include "tools/program/train/hd_json.h"
+
+#include <cmath>
+
+#include "detectors/hd/words.h"
+#include "tools/program/train/hd_words.h"
+
+namespace slipbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::pair<const char*, PadState>, 3> named_classes{
+    {{"non_slip", PadState::non_slip}, {"incipient", PadState::incipient}, {"gross", PadState::gross}}};
+
+Json number(double value) { return std::isnan(value) ? Json(nullptr) : Json(value); }
+
+Json confusion_json(const Confusion& confusion) {
+  Json recalls;
+  Json counts;
+  for (const auto& [name, truth] : named_classes) {
+    recalls[name] = number(recall(confusion, truth));
+    for (const auto& [called_name, called] : named_classes) {
+      counts[name][called_name] = confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(called)];
+    }
+  }
+  return {{"frames", samples_in_contact(confusion)},
+          {"recall_of_slip", number(recall_of_slip(confusion))},
+          {"balanced_accuracy", number(balanced_accuracy(confusion))},
+          {"constant_balanced_accuracy", number(constant_balanced_accuracy(confusion))},
+          {"accuracy", number(accuracy(confusion))},
+          {"constant_accuracy", number(constant_accuracy(confusion))},
+          {"recall", recalls},
+          {"called", counts}};
+}
+
+Json delays_json(const Delays& delays) {
+  return {{"sequences", delays.sequences},
+          {"slipping", delays.slipping},
+          {"noticed", delays.delay.size()},
+          {"early", delays.early},
+          {"missed", delays.missed},
+          {"false_alarms", delays.false_alarms},
+          {"delay_s",
+           {{"lower_quartile", number(quantile(delays.delay, 0.25))},
+            {"median", number(median(delays.delay))},
+            {"upper_quartile", number(quantile(delays.delay, 0.75))}}}};
+}
+
+Json mean_sd_json(const MeanSd& value) { return {{"mean", number(value.mean)}, {"sd", number(value.sd)}}; }
+
+Json model_json(const hd::Model& model, hd::Quantiser quantiser) {
+  return {{"name", model_name(model)},
+          {"dimension", model.dimension},
+          {"window", model.window},
+          {"context_driven", model.context_driven},
+          {"compat", hd::name_of(hd::compat_words, model.compat)},
+          {"ties", hd::name_of(hd::ties_words, model.ties)},
+          {"quantiser", hd::name_of(hd::quantiser_words, quantiser)}};
+}
+
+}  // namespace
+
+Evaluation pooled(std::span<const Evaluation> draws) {
+  Evaluation sum;
+  for (const Evaluation& draw : draws) {
+    sum.training += draw.training;
+    sum.distinct += draw.distinct;
+    sum.tested += draw.tested;
+    add(sum.all, draw.all);
+    add(sum.moving, draw.moving);
+    sum.delays.add(draw.delays);
+  }
+  return sum;
+}
+
+Json evaluation_json(const Evaluation& evaluation) {
+  Json json = {{"training", evaluation.training},
+               {"distinct", evaluation.distinct},
+               {"tested", evaluation.tested},
+               {"all", confusion_json(evaluation.all)},
+               {"moving", confusion_json(evaluation.moving)}};
+  if (evaluation.delays.sequences > 0) json["delay"] = delays_json(evaluation.delays);
+  return json;
+}
+
+Json draws_json(std::span<const Evaluation> draws) {
+  Json each = Json::array();
+  for (const Evaluation& draw : draws) each.push_back(evaluation_json(draw));
+  const auto figure = [&draws](double (*of)(const Confusion&), Confusion Evaluation::*frames) {
+    return mean_sd_json(over_draws(draws, [&](const Evaluation& e) { return of(e.*frames); }));
+  };
+  return {{"recall_of_slip", figure(recall_of_slip, &Evaluation::all)},
+          {"balanced_accuracy", figure(balanced_accuracy, &Evaluation::all)},
+          {"accuracy", figure(accuracy, &Evaluation::all)},
+          {"constant_accuracy", figure(constant_accuracy, &Evaluation::all)},
+          {"moving_recall_of_slip", figure(recall_of_slip, &Evaluation::moving)},
+          {"moving_balanced_accuracy", figure(balanced_accuracy, &Evaluation::moving)},
+          {"moving_accuracy", figure(accuracy, &Evaluation::moving)},
+          {"pooled", evaluation_json(pooled(draws.subspan(1)))},
+          {"draws", each}};
+}
+
+Json train_json(const HdSummary& summary, const HdTraining& options) {
+  return {{"dataset", options.dataset},
+          {"memories", options.output},
+          {"model", model_json(options.model, options.quantiser)},
+          {"labels", slip_rule_name(options.sequences.labels)},
+          {"seed", options.seed},
+          {"sequences", summary.sequences},
+          {"frames", summary.samples},
+          {"by_sequence", draws_json(summary.by_sequence)},
+          {"by_frame", draws_json(summary.by_frame)}};
+}
+
+}  // namespace slipbench

@@ -1,0 +1,399 @@
+#include "tools/program/train/network/examples.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "detectors/network/frames.h"
+#include "sim/core/contact_frame.h"
+#include "sim/core/error.h"
+#include "sim/core/random.h"
+#include "tools/base/dataset/content_check.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
+#include "tools/base/record/encoder.h"
+#include "tools/base/workers/packed.h"
+#include "tools/program/samples/myrmex_images.h"
+
+namespace slipbench::train {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool slips(std::uint8_t state) { return state >= static_cast<std::uint8_t>(PadState::incipient); }
+
+// The rigid motion in the pad plane that fits the slip of the units that slip best: of their middle, and about it.
+struct SlipMotion {
+  double x = 0.0, y = 0.0;  // m/s
+  double turn = 0.0;        // rad/s
+  double spread = 0.0;      // m^2, mean square distance from the middle
+  bool any = false;
+
+  [[nodiscard]] bool rotates() const { return turn * turn * spread > x * x + y * y; }
+};
+
+SlipMotion slip_motion(const LabelRecord& labels, std::size_t row) {
+  const std::size_t units = labels.units();
+  SlipMotion motion;
+  double count = 0.0, middle_x = 0.0, middle_y = 0.0;
+  const auto for_each = [&](auto&& use) {
+    for (std::size_t u = 0; u < units; ++u) {
+      const std::size_t at = row * units + u;
+      const double vx = labels.slip_velocity[2 * at], vy = labels.slip_velocity[2 * at + 1];
+      if (vx != 0.0 || vy != 0.0) use(labels.unit_positions[2 * u], labels.unit_positions[2 * u + 1], vx, vy);
+    }
+  };
+  for_each([&](double px, double py, double vx, double vy) {
+    count += 1.0;
+    middle_x += px;
+    middle_y += py;
+    motion.x += vx;
+    motion.y += vy;
+  });
+  if (count == 0.0) return motion;
+  motion.any = true;
+  middle_x /= count;
+  middle_y /= count;
+  motion.x /= count;
+  motion.y /= count;
+  double moment = 0.0;
+  for_each([&](double px, double py, double vx, double vy) {
+    const double rx = px - middle_x, ry = py - middle_y;
+    moment += (rx * vy - ry * vx) / count;
+    motion.spread += (rx * rx + ry * ry) / count;
+  });
+  if (motion.spread > 0.0) motion.turn = moment / motion.spread;
+  return motion;
+}
+
+constexpr std::array directions{"t", "n", "e", "s", "w", "cw", "aw"};
+
+// Of a trial: the class that it names, as one that was imported does, else what its motion was told (scenes/biotac_sp/slip.yaml).
+std::uint8_t direction_of(const std::string& params) {
+  const Json swept = Json::parse(params);
+  if (const auto named = swept.find("class"); named != swept.end() && named->is_string()) {
+    const auto found = std::ranges::find(directions, named->get<std::string>());
+    if (found == directions.end())
+      throw InputError(fmt::format("its class is {}; allowed: {}", named->dump(), fmt::join(directions, ", ")));
+    return static_cast<std::uint8_t>(found - directions.begin());
+  }
+  const auto number = [&](const char* path) {
+    const auto found = swept.find(path);
+    if (found == swept.end() || !found->is_number())
+      throw InputError(fmt::format(
+          "no {} among what was swept; allowed: trials that sweep motion.speed, motion.rotation and motion.direction, as "
+          "scenes/biotac_sp/slip.yaml does",
+          path));
+    return found->get<double>();
+  };
+  const double turn = number("motion.rotation"), speed = number("motion.speed"), direction = number("motion.direction");
+  if (turn != 0.0) return turn > 0.0 ? 5 : 6;
+  if (speed == 0.0) return 0;
+  const auto quarter = std::lround(direction / (0.5 * std::numbers::pi));
+  return static_cast<std::uint8_t>(1 + (quarter % 4 + 4) % 4);
+}
+
+// The class of a sample that slips.
+std::uint8_t kind_of(const LabelRecord& labels, std::size_t row, ClassRule classes) {
+  if (classes == ClassRule::slip) return 1;
+  const SlipMotion motion = slip_motion(labels, row);
+  if (!motion.any) return masked;  // the label is late: what slipped has come to rest
+  return motion.rotates() ? 2 : 1;
+}
+
+const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule rule) {
+  const std::vector<std::uint8_t>& states = rule == LabelRule::strict  ? sensor.labels.state
+                                            : rule == LabelRule::paper ? sensor.labels.state_paper
+                                                                       : sensor.labels.state_micro;
+  if (states.size() != sensor.time.size()) {
+    const bool recorded = states.empty() && sensor.labels.state_paper.size() == sensor.time.size();
+    throw InputError(fmt::format("sensor {}: {} states by the labels {} for {} samples; allowed: {}", sensor.name, states.size(),
+                                 hd::name_of(label_words, rule), sensor.time.size(),
+                                 recorded ? "--labels paper, which are there" : "one each"));
+  }
+  return states;
+}
+
+// The class of every sample.
+std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecord& sensor, LabelRule rule, ClassRule classes) {
+  const std::vector<std::uint8_t>& states = states_of(sensor, rule);
+  std::vector<std::uint8_t> labels;
+  if (classes == ClassRule::direction) {
+    const std::uint8_t told = direction_of(record.params);
+    for (const std::uint8_t state : states)
+      labels.push_back(state == static_cast<std::uint8_t>(PadState::no_contact) ? masked : told);
+    return labels;
+  }
+  bool slipped = false;          // in this contact
+  std::uint8_t latest = masked;  // class of its latest slip
+  for (std::size_t row = 0; row < states.size(); ++row) {
+    if (states[row] == static_cast<std::uint8_t>(PadState::no_contact)) slipped = false;
+    if (slips(states[row])) {
+      const std::uint8_t kind = kind_of(sensor.labels, row, classes);
+      if (kind != masked || !slipped) latest = kind;
+      slipped = true;
+      labels.push_back(kind);
+    } else if (slipped && rule == LabelRule::latched) {
+      labels.push_back(latest);
+    } else {
+      labels.push_back(slipped && rule == LabelRule::masked ? masked : std::uint8_t{0});
+    }
+  }
+  return labels;
+}
+
+std::vector<Channel> channels_of(const SensorRecord& sensor) {
+  std::vector<Channel> channels;
+  for (const SensorColumn& column : sensor.channels) {
+    Channel& channel = channels.emplace_back();
+    channel.name = column.name;
+    channel.unit = column.unit;
+    channel.shape = column.shape;
+    if (column.values.size() != sensor.time.size() * channel.size()) {
+      throw InputError(fmt::format("sensor {}: channel {} has {} values for {} samples of {}; allowed: as many", sensor.name,
+                                   column.name, column.values.size(), sensor.time.size(), channel.size()));
+    }
+  }
+  return channels;
+}
+
+// The samples one by one, all channels in order, a myrmex's innermost taxels turned.
+class Samples {
+ public:
+  Samples(const SensorRecord& sensor, std::size_t turn) : sensor_(sensor), turn_(turn) {
+    if (turn == 0) return;
+    const std::vector<std::size_t>& shape = sensor.channels.front().shape;
+    if (sensor.type != "myrmex" || shape.size() != 2 || shape[0] < cropped || shape[1] < cropped)
+      throw InputError(fmt::format("sensor {}: is no myrmex of {} x {} taxels or more, which alone can be turned", sensor.name,
+                                   cropped, cropped));
+  }
+
+  std::span<const float> operator()(std::size_t row) {
+    sample_.clear();
+    for (const SensorColumn& column : sensor_.channels) {
+      const std::size_t size = column.values.size() / sensor_.time.size();
+      sample_.insert(sample_.end(), column.values.begin() + static_cast<std::ptrdiff_t>(row * size),
+                     column.values.begin() + static_cast<std::ptrdiff_t>((row + 1) * size));
+    }
+    if (turn_ == 0) return sample_;
+    const std::size_t rows = sensor_.channels.front().shape[0], columns = sensor_.channels.front().shape[1];
+    std::array<float, cropped * cropped> turned{};
+    turn_image(std::span(sample_).first(rows * columns), rows, columns, turn_, turned);
+    for (std::size_t r = 0; r < cropped; ++r) {
+      for (std::size_t c = 0; c < cropped; ++c)
+        sample_[(r + (rows - cropped) / 2) * columns + c + (columns - cropped) / 2] = turned[r * cropped + c];
+    }
+    return sample_;
+  }
+
+ private:
+  const SensorRecord& sensor_;
+  std::size_t turn_;
+  std::vector<float> sample_;
+};
+
+// Which of the frames stay, in order: at most so many of each class.
+std::vector<std::size_t> kept_frames(const std::vector<std::uint8_t>& labels, std::size_t at_most, RandomStream& random) {
+  std::map<std::uint8_t, std::vector<std::size_t>> of_class;
+  for (std::size_t t = 0; t < labels.size(); ++t) {
+    if (labels[t] != masked) of_class[labels[t]].push_back(t);
+  }
+  std::vector<std::size_t> kept;
+  for (auto& [label, frames] : of_class) {
+    for (std::size_t i = 0; i < std::min(at_most, frames.size()); ++i) {
+      std::swap(frames[i], frames[i + random.integer(frames.size() - i)]);
+      kept.push_back(frames[i]);
+    }
+  }
+  std::ranges::sort(kept);
+  return kept;
+}
+
+bool fits(const SensorRecord& sensor, const network::Input& input) {
+  if (sensor.type != input.sensor || !network::rate_fits(input, sensor.rate)) return false;
+  for (const network::ChannelPick& pick : input.channels) {
+    const auto column = std::ranges::find(sensor.channels, pick.name, &SensorColumn::name);
+    if (column == sensor.channels.end()) return false;
+    const std::size_t size = extent_of(column->shape);
+    if (std::ranges::any_of(pick.values, [&](std::size_t value) { return value >= size; })) return false;
+  }
+  return true;
+}
+
+// What is not said of a sensor that fits.
+std::string wanted(const network::Input& input) {
+  std::size_t values = 0;
+  for (const network::ChannelPick& pick : input.channels) {
+    for (const std::size_t value : pick.values) values = std::max(values, value + 1);
+  }
+  std::vector<std::string> names;
+  for (const network::ChannelPick& pick : input.channels) names.push_back(pick.name);
+  return fmt::format("a {} at {} Hz (within 1 %) with {}{}", input.sensor, input.rate, fmt::join(names, ", "),
+                     values > 0 ? fmt::format(" of {} values or more", values) : std::string());
+}
+
+// The one list of what goes through the pipe.
+template <class ExampleOrConst, class Do>
+void with_members(ExampleOrConst& example, Do&& use) {
+  use(example.trial, example.sha256, example.twin, example.sensor, example.material, example.object, example.speed, example.mass,
+      example.touches, example.onset, example.time, example.truth, example.frames.features, example.frames.label, example.turn);
+}
+
+std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const ExampleOptions& options,
+                                                const std::string& subject) {
+  std::vector<const SensorRecord*> chosen;
+  std::vector<std::string> there;
+  for (const SensorRecord& sensor : record.sensors) {
+    there.push_back(fmt::format("{} ({} at {} Hz)", sensor.name, sensor.type, sensor.rate));
+    if ((options.sensor.empty() || sensor.name == options.sensor) && fits(sensor, options.input)) chosen.push_back(&sensor);
+  }
+  if (!chosen.empty()) return chosen;
+  throw InputError(fmt::format("{}: no sensor{} fits: has {}; allowed: {}", subject,
+                               options.sensor.empty() ? "" : " '" + options.sensor + "'", fmt::join(there, ", "),
+                               wanted(options.input)));
+}
+
+std::string packed_examples(const std::string& dataset_path, const ExampleOptions& options) {
+  const DatasetReader reader(dataset_path);
+  if (!reader.complete()) throw InputError(dataset_path + ": its run did not come to its end; allowed: a whole dataset");
+  if (reader.trials().empty()) throw InputError(dataset_path + ": holds no trial");
+  Packed bytes;
+  bytes.put(reader.header().command, reader.content_sha256().size());
+  for (const std::string& digest : reader.content_sha256()) bytes.put(digest);
+  ContentCheck check(reader);
+  for (const std::size_t trial : reader.trials()) {
+    const std::string subject = fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
+    reader.check_recorded(trial);
+    const TrialRecord record = reader.read_trial(trial);
+    check.add(trial);
+    RandomStream turns(options.seed, trial, "turns");
+    for (const SensorRecord* sensor : chosen_sensors(record, options, subject)) {
+      for (std::size_t copy = 0; copy <= options.turned; ++copy) {
+        try {
+          Example example = example_of(record, *sensor, options, copy == 0 ? 0 : 1 + turns.integer(rotations - 1));
+          example.sha256 = trial_identity(reader, trial);
+          with_members(example, [&](const auto&... members) { bytes.put(members...); });
+        } catch (const InputError& error) {
+          throw InputError(fmt::format("{}: {}", subject, error.what()));
+        }
+      }
+    }
+  }
+  check.finish();
+  return bytes.release();
+}
+
+}  // namespace
+
+std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels) {
+  const PadState slip = labels == LabelRule::strict || labels == LabelRule::paper ? PadState::gross : PadState::incipient;
+  switch (classes) {
+    case ClassRule::slip: return {{"hold", PadState::non_slip}, {"slip", slip}};
+    case ClassRule::kind: return {{"stable", PadState::non_slip}, {"translation", slip}, {"rotation", slip}};
+    case ClassRule::direction: {
+      std::vector<network::Class> all;
+      for (const char* direction : directions) all.push_back({direction, all.empty() ? PadState::non_slip : slip});
+      return all;
+    }
+  }
+  return {};
+}
+
+Example example_of(const TrialRecord& record, const SensorRecord& sensor, const ExampleOptions& options, std::size_t turn) {
+  Example example;
+  const SweptFacts facts = swept_facts(record.params);
+  example.trial = record.trial;
+  example.twin = truth_sha256(sensor.labels);
+  example.sensor = sensor.name;
+  example.material = facts.material;
+  example.object = facts.object;
+  example.speed = facts.speed;
+  example.mass = facts.mass;
+  example.turn = static_cast<std::uint8_t>(turn);
+  network::Frames frames(options.input, sensor.type, sensor.rate, channels_of(sensor));
+  const std::vector<std::uint8_t> labels = labels_of(record, sensor, options.labels, options.classes);
+  const std::vector<std::uint8_t>& truth = options.labels == LabelRule::strict ? sensor.labels.state : sensor.labels.state_micro;
+  const std::vector<double>& onsets =
+      options.labels == LabelRule::strict ? sensor.labels.onset_time : sensor.labels.micro_onset_time;
+  for (const double onset : onsets) example.onset = std::fmin(example.onset, onset);
+  example.touches = truth.empty() || std::ranges::any_of(truth, [](std::uint8_t state) { return state != 0; });
+  Samples samples(sensor, turn);
+  std::vector<std::size_t> ends;
+  std::vector<float> features;
+  for (std::size_t row = 0; row < sensor.time.size(); ++row) {
+    if (!frames.push(samples(row))) continue;
+    ends.push_back(row);
+    features.insert(features.end(), frames.latest().begin(), frames.latest().end());
+  }
+  if (ends.empty()) {
+    throw InputError(
+        fmt::format("sensor {}: {} samples are less than a frame of {}", sensor.name, sensor.time.size(), options.input.window));
+  }
+  std::vector<std::uint8_t> all;
+  for (const std::size_t row : ends) all.push_back(labels[row]);
+  std::vector<std::size_t> kept(ends.size());
+  for (std::size_t t = 0; t < kept.size(); ++t) kept[t] = t;
+  if (options.at_most > 0) {
+    RandomStream random(options.seed, record.trial, "frames");
+    kept = kept_frames(all, options.at_most, random);
+  }
+  for (const std::size_t t : kept) {
+    const auto first = features.begin() + static_cast<std::ptrdiff_t>(t * frames.size());
+    example.frames.features.insert(example.frames.features.end(), first, first + static_cast<std::ptrdiff_t>(frames.size()));
+    example.frames.label.push_back(all[t]);
+    example.time.push_back(sensor.time[ends[t]]);
+    if (!truth.empty()) example.truth.push_back(static_cast<PadState>(truth[ends[t]]));
+  }
+  return example;
+}
+
+Examples read_examples(const std::string& dataset_path, const ExampleOptions& options) {
+  network::Input bare = options.input;
+  bare.offset.clear();
+  bare.scale.clear();
+  ExampleOptions unscaled = options;
+  unscaled.input = bare;
+  Packed bytes(guarded(dataset_path, [&] { return packed_examples(dataset_path, unscaled); }));
+  Examples examples;
+  bytes.take(examples.command);
+  examples.sha256.resize(bytes.take<std::size_t>());
+  for (std::string& digest : examples.sha256) bytes.take(digest);
+  while (!bytes.at_end()) {
+    Example& example = examples.all.emplace_back();
+    with_members(example, [&](auto&... members) { bytes.take(members...); });
+    if (!example.frames.label.empty()) examples.inputs = example.frames.features.size() / example.frames.label.size();
+  }
+  return examples;
+}
+
+SweptFacts swept_facts(const std::string& params) {
+  static const std::set<std::string, std::less<>> shape_words{"shape", "size", "radius", "length", "bore"};
+  SweptFacts facts;
+  const auto add = [](std::string& fact, const std::string& path, const Json& value) {
+    fact += fmt::format("{}{}={}", fact.empty() ? "" : " ", path, value.dump());
+  };
+  const Json swept = Json::parse(params);
+  for (const auto& [path, value] : swept.items()) {
+    const std::string leaf = path.substr(path.rfind('.') + 1);
+    const bool body = path.starts_with("bodies."),
+               rubbed = path.starts_with("surface.") || path == "friction.static" || path == "friction.kinetic";
+    if (path == "surface.material" || path == "friction.static" || path == "friction.kinetic") add(facts.material, path, value);
+    if ((body && shape_words.contains(leaf)) || rubbed || path == "object" || path == "effects" || path == "effects.append" ||
+        leaf == "k_tangential" || leaf == "tip_radius")
+      add(facts.object, path, value);
+    if (path == "motion.speed" && value.is_number()) facts.speed = value.get<double>();
+    if ((path == "box.mass" || (body && leaf == "mass")) && value.is_number()) facts.mass = value.get<double>();
+  }
+  return facts;
+}
+
+}  // namespace slipbench::train

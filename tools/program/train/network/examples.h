@@ -1,0 +1,111 @@
+// The trials of a dataset as networks learn from them: frames, a class for each, and what is known of each trial.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "detectors/hd/words.h"
+#include "detectors/network/description.h"
+#include "sim/core/pad_state.h"
+#include "tools/base/record/trial_record.h"
+#include "tools/program/train/network/network.h"
+
+namespace slipbench::train {
+
+// Whose word it is that a sample slips.
+enum class LabelRule {
+  micro,    // truth: a part of a unit slips
+  strict,   // truth: a whole unit slips
+  paper,    // the rule of the sensor's paper: of a piezo_skin, that its 100 Hz position has changed
+  latched,  // micro, and from its first slip on until nothing touches any more
+  masked,  // micro, and a frame that sticks again after a slip, before nothing touches, is masked: it is under the shear that made it slip
+};
+inline constexpr std::array label_words{
+    hd::Word<LabelRule>{"micro", LabelRule::micro}, hd::Word<LabelRule>{"strict", LabelRule::strict},
+    hd::Word<LabelRule>{"paper", LabelRule::paper}, hd::Word<LabelRule>{"latched", LabelRule::latched},
+    hd::Word<LabelRule>{"masked", LabelRule::masked}};
+
+// What slip is divided into.
+enum class ClassRule {
+  slip,  // hold, slip
+  kind,  // stable, translation, rotation: of the rigid motion in the pad plane that fits the slip of all units best, the part with more energy
+  direction,  // t (touch), n, e, s, w, cw, aw: that of the trial, by its name or its motion, while something touches, whatever the labels; else masked
+};
+// What a network says by that rule: a slip is incipient by the rules micro, latched and masked, else gross.
+std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels);
+
+// One sensor in one trial.
+struct Example {
+  std::size_t trial = 0;
+  std::string sha256;    // the trial's digest (trial_identity)
+  std::string twin;      // truth_sha256(): trials in which it is equal are one experiment; empty: not known
+  std::string sensor;    // the scene's name
+  std::string material;  // what was swept of surface.material and friction.static and kinetic; empty: nothing
+  std::string object;    // what was swept of shapes, sizes, surface, friction, effects and stiffness; empty: nothing
+  double speed = std::numeric_limits<double>::quiet_NaN();  // m/s, motion.speed as it was swept; NaN: was not
+  double mass = std::numeric_limits<double>::quiet_NaN();   // kg, of box.mass or bodies.*.mass likewise
+  bool touches = false;                                     // something touches at some time; else only motors run
+  double onset = std::numeric_limits<
+      double>::quiet_NaN();     // s, true first slip of a whole unit (strict), of a part of one (all others); NaN: none
+  std::vector<double> time;     // [T] s, of each frame's last sample
+  std::vector<PadState> truth;  // [T] by micro; by strict where the labels are strict; empty: a recording without truth
+  FrameSequence frames;         // not scaled
+  std::uint8_t turn = 0;        // its images are turned by so many times 30 degrees; such a copy only learns
+};
+
+struct ExampleOptions {
+  network::Input input;  // offset and scale are not used
+  LabelRule labels = LabelRule::micro;
+  ClassRule classes = ClassRule::slip;
+  std::string sensor;       // empty: every sensor of the input's type and rate (network::rate_fits) whose values its picks fit
+  std::size_t turned = 0;   // of a myrmex: so many copies of each example more, their images turned (samples/myrmex_images.h)
+  std::size_t at_most = 0;  // frames of a class in an example, drawn; 0: all. For networks that see one frame at a time
+  std::uint64_t seed = 1;   // of what is drawn: RandomStream(seed, trial, "frames") and "turns"
+};
+
+struct Examples {
+  std::string command;              // that made the dataset
+  std::vector<std::string> sha256;  // of its content, a file each
+  std::size_t inputs = 0;           // values a frame
+  std::vector<Example> all;         // by trial, then by sensor
+};
+
+// Reads every trial, all shards, in a child process (tools/base/dataset/guarded.h), and checks what it reads against its digests. A frame's label
+// is that of its last sample. Throws InputError, naming the file: no whole dataset, no sensor that fits, labels that are not there.
+Examples read_examples(const std::string& dataset_path, const ExampleOptions& options);
+
+// One sensor of a trial, its images turned by `turn` times 30 degrees; what read_examples() does for each. Throws InputError as Frames does.
+Example example_of(const TrialRecord& record, const SensorRecord& sensor, const ExampleOptions& options, std::size_t turn = 0);
+
+// Facts of a trial, out of the JSON of what was swept.
+struct SweptFacts {
+  std::string material, object;
+  double speed = std::numeric_limits<double>::quiet_NaN(), mass = std::numeric_limits<double>::quiet_NaN();
+};
+SweptFacts swept_facts(const std::string& params);
+
+// What is never learnt from together.
+enum class Split {
+  trial,
+  material,
+  object,
+  speed,  // octaves of the commanded speed
+};
+inline constexpr std::array split_words{hd::Word<Split>{"trial", Split::trial}, hd::Word<Split>{"material", Split::material},
+                                        hd::Word<Split>{"object", Split::object}, hd::Word<Split>{"speed", Split::speed}};
+
+enum class Part : std::uint8_t { learns, validates, judges, left_out };
+
+// The part of each example. All examples of a group, which is an experiment (trials whose Example::twin is equal), a material, an object or an
+// octave of speed, judge or none does: groups are shuffled by RandomStream(seed, 0, "split"), and `held_out` of them, rounded up, judge. A fifth of the
+// other trials, rounded up, validates (a fifth of the groups where there are five or more left). Trials with other classes, and with and without
+// contact, are dealt out apart. A turned copy whose trial does not learn is left out. Throws InputError where a part would be empty, or nothing
+// is known to split by.
+std::vector<Part> split_examples(std::span<const Example> examples, Split split, double held_out, std::uint64_t seed);
+
+}  // namespace slipbench::train

@@ -1,0 +1,231 @@
+#include "tools/program/train/train_hd.h"
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "detectors/hd/engine.h"
+#include "detectors/hd/training.h"
+#include "sim/core/error.h"
+#include "tools/base/workers/ordered_workers.h"
+
+namespace slipbench {
+namespace {
+
+std::size_t threads_for(std::size_t jobs, std::size_t work) {
+  const std::size_t wanted = jobs > 0 ? jobs : std::max(1U, std::thread::hardware_concurrency());
+  return std::min(wanted, work);
+}
+
+std::vector<Sample> encode_sequence(hd::Encoder& encoder, const hd::Model& model, hd::Quantiser quantiser,
+                                    const Sequence& sequence, std::size_t index) {
+  std::vector<Sample> samples;
+  encoder.reset();
+  for (std::size_t row = 0; row < sequence.time.size(); ++row) {
+    hd::Frame frame;
+    try {
+      frame = hd::quantise(sequence.displacements[row], quantiser);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("trial {}: at {} s: {}", sequence.trial, sequence.time[row], error.what()));
+    }
+    const hd::Hypervector* query = encoder.encode(frame);
+    if (row + 1 < model.window || sequence.label[row] == PadState::no_contact) continue;
+    samples.push_back({index, row, sequence.label[row], sequence.moving[row], frame.context, *query});
+  }
+  return samples;
+}
+
+// What each sequence teaches, so that a draw of sequences only adds sums.
+std::vector<hd::Prototypes> taught_by_each(const hd::Model& model, const hd::Memories& memories, std::size_t sequences,
+                                           std::span<const Sample> samples) {
+  std::vector<hd::Prototypes> taught(sequences, hd::Prototypes(model, memories));
+  for (const Sample& sample : samples) taught[sample.sequence].add(sample.query, sample.context, sample.label);
+  return taught;
+}
+
+std::vector<hd::Hypervector> fit_sequences(const hd::Model& model, const hd::Memories& memories,
+                                           std::span<const hd::Prototypes> taught, const BootstrapDraw& draw) {
+  hd::Prototypes sum(model, memories);
+  for (std::size_t i = 0; i < taught.size(); ++i) {
+    for (std::uint32_t n = 0; n < draw.times[i]; ++n) sum.add(taught[i]);
+  }
+  return sum.bundle();
+}
+
+// Judges those samples of which `judged` is true, by index.
+template <class Judged>
+Evaluation judge(const Classifier& classifier, std::span<const Sequence> sequences, std::span<const Sample> samples,
+                 Judged&& judged, bool with_delays) {
+  Evaluation evaluation;
+  std::vector<double> time;
+  std::vector<PadState> called;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Sample& sample = samples[i];
+    if (judged(i)) {
+      const PadState state = classifier.classify(sample);
+      count(evaluation.all, sample.label, state);
+      if (sample.moving != 0) count(evaluation.moving, sample.label, state);
+      time.push_back(sequences[sample.sequence].time[sample.row]);
+      called.push_back(state);
+    }
+    const bool last = i + 1 == samples.size() || samples[i + 1].sequence != sample.sequence;
+    if (!last) continue;
+    if (with_delays && !time.empty()) evaluation.delays.add(time, called, sequences[sample.sequence].onset);
+    time.clear();
+    called.clear();
+  }
+  return evaluation;
+}
+
+Evaluation with_sizes(Evaluation evaluation, const BootstrapDraw& draw) {
+  evaluation.training = draw.training_size();
+  evaluation.distinct = draw.distinct();
+  evaluation.tested = draw.times.size() - draw.distinct();
+  return evaluation;
+}
+
+std::size_t judged_sequences(std::span<const Sample> samples) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) count += i == 0 || samples[i].sequence != samples[i - 1].sequence;
+  return count;
+}
+
+// Frames of a sequence up to the last one that touches, of the sequence where they are most.
+std::size_t longest_contact(std::span<const Sequence> sequences) {
+  std::size_t longest = 0;
+  for (const Sequence& sequence : sequences) {
+    for (std::size_t row = 0; row < sequence.label.size(); ++row) {
+      if (sequence.label[row] != PadState::no_contact) longest = std::max(longest, row + 1);
+    }
+  }
+  return longest;
+}
+
+// Throws InputError where one constant answer is always right.
+void check_classes(const std::string& dataset, SlipRule labels, std::span<const Sample> samples) {
+  const auto hold = static_cast<std::size_t>(
+      std::ranges::count_if(samples, [](const Sample& sample) { return sample.label == PadState::non_slip; }));
+  if (hold != 0 && hold != samples.size()) return;
+  throw InputError(
+      fmt::format("{}: of the frames in contact {} are non-slip and {} slip by the labels {}; allowed: frames of both", dataset,
+                  hold, samples.size() - hold, slip_rule_name(labels)));
+}
+
+// The samples of a dataset that has some.
+std::vector<Sample> encode_dataset(const std::string& dataset, const hd::SavedModel& saved, std::span<const Sequence> sequences,
+                                   std::size_t jobs) {
+  std::vector<Sample> samples = encode(saved.model, saved.memories, saved.quantiser, sequences, jobs);
+  if (!samples.empty()) return samples;
+  const std::size_t longest = longest_contact(sequences);
+  if (longest == 0) throw InputError(fmt::format("{}: no frame touches anything", dataset));
+  throw InputError(
+      fmt::format("{}: a window of {} frames is longer than the sequences; allowed: up to {}, the last frame that touches",
+                  dataset, saved.model.window, longest));
+}
+
+}  // namespace
+
+std::vector<Sample> encode(const hd::Model& model, const hd::Memories& memories, hd::Quantiser quantiser,
+                           std::span<const Sequence> sequences, std::size_t jobs) {
+  using Workers = OrderedWorkers<std::vector<Sample>>;
+  const auto make_work = [&]() -> Workers::Work {
+    const std::shared_ptr<hd::Encoder> encoder = hd::make_kernel_encoder(model, memories);
+    return [&, encoder](std::size_t index) { return encode_sequence(*encoder, model, quantiser, sequences[index], index); };
+  };
+  Workers workers(sequences.size(), threads_for(jobs, sequences.size()), make_work, nullptr);
+  std::vector<Sample> samples;
+  while (std::optional<std::vector<Sample>> part = workers.next()) {
+    std::move(part->begin(), part->end(), std::back_inserter(samples));
+  }
+  return samples;
+}
+
+std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& memories, std::span<const Sample> samples,
+                                 std::span<const std::uint32_t> times) {
+  hd::Prototypes prototypes(model, memories);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (std::uint32_t n = 0; n < times[i]; ++n) prototypes.add(samples[i].query, samples[i].context, samples[i].label);
+  }
+  return prototypes.bundle();
+}
+
+Classifier::Classifier(const hd::Model& model, const hd::Memories& memories) {
+  hd::check(model, memories, true);
+  for (std::size_t context = 0; context < hd::context_count; ++context) {
+    for (const hd::Hypervector& prototype : memories.associative) {
+      prototypes_[context].push_back(model.context_driven ? hd::bind(prototype, memories.context[context]) : prototype);
+    }
+  }
+}
+
+PadState Classifier::classify(const Sample& sample) const {
+  const std::vector<hd::Hypervector>& prototypes = prototypes_[sample.context];
+  std::size_t nearest = 0;
+  std::size_t least = hd::hamming(sample.query, prototypes[0]);
+  for (std::size_t k = 1; k < prototypes.size(); ++k) {
+    const std::size_t distance = hd::hamming(sample.query, prototypes[k]);
+    if (distance > least) continue;
+    least = distance;
+    nearest = k;
+  }
+  return static_cast<PadState>(nearest + 1);
+}
+
+std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
+                                       std::span<const Sample> samples, Split split, std::uint64_t seed, std::size_t jobs) {
+  const bool whole = split == Split::by_sequence;
+  std::vector<std::size_t> conditions;
+  if (whole) {
+    for (const Sequence& sequence : sequences) conditions.push_back(condition_of(sequence.motion));
+  } else {
+    for (const Sample& sample : samples) conditions.push_back(condition_of(sequences[sample.sequence].motion));
+  }
+  std::vector<hd::Prototypes> taught;
+  if (whole) taught = taught_by_each(model, memories, sequences.size(), samples);
+  using Workers = OrderedWorkers<Evaluation>;
+  const Workers::Work work = [&](std::size_t number) {
+    const BootstrapDraw draw = bootstrap(conditions, seed, number);
+    hd::Memories trained = memories;
+    trained.associative = whole ? fit_sequences(model, memories, taught, draw) : fit(model, memories, samples, draw.times);
+    const auto tested = [&](std::size_t i) { return draw.tests(whole ? samples[i].sequence : i); };
+    return with_sizes(judge(Classifier(model, trained), sequences, samples, tested, whole), draw);
+  };
+  Workers workers(
+      draw_count, threads_for(jobs, draw_count), [&] { return work; }, nullptr);
+  std::vector<Evaluation> evaluations;
+  while (std::optional<Evaluation> evaluation = workers.next()) {
+    if (samples_in_contact(evaluation->all) == 0) {
+      throw InputError(fmt::format(
+          "draw {} leaves no frame to test: {} sequences with contact after a window of {} frames are too few for their conditions",
+          evaluations.size(), judged_sequences(samples), model.window));
+    }
+    evaluations.push_back(std::move(*evaluation));
+  }
+  return evaluations;
+}
+
+HdSummary train_hd(const HdTraining& options) {
+  hd::check_save_target(options.output);
+  hd::SavedModel saved{options.model, options.quantiser, {}, hd::generate(options.model, options.seed)};
+  const TrainingData data = read_sequences(options.dataset, options.sequences);
+  const std::vector<Sample> samples = encode_dataset(options.dataset, saved, data.sequences, options.jobs);
+  check_classes(options.dataset, options.sequences.labels, samples);
+  HdSummary summary;
+  summary.sequences = data.sequences.size();
+  summary.sensor = data.sensor;
+  summary.samples = samples.size();
+  for (const Split split : {Split::by_sequence, Split::by_frame}) {
+    (split == Split::by_sequence ? summary.by_sequence : summary.by_frame) =
+        cross_validate(saved.model, saved.memories, data.sequences, samples, split, options.seed, options.jobs);
+  }
+  const std::vector<std::uint32_t> once(samples.size(), 1);
+  saved.memories.associative = fit(saved.model, saved.memories, samples, once);
+  summary.trained = saved.trained = fmt::format("{}; labels {}, seed {}, all {} sequences", data.command,
+                                                slip_rule_name(options.sequences.labels), options.seed, data.sequences.size());
+  hd::save(options.output, saved);
+  return summary;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,95 @@
+// Teaching a hyperdimensional slip detector from a dataset, and judging it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "detectors/hd/features.h"
+#include "detectors/hd/hypervector.h"
+#include "detectors/hd/memories.h"
+#include "detectors/hd/memory_files.h"
+#include "detectors/hd/model.h"
+#include "tools/base/statistics/confusion.h"
+#include "tools/program/train/delays.h"
+#include "tools/program/train/draws.h"
+#include "tools/program/train/sequences.h"
+
+namespace slipbench {
+
+// A frame to learn from or to be judged, after the encoder.
+struct Sample {
+  std::size_t sequence = 0;  // index, not the number of the trial
+  std::size_t row = 0;       // of the sequence
+  PadState label{};          // any but no_contact
+  std::uint8_t moving = 0;
+  std::uint8_t context = 0;
+  hd::Hypervector query;
+};
+
+// The query vectors of all sequences, in order. The encoder sees every frame of a sequence; a sample is a frame that touches and has
+// a whole window of frames behind it, whatever the encoding, so that all encodings are judged on the same frames.
+// `jobs`: threads, 0: as many as the machine has. Throws InputError for displacements that do not fit the detector's fixed point.
+std::vector<Sample> encode(const hd::Model& model, const hd::Memories& memories, hd::Quantiser quantiser,
+                           std::span<const Sequence> sequences, std::size_t jobs);
+
+// The prototypes after a single pass over samples, each taken `times` times. A class without a sample gets ties throughout.
+std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& memories, std::span<const Sample> samples,
+                                 std::span<const std::uint32_t> times);
+
+// What a sample is called: the nearest of the prototypes, the higher class where two are equally near (eq. 5).
+class Classifier {
+ public:
+  // `memories`: trained. Throws InputError when they do not fit the model.
+  Classifier(const hd::Model& model, const hd::Memories& memories);
+
+  [[nodiscard]] PadState classify(const Sample& sample) const;
+
+ private:
+  std::array<std::vector<hd::Hypervector>, hd::context_count> prototypes_;  // DP_k, by context
+};
+
+// One test.
+struct Evaluation {
+  std::size_t training = 0;  // items trained on, repeats counted: sequences, or frames where the split is by frame
+  std::size_t distinct = 0;  // how many of them differ
+  std::size_t tested = 0;    // items tested
+  Confusion all{};           // every sample
+  Confusion moving{};        // those while the pad moves
+  Delays delays;             // empty where the split is by frame
+};
+
+enum class Split { by_sequence, by_frame };
+
+// draw_count tests of a classifier, each trained on what bootstrap() drew and judged on the rest. Conditions are condition_of() of the
+// sequence, also where frames are drawn. Throws InputError when a draw leaves nothing to train on or to test.
+std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
+                                       std::span<const Sample> samples, Split split, std::uint64_t seed, std::size_t jobs);
+
+struct HdTraining {
+  std::string dataset;
+  SequenceOptions sequences;
+  hd::Model model;
+  hd::Quantiser quantiser = hd::Quantiser::fixed_point;
+  std::uint64_t seed = 1;  // of item memories and draws
+  std::size_t jobs = 0;    // threads; 0: as many as the machine has
+  std::string output;      // folder of the memories
+};
+
+struct HdSummary {
+  std::size_t sequences = 0;
+  std::size_t samples = 0;
+  std::vector<Evaluation> by_sequence;  // one a draw
+  std::vector<Evaluation> by_frame;
+  std::string sensor;   // of the first trial
+  std::string trained;  // what model.txt says of the training
+};
+
+// `slipbench train`: the draws, then a classifier trained on every sequence, which is saved. Throws InputError; for an output that
+// cannot be written before anything is read.
+HdSummary train_hd(const HdTraining& options);
+
+}  // namespace slipbench

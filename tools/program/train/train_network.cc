@@ -1,0 +1,376 @@
+#include "tools/program/train/train_network.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "tools/base/files/output_file.h"
+#include "tools/program/train/network/engine_check.h"
+
+namespace slipbench::train {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// How every file that onnx_model() makes begins: version 8 of the format, made by slipbench.
+constexpr std::string_view beginning{"\x08\x08\x12\x09slipbench", 13};
+
+// The probability of each class of an answer.
+std::vector<double> probabilities(std::span<const float> logits) {
+  const double top = *std::ranges::max_element(logits);
+  std::vector<double> all;
+  double sum = 0.0;
+  for (const float logit : logits) sum += all.emplace_back(std::exp(double{logit} - top));
+  for (double& one : all) one /= sum;
+  return all;
+}
+
+// What the members say together of a frame.
+struct Answer {
+  std::uint8_t label = 0;
+  std::vector<double> probability;  // of each class
+};
+
+std::vector<Answer> answers_of(std::span<const std::unique_ptr<Network>> members, std::span<const FrameSequence> sequences) {
+  const std::size_t classes = class_count(members.front()->shape()), before = history_of(members.front()->shape()) - 1;
+  std::vector<Answer> answers;
+  for (const FrameSequence& sequence : sequences) {
+    const std::size_t first = answers.size();
+    for (const std::unique_ptr<Network>& member : members) {
+      if (sequence.label.size() <= before) continue;
+      const std::vector<float> logits = member->logits(sequence.features);
+      for (std::size_t t = before; t < sequence.label.size(); ++t) {
+        if (member == members.front()) answers.push_back({sequence.label[t], std::vector<double>(classes, 0.0)});
+        const std::vector<double> one = probabilities(std::span(logits).subspan((t - before) * classes, classes));
+        Answer& answer = answers[first + t - before];
+        for (std::size_t c = 0; c < classes; ++c) answer.probability[c] += one[c] / static_cast<double>(members.size());
+      }
+    }
+  }
+  std::erase_if(answers, [](const Answer& answer) { return answer.label == masked; });
+  return answers;
+}
+
+// Mean of the recalls of the classes that occur.
+double accuracy_of(const std::vector<Answer>& answers, std::size_t classes) {
+  std::vector<double> right(classes), all(classes);
+  for (const Answer& answer : answers) {
+    const auto called = static_cast<std::size_t>(std::ranges::max_element(answer.probability) - answer.probability.begin());
+    all[answer.label] += 1.0;
+    right[answer.label] += called == answer.label ? 1.0 : 0.0;
+  }
+  double sum = 0.0, occurring = 0.0;
+  for (std::size_t c = 0; c < classes; ++c) {
+    if (all[c] == 0.0) continue;
+    sum += right[c] / all[c];
+    occurring += 1.0;
+  }
+  return sum / occurring;
+}
+
+bool class_slips(const network::Class& one) { return one.state == PadState::incipient || one.state == PadState::gross; }
+
+double slip_of(const Answer& answer, const std::vector<network::Class>& classes) {
+  double slip = 0.0;
+  for (std::size_t c = 0; c < classes.size(); ++c) slip += class_slips(classes[c]) ? answer.probability[c] : 0.0;
+  return slip;
+}
+
+// The middle between two probabilities that parts hold and slip best, of equals the one nearest to 1/2; 1/2 where one of them does not occur.
+double best_threshold(const std::vector<Answer>& answers, const std::vector<network::Class>& classes) {
+  std::vector<std::pair<double, bool>> frames;
+  std::array<double, 2> count{};
+  for (const Answer& answer : answers) {
+    frames.emplace_back(slip_of(answer, classes), class_slips(classes[answer.label]));
+    count[frames.back().second ? 1 : 0] += 1.0;
+  }
+  double best = 0.5, accuracy = 0.0;
+  if (count[0] == 0.0 || count[1] == 0.0) return best;
+  std::ranges::sort(frames);
+  double held = 0.0, missed = 0.0;  // below the threshold, by truth
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+    (frames[i].second ? missed : held) += 1.0;
+    if (frames[i].first == frames[i + 1].first) continue;
+    const double here = 0.5 * (frames[i].first + frames[i + 1].first), right = held / count[0] + 1.0 - missed / count[1];
+    if (right > accuracy || (right == accuracy && std::abs(here - 0.5) < std::abs(best - 0.5))) {
+      best = here;
+      accuracy = right;
+    }
+  }
+  return best;
+}
+
+std::vector<std::size_t> trials_of(const std::vector<const Example*>& examples) {
+  std::vector<std::size_t> trials;
+  for (const Example* example : examples) {
+    if (trials.empty() || trials.back() != example->trial) trials.push_back(example->trial);
+  }
+  return trials;
+}
+
+// Of the trials of both, once each; a trial that says none of itself is left out.
+std::set<std::string> digests_of(const std::vector<const Example*>& learning, const std::vector<const Example*>& validating) {
+  std::set<std::string> digests;
+  for (const auto* part : {&learning, &validating}) {
+    for (const Example* example : *part) digests.insert(example->sha256);
+  }
+  digests.erase("");
+  return digests;
+}
+
+// Copies of the frames, scaled.
+std::vector<FrameSequence> scaled(const std::vector<const Example*>& examples, const Scale& scale) {
+  std::vector<FrameSequence> sequences;
+  for (const Example* example : examples) apply(scale, sequences.emplace_back(example->frames));
+  return sequences;
+}
+
+// Refuses data that do not hold what the recipe tells apart. `part`: "to learn from".
+void check_classes(const std::string& dataset, const char* part, const std::vector<const Example*>& examples,
+                   const std::vector<network::Class>& classes, std::size_t history) {
+  std::vector<std::size_t> frames(classes.size());
+  for (const Example* example : examples) {
+    if (example->frames.label.size() < history) {
+      throw InputError(fmt::format("{}: trial {}: {} frames are less than the {} that an answer is made of", dataset,
+                                   example->trial, example->frames.label.size(), history));
+    }
+    for (std::size_t t = history - 1; t < example->frames.label.size(); ++t) {
+      if (example->frames.label[t] != masked) ++frames.at(example->frames.label[t]);
+    }
+  }
+  std::vector<std::string> counts;
+  for (std::size_t c = 0; c < classes.size(); ++c) counts.push_back(fmt::format("{} {}", frames[c], classes[c].name));
+  if (std::ranges::find(frames, 0U) != frames.end()) {
+    throw InputError(
+        fmt::format("{}: the trials {} have a class without a frame: {}; allowed: frames of every class, in more trials or "
+                    "with another --seed or --split",
+                    dataset, part, fmt::join(counts, ", ")));
+  }
+}
+
+Json counts_json(const Counts& counts) {
+  const auto number = [](double value) { return std::isnan(value) ? Json() : Json(value); };
+  return {{"balanced_accuracy", number(counts.balanced_accuracy())},
+          {"f1", number(counts.f1())},
+          {"slip_called_slip", counts.slip_called_slip},
+          {"slip_called_hold", counts.slip_called_hold},
+          {"hold_called_slip", counts.hold_called_slip},
+          {"hold_called_hold", counts.hold_called_hold}};
+}
+
+std::string checkpoint_path(const std::string& output, std::size_t member) {
+  return fmt::format("{}.checkpoint-{}", output, member);
+}
+
+// All that decides what is learnt, for --resume.
+std::string identity_of(const NetworkTraining& training, const Examples& examples, std::size_t member) {
+  const TrainingOptions& options = training.recipe.training;
+  return Json{{"recipe", training.recipe.name},
+              {"layers", layers_text(training.recipe.network.layers)},
+              {"data", examples.sha256},
+              {"sensor", training.sensor},
+              {"labels", hd::name_of(label_words, training.recipe.labels)},
+              {"split", hd::name_of(split_words, training.recipe.split)},
+              {"held_out", training.held_out},
+              {"seed", training.seed},
+              {"member", member},
+              {"turned", training.recipe.turned},
+              {"training",
+               {options.steps, options.batch, options.clip, options.learning_rate, options.final_rate, options.label_smoothing,
+                options.change_penalty, options.change_from, options.validate_every, options.patience}},
+              {"libraries", network_libraries()}}
+      .dump();
+}
+
+// Writes the file, asks `check` whether it says what it should, and gives it its name.
+void write_checked(const std::string& path, const std::string& bytes, const std::function<void(const std::string&)>& check) {
+  const std::string unchecked = path + ".unchecked";
+  write_text_file(unchecked, bytes);
+  try {
+    check(unchecked);
+    rename_file(unchecked, path);
+  } catch (...) {
+    std::filesystem::remove(unchecked);
+    throw;
+  }
+}
+
+// Throws InputError for an output that cannot be written and for a checkpoint that is not there.
+void check_output(const NetworkTraining& training) {
+  check_text_target(training.output, {training.dataset},
+                    {"detector of slipbench", [](std::string_view bytes) { return bytes.starts_with(beginning); }});
+  // Networks after the first one have no checkpoint until their turn comes.
+  if (const std::string first = checkpoint_path(training.output, 0); training.resume && !std::filesystem::exists(first)) {
+    throw InputError(
+        first + ": is not there to go on with: the training has ended, or never came to a validation; allowed: none of --resume");
+  }
+}
+
+// A dataset's examples, and what each is for.
+struct Lesson {
+  Examples examples;
+  std::vector<const Example*> learning, validating, judging;
+};
+
+Lesson read_lesson(const NetworkTraining& training) {
+  const Recipe& recipe = training.recipe;
+  const ExampleOptions options{recipe.input,  recipe.labels,  recipe.classes, training.sensor,
+                               recipe.turned, recipe.at_most, training.seed};
+  Lesson lesson{read_examples(training.dataset, options), {}, {}, {}};
+  try {
+    const std::vector<Part> of = split_examples(lesson.examples.all, recipe.split, training.held_out, training.seed);
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      const Example* example = &lesson.examples.all[i];
+      if (of[i] == Part::learns) lesson.learning.push_back(example);
+      if (of[i] == Part::validates) lesson.validating.push_back(example);
+      if (of[i] == Part::judges) lesson.judging.push_back(example);
+    }
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", training.dataset, error.what()));
+  }
+  return lesson;
+}
+
+// What the file says of its input and classes.
+network::Description described(const Recipe& recipe, const Scale& scale, const std::vector<network::Class>& classes) {
+  network::Description description;
+  description.input = recipe.input;
+  description.input.history = history_of(recipe.network);
+  description.input.offset = scale.offset;
+  description.input.scale = scale.scale;
+  description.classes = classes;
+  return description;
+}
+
+// The scale of the frames that teach.
+Scale scale_of_learning(const Lesson& lesson, Scaling scaling) {
+  std::vector<const FrameSequence*> frames;
+  for (const Example* example : lesson.learning) frames.push_back(&example->frames);
+  return scale_of(frames, lesson.examples.inputs, scaling);
+}
+
+struct Ensemble {
+  std::vector<std::unique_ptr<Network>> members;
+  std::vector<std::vector<std::vector<float>>> states;  // of each member
+  std::vector<std::size_t> steps;                       // of its best state
+};
+
+Ensemble teach(const NetworkTraining& training, const Examples& examples, const std::vector<FrameSequence>& learnt,
+               const std::vector<FrameSequence>& validated, const std::function<void(const MemberProgress&)>& report) {
+  const Recipe& recipe = training.recipe;
+  Ensemble ensemble;
+  for (std::size_t member = 0; member < recipe.members; ++member) {
+    TrainingOptions how = recipe.training;
+    how.seed = training.seed + member;
+    Network& network = *ensemble.members.emplace_back(make_network(recipe.network, how.seed));
+    const Checkpoint checkpoint{checkpoint_path(training.output, member), identity_of(training, examples, member),
+                                training.resume};
+    const TrainingResult result = network.train(learnt, validated, how, checkpoint, [&](const TrainingProgress& progress) {
+      if (report) report({member, recipe.members, progress});
+    });
+    ensemble.steps.push_back(result.best_step);
+    ensemble.states.push_back(network.state());
+  }
+  return ensemble;
+}
+
+// The numbers of trials and frames.
+NetworkSummary sizes_of(const Lesson& lesson) {
+  NetworkSummary summary;
+  summary.learnt = trials_of(lesson.learning).size();
+  summary.validated = trials_of(lesson.validating).size();
+  summary.judged = trials_of(lesson.judging).size();
+  summary.trials = summary.learnt + summary.validated + summary.judged;
+  std::set<std::string> sensors;
+  for (const Example& example : lesson.examples.all) sensors.insert(example.sensor);
+  summary.sensors.assign(sensors.begin(), sensors.end());
+  for (const Example* example : lesson.learning) summary.frames += example->frames.label.size();
+  return summary;
+}
+
+// Chooses the threshold by `on_validation` and judges by `on_judged`.
+void judge(NetworkSummary& summary, const std::vector<Answer>& on_validation, const std::vector<Answer>& on_judged,
+           const std::vector<network::Class>& classes) {
+  summary.threshold = best_threshold(on_validation, classes);
+  summary.validation = accuracy_of(on_validation, classes.size());
+  summary.held_out_accuracy = accuracy_of(on_judged, classes.size());
+  for (const Answer& answer : on_judged)
+    summary.held_out.add(class_slips(classes[answer.label]), slip_of(answer, classes) >= summary.threshold);
+}
+
+// What the file says of its training.
+Json trained_json(const NetworkTraining& training, const Lesson& lesson, const std::vector<std::size_t>& steps,
+                  const NetworkSummary& summary) {
+  const Recipe& recipe = training.recipe;
+  Json trained{{"recipe", recipe.name},
+               {"labels", hd::name_of(label_words, recipe.labels)},
+               {"command", lesson.examples.command},
+               {"data_sha256", lesson.examples.sha256},
+               {"sensor", training.sensor},
+               {"split", hd::name_of(split_words, recipe.split)},
+               {"held_out", training.held_out},
+               {"seed", training.seed},
+               {"trials_learnt", trials_of(lesson.learning)},
+               {"trials_validated", trials_of(lesson.validating)},
+               {"trials_judged", trials_of(lesson.judging)},
+               {"sha256_seen", digests_of(lesson.learning, lesson.validating)},
+               {"frames", summary.frames},
+               {"parameters", summary.parameters},
+               {"steps", steps},
+               {"validation", {{"balanced_accuracy", summary.validation}}},
+               {"libraries", network_libraries()}};
+  if (!lesson.judging.empty()) {
+    trained["judged"] = counts_json(summary.held_out);
+    trained["judged"]["all_classes_balanced_accuracy"] = summary.held_out_accuracy;
+  }
+  return trained;
+}
+
+}  // namespace
+
+NetworkSummary train_network(const NetworkTraining& training, const std::function<void(const MemberProgress&)>& report) {
+  const Recipe& recipe = training.recipe;
+  check_output(training);
+  static_cast<void>(network_libraries());  // says what is missing before anything is read
+  const Lesson lesson = read_lesson(training);
+  const std::vector<network::Class> classes = classes_of(recipe.classes, recipe.labels);
+  check_classes(training.dataset, "to learn from", lesson.learning, classes, history_of(recipe.network));
+  check_classes(training.dataset, "that choose the state", lesson.validating, classes, history_of(recipe.network));
+
+  const Scale scale = scale_of_learning(lesson, recipe.scaling);
+  const std::vector<FrameSequence> learnt = scaled(lesson.learning, scale), validated = scaled(lesson.validating, scale),
+                                   judged = scaled(lesson.judging, scale);
+  const Ensemble ensemble = teach(training, lesson.examples, learnt, validated, report);
+
+  NetworkSummary summary = sizes_of(lesson);
+  summary.parameters = parameter_count(recipe.network);
+  summary.steps = ensemble.steps.back();
+  judge(summary, answers_of(ensemble.members, validated), answers_of(ensemble.members, judged), classes);
+  summary.description = trained_json(training, lesson, ensemble.steps, summary).dump();
+
+  network::Description description = described(recipe, scale, classes);
+  description.threshold = summary.threshold;
+  description.trained = summary.description;
+  const std::string bytes = onnx_model(recipe.network, ensemble.states, description);
+  write_checked(training.output, bytes, [&]([[maybe_unused]] const std::string& path) {
+#ifdef SLIPBENCH_WITH_ENGINE
+    check_engine(path, ensemble.members, validated.front());
+#endif
+  });
+  for (std::size_t member = 0; member < recipe.members; ++member)
+    std::filesystem::remove(checkpoint_path(training.output, member));
+  return summary;
+}
+
+}  // namespace slipbench::train
