@@ -144,8 +144,9 @@ BoardTable board_table(const Json& set) {
 std::string board_page(const Json& result) {
   const Json& protocol = result.at("protocol");
   std::string body = fmt::format(
-      "<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>Slip detectors on {}{}</h1>\n<p class=\"note\">{}</p></header>\n", generator,
-      escape_html(protocol.at("name").get<std::string>()), protocol.at("whole").get<bool>() ? "" : ", a part of it", opening);
+      "<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>Slip detectors on {}{}</h1>\n<p class=\"note\">{}</p></header>\n",
+      generator, escape_html(protocol.at("name").get<std::string>()), protocol.at("whole").get<bool>() ? "" : ", a part of it",
+      opening);
   for (const Json& set : result.at("sets")) body += set_html(set);
   if (result.contains("transfer")) body += section("transfer", "", result.at("transfer").get<std::string>());
   const std::vector<std::vector<std::string>> constants{
