@@ -60,7 +60,7 @@ std::string drawing(const Json& set) {
     y += line;
   }
   svg.text("middle", 0.5 * (left + right), foot + 32.0, "score");
-  return "<div>" + svg.element("Scores of the detectors, with 95 % intervals") + "</div>\n";
+  return "<div class=\"scroll\">" + svg.element("Scores of the detectors, with 95 % intervals") + "</div>\n";
 }
 
 std::string groups_html(const Json& set) {
@@ -82,7 +82,7 @@ std::string groups_html(const Json& set) {
 
 std::string set_html(const Json& set) {
   const BoardTable table = board_table(set);
-  std::string html = page::table_html(table.head, table.rows) + drawing(set);
+  std::string html = drawing(set) + page::table_html(table.head, table.rows);
   if (!table.left_out.empty()) html += "<h3>Not on this board</h3>\n" + page::list_html(table.left_out);
   if (const std::string groups = groups_html(set); !groups.empty()) html += "<h3>Score by condition (trials)</h3>\n" + groups;
   const std::string from = set.contains("scene") ? set.at("scene").get<std::string>() : set.at("file").get<std::string>();
@@ -90,6 +90,9 @@ std::string set_html(const Json& set) {
       table.title, html,
       fmt::format("{}; labels {}; data {}", from, set.at("labels").get<std::string>(), set.at("data_sha256").get<std::string>()));
 }
+
+constexpr const char* opening =
+    "Scores of slip detectors, each with its 95 % interval by trial: 100 is the best there can be, 0 is what never saying slip earns.";
 
 constexpr const char* rule =
     "Score, -100 to 100: credit × min(1, limit / false alarms a minute) − time wrongly called slip. An open recording's credit is half_delay / "
@@ -140,13 +143,17 @@ BoardTable board_table(const Json& set) {
 std::string board_page(const Json& result) {
   const Json& protocol = result.at("protocol");
   std::string body = fmt::format(
-      "<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>Slip detectors on {}{}</h1>\n<p class=\"note\">half_delay {:g} ms, limit {:g} false "
-      "alarms a minute, force_ratio {:g}; protocol {}</p>\n<p class=\"note\">{}</p></header>\n",
+      "<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>Slip detectors on {}{}</h1>\n<p class=\"note\">{}</p></header>\n",
       generator, escape_html(protocol.at("name").get<std::string>()), protocol.at("whole").get<bool>() ? "" : ", a part of it",
-      ms * protocol.at("half_delay_s").get<double>(), protocol.at("alarms_per_minute").get<double>(),
-      protocol.at("force_ratio").get<double>(), escape_html(protocol.at("sha256").get<std::string>()), escape_html(rule));
+      opening);
   for (const Json& set : result.at("sets")) body += set_html(set);
   if (result.contains("transfer")) body += section("transfer", "", result.at("transfer").get<std::string>());
+  const std::vector<std::vector<std::string>> constants{
+      {"half_delay", fmt::format("{:g} ms", ms * protocol.at("half_delay_s").get<double>())},
+      {"limit", fmt::format("{:g} false alarms a minute", protocol.at("alarms_per_minute").get<double>())},
+      {"force_ratio", fmt::format("{:g}", protocol.at("force_ratio").get<double>())},
+      {"protocol", protocol.at("sha256").get<std::string>()}};
+  body += section("How the score is made", page::table_html({"", ""}, constants), rule);
   std::vector<std::vector<std::string>> machine;
   for (const auto& [key, value] : result.at("machine").items())
     machine.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});
