@@ -1,6 +1,4 @@
 // Ends the process as soon as it is loaded.
 #include <cstdlib>
 
-namespace {
-const int never = (std::_Exit(77), 0);
-}
+__attribute__((constructor)) static void leave() { std::_Exit(77); }
