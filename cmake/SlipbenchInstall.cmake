@@ -40,7 +40,7 @@ function(slipbench_install)
     install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipbench/${path})
   endforeach()
 
-  install(DIRECTORY scenes DESTINATION ${SLIPBENCH_DATA_DIR} PATTERN "gallery.*" EXCLUDE)
+  install(DIRECTORY scenes DESTINATION ${SLIPBENCH_DATA_DIR} PATTERN "gallery.*" EXCLUDE PATTERN GALLERY.md EXCLUDE)
   install(FILES LICENSE NOTICE.md DESTINATION ${SLIPBENCH_DATA_DIR})
   # What `slipbench reproduce` reads of the project beside the scenes.
   install(FILES rtl/hd/syn/results.json DESTINATION ${SLIPBENCH_DATA_DIR}/rtl/hd/syn OPTIONAL)

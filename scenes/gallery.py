@@ -197,4 +197,6 @@ def main(folder):
 
 
 if __name__ == "__main__":
+    if any(word.startswith("-") for word in sys.argv[1:]) or len(sys.argv) > 2:
+        sys.exit(__doc__)
     main(Path(sys.argv[1]) if len(sys.argv) > 1 else SCENES)

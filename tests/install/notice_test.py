@@ -23,6 +23,8 @@ LICENCES = {
     "MPL-2.0", "OLDAP-2.8", "Python-2.0", "Unicode-DFS-2016", "Zlib", "bzip2-1.0.6", "curl"}
 EXCEPTIONS = {"GCC-exception-3.1", "Linux-syscall-note"}
 PROGRAMS = ("bin/slipbench", "bin/slipbench-studies")
+PINS = {name: version for listing in ("requirements", "requirements-test")
+        for name, version in re.findall(r"^([a-z-]+)==(\S+)", (ROOT / f"tools/setup/{listing}.txt").read_text(encoding="utf-8"), re.MULTILINE)}
 SONAME = re.compile(r"[\w.+-]+\.so(?:\.[\w.]+)?")
 
 
@@ -58,6 +60,7 @@ def compiled_in():
     """Debian packages of the headers and sources outside of the tree that the product is compiled from."""
     files = set()
     ours = False
+    packages = {"libpython3-dev"}  # Python's headers are Debian's, or those of another Python that the module is built for
     for line in output("ninja", "-t", "deps").splitlines():
         if not line.startswith(" "):
             ours = bool(line) and "#deps" in line and not line.startswith("tests/")
@@ -65,8 +68,8 @@ def compiled_in():
             path = os.path.normpath(BUILD / line.strip())
             if path.startswith("/usr/"):
                 files.add(path)
-    # Python's headers are Debian's, or those of another Python that the module is built for.
-    packages = {"libpython3-dev"}
+            elif "/site-packages/nanobind/" in path:
+                packages.add(f"PyPI: nanobind {PINS['nanobind']}")
     files = {path for path in files if not re.search(r"/python3\.\d+/", path)}
     for listing in Path("/var/lib/dpkg/info").glob("*.list"):
         if not files.isdisjoint(listing.read_text(encoding="utf-8").splitlines()):
@@ -115,6 +118,7 @@ class NoticeTest(unittest.TestCase):
                                ("| libtbb.so.12", "libtbb.so.12 is loaded and not named"),
                                ("| d3.min.js", "d3.min.js is inlined and not named"),
                                ("| CLI11", "libcli11-dev is compiled in and not named"),
+                               ("| nanobind", f"PyPI: nanobind {PINS['nanobind']} is compiled in and not named"),
                                ("| Eigen", "libeigen3-dev is compiled in and not named")):
             self.assertEqual(findings(without(start)), [finding])
         verilator = [line for line in self.text.splitlines(True) if "| verilator |" in line]
@@ -128,8 +132,7 @@ class NoticeTest(unittest.TestCase):
         self.assertEqual(findings(self.text + "| libc.so.6 | libgone1 | MIT |\n"), ["libgone1 has no copyright file here"])
 
     def test_names_the_pinned_wheels(self):
-        pins = dict(re.findall(r"^([a-z-]+)==(\S+)", (ROOT / "tools/setup/requirements.txt").read_text(encoding="utf-8"), re.MULTILINE))
-        mujoco, openvino = pins["mujoco-core"], pins["openvino"]
+        mujoco, openvino = PINS["mujoco-core"], PINS["openvino"]
         self.assertIn(f"| libmujoco.so.{mujoco} | PyPI: mujoco-core {mujoco} |", self.text)
         self.assertIn(f"| PyPI: openvino {openvino} |", self.text)
 

@@ -3,6 +3,7 @@ wheel_user.py runs. Python's lines of tools/python/README.md print there what th
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -31,7 +32,7 @@ class Wheels(unittest.TestCase):
         self.assertLess(wheel.stat().st_size, 60e6)
         bare = [ROOT / "tools/setup/bare_debian.sh", "-r", release, "-d", self.here / release]
         made = subprocess.run([*bare, "sh", "-c", PREPARE], check=False)
-        if made.returncode == 3:
+        if made.returncode == 3 and shutil.which("mmdebstrap"):
             self.skipTest("no bare Debian can be made here")
         self.assertEqual(made.returncode, 0)
         for file in (wheel, HERE / "wheel_user.py"):

@@ -1,9 +1,10 @@
 """build_wheels.py [-o FOLDER]: the wheels of the package `slipbench` that need nothing of the system but glibc 2.36: one for Python 3.11, one for 3.12 and later.
-Writes them to FOLDER, default build/wheel, from build/release, with the libraries that it needs and their licences inside. Needs what
-`./slipbench test` installs, and tools/setup/setup.sh wheel. Debian 12 has no Python newer than 3.11: headers of Debian 13's are fetched."""
+Writes them to FOLDER, default build/wheel, from build/release, with the libraries that it needs and their licences inside. Needs Debian
+12 and tools/setup/setup.sh build test python test-python wheel. Debian 12 has no Python newer than 3.11: headers of Debian 13's are fetched."""
 
 import argparse
 import os
+import platform
 import re
 import shutil
 import subprocess
@@ -14,6 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 WORK = ROOT / "build/wheel"
 BUILD = ROOT / "build/release"
 TOOLS = WORK / "tools"
+VENV = ROOT / "build/venv"
 ABI3_HEADERS = "libpython3.13-dev"
 # What others bring: glibc and GCC's libraries as every manylinux has them, OpenVINO by its own package, MuJoCo in the folder where it is looked for.
 NOT_INSIDE = ("libopenvino.so.*", "libmujoco.so.*")
@@ -45,7 +47,8 @@ def fetch_headers():
                f"-oDir::State::status={apt}/status", f"-oDir::Cache={apt}/cache", "-oAPT::Sandbox::User="]
     run("apt-get", *options, "-qq", "update")
     run("apt-get", *options, "-qq", "download", ABI3_HEADERS, cwd=apt)
-    run("dpkg", "-x", next(apt.glob("*.deb")), folder)
+    run("dpkg", "-x", next(apt.glob("*.deb")), apt / "headers")
+    (apt / "headers").rename(folder)
 
 
 def stage(folder):
@@ -62,7 +65,7 @@ def stage(folder):
 
 
 def carry_licences(files, info):
-    """Debian's copyright file of every library of the system that `files` load."""
+    """Debian's copyright file of every package that NOTICE.md names or whose library `files` load, and nanobind's licence."""
     folder = info / "licenses"
     folder.mkdir(exist_ok=True)
     loaded = {os.path.realpath(path) for file in files for path in re.findall(r"=> (/\S+)", said("ldd", file))}
@@ -70,6 +73,11 @@ def carry_licences(files, info):
     for line in said("dpkg-query", "--search", *(f"*/{Path(path).name}" for path in sorted(loaded) if path.startswith("/usr/"))).splitlines():
         name = line.split(":")[0]
         shutil.copy(f"/usr/share/doc/{name}/copyright", folder / f"{name}.txt")
+    for name in re.findall(r"[\w.+-]+", (ROOT / "NOTICE.md").read_text(encoding="utf-8")):
+        text = Path(f"/usr/share/doc/{name}/copyright")
+        if text.exists():
+            shutil.copy(text, folder / f"{name}.txt")
+    shutil.copy(next(VENV.glob("lib/python3*/site-packages/nanobind-*.dist-info/licenses/LICENSE")), folder / "nanobind.txt")
     for name in ("LICENSE", "NOTICE.md"):
         shutil.copy(ROOT / name, folder)
 
@@ -82,6 +90,10 @@ def make(out, module, tag):
     shutil.copy(module, package / "bin")
     run("patchelf", "--set-rpath", "$ORIGIN/../lib/slipbench/mujoco", package / "bin" / module.name)
     carry_licences([module, *(BUILD / "lib/slipbench").glob("libslipbench_[cn]*.so")], info)
+    # With FFTW inside, the whole is under GPL-3.0-or-later: NOTICE.md.
+    metadata = (info / "METADATA").read_text(encoding="utf-8")
+    classifier = "Classifier: License :: OSI Approved :: GNU General Public License v3 or later (GPLv3+)"
+    (info / "METADATA").write_text(metadata.replace("\nVersion:", f"\n{classifier}\nVersion:", 1), encoding="utf-8")
     text = re.sub(r"Tag: .*", f"Tag: {tag}-linux_x86_64", (info / "WHEEL").read_text(encoding="utf-8"))
     (info / "WHEEL").write_text(text, encoding="utf-8")
     (folder / "raw").mkdir()
@@ -98,6 +110,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-o", dest="out", type=Path, default=WORK, help="where the wheels are written")
     out = parser.parse_args().out.resolve()
+    if platform.freedesktop_os_release().get("VERSION_ID") != "12":
+        sys.exit("build_wheels.py: is of Debian 12, whose glibc 2.36 the wheels name")
     if not TOOLS.exists():
         sys.exit("build_wheels.py: auditwheel is not there; get it with: tools/setup/setup.sh wheel")
     fetch_headers()

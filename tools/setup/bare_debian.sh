@@ -25,6 +25,7 @@ shift $((OPTIND - 1))
 [[ $(id -u) == 0 ]] || no_system "not root"
 command -v mmdebstrap >/dev/null || no_system "no mmdebstrap; get it with: apt-get install --yes mmdebstrap"
 keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+unshare --mount true 2>/dev/null || no_system "no right to mount"
 [[ -e $keyring ]] || no_system "no $keyring; get it with: apt-get install --yes debian-archive-keyring"
 
 tree=$(git -C "$(dirname "${BASH_SOURCE[0]}")" rev-parse --show-toplevel)
@@ -33,6 +34,8 @@ base=$folder
 mkdir -p "$base"
 base=$(realpath "$base")
 root=$base/root
+[[ ! -e $root || -e $root/tree ]] || usage "-d $folder: $root is there and is no system of this script; allowed: another folder"
+[[ ! -e $root ]] || grep -q "^VERSION_CODENAME=$release$" "$root/etc/os-release" || usage "-r $release: $root is of another release"
 # In a mount namespace of its own: what is mounted goes with this process, however it ends, before anything is removed.
 if [[ -z ${SLIPBENCH_BARE_DEBIAN:-} ]]; then
   [[ -n $folder ]] || trap 'rm -rf --one-file-system "$base"' EXIT
@@ -41,7 +44,9 @@ if [[ -z ${SLIPBENCH_BARE_DEBIAN:-} ]]; then
 fi
 
 # This machine's mirror, proxies and certificates: how packages are reached is no part of what is tried.
-if [[ ! -d $root/tree ]]; then
+if [[ ! -e $root ]]; then
+  made=$root
+  root=$base/root.part
   rm -rf --one-file-system "$root"
   mkdir "$root"
   # shellcheck disable=SC2016  # apt-get's own words
@@ -56,8 +61,9 @@ if [[ ! -d $root/tree ]]; then
     mkdir -p "$(dirname "$root$setting")"
     cp -aL "$setting" "$root$setting"
   done
-  git clone --quiet "$tree" "$root/tree.part"
-  mv "$root/tree.part" "$root/tree"
+  git clone --quiet "$tree" "$root/tree"
+  mv "$root" "$made"
+  root=$made
 fi
 mount --bind "$root" "$root"  # a mount of its own, as unshare asks of a root: a system can be made inside of this one, too
 mount -t proc proc "$root/proc"

@@ -32,7 +32,6 @@ DATA = {
 }
 # Numbers that the releases do not have alike; PASSIVE was both springs and dampers, and before there was sleep nothing slept.
 NUMBERS = {"mjDSBL_SPRING": "mjDSBL_PASSIVE", "mjDSBL_DAMPER": "mjDSBL_PASSIVE", "mjDSBL_EULERDAMP": "0", "mjDSBL_FILTERPARENT": "0", "mjENBL_SLEEP": "0"}
-UNDECLARED = {"mj_arenaAllocByte", "mj_effShift"}
 
 
 def calls():
@@ -125,7 +124,8 @@ def check(releases):
 if __name__ == "__main__":
     words = sys.argv[1:]
     named = {word.partition("=")[0]: Path(word.partition("=")[2]) for word in words if "=" in word}
+    if len(named) != len([word for word in words if word != "--check"]) or not named:
+        sys.exit("layouts.py: " + (" ".join(words) or "no release") + "; allowed: [--check] RELEASE=FOLDER..., as setup.sh mujoco installs them")
     if "--check" in words:
-        found = check(named)
-        sys.exit("\n".join(found) if found or not named else 0)
+        sys.exit("\n".join(check(named)) or 0)
     write(named)
