@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "detectors/plugin_abi.h"
-#include "sim/core/plugin_library.h"
+#include "sim/core/process/plugin_library.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench {

@@ -16,7 +16,7 @@
 #include "detectors/hd/folder_output.h"
 #include "detectors/hd/words.h"
 #include "sim/core/error.h"
-#include "sim/core/regular_file.h"
+#include "sim/core/process/regular_file.h"
 
 namespace slipbench::hd {
 namespace {

@@ -4,7 +4,7 @@
 #include <system_error>
 
 #include "sim/core/error.h"
-#include "sim/core/own_library.h"
+#include "sim/core/process/own_library.h"
 
 namespace slipbench::hd {
 

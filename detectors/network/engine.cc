@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "detectors/network/engine_library.h"
-#include "sim/core/own_library.h"
+#include "sim/core/process/own_library.h"
 
 namespace slipbench::network {
 namespace {

@@ -21,9 +21,9 @@
 
 #include "detectors/network/engine_library.h"
 #include "detectors/network/onnx_check.h"
-#include "sim/core/crash_guard.h"
 #include "sim/core/error.h"
-#include "sim/core/regular_file.h"
+#include "sim/core/process/crash_guard.h"
+#include "sim/core/process/regular_file.h"
 
 namespace slipbench::network {
 namespace {

@@ -5,7 +5,7 @@
 // Rules of every call:
 // - Lengths are in m, times in s, forces in N, as a dataset has them.
 // - No pointer that is handed over may be kept after the call. Who needs a name or a text later copies it.
-// - No function may throw, and none may end the program. What one throws, and most crashes (sim/core/crash_guard.h), end the
+// - No function may throw, and none may end the program. What one throws, and most crashes (sim/core/process/crash_guard.h), end the
 //   trial with a message that names the library and the function. A loop without end is not ended: nothing can stop it but
 //   killing the program.
 // - Several threads run trials at once. A library makes one object a trial, and each object is used by one thread at a time; what

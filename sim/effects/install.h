@@ -7,7 +7,7 @@
 #include "sim/core/pad_layout.h"
 #include "sim/core/parameters.h"
 #include "sim/field/effect.h"
-#include "sim/field/surface.h"
+#include "sim/field/surface/surface.h"
 
 namespace slipbench {
 

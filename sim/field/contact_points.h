@@ -9,7 +9,7 @@
 #include "sim/core/pad_layout.h"
 #include "sim/core/pose.h"
 #include "sim/field/kernel.h"
-#include "sim/field/surface.h"
+#include "sim/field/surface/surface.h"
 
 namespace slipbench {
 

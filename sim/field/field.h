@@ -39,7 +39,7 @@
 #include "sim/field/contact_points.h"
 #include "sim/field/effect.h"
 #include "sim/field/kernel.h"
-#include "sim/field/surface.h"
+#include "sim/field/surface/surface.h"
 
 namespace slipbench {
 

@@ -11,7 +11,7 @@
 #include "sim/core/contact_frame.h"
 #include "sim/core/pose.h"
 #include "sim/field/effect.h"
-#include "sim/field/surface.h"
+#include "sim/field/surface/surface.h"
 
 namespace slipbench::kernel {
 

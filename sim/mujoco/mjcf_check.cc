@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "sim/core/error.h"
-#include "sim/core/regular_file.h"
+#include "sim/core/process/regular_file.h"
 
 namespace slipbench {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "sim/core/error.h"
-#include "sim/core/regular_file.h"
+#include "sim/core/process/regular_file.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/swept_value.h"
 

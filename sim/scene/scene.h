@@ -127,7 +127,7 @@ struct Scene {
 
   // Whether the controller commands the arm.
   [[nodiscard]] bool guided() const { return motion.name == guided_motion_name; }
-  // Whether pads are solved for within MuJoCo's own solver (sim/mujoco/implicit.h).
+  // Whether pads are solved for within MuJoCo's own solver (sim/mujoco/pads/implicit.h).
   [[nodiscard]] bool implicit_fields() const { return field_solver == FieldSolver::implicit_springs && !grasp; }
   // Whether anything moves by forces.
   [[nodiscard]] bool dynamic() const { return !model.empty() || !bodies.empty() || grasp.has_value(); }

@@ -5,7 +5,7 @@
 
 #include "sim/core/parameters.h"
 #include "sim/core/pose.h"
-#include "sim/field/surface.h"
+#include "sim/field/surface/surface.h"
 
 namespace slipbench {
 

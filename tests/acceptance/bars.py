@@ -45,7 +45,6 @@ def worst_onset(program, scene, expected, *changes):
             unit = {key: np.asarray(pad.attrs[key]) for key in ("k_normal", "k_tangential", "mu_static")}
             load = unit["k_normal"] * (COMPRESSION - DROP)
             stretch = unit["mu_static"] * load / unit["k_tangential"]
-            exact = expected(params, stretch)
             for key in ("micro_onset_time_s", "onset_time_s"):
                 measured = np.asarray(pad.attrs[key]) - START
                 # A bristle's share of load: none below 0.4 of the mean, none above 1.6 (one bristle: 1).

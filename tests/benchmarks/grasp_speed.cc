@@ -4,7 +4,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "tests/sim/mujoco/grasp_rig.h"
+#include "tests/sim/mujoco/bodies/grasp_rig.h"
 
 namespace slipbench {
 namespace {

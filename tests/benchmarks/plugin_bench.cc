@@ -5,7 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "tests/sim/mujoco/plugin_rig.h"
+#include "tests/sim/mujoco/pads/plugin_rig.h"
 
 namespace slipbench::testing_plugin {
 namespace {

@@ -16,10 +16,10 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/quantity.h"
-#include "sim/mujoco/dynamic_simulation.h"
+#include "sim/mujoco/bodies/dynamic_simulation.h"
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
-#include "tests/sim/mujoco/dynamic_rig.h"
+#include "tests/sim/mujoco/bodies/dynamic_rig.h"
 
 namespace slipbench::hard {
 

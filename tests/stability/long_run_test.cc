@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/mujoco/articulated_stage.h"
+#include "sim/mujoco/articulated/articulated_stage.h"
 #include "tests/oracle/effect_field.h"
 #include "tests/sim/field/random_case.h"
 #include "tests/stability/hard_case.h"

@@ -145,6 +145,21 @@ class ChecksTest(PlantedViolation):
                 "```sh no-run\n./slipbench demo\n```\n")
         self.assertEqual(list(commands(text)), [("file", "a.yaml", "slipbench: 1\n"), ("run", "./slipbench run a.yaml -o a.h5")])
 
+    def test_rooms(self):
+        def found(path, text):
+            self.plant(path, text)
+            return self.run_check("rooms").stdout.splitlines()
+
+        self.plant("sim/core/room/e.h", '#include "sim/core/a.h"\n')
+        self.run_check("rooms", "--fix")
+        self.assertEqual(found("sim/core/a.h", "\n"), [])
+        self.assertEqual(found("sim/core/a.h", '#include "sim/core/room/e.h"\n'), ["sim/core: includes lead back to it: sim/core -> sim/core/room -> sim/core"])
+        self.assertEqual(len(found("sim/core/a.h", '#include "sensors/pad/c.h"\n')), 2)  # the way back and the picture
+        self.plant("sim/core/a.h", "\n")
+        for number in range(24):
+            self.assertEqual(found(f"sim/core/b{number}.h", "\n"), [])
+        self.assertEqual(found("sim/core/b24.h", "\n"), ["sim/core: 26 sources; allowed: 25, so that a folder is seen whole"])
+
     def test_unfilled_place(self):
         self.plant("cmake/config.cmake.in", "set(root @ROOT@)\n")
         self.assert_found("no_leftovers", "sim/core/README.md", "# sim/core\n\nMail a@b.c and d@e.f. Takes @TIME_" "2@ s.\n", ":3:", "@TIME_" "2@")

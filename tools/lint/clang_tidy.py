@@ -19,7 +19,7 @@ PROGRAM = "clang-tidy-14"
 FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools")
 # MuJoCo indexes with int throughout and hands out a plugin's data as an integer; tools/program/plugin compiles the same sources once more.
 OF_MUJOCO = ",-bugprone-implicit-widening-of-multiplication-result,-performance-no-int-to-ptr"
-EXCEPTIONS = {"sim/mujoco": OF_MUJOCO, "tools/program/plugin": OF_MUJOCO}
+WITH_MUJOCO = ("sim/mujoco/", "tools/program/plugin/")
 UNITY = "-bugprone-suspicious-include"  # what a unity source does; include_rule.py finds it elsewhere
 
 
@@ -49,7 +49,7 @@ def tidy(root, build, source, folder, directory, command):
         return ""
     result = subprocess.run(
         [PROGRAM, "--quiet", f"--config-file={root / '.clang-tidy'}", f"--header-filter=^{root}/({'|'.join(FOLDERS)})/",
-         f"--checks={UNITY}{EXCEPTIONS.get(folder, '')}", "--extra-arg=-Wno-unknown-warning-option",
+         f"--checks={UNITY}{OF_MUJOCO if f'{folder}/'.startswith(WITH_MUJOCO) else ''}", "--extra-arg=-Wno-unknown-warning-option",
          "-p", build, source],
         capture_output=True, text=True, check=False)
     if result.returncode == 0 and not result.stdout.strip():

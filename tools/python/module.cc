@@ -6,7 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/program/plugin/plugin_builds.h"
 
 namespace nb = nanobind;

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "sim/core/own_library.h"
+#include "sim/core/process/own_library.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/workers/interrupt.h"

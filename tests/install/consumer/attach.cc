@@ -3,7 +3,7 @@
 
 #include <mujoco/mujoco.h>
 
-#include "sim/mujoco/attach_pad.h"
+#include "sim/mujoco/pads/attach_pad.h"
 
 int main(int /*count*/, char** words) {
   mj_loadPluginLibrary(words[1]);

@@ -1,4 +1,4 @@
-#include "sim/core/crash_guard.h"
+#include "sim/core/process/crash_guard.h"
 
 #include <array>
 #include <csignal>

@@ -1,5 +1,5 @@
 // How long work ends early.
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 
 #include <thread>
 

@@ -1,4 +1,4 @@
-#include "sim/core/own_library.h"
+#include "sim/core/process/own_library.h"
 
 #include <filesystem>
 

@@ -1,4 +1,4 @@
-#include "sim/core/regular_file.h"
+#include "sim/core/process/regular_file.h"
 
 #include <sys/stat.h>
 #include <unistd.h>

@@ -42,7 +42,7 @@ class Tutorial(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory())) / "tutorials"
         shutil.copytree(FOLDER, cls.folder)
-        home = Path(holder.name) / "home"
+        home = cls.folder.parent / "home"
         home.mkdir()
         for name in [name for name in os.environ if name.startswith(("JUPYTER_", "IPYTHON", "MPL", "XDG_"))]:
             del os.environ[name]

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/error.h"
-#include "sim/core/regular_file.h"
+#include "sim/core/process/regular_file.h"
 
 namespace slipbench::hdf5 {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/own_library.h"
+#include "sim/core/process/own_library.h"
 
 namespace slipbench {
 

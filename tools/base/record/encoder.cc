@@ -11,8 +11,8 @@
 #include <libdeflate.h>
 
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
-#include "sim/core/regular_file.h"
+#include "sim/core/process/interrupted.h"
+#include "sim/core/process/regular_file.h"
 #include "tools/base/record/arrays.h"
 #include "tools/base/record/content_digest.h"
 #include "tools/base/record/content_walk.h"

@@ -18,7 +18,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 
 namespace slipbench {
 namespace {

@@ -5,7 +5,7 @@
 #include <csignal>
 #include <string_view>
 
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 
 namespace slipbench {
 

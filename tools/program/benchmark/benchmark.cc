@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"

@@ -13,7 +13,7 @@
 #include "detectors/network/engine.h"
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"

@@ -9,7 +9,7 @@
 #include <Eigen/Cholesky>
 #include <nlopt.hpp>
 
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "sim/core/random.h"
 #include "tools/base/workers/ordered_workers.h"
 

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
 #include "sim/core/random.h"
 #include "tools/base/workers/ordered_workers.h"

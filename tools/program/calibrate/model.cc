@@ -9,7 +9,7 @@
 
 #include "sensors/electronics/electronics.h"
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/swept_value.h"
 #include "tools/program/run/run_trial.h"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "sim/core/own_library.h"
+#include "sim/core/process/own_library.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/doctor/doctor.h"
 #include "tools/program/plugin/plugin_builds.h"
@@ -35,7 +35,7 @@ int PluginPathCommand::run() {
   const fs::path front = own_path(SLIPBENCH_PLUGIN);
   if (!fs::exists(front, error)) {
     throw InputError(fmt::format(
-        "there is no MuJoCo plugin {}: this slipbench was built without MuJoCo; `slipbench doctor` says how to get it",
+        "there is no MuJoCo plugin {}: `./slipbench plugin-path` builds it where there is MuJoCo; `slipbench doctor` says how to get that",
         front.string()));
   }
   const std::string build = mujoco.empty() ? front.filename().string() : plugin_build(mujoco);

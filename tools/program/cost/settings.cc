@@ -18,7 +18,7 @@ constexpr std::array coarse_factors{10.0, 4.0, 2.0};
 constexpr std::array divisors{1.0, 2.0, 5.0, 10.0, 20.0};
 
 // What a careful user of MuJoCo would set, from its defaults over what its manual recommends against creep (elliptic cones, a high impratio,
-// noslip, stiff contacts) to recipes that were found by scanning hundreds of settings on pillars like these (sim/mujoco/mujoco_contact.md).
+// noslip, stiff contacts) to recipes that were found by scanning hundreds of settings on pillars like these (sim/mujoco/articulated/mujoco_contact.md).
 // In them %h is the step in s, %2h twice that, and %m a tip's mass: 10 g, and 1 g where tips weigh on what forces move.
 struct ContactChoice {
   const char* label;

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/mujoco/register_plugin.h"
-#include "sim/mujoco/step_probe.h"
+#include "sim/mujoco/pads/register_plugin.h"
+#include "sim/mujoco/pads/step_probe.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 

@@ -16,7 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "sim/core/own_library.h"
+#include "sim/core/process/own_library.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/program/export/export_plan.h"
 #include "tools/program/samples/samples.h"

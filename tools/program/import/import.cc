@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/import/import_format.h"
 #include "tools/program/sweep/run_sweep.h"

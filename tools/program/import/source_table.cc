@@ -11,8 +11,8 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
-#include "sim/core/regular_file.h"
+#include "sim/core/process/interrupted.h"
+#include "sim/core/process/regular_file.h"
 
 namespace slipbench {
 namespace {

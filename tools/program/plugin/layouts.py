@@ -9,6 +9,7 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 SIM = HERE.parents[2] / "sim/mujoco"
+PADS = SIM / "pads"
 
 # All that sim/mujoco's pads read and write of MuJoCo's structures. A member after a colon stands in where a release has none of the first name.
 COUNTS = ("nv nbody njnt ngeom nsite npair nexclude ntendon nsensor nplugin nactuator:nu").split()
@@ -36,8 +37,8 @@ NUMBERS = {"mjDSBL_SPRING": "mjDSBL_PASSIVE", "mjDSBL_DAMPER": "mjDSBL_PASSIVE",
 
 def calls():
     """The functions of MuJoCo in the sources that know one."""
-    names = re.search(r"set\(pad_sources\n(.*?)\)", (SIM / "CMakeLists.txt").read_text(encoding="utf-8"), re.DOTALL)[1].split()
-    files = [*(SIM / name for name in names), SIM / "mujoco_call.h", SIM / "mujoco_differences.h"]
+    names = re.search(r"set\(pad_sources\n(.*?)\)", (PADS / "CMakeLists.txt").read_text(encoding="utf-8"), re.DOTALL)[1].split()
+    files = [*(PADS / name for name in names), SIM / "mujoco_call.h", SIM / "mujoco_differences.h"]
     code = "".join(re.sub(r"//.*|\"[^\"\n]*\"", "", file.read_text(encoding="utf-8")) for file in files)
     return sorted(set(re.findall(r"\b(mj[upv]?_\w+)\b", code)))
 

@@ -5,8 +5,8 @@
 #include <exception>
 #include <string>
 
-#include "sim/mujoco/plugin_interface.h"
-#include "sim/mujoco/register_plugin.h"
+#include "sim/mujoco/pads/plugin_interface.h"
+#include "sim/mujoco/pads/register_plugin.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
@@ -41,7 +41,7 @@ int write_text(char* text, int size, const Action& action) {
 
 extern "C" {
 
-// describe_pads() of sim/mujoco/plugin_interface.h.
+// describe_pads() of sim/mujoco/pads/plugin_interface.h.
 [[gnu::visibility("default")]] int slipbench_describe_pads(const mjModel_* model, char* text, int size) {
   return write_text(text, size, [model] { return slipbench::describe_pads(model); });
 }

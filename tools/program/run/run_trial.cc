@@ -19,10 +19,10 @@
 #include "tools/program/run/split.h"
 #include "tools/program/run/trial_run.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
-#include "sim/mujoco/articulated_simulation.h"
-#include "sim/mujoco/dynamic_simulation.h"
-#include "sim/mujoco/grasp_simulation.h"
-#include "sim/mujoco/register_plugin.h"
+#include "sim/mujoco/articulated/articulated_simulation.h"
+#include "sim/mujoco/bodies/dynamic_simulation.h"
+#include "sim/mujoco/bodies/grasp_simulation.h"
+#include "sim/mujoco/pads/register_plugin.h"
 #endif
 
 namespace slipbench {

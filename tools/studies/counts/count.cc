@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/own_library.h"
+#include "sim/core/process/own_library.h"
 #include "sim/scene/parser.h"
 #include "tools/base/files/scratch_folder.h"
 #include "tools/base/project/project_file.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "tests/tools/base/record/test_records.h"
 
 namespace slipbench::testing {

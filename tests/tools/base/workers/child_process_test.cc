@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
 
 namespace slipbench::child_process_test {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
 #include "tests/tools/program/commands/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"

@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from _made import ExportTest, export, for_each_scene, held
+from _made import ExportTest, for_each_scene, held
 
 try:
     from lerobot.datasets.lerobot_dataset import LeRobotDataset

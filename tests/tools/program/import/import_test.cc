@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
 #include "tests/tools/program/import/sources.h"
 #include "tools/base/dataset/reader.h"

@@ -8,7 +8,7 @@
 
 #include <unistd.h>
 
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
 #include "tools/base/dataset/reader.h"

@@ -1,6 +1,5 @@
 """A sweep that is cut into shards and merged has the bytes of the undivided one. Arguments: the project's root, the program."""
 
-import hashlib
 import json
 import resource
 import signal

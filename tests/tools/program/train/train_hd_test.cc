@@ -246,8 +246,7 @@ TEST_F(TrainTest, TeachesThePublishedCoresBundle) {
 // The dataset is not there: what is refused first is what was looked at first.
 TEST_F(TrainTest, RefusesItsTargetBeforeItReads) {
   std::ofstream(path("own.html")) << "years of work";
-  EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "own.html", 1)); }),
-              HasSubstr("own.html: is no folder"));
+  EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "own.html", 1)); }), HasSubstr("own.html: is no folder"));
   EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "own.html/model", 1)); }),
               HasSubstr("own.html/model: cannot write: Not a directory"));
   EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "new", 1)); }), HasSubstr("nowhere.h5"));

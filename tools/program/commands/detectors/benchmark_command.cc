@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
-#include "sim/core/regular_file.h"
+#include "sim/core/process/interrupted.h"
+#include "sim/core/process/regular_file.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/page/page_files.h"
 #include "tools/base/workers/interrupt.h"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/calibrate/calibrate_page.h"
 #include "tools/program/catalogue/program_catalogues.h"

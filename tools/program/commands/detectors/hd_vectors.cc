@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/regular_file.h"
+#include "sim/core/process/regular_file.h"
 
 namespace slipbench {
 namespace {

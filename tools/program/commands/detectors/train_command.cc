@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/interrupted.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"

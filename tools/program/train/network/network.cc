@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "sim/core/own_library.h"
+#include "sim/core/process/own_library.h"
 #include "tools/program/train/network/torch_library.h"
 
 namespace slipbench::train {

@@ -1,0 +1,328 @@
+#include "sim/core/process/plugin_library.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <mutex>
+#include <stdexcept>
+#include <utility>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+
+namespace slipbench {
+namespace {
+
+constexpr const char* no_library = "none";
+constexpr std::size_t max_parameters = 1000;
+constexpr std::size_t max_text = 4096;  // bytes of a name or a text that a library declares
+
+// The system's loader holds a lock while it runs constructors and destructors of a library. A crash in one of them leaves it
+// taken by this thread: any other one that loaded or unloaded a library would wait for ever. So only one thread is inside of the
+// loader, and after such a crash none.
+std::mutex loader;
+bool loader_lost = false;  // under `loader`
+
+// Libraries that may be at work. Whoever calls exit() meanwhile is one of them, or a thread that it has started: the program
+// itself ends once they are closed. Never destroyed, since they are asked after main().
+struct WorkingLibraries {
+  std::mutex mutex;
+  std::vector<std::string> names;
+};
+WorkingLibraries& working_libraries() {
+  static auto* const libraries = new WorkingLibraries;
+  return *libraries;
+}
+
+// What has not come to its end must not look finished.
+void refuse_exit() {
+  WorkingLibraries& libraries = working_libraries();
+  const std::lock_guard<std::mutex> lock(libraries.mutex);
+  if (libraries.names.empty()) return;
+  const std::string text = "slipbench: " + libraries.names.back() +
+                           ": exit() was called while this library was at work; allowed: a library that returns\n";
+  std::fputs(text.c_str(), stderr);
+  std::_Exit(2);  // as bad input ends
+}
+
+// The sizes in the order of slipbench_abi.
+struct Size {
+  const char* structure;
+  unsigned slipbench_abi::*member;
+};
+std::array<Size, 8> sizes_of(const std::string& part) {
+  const bool detector = part == "detector";
+  return {{{"slipbench_parameter", &slipbench_abi::parameter_size},
+           {"slipbench_channel", &slipbench_abi::channel_size},
+           {"slipbench_sensor", &slipbench_abi::sensor_size},
+           {"slipbench_source", &slipbench_abi::source_size},
+           {"slipbench_samples", &slipbench_abi::samples_size},
+           {detector ? "slipbench_detector" : "slipbench_controller", &slipbench_abi::object_size},
+           {detector ? "slipbench_detector_input" : "slipbench_control_input", &slipbench_abi::input_size},
+           {detector ? "slipbench_estimate" : "slipbench_grip_command", &slipbench_abi::result_size}}};
+}
+
+// A text of a library, which need not end.
+std::string bounded_text(const char* text) { return text == nullptr ? "" : std::string(text, strnlen(text, max_text)); }
+
+// The quantity whose SI unit is `unit`. Throws std::invalid_argument where there is none.
+Quantity quantity_in(const std::string& unit) {
+  if (unit.empty()) return Quantity::none;
+  const Quantity quantity = quantity_of("1 " + unit);
+  if (si_symbol(quantity) != unit) throw std::invalid_argument("allowed: " + std::string(si_symbol(quantity)));
+  return quantity;
+}
+
+}  // namespace
+
+PluginLibrary::AtWork::AtWork(std::string name) : name_(std::move(name)) {
+  static const int registered = std::atexit(&refuse_exit);
+  static_cast<void>(registered);
+  WorkingLibraries& libraries = working_libraries();
+  const std::lock_guard<std::mutex> lock(libraries.mutex);
+  libraries.names.push_back(name_);
+}
+
+PluginLibrary::AtWork::~AtWork() {
+  WorkingLibraries& libraries = working_libraries();
+  const std::lock_guard<std::mutex> lock(libraries.mutex);
+  libraries.names.erase(std::ranges::find(libraries.names, name_));
+}
+
+PluginLibrary::PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own)
+    : part_(std::move(part)), name_("'" + path + "'"), at_work_(name_) {
+  const std::string key = part_ + ".library";
+  if (path == no_library) throw SceneValueError(key, "no library is named; allowed: the path of a shared library");
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    const bool there = std::filesystem::exists(path, error);
+    throw SceneValueError(key, (there ? name_ + " is no file" : "no file " + name_) + "; allowed: the path of a shared library");
+  }
+  const std::string file = std::filesystem::absolute(path).string();  // a bare name would be searched for
+  {
+    const std::lock_guard<std::mutex> lock(loader);
+    if (loader_lost)
+      refuse("cannot be loaded: a library crashed while it was loaded or unloaded; allowed: another start of the program");
+    try {
+      guarded("a constructor of the library", [&] { handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
+    } catch (const SceneValueError&) {
+      loader_lost = loader_lost || crashed_;
+      throw;
+    }
+    if (handle_ == nullptr) {
+      throw SceneValueError(key, "cannot load " + name_ + ": " + dlerror() + "; allowed: a shared library");
+    }
+  }
+  try {
+    check_build(own);
+    static_cast<void>(symbol("slipbench_make_" + part_));
+  } catch (const SceneValueError&) {
+    close();
+    throw;
+  }
+}
+
+PluginLibrary::~PluginLibrary() {
+  try {
+    close();
+  } catch (const SceneValueError&) {
+    // Another error is under way: whoever has none calls close().
+  }
+}
+
+void PluginLibrary::close() {
+  void* const handle = std::exchange(handle_, nullptr);
+  if (handle == nullptr || crashed_) return;  // what crashed may be in use still, by what it has started
+  const std::lock_guard<std::mutex> lock(loader);
+  if (loader_lost) return;
+  try {
+    guarded("a destructor of the library", [&] { dlclose(handle); });
+  } catch (const SceneValueError&) {
+    loader_lost = crashed_;
+    throw;
+  }
+}
+
+void PluginLibrary::refuse(const std::string& what) const { throw SceneValueError(part_ + ".library", name_ + " " + what); }
+
+void PluginLibrary::refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const {
+  const std::string why(refusal, strnlen(refusal, sizeof refusal));
+  refuse("makes no " + part_ + " for this scene" +
+         (why.empty() ? "; allowed: a scene that it can work with" : ": " + quote(why)));
+}
+
+void* PluginLibrary::symbol(const std::string& name) const {
+  void* const address = dlsym(handle_, name.c_str());
+  if (address == nullptr) {
+    refuse("has no symbol '" + name + "'; allowed: a library that exports what " + part_ + "s/plugin_abi.h declares");
+  }
+  return address;
+}
+
+void PluginLibrary::check_build(const slipbench_abi& own) {
+  const std::string name = "slipbench_" + part_ + "_abi";
+  const auto* const at = static_cast<const char*>(symbol(name));
+  slipbench_abi found{};
+  // A library of another version may hold no more than the version.
+  guarded(name, [&] { std::memcpy(&found.version, at, sizeof found.version); });
+  if (found.version != own.version) {
+    refuse("was built for version " + std::to_string(found.version) + " of the " + part_ +
+           " interface; allowed: " + std::to_string(own.version));
+  }
+  guarded(name, [&] { std::memcpy(&found, at, sizeof found); });
+  for (const Size& size : sizes_of(part_)) {
+    if (found.*size.member == own.*size.member) continue;
+    refuse("was built with a " + std::string(size.structure) + " of " + std::to_string(found.*size.member) +
+           " bytes; allowed: " + std::to_string(own.*size.member));
+  }
+}
+
+void PluginLibrary::settle(const std::string& function, int signal, const std::string& thrown) {
+  if (signal != 0) {
+    crashed_ = true;
+    refuse("crashed in " + function + ": " + signal_text(signal));
+  }
+  if (!thrown.empty()) refuse("threw " + thrown + " in " + function + "; allowed: no exceptions");
+}
+
+std::vector<PluginLibrary::Values::Value> PluginLibrary::declared() {
+  const std::string name = "slipbench_" + part_ + "_parameters";
+  const auto* const table = static_cast<const slipbench_parameter*>(dlsym(handle_, name.c_str()));
+  std::vector<Values::Value> values;
+  if (table == nullptr) return values;
+  guarded(name, [&] {
+    for (const slipbench_parameter* row = table; row->name != nullptr && *row->name != '\0' && values.size() <= max_parameters;
+         ++row) {
+      values.push_back({bounded_text(row->name), bounded_text(row->text), bounded_text(row->unit), row->type, row->number});
+    }
+  });
+  const std::string where = "declares in " + name + " ";
+  if (values.size() > max_parameters) {
+    refuse(where + "more than " + std::to_string(max_parameters) + " parameters; allowed: SLIPBENCH_NO_MORE as the last row");
+  }
+  for (const Values::Value& value : values) {
+    const std::string what = where + quote(value.name) + " ";
+    if (!is_identifier(value.name)) refuse(what + "as a name; allowed: letters, digits and '_', no digit first");
+    const auto same = [&](const Values::Value& other) { return other.name == value.name; };
+    if (std::ranges::count_if(values, same) != 1) refuse(what + "twice; allowed: each name once");
+    if (value.type < SLIPBENCH_NUMBER || value.type > SLIPBENCH_BOOLEAN) {
+      refuse(what + "of type " + std::to_string(value.type) +
+             "; allowed: SLIPBENCH_NUMBER, SLIPBENCH_TEXT, SLIPBENCH_BOOLEAN, which are 1, 2, 3");
+    }
+    if (value.type != SLIPBENCH_TEXT && !std::isfinite(value.number)) {
+      refuse(what + "with the default " + format_number(value.number) + "; allowed: a finite number");
+    }
+    try {
+      static_cast<void>(quantity_in(value.unit));
+    } catch (const std::invalid_argument&) {
+      refuse(what + "in the unit " + quote(value.unit) +
+             "; allowed: an SI unit that scenes know, such as N, m, s, m/s, Hz, or none");
+    }
+  }
+  return values;
+}
+
+void PluginLibrary::take(const std::string& text, Values::Value& value) const {
+  if (value.type == SLIPBENCH_TEXT) {
+    value.text = text;
+  } else if (value.type == SLIPBENCH_BOOLEAN) {
+    if (text != "true" && text != "false") throw std::invalid_argument(quote(text) + " is not a flag; allowed: true, false");
+    value.number = text == "true" ? 1.0 : 0.0;
+  } else {
+    value.number = parse_quantity(text, quantity_in(value.unit));
+    if (!std::isfinite(value.number)) throw std::invalid_argument(quote(text) + " is infinite; allowed: a finite number");
+  }
+}
+
+PluginLibrary::Values PluginLibrary::parameters(const ParameterMap& given) {
+  Values values;
+  values.values_ = declared();
+  for (const auto& [name, text] : given) {
+    const std::string key = part_ + ".parameters." + name;
+    const auto found = std::ranges::find(values.values_, name, &Values::Value::name);
+    if (found == values.values_.end()) {
+      std::vector<std::string> names;
+      for (const Values::Value& value : values.values_) names.push_back(value.name);
+      throw SceneValueError(key, name_ + " has no parameter " + quote(name) + allowed_names(name, names));
+    }
+    try {
+      take(text, *found);
+    } catch (const std::invalid_argument& error) {
+      throw SceneValueError(key, error.what());
+    }
+  }
+  for (const Values::Value& value : values.values_) {
+    const bool is_text = value.type == SLIPBENCH_TEXT;
+    values.handed_.push_back({.name = value.name.c_str(),
+                              .type = value.type,
+                              .number = is_text ? 0.0 : value.number,
+                              .text = is_text ? value.text.c_str() : "",
+                              .unit = value.unit.c_str()});
+  }
+  return values;
+}
+
+PluginSensors::PluginSensors(const std::vector<SensorSource>& sensors) : channels_(sensors.size()) {
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    std::size_t first = 0;
+    for (const Channel& channel : sensors[i].channels) {
+      channels_[i].push_back(
+          {channel.name.c_str(), channel.unit.c_str(), channel.shape.data(), channel.shape.size(), first, channel.size()});
+      first += channel.size();
+    }
+    sensors_.push_back(
+        {sensors[i].name.c_str(), sensors[i].type.c_str(), sensors[i].rate, channels_[i].data(), channels_[i].size(), first});
+  }
+}
+
+PluginSamples::PluginSamples(const std::vector<SensorSource>& sensors) : sensors_(sensors.size()), handed_(sensors.size()) {
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    for (const Channel& channel : sensors[i].channels) sensors_[i].size += channel.size();
+  }
+}
+
+void PluginSamples::add(std::size_t sensor, const SensorFrame& sample) {
+  Sensor& about = sensors_.at(sensor);
+  if (sample.values.size() != about.size) throw std::logic_error("a sample of another size than its sensor announced");
+  about.values.insert(about.values.end(), sample.values.begin(), sample.values.end());
+  about.times.push_back(sample.time);
+}
+
+std::span<const slipbench_samples> PluginSamples::handed() {
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    Sensor& sensor = sensors_[i];
+    if (!sensor.times.empty()) {
+      sensor.latest.assign(sensor.values.end() - static_cast<std::ptrdiff_t>(sensor.size), sensor.values.end());
+      sensor.latest_time = sensor.times.back();
+    }
+    const bool any = !sensor.latest.empty();
+    handed_[i] = {.values = sensor.values.data(),
+                  .times = sensor.times.data(),
+                  .count = sensor.times.size(),
+                  .latest = any ? sensor.latest.data() : nullptr,
+                  .latest_time = any ? sensor.latest_time : std::numeric_limits<double>::quiet_NaN()};
+  }
+  return handed_;
+}
+
+void PluginSamples::forget() {
+  for (Sensor& sensor : sensors_) {
+    sensor.values.clear();
+    sensor.times.clear();
+  }
+}
+
+std::vector<ParameterSpec> plugin_specs() {
+  return {
+      path_spec("library", no_library, "The shared library.", "free"),
+      map_spec("parameters", "What the library declares as its parameters; left out, each is at the library's default.", "free")};
+}
+
+}  // namespace slipbench

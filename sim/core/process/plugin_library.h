@@ -1,0 +1,149 @@
+// The program's side of sim/core/plugin_abi.h: what detectors and controllers from shared libraries have in common.
+#pragma once
+
+#include <cstddef>
+#include <exception>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/core/error.h"
+#include "sim/core/parameters.h"
+#include "sim/core/plugin_abi.h"
+#include "sim/core/process/crash_guard.h"
+#include "sim/core/sensor_frame.h"
+
+namespace slipbench {
+
+// A shared library, loaded as long as the object lives. Whatever it does wrong is a SceneValueError at `part`.library: the
+// message names the library, and the function where one is to blame. Exception: a call of exit() while the object lives ends the
+// program, as it must, but with status 2 and a line on stderr that names the library.
+class PluginLibrary {
+ public:
+  // `part`: "detector" or "controller"; `path`: what the scene names, or the default "none"; `own`: what the program was built
+  // with. Throws SceneValueError where no library is named, where there is no such file, where it cannot be loaded, lacks a
+  // symbol or was built with anything else than `own`.
+  PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own);
+  PluginLibrary(const PluginLibrary&) = delete;
+  PluginLibrary& operator=(const PluginLibrary&) = delete;
+  ~PluginLibrary();
+
+  // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `part`.parameters.<name>
+  // for a name that the library does not declare and a value that is not of the declared type, and at `part`.library for a
+  // declaration that is none.
+  class Values {
+   public:
+    Values() = default;
+    Values(Values&&) = default;                                                            // what is handed points into it
+    [[nodiscard]] std::span<const slipbench_parameter> handed() const { return handed_; }  // valid as long as the object lives
+
+   private:
+    friend class PluginLibrary;
+    struct Value {
+      std::string name, text, unit;
+      int type;
+      double number;
+    };
+    std::vector<Value> values_;
+    std::vector<slipbench_parameter> handed_;
+  };
+  [[nodiscard]] Values parameters(const ParameterMap& given);
+
+  // The function slipbench_make_<part>, of the type Make.
+  template <class Make>
+  [[nodiscard]] Make* maker() const {
+    return reinterpret_cast<Make*>(symbol("slipbench_make_" + part_));  // as POSIX has it
+  }
+
+  // Runs call(), which is to call `function` of the library and nothing else. Throws SceneValueError where that crashes or
+  // throws. After a crash the library is called no more: has_crashed().
+  template <class Call>
+  void guarded(const std::string& function, Call&& call) {
+    std::string thrown;  // outside of what a crash may jump over
+    auto caught = [&] {
+      try {
+        call();
+      } catch (const std::exception& error) {
+        thrown = quote(error.what());
+      } catch (...) {
+        thrown = "an exception";
+      }
+    };
+    settle(function, run_guarded(caught), thrown);
+  }
+
+  [[nodiscard]] bool has_crashed() const { return crashed_; }
+
+  // Unloads the library, which crashes where a destructor of its own does. Throws SceneValueError then.
+  void close();
+
+  // Throws SceneValueError at `part`.library: "'mine.so' " and `what`.
+  [[noreturn]] void refuse(const std::string& what) const;
+  // Likewise where the library made no object, for the reason that it left in `refusal`, which need not end.
+  [[noreturn]] void refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const;
+
+ private:
+  [[nodiscard]] void* symbol(const std::string& name) const;
+  void check_build(const slipbench_abi& own);
+  void settle(const std::string& function, int signal, const std::string& thrown);
+  std::vector<Values::Value> declared();
+  void take(const std::string& text, Values::Value& value) const;
+
+  // Notes a library under its name while it may be at work, for a call of exit().
+  class AtWork {
+   public:
+    explicit AtWork(std::string name);
+    AtWork(const AtWork&) = delete;
+    AtWork& operator=(const AtWork&) = delete;
+    ~AtWork();
+
+   private:
+    std::string name_;
+  };
+
+  std::string part_;
+  std::string name_;  // for messages: the path in quotes
+  AtWork at_work_;
+  void* handle_ = nullptr;  // null: closed
+  bool crashed_ = false;
+};
+
+// The sensors of a scene as a library sees them. Valid as long as the object lives.
+class PluginSensors {
+ public:
+  explicit PluginSensors(const std::vector<SensorSource>& sensors);  // which must outlive the object
+  [[nodiscard]] std::span<const slipbench_sensor> handed() const { return sensors_; }
+
+ private:
+  std::vector<std::vector<slipbench_channel>> channels_;
+  std::vector<slipbench_sensor> sensors_;
+};
+
+// What the sensors of a scene have said since a library was called last.
+class PluginSamples {
+ public:
+  explicit PluginSamples(const std::vector<SensorSource>& sensors);
+
+  void add(std::size_t sensor, const SensorFrame& sample);
+  // As the library gets it, in the order of sensors; valid until the next call of another function.
+  std::span<const slipbench_samples> handed();
+  // What has been added is no longer new.
+  void forget();
+
+ private:
+  struct Sensor {
+    std::size_t size = 0;  // values of a sample
+    std::vector<float> values;
+    std::vector<double> times;
+    std::vector<float> latest;  // empty: none yet; up to date where nothing is new
+    double latest_time = 0.0;
+  };
+  std::vector<Sensor> sensors_;
+  std::vector<slipbench_samples> handed_;
+};
+
+// The parameters that the catalogue's entry of such a part has: "library" and "parameters".
+std::vector<ParameterSpec> plugin_specs();
+
+}  // namespace slipbench

@@ -1,0 +1,255 @@
+// The touched surfaces: signed distance, outward normal, and which face a pad's element meets.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <type_traits>
+#include <variant>
+
+#include <Eigen/Core>
+
+#include "sim/core/vectorise.h"
+#include "sim/field/surface/distance_grid.h"
+#include "sim/field/surface/surface_point.h"
+
+namespace slipbench {
+
+// All shapes are given in the surface frame S. `at(x, y, z, ax, ay, az)`: tip and element axis in S. Inside a shape with several
+// faces the face met is the one through which the element entered: the nearest one seen backwards along the element's axis, not
+// the nearest in distance, so that a pillar close to an edge presses on the top and not on the side. That is what one position
+// tells; what an element does whose face changes under way is the field's to say (Field::keep_energy).
+
+// What at() says, of one element or of as many as a vector of the compiler's (kernel::Lanes) holds. met() is without a branch, since every
+// element may be another case; each is worked out in the order in which a branch would.
+template <class Real>
+struct Met {
+  Real gap, nx, ny, nz, faces;
+};
+
+template <class Real>
+[[gnu::always_inline]] inline Real root_of(const Real& values) {
+  if constexpr (std::is_same_v<Real, double>) {
+    return std::sqrt(values);
+  } else {
+    Real roots;
+    for (std::size_t lane = 0; lane < sizeof(Real) / sizeof(double); ++lane) roots[lane] = std::sqrt(values[lane]);
+    return roots;
+  }
+}
+
+// Whether a condition holds for the one element, or for one of several.
+template <class Mask>
+[[gnu::always_inline]] inline bool any_of(const Mask& mask) {
+  if constexpr (std::is_same_v<Mask, bool> || std::is_same_v<Mask, int>) {
+    return mask != 0;
+  } else {
+    return any(mask);
+  }
+}
+
+// The half-space z <= 0.
+struct Plane {
+  [[nodiscard]] SurfacePoint at(double, double, double z, double, double, double az) const {
+    return {az < 0.0 ? z : std::abs(z), 0.0, 0.0, 1.0};
+  }
+};
+
+struct Sphere {
+  double radius;  // m, centre at the origin
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
+    const double r = std::sqrt(x * x + y * y + z * z);
+    if (r == 0.0) return {radius, -ax, -ay, -az};  // the centre has no nearest point
+    const double nx = x / r, ny = y / r, nz = z / r;
+    const double gap = r - radius;
+    return {nx * ax + ny * ay + nz * az < 0.0 ? gap : std::abs(gap), nx, ny, nz};
+  }
+};
+
+struct Box {
+  Eigen::Vector3d half;  // m, half extents along x, y, z; centre at the origin
+
+  template <class Real>
+  [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3]) const {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    const Real none{}, one = none + 1.0;
+    Real outside[3], sides[3], distance2 = none, beyond = none;
+    for (int k = 0; k < 3; ++k) {
+      const Real excess = (p[k] < 0.0 ? -p[k] : p[k]) - half[k];
+      outside[k] = excess > 0.0 ? excess : none;
+      distance2 += outside[k] * outside[k];
+      sides[k] = p[k] < 0.0 ? -one : one;
+      beyond += excess > 0.0 ? face_bit(k, sides[k]) : none;
+    }
+
+    Real looks[3], way_back = none, way_ahead = none, entry = none, exit = none;
+    for (int k = 0; k < 3; ++k) {
+      looks[k] = a[k] < 0.0 ? one : -one;  // the face of this pair that looks at the element
+      const Real slope = a[k] < 0.0 ? -a[k] : a[k];
+      const Real back = slope == 0.0 ? none + infinite : (half[k] - looks[k] * p[k]) / slope;
+      const Real ahead = slope == 0.0 ? none + infinite : (half[k] + looks[k] * p[k]) / slope;
+      if (k == 0) {
+        way_back = back;
+        way_ahead = ahead;
+        continue;
+      }
+      entry = back < way_back ? none + k : entry;
+      way_back = back < way_back ? back : way_back;
+      exit = ahead < way_ahead ? none + k : exit;
+      way_ahead = ahead < way_ahead ? ahead : way_ahead;
+    }
+    const auto looks_in = way_back <= way_ahead;  // else it looks out through a nearer face than it could have come in by
+    const Real face = looks_in ? entry : exit;
+
+    const auto is_outside = distance2 > 0.0;
+    const Real distance = root_of(distance2);
+    Real n[3], depth = none, within = none;
+    for (int k = 0; k < 3; ++k) {
+      const auto here = face == static_cast<double>(k);
+      const Real side = looks_in ? looks[k] : -looks[k];
+      depth = here ? half[k] - side * p[k] : depth;
+      within = here ? face_bit(k, side) : within;
+      const Real beside = (p[k] < 0.0 ? -outside[k] : outside[k]) / distance, behind = here ? side : none;
+      n[k] = is_outside ? beside : behind;
+    }
+    const Real inside = looks_in ? -depth : depth;
+    within = looks_in ? within : none;
+    return {is_outside ? distance : inside, n[0], n[1], n[2], is_outside ? beyond : within};
+  }
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
+    const Met<double> point = met({x, y, z}, {ax, ay, az});
+    return {point.gap, point.nx, point.ny, point.nz, static_cast<unsigned>(point.faces)};
+  }
+
+ private:
+  // Above only_face, which stands for surfaces without edges. `side`: 1 or -1.
+  template <class Real>
+  [[gnu::always_inline]] static inline Real face_bit(int k, const Real& side) {
+    return (3.0 - side) * static_cast<double>(1U << (2 * k));
+  }
+};
+
+// Axis along z of S.
+struct Cylinder {
+  double radius;       // m
+  double half_length;  // m
+
+  template <class Real>
+  [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3]) const {
+    const Real none{}, one = none + 1.0;
+    const Real r = root_of(p[0] * p[0] + p[1] * p[1]);
+    const Real way = r > 0.0 ? r : one;
+    const Real nx = r > 0.0 ? p[0] / way : one, ny = r > 0.0 ? p[1] / way : none;
+    const Real height = p[2] < 0.0 ? -p[2] : p[2];
+    const Real side = r - radius, cap = height - half_length;
+    const auto beside = side > 0.0, beyond = cap > 0.0;
+    const Real end = p[2] < 0.0 ? -one : one,
+               looks = a[2] < 0.0 ? one : -one;  // the cap that is near, that which looks at the element
+
+    const Real towards_side = -(nx * a[0] + ny * a[1]), towards_cap = a[2] < 0.0 ? -a[2] : a[2];
+    const Real depth = half_length - looks * p[2];
+    const auto by_side = (towards_side > 0.0) & (-side * towards_cap <= depth * towards_side);
+    // It came in through the cap, unless it looks out through the side and leaves by it sooner.
+    const auto by_cap = depth * -towards_side <= -side * towards_cap;
+    const Real behind_gap = by_cap ? -depth : -side, behind_z = by_cap ? looks : none,
+               behind_faces = by_cap ? cap_bit(looks) : none;
+    const Real inside_gap = by_side ? side : behind_gap, inside_z = by_side ? none : behind_z;
+    const Real inside_faces = by_side ? none + side_bit : behind_faces;
+    const Real within = by_side ? one : (by_cap ? none : one);  // how much of the side's normal the one inside has
+
+    const Real past_gap = beyond ? cap : inside_gap, past_z = beyond ? end : inside_z;
+    const Real past_faces = beyond ? cap_bit(end) : inside_faces, past = beyond ? none : within;
+    Real out_gap = side, out_z = none, out = one;
+    if (any_of(beside & beyond)) {  // hardly ever, and a root and two quotients dear
+      const Real corner = root_of(side * side + cap * cap);
+      out_gap = beyond ? corner : side;
+      out_z = beyond ? end * cap / corner : none;
+      out = beyond ? side / corner : one;
+    }
+    const Real out_faces = beyond ? none + side_bit + cap_bit(end) : none + side_bit;
+    const Real share = beside ? out : past;
+    return {beside ? out_gap : past_gap, share * nx, share * ny, beside ? out_z : past_z, beside ? out_faces : past_faces};
+  }
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
+    const Met<double> point = met({x, y, z}, {ax, ay, az});
+    return {point.gap, point.nx, point.ny, point.nz, static_cast<unsigned>(point.faces)};
+  }
+
+ private:
+  static constexpr double side_bit = 2.0;
+  template <class Real>
+  [[gnu::always_inline]] static inline Real cap_bit(const Real& end) {
+    const Real none{};
+    return end < 0.0 ? none + 8.0 : none + 4.0;
+  }
+};
+
+// The points nearer than `radius` to the piece of the z axis with |z| <= half_length.
+struct Capsule {
+  double radius;       // m
+  double half_length;  // m, of the cylinder between the two half balls
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
+    return Sphere{radius}.at(x, y, z - std::clamp(z, -half_length, half_length), ax, ay, az);
+  }
+};
+
+// The points p with sum (p_k/half_k)^2 <= 1.
+//
+// The nearest point x of the surface has p - x = t q with q_k = x_k/half_k^2, so x_k = p_k half_k^2/(half_k^2 + t), and t, the
+// largest root of F(t) = sum (x_k/half_k)^2 = 1, has the sign of the distance (Eberly, Distance from a Point to an Ellipse, an
+// Ellipsoid, or a Hyperellipsoid, 2013). 1/sqrt(F) is concave and nearly straight (it is straight for a sphere), so Newton's
+// steps for 1/sqrt(F) = 1 never pass the root, and a few do: the same as for the secular equation of a trust region (Conn, Gould
+// & Toint, Trust-Region Methods, 2000, sec. 7.3).
+struct Ellipsoid {
+  Eigen::Vector3d half;  // m, half axes along x, y, z; centre at the origin
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
+    const double p[3] = {x, y, z};
+    const double least = half.minCoeff() * half.minCoeff();
+    // Solved for s = t + least, so that what is divided by is not lost in rounding near the pole at s = 0.
+    double scaled[3], excess[3], s = 1e-16 * least;
+    const double lowest = s;
+    for (int k = 0; k < 3; ++k) {
+      scaled[k] = half[k] * p[k];
+      excess[k] = half[k] * half[k] - least;
+      s = std::max(s, std::abs(scaled[k]) - excess[k]);  // one term of F alone is 1 here, so the root lies beyond
+    }
+    // Up to rounding on the disc (or rod, or centre) from which there are two or more nearest points: nothing is met.
+    if (s == lowest && !(newton_step(scaled, excess, s) > 0.0)) return {half.minCoeff(), -ax, -ay, -az};
+    s = std::max(s, least + newton_step(scaled, excess, least));  // the step from the surface, where most tips are
+    double step = s;
+    while (step > 1e-9 * s) {  // the error is then of the order of the step's square
+      step = newton_step(scaled, excess, s);
+      s += step;
+    }
+    double q[3], size2 = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      q[k] = p[k] / (s + excess[k]);
+      size2 += q[k] * q[k];
+    }
+    const double size = std::sqrt(size2), nx = q[0] / size, ny = q[1] / size, nz = q[2] / size;
+    const double gap = (s - least) * size;
+    return {nx * ax + ny * ay + nz * az < 0.0 ? gap : std::abs(gap), nx, ny, nz};
+  }
+
+ private:
+  // Towards 1/sqrt(F) = 1. F = sum y^2 with y_k = scaled_k/(s + excess_k), its slope is -2 sum y_k^2/(s + excess_k).
+  static double newton_step(const double (&scaled)[3], const double (&excess)[3], double s) {
+    double f = 0.0, slope = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double reach = 1.0 / (s + excess[k]), y = scaled[k] * reach;
+      f += y * y;
+      slope += y * y * reach;
+    }
+    return f * (std::sqrt(f) - 1.0) / slope;
+  }
+};
+
+using Surface = std::variant<Plane, Box, Cylinder, Sphere, Capsule, Ellipsoid, DistanceGrid>;
+
+}  // namespace slipbench

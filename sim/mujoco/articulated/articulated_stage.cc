@@ -1,0 +1,171 @@
+#include "sim/mujoco/articulated/articulated_stage.h"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <mujoco/mujoco.h>
+#include <Eigen/Geometry>
+
+#include "sim/core/process/interrupted.h"
+#include "sim/mujoco/articulated/articulated.h"
+#include "sim/mujoco/mujoco_call.h"
+
+namespace slipbench {
+namespace {
+
+// kg and kg m^2. Against it the forces of a pad (tens of N) turn the prescribed velocity by 1e-8 m/s in a step of 1 ms.
+constexpr double carrier_mass = 1e6;
+
+struct GeomShape {
+  mjtGeom type;
+  std::array<double, 3> size;
+};
+
+GeomShape geom_shape(const Plane&) { return {mjGEOM_PLANE, {0.0, 0.0, 1.0}}; }
+GeomShape geom_shape(const Box& box) { return {mjGEOM_BOX, {box.half.x(), box.half.y(), box.half.z()}}; }
+GeomShape geom_shape(const Cylinder& cylinder) { return {mjGEOM_CYLINDER, {cylinder.radius, cylinder.half_length, 0.0}}; }
+GeomShape geom_shape(const Sphere& sphere) { return {mjGEOM_SPHERE, {sphere.radius, 0.0, 0.0}}; }
+GeomShape geom_shape(const Capsule& capsule) { return {mjGEOM_CAPSULE, {capsule.radius, capsule.half_length, 0.0}}; }
+GeomShape geom_shape(const Ellipsoid& e) { return {mjGEOM_ELLIPSOID, {e.half.x(), e.half.y(), e.half.z()}}; }
+GeomShape geom_shape(const DistanceGrid&) {
+  throw std::invalid_argument("the articulated stage has no geom for a distance grid");
+}
+
+// Into how many of MuJoCo's steps one of `dt` [s] is cut.
+int parts_of(double dt, const ArticulatedSettings& recipe) {
+  if (!(dt > 0.0)) throw std::invalid_argument("the articulated stage needs a step longer than 0 s");
+  return static_cast<int>(std::ceil(dt / recipe.longest_step * (1.0 - 1e-9)));
+}
+
+}  // namespace
+
+struct ArticulatedStage::World {
+  PadLayout layout;
+  Surface surface;
+  double dt;
+  int parts;  // MuJoCo's steps in one of the simulation's
+  ModelPointer model;
+  DataPointer data;
+  std::unique_ptr<ArticulatedContact> contact;
+  int carrier = -1;  // its free joint
+  bool placed = false;
+  Pose pose;
+  ContactFrame frame;
+
+  void place(const Pose& pad, double time);
+  void step_part(const Pose& from, const Pose& to, double time);
+};
+
+ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction, double dt)
+    : ArticulatedStage(layout, surface, friction, dt, ArticulatedSettings{}) {}
+
+ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction, double dt,
+                                   const ArticulatedSettings& recipe)
+    : ArticulatedStage(layout, surface, friction, articulated_pillars(recipe, dt / parts_of(dt, recipe)), parts_of(dt, recipe)) {}
+
+ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction,
+                                   const PillarSettings& pillars)
+    : ArticulatedStage(layout, surface, friction, pillars, 1) {}
+
+ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction,
+                                   const PillarSettings& pillars, int parts)
+    : world_(std::make_unique<World>()) {
+  World& w = *world_;
+  w.layout = layout;
+  w.surface = surface;
+  w.parts = parts;
+  w.dt = pillars.dt;
+
+  const SpecPointer spec(mj_makeSpec());
+  set_pillar_options(spec.get(), pillars);
+  mju_zero3(spec->option.gravity);
+  mjsBody* base = mjs_findBody(spec.get(), "world");
+  mjsGeom* touched = mjs_addGeom(base, nullptr);
+  mjs_setName(touched->element, "surface");
+  const GeomShape shape = std::visit([](const auto& s) { return geom_shape(s); }, surface);
+  touched->type = shape.type;
+  mju_copy3(touched->size, shape.size.data());
+  touched->contype = 0;
+  touched->conaffinity = 0;
+
+  mjsBody* carrier = mjs_addBody(base, nullptr);
+  mjs_setName(carrier->element, "carrier");
+  mjs_addFreeJoint(carrier);
+  carrier->mass = carrier_mass;
+  carrier->explicitinertial = 1;
+  carrier->inertia[0] = carrier->inertia[1] = carrier->inertia[2] = carrier_mass;
+  const std::string name = "surface";
+  add_articulated_pad(spec.get(), carrier, Pose{}, layout, {&name, 1}, friction, pillars, "pad");
+
+  w.model.reset(mj_compile(spec.get(), nullptr));
+  if (!w.model) throw std::runtime_error(std::string("MuJoCo cannot compile the articulated pad: ") + mjs_getError(spec.get()));
+  w.data.reset(mj_makeData(w.model.get()));
+  w.contact = std::make_unique<ArticulatedContact>(w.model.get(), "pad", layout, pillars);
+  w.carrier = w.model->body_jntadr[mj_name2id(w.model.get(), mjOBJ_BODY, "carrier")];
+  if (pillars.carrier_in_scale) return;
+  call_mujoco([&w] { mj_forward(w.model.get(), w.data.get()); });
+  leave_out_of_scale(w.model.get(), w.data.get(), w.model->jnt_dofadr[w.carrier]);
+}
+
+ArticulatedStage::~ArticulatedStage() = default;
+
+const ContactFrame& ArticulatedStage::frame() const { return world_->frame; }
+
+// Tips inside the surface are pressed in; then the contacts take up the rest of their load while the pad rests.
+void ArticulatedStage::World::place(const Pose& pad, double time) {
+  const int steps = contact->steps_to_settle(contact->begin_on(model.get(), data.get(), surface, pad));
+  for (int k = 0; k < steps; ++k) {
+    end_if_interrupted();
+    step_part(pad, pad, time);
+    contact->read(model.get(), data.get(), time, dt);
+  }
+  contact->begin_run(time);
+}
+
+void ArticulatedStage::World::step_part(const Pose& from, const Pose& to, double time) {
+  drive_free_joint(model.get(), data.get(), carrier, from, to, dt);
+  data->time = time - dt;
+  mj_step(model.get(), data.get());
+  refuse_warnings(model.get(), data.get(), time);
+}
+
+const ContactFrame& ArticulatedStage::step(const Pose& pad_in_surface, double time) {
+  World& w = *world_;
+  if (!w.placed) {
+    w.place(pad_in_surface, time);
+    w.placed = true;
+    w.pose = pad_in_surface;
+    return w.frame = w.contact->frame();
+  }
+  const Pose from = std::exchange(w.pose, pad_in_surface);
+
+  const Eigen::Quaterniond start(from.rotation), end(pad_in_surface.rotation);
+  std::vector<ContactEvent> events;
+  Eigen::Array2Xd slip = Eigen::Array2Xd::Zero(2, static_cast<Eigen::Index>(w.layout.units.size()));
+  Pose here = from;
+  for (int k = 1; k <= w.parts; ++k) {
+    const double share = static_cast<double>(k) / w.parts;
+    const double now = time - (w.parts - k) * w.dt;
+    Pose there = pad_in_surface;
+    if (k < w.parts) {
+      there.position = from.position + share * (pad_in_surface.position - from.position);
+      there.rotation = start.slerp(share, end).toRotationMatrix();
+    }
+    w.step_part(here, there, now);
+    const ContactFrame& part = w.contact->read(w.model.get(), w.data.get(), now, w.dt);
+    slip += part.slip_velocity / w.parts;
+    events.insert(events.end(), part.events.begin(), part.events.end());
+    here = there;
+  }
+  w.frame = w.contact->frame();
+  w.frame.slip_velocity = slip;
+  w.frame.events = std::move(events);
+  return w.frame;
+}
+
+}  // namespace slipbench

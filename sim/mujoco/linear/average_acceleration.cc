@@ -1,0 +1,191 @@
+#include "sim/mujoco/linear/average_acceleration.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <mujoco/mujoco.h>
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+namespace slipbench {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// The 6x6 of many springs, translation before rotation.
+struct Springs {
+  Matrix6d total = Matrix6d::Zero();
+  double all_round = 0.0;
+  Vector3d first = Vector3d::Zero();
+  Matrix3d second = Matrix3d::Zero();
+
+  // A spring `a` in all directions at the lever r: a [I, -[r]x; [r]x, |r|^2 I - r r'].
+  void add_all_round(double a, const Vector3d& r) {
+    all_round += a;
+    first += a * r;
+    second.noalias() += a * r * r.transpose();
+  }
+  // A spring `b` along n alone.
+  void add_along(double b, const Vector3d& n, const Vector3d& r) {
+    Vector6d row;
+    row << n, r.cross(n);
+    total.noalias() += b * row * row.transpose();
+  }
+  [[nodiscard]] Matrix6d sum() const {
+    Matrix6d result = total;
+    const Matrix3d cross = cross_matrix(first);
+    result.topLeftCorner<3, 3>().diagonal().array() += all_round;
+    result.topRightCorner<3, 3>() -= cross;
+    result.bottomLeftCorner<3, 3>() += cross;
+    result.bottomRightCorner<3, 3>() -= second;
+    result.bottomRightCorner<3, 3>().diagonal().array() += second.trace();
+    return result;
+  }
+};
+
+}  // namespace
+
+double longest_averaged_step(const Vibration& vibration) {
+  if (!(vibration.omega > 0.0)) return std::numeric_limits<double>::infinity();
+  const double beyond = vibration.damping_rate * vibration.damping_rate - 4.0 * vibration.omega * vibration.omega;
+  return 2.0 / (beyond > 0.0 ? 0.5 * (vibration.damping_rate + std::sqrt(beyond)) : vibration.omega);
+}
+
+Matrix6d added_inertia(const PadTangent& tangent, double h) {
+  return 0.5 * h * tangent.damping + 0.25 * h * h * tangent.stiffness;
+}
+
+Matrix6d added_inertia(const Field& field, double viscous_time, double h) {
+  const double of_spring = 0.25 * h * h, of_dashpot = 0.5 * h * viscous_time;
+  Springs springs;
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    const ElementState state = field.state(i);
+    if (state == ElementState::detached) continue;
+    const Element& element = field.layout().elements[i];
+    const Vector3d n = field.normal(i), r = field.contact_point(i), slip = field.slip_step(i);
+    const double normal = (of_spring + of_dashpot) * element.k_normal;
+    double across = of_spring * element.k_tangential;
+    const double distance = state == ElementState::slip ? slip.norm() : 0.0;
+    if (distance > 0.0) {
+      const double held = field.tangential_force(i).norm(), along = field.sliding_share(i) * across;
+      across *= held / (held + element.k_tangential * distance);
+      springs.add_along(along - across, slip / distance, r);
+    } else if (state == ElementState::stick) {
+      across += of_dashpot * element.k_tangential;
+    }
+    springs.add_all_round(across, r);
+    springs.add_along(normal - across, n, r);
+  }
+  return springs.sum();
+}
+
+// With v = Q' (v_frame - w x p) and w = Q' w_frame of the frame at p, turned by Q:
+//   [A, B; B', D] -> [A, B - A p; ., D + p B + (p B)' - p A p] of the turned blocks, p the matrix of p x.
+Matrix6d seen_from(const Pose& frame, const Matrix6d& inertia) {
+  const Matrix3d& q = frame.rotation;
+  const Matrix3d p = cross_matrix(frame.position);
+  const Matrix3d a = q * inertia.topLeftCorner<3, 3>() * q.transpose();
+  const Matrix3d b = q * inertia.topRightCorner<3, 3>() * q.transpose();
+  const Matrix3d d = q * inertia.bottomRightCorner<3, 3>() * q.transpose();
+  const Matrix3d ap = a * p, pb = p * b;
+  Matrix6d result;
+  result << a, b - ap, (b - ap).transpose(), d + pb + pb.transpose() - p * ap;
+  return result;
+}
+
+HeldBodies::Body HeldBodies::free_body(const mjModel* m, int body) {
+  if (m->body_jntnum[body] != 1 || m->jnt_type[m->body_jntadr[body]] != mjJNT_FREE ||
+      m->body_subtreemass[body] != m->body_mass[body]) {
+    throw std::logic_error("HeldBodies: a body that is not free and alone");
+  }
+  mjtNum turn[9];
+  mju_quat2Mat(turn, m->body_iquat + 4 * body);
+  const Pose centre{Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(turn),
+                    Eigen::Map<const Vector3d>(m->body_ipos + 3 * body)};
+  Vector6d about_centre;
+  about_centre << Vector3d::Constant(m->body_mass[body]), Eigen::Map<const Vector3d>(m->body_inertia + 3 * body);
+  return {body, m->body_dofadr[body], seen_from(centre, about_centre.asDiagonal())};
+}
+
+HeldBodies::HeldBodies(const mjModel* m, const std::array<int, 2>& fingers, int held, const PadTangent& spring, double h)
+    : fingers_{free_body(m, fingers[0]), free_body(m, fingers[1])}, held_(free_body(m, held)) {
+  for (Body& finger : fingers_) {
+    finger.spring = added_inertia(spring, h);
+    finger.stiffness = 0.25 * h * h * spring.stiffness;
+    finger.inertia += finger.spring;
+  }
+}
+
+void HeldBodies::solve(const mjModel* m, mjData* d, const std::array<Matrix6d, 2>& pads, const Matrix6d& ground,
+                       const std::array<Vector6d, 2>& carriages) const {
+  const auto pose_of = [d](int body) {
+    return Pose{Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->xmat + 9 * body),
+                Eigen::Map<const Vector3d>(d->xpos + 3 * body)};
+  };
+  const Pose held = pose_of(held_.body);
+  // A free joint's translations are the world's, its rotations the body's own. In the held body's axes, about its frame, where the body is `placed`:
+  // forces there, and accelerations back.
+  const auto force_on = [&](const Body& body, const Pose& placed) {
+    const Eigen::Map<const Vector6d> joint(d->qfrc_smooth + body.dof);
+    const Vector3d force = held.rotation.transpose() * joint.head<3>();
+    Vector6d result;
+    result << force, placed.rotation * joint.tail<3>() + placed.position.cross(force);
+    return result;
+  };
+  const auto accelerate = [&](const Body& body, const Pose& placed, const Vector6d& a) {
+    Eigen::Map<Vector6d> joint(d->qacc + body.dof);
+    const Vector3d turning = a.tail<3>();
+    joint.head<3>() = held.rotation * (a.head<3>() + turning.cross(placed.position));
+    joint.tail<3>() = placed.rotation.transpose() * turning;
+  };
+  // In a finger's own axes, and of them in those of its joint.
+  const auto in_finger = [&](const Body& finger, const Vector3d& moving, const Vector3d& turning) {
+    Vector6d result;
+    result << pose_of(finger.body).rotation.transpose() * moving, turning;
+    return result;
+  };
+  const auto apply = [&](const Body& finger, const Vector6d& force, mjtNum* to) {
+    Eigen::Map<Vector6d> joint(to + finger.dof);
+    joint.head<3>() += pose_of(finger.body).rotation * force.head<3>();
+    joint.tail<3>() += force.tail<3>();
+  };
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Body& finger = fingers_[k];
+    const Vector3d turning = pose_of(finger.body).rotation.transpose() * carriages[k].tail<3>();
+    const Vector6d carried = finger.stiffness * in_finger(finger, carriages[k].head<3>(), turning);
+    apply(finger, carried, d->qfrc_smooth);
+    apply(finger, carried, d->qfrc_applied);
+  }
+  mju_zero(d->qacc, static_cast<int>(m->nv));
+  Matrix6d whole = held_.inertia + ground;
+  Vector6d force = force_on(held_, Pose{});
+  struct Solved {
+    Pose placed;
+    Matrix6d carried;  // (P + G)^-1 G
+    Vector6d free;     // (P + G)^-1 f
+  };
+  std::array<Solved, 2> solved;
+  for (std::size_t k = 0; k < 2; ++k) {
+    Solved& finger = solved[k];
+    finger.placed = held.inverse() * pose_of(fingers_[k].body);
+    const Eigen::LLT<Matrix6d> factor(seen_from(finger.placed, fingers_[k].inertia) + pads[k]);
+    for (int i = 0; i < 6; ++i)
+      finger.carried.col(i) = factor.solve(pads[k].col(i));  // in a fifth of the time that all at once take
+    finger.free = factor.solve(force_on(fingers_[k], finger.placed));
+    whole += pads[k];
+    whole.noalias() -= pads[k] * finger.carried;
+    force.noalias() += pads[k] * finger.free;
+  }
+  const Vector6d a = whole.llt().solve(force);
+  accelerate(held_, Pose{}, a);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Body& finger = fingers_[k];
+    accelerate(finger, solved[k].placed, solved[k].free + solved[k].carried * a);
+    const Eigen::Map<const Vector6d> joint(d->qacc + finger.dof);
+    apply(finger, -(finger.spring * in_finger(finger, joint.head<3>(), joint.tail<3>())), d->qfrc_applied);
+  }
+}
+
+}  // namespace slipbench

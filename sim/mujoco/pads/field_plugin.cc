@@ -1,0 +1,196 @@
+#include "sim/mujoco/pads/field_plugin.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/mujoco/mujoco_call.h"
+#include "sim/mujoco/mujoco_differences.h"
+#include "sim/mujoco/pads/plugin_interface.h"
+#include "sim/mujoco/pads/register_plugin.h"
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace slipbench {
+namespace {
+
+PadCatalogue& catalogue() {
+  static PadCatalogue shared;
+  return shared;
+}
+
+// Runs `action` and reports what it throws by mju_error, which does not return and may jump over the caller: nothing that must be
+// torn down is alive then. A simulation of this program gets the exception itself; to other callers the text says whose it is.
+template <class Action>
+void report_errors(Action&& action) {
+  thread_local std::array<char, 1024> message;
+  message[0] = '\0';
+  try {
+    action();
+  } catch (const std::exception& error) {
+    std::snprintf(message.data(), message.size(), "slipbench: %s", error.what());
+    carry_to_caller(std::current_exception());
+  }
+  if (message[0] != '\0') mju_error("%s", message.data());
+}
+
+// What plugin_data points to: the pad, and at the last pad of an mjData what all of them share.
+struct Slot {
+  PadInstance pad;
+  std::unique_ptr<PadGroup> group;
+};
+
+int make(const mjModel* model, mjData* data, int instance);
+
+Slot* slot_in(const mjData* data, int instance) { return reinterpret_cast<Slot*>(data->plugin_data[instance]); }
+
+bool is_pad(const mjModel* model, int instance) {
+  const mjpPlugin* plugin = mjp_getPluginAtSlot(model->plugin[instance]);
+  return plugin != nullptr && plugin->init == &make;  // and not of another copy of this code
+}
+
+int last_pad(const mjModel* model) {
+  int last = -1;
+  for (int i = 0; i < static_cast<int>(model->nplugin); ++i) last = is_pad(model, i) ? i : last;
+  return last;
+}
+
+int state_size(const mjModel* model, int instance) {
+  int size = 0;
+  report_errors(
+      [&] { size = static_cast<int>(pad_state_size(model, read_pad_config(model, instance, catalogue()), catalogue())); });
+  return size;
+}
+
+int sensor_size(const mjModel* model, int instance, int /*sensor*/) {
+  int size = 0;
+  report_errors([&] { size = static_cast<int>(pad_sensor_size(read_pad_config(model, instance, catalogue()), catalogue())); });
+  return size;
+}
+
+int make(const mjModel* model, mjData* data, int instance) {
+  report_errors([&] {
+    auto slot = std::make_unique<Slot>(
+        Slot{PadInstance(model, instance, read_pad_config(model, instance, catalogue()), catalogue()), nullptr});
+    if (instance == last_pad(model)) {
+      std::vector<PadInstance*> pads;
+      for (int i = 0; i < instance; ++i) {
+        if (is_pad(model, i)) pads.push_back(&slot_in(data, i)->pad);
+      }
+      pads.push_back(&slot->pad);
+      slot->group = std::make_unique<PadGroup>(model, pads);
+    }
+    data->plugin_data[instance] = reinterpret_cast<std::uintptr_t>(slot.release());
+  });
+  return 0;
+}
+
+void destroy(mjData* data, int instance) {
+  delete slot_in(data, instance);
+  data->plugin_data[instance] = 0;
+}
+
+void copy(mjData* to, const mjModel* /*model*/, const mjData* from, int instance) {
+  slot_in(to, instance)->pad.copy_from(slot_in(from, instance)->pad);
+  if (const auto& group = slot_in(from, instance)->group) slot_in(to, instance)->group->copy_from(*group);
+}
+
+void reset(const mjModel* model, mjtNum* state, void* /*plugin_data*/, int instance) {
+  mju_zero(state, model->plugin_statenum[instance]);
+}
+
+void compute(const mjModel* model, mjData* data, int instance, int capability) {
+  report_errors([&] {
+    Slot& slot = *slot_in(data, instance);
+    if (capability != mjPLUGIN_PASSIVE) {
+      slot.pad.write_sensors(model, data);
+      return;
+    }
+    if (!slot.pad.config().implicit) slot.pad.add_force(model, data);
+    if (slot.group) slot.group->add_force(model, data);
+  });
+}
+
+void advance(const mjModel* model, mjData* data, int instance) {
+  report_errors([&] {
+    Slot& slot = *slot_in(data, instance);
+    slot.pad.commit(model, data);
+    if (slot.group) slot.group->finish(model, data);
+  });
+}
+
+void visualize(const mjModel* model, mjData* data, const mjvOption* /*option*/, mjvScene* scene, int instance) {
+  report_errors([&] { slot_in(data, instance)->pad.draw(model, data, scene); });
+}
+
+void register_as(const char* name) {
+  mjpPlugin plugin;
+  mjp_defaultPlugin(&plugin);
+  plugin.name = name;
+  plugin.capabilityflags = mjPLUGIN_PASSIVE | mjPLUGIN_SENSOR;
+  plugin.needstage = mjSTAGE_VEL;
+  plugin.nattribute = static_cast<int>(std::size(pad_attributes));
+  plugin.attributes = pad_attributes;
+  plugin.nstate = &state_size;
+  plugin.nsensordata = &sensor_size;
+  plugin.init = &make;
+  plugin.destroy = &destroy;
+  plugin.copy = &copy;
+  plugin.reset = &reset;
+  plugin.compute = &compute;
+  plugin.advance = &advance;
+  plugin.visualize = &visualize;
+  mjp_registerPlugin(&plugin);
+}
+
+}  // namespace
+
+void register_field_plugin(PadCatalogue pads) {
+  if (!meet_mujoco()) return;
+  catalogue() = std::move(pads);
+  if (mjp_getPlugin(field_plugin_name, nullptr) == nullptr) register_as(field_plugin_name);
+}
+
+void register_bench_plugin(PadCatalogue pads) {
+  register_field_plugin(std::move(pads));
+  if (mj_version() == mjVERSION_HEADER) register_as(bench_plugin_name);
+}
+
+std::string describe_pads(const mjModel* model) {
+  std::string text;
+  for (int i = 0; i < static_cast<int>(model->nplugin); ++i) {
+    if (!is_pad(model, i)) continue;
+    const PadConfig config = read_pad_config(model, i, catalogue());
+    const std::unique_ptr<Sensor> sensor = config.make_sensor(catalogue());
+    text += fmt::format("{}\t{}\t{}\t{}\t{:d}\n", i, model->names + model->name_pluginadr[i], config.site,
+                        sensor->layout().units.size(), config.truth);
+    for (const Channel& channel : sensor->channels()) {
+      text += fmt::format("\t{}\t{}\t{}\n", channel.name, channel.unit, fmt::join(channel.shape, " "));
+    }
+  }
+  return text;
+}
+
+double longest_step(const mjModel* model, mjData* data) {
+  const PadGroup* group = pad_group_of(model, data);
+  return group == nullptr ? std::numeric_limits<double>::infinity() : group->longest_step(model, data);
+}
+
+PadInstance* pad_of(const mjModel* model, const mjData* data, int instance) {
+  return is_pad(model, instance) ? &slot_in(data, instance)->pad : nullptr;
+}
+
+PadGroup* pad_group_of(const mjModel* model, const mjData* data) {
+  const int last = last_pad(model);
+  return last < 0 ? nullptr : slot_in(data, last)->group.get();
+}
+
+}  // namespace slipbench

@@ -1,0 +1,106 @@
+#include "sim/mujoco/pads/geom_surface.h"
+
+#include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <mujoco/mujoco.h>
+
+#include "sim/core/error.h"
+#include "sim/field/surface/mesh_distance.h"
+
+namespace slipbench {
+namespace {
+
+std::string type_name(int type) {
+  switch (type) {
+    case mjGEOM_HFIELD: return "height field";
+    case mjGEOM_SDF: return "sdf";
+    default: return "of type " + std::to_string(type);
+  }
+}
+
+std::string name_of(const mjModel* model, int geom) {
+  const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
+  std::string text = name != nullptr ? "geom " + quote(name) : "geom " + std::to_string(geom) + " (without a name)";
+  if (model->geom_type[geom] != mjGEOM_MESH) return text;
+  const char* mesh = mj_id2name(model, mjOBJ_MESH, model->geom_dataid[geom]);
+  return mesh != nullptr ? text + " of the mesh " + quote(mesh) : text;
+}
+
+// A compiled mesh: what it is made of, byte by byte.
+struct Mesh {
+  const float* vertices;
+  std::size_t vertex_count;
+  const int* faces;
+  std::size_t face_count;
+
+  [[nodiscard]] std::string bytes() const {
+    std::string result(3 * (vertex_count * sizeof(float) + face_count * sizeof(int)), '\0');
+    std::memcpy(result.data(), vertices, 3 * vertex_count * sizeof(float));
+    std::memcpy(result.data() + 3 * vertex_count * sizeof(float), faces, 3 * face_count * sizeof(int));
+    return result;
+  }
+
+  [[nodiscard]] MeshDistance distance() const {
+    std::vector<Eigen::Vector3d> points;
+    for (std::size_t i = 0; i < 3 * vertex_count; i += 3) points.emplace_back(vertices[i], vertices[i + 1], vertices[i + 2]);
+    std::vector<MeshDistance::Face> corners;
+    for (std::size_t i = 0; i < 3 * face_count; i += 3) {
+      corners.push_back({static_cast<std::uint32_t>(faces[i]), static_cast<std::uint32_t>(faces[i + 1]),
+                         static_cast<std::uint32_t>(faces[i + 2])});
+    }
+    return MeshDistance(points, corners);
+  }
+};
+
+// A simulation makes its surfaces anew with every mjData; a second's work is done once.
+DistanceGrid grid_of(const Mesh& mesh) {
+  static std::mutex mutex;
+  static std::map<std::string, std::weak_ptr<const DistanceGrid::Samples>> known;
+  const std::lock_guard lock(mutex);
+  std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<const DistanceGrid::Samples>& kept = known[mesh.bytes()];
+  if (auto samples = kept.lock()) return DistanceGrid(std::move(samples));
+  DistanceGrid grid = mesh.distance().on_grid(mesh_grid_nodes);
+  kept = grid.samples();
+  return grid;
+}
+
+Surface shape_of(const mjModel* model, int geom) {
+  const mjtNum* size = model->geom_size + 3 * geom;
+  switch (model->geom_type[geom]) {
+    case mjGEOM_PLANE: return Plane{};
+    case mjGEOM_BOX: return Box{{size[0], size[1], size[2]}};
+    case mjGEOM_SPHERE: return Sphere{size[0]};
+    case mjGEOM_CYLINDER: return Cylinder{size[0], size[1]};
+    case mjGEOM_CAPSULE: return Capsule{size[0], size[1]};
+    case mjGEOM_ELLIPSOID: return Ellipsoid{{size[0], size[1], size[2]}};
+    case mjGEOM_MESH: {
+      const int mesh = model->geom_dataid[geom];
+      return grid_of({model->mesh_vert + 3 * model->mesh_vertadr[mesh], static_cast<std::size_t>(model->mesh_vertnum[mesh]),
+                      model->mesh_face + 3 * model->mesh_faceadr[mesh], static_cast<std::size_t>(model->mesh_facenum[mesh])});
+    }
+    default:
+      throw InputError("it is " + type_name(model->geom_type[geom]) +
+                       "; allowed: plane, box, sphere, cylinder, capsule, ellipsoid, mesh");
+  }
+}
+
+}  // namespace
+
+GeomSurface surface_of_geom(const mjModel* model, int geom) {
+  if (geom < 0 || geom >= model->ngeom) throw std::invalid_argument("geom " + std::to_string(geom) + " is not in the model");
+  try {
+    // MuJoCo's shapes stand in their geom's frame as ours do in theirs; the compiler has put meshes into theirs.
+    return {shape_of(model, geom), Pose{}};
+  } catch (const InputError& error) {
+    throw InputError(name_of(model, geom) + " cannot be touched by a pad: " + error.what());
+  }
+}
+
+}  // namespace slipbench

@@ -1,0 +1,307 @@
+#include "sim/mujoco/pads/pad_config.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <deque>
+#include <iterator>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+#include "sim/mujoco/pads/element_table.h"
+#include "sim/scene/scene_reader.h"
+#include "sim/scene/scene_values.h"
+#include "sim/scene/yaml_tree.h"
+
+namespace slipbench {
+namespace {
+
+// The type by which the scene reader knows the pad of an element table.
+constexpr const char* table_type = "elements";
+
+const ParameterSpec trial_spec = integer_spec("trial", "0", non_negative, "Key of the random draws.", "free");
+const ParameterSpec truth_spec = flag_spec("truth", "false", "Whether the truth follows the sensor's values.", "free");
+const ParameterSpec element_truth_spec =
+    flag_spec("element_truth", "false", "Whether the truth lists each element, too.", "free");
+const ParameterSpec solver_spec =
+    choice_spec("solver", "explicit", {"explicit", "implicit"}, "How the springs enter the step.", "free");
+const ParameterSpec check_spec =
+    choice_spec("check", "error", {"error", "warn", "off"}, "What a mistake in the model is.", "free");
+const ParameterSpec unloaded_spec = choice_spec("unloaded", "1", {"1", "nan"}, "Margin of what does not touch.", "free");
+
+// The attributes of one instance.
+class Attributes {
+ public:
+  Attributes(const mjModel* model, int instance)
+      : model_(model), instance_(instance), name_(model->names + model->name_pluginadr[instance]) {
+    if (name_.empty()) name_ = std::to_string(instance);
+  }
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::string text(const char* attribute) const {
+    const char* text = mj_getPluginConfig(model_, instance_, attribute);
+    return text == nullptr ? "" : text;
+  }
+  [[nodiscard]] bool has(const char* attribute) const { return !text(attribute).empty(); }
+  [[noreturn]] void refuse(const std::string& what) const { throw InputError("plugin '" + name_ + "': " + what); }
+
+  [[nodiscard]] YamlNode yaml(const char* attribute) const {
+    constexpr std::size_t longest_shown = 80;  // MuJoCo keeps 1000 characters or so of a message: a table would leave no room
+    std::string shown = text(attribute);
+    if (shown.size() > longest_shown) shown = shown.substr(0, longest_shown) + "...";
+    return parse_yaml(text(attribute), "plugin '" + name_ + "' " + attribute + "=" + quote(shown), false);
+  }
+  [[nodiscard]] Parameters::Value value(const ParameterSpec& spec) const {
+    if (!has(spec.name.c_str())) return default_of(spec);
+    try {
+      return parse_scalar(spec, text(spec.name.c_str()));
+    } catch (const std::invalid_argument& error) {
+      refuse(spec.name + ": " + error.what());
+    }
+  }
+
+  // The object called `object_name`, -1: there is none. After MjSpec.attach it may have the prefix or suffix that the instance has.
+  [[nodiscard]] int find(mjtObj type, const std::string& object_name) const {
+    const std::string declared = text("name");
+    for (std::size_t at = declared.empty() ? std::string::npos : name_.find(declared); at != std::string::npos;
+         at = name_.find(declared, at + 1)) {
+      const std::string attached = name_.substr(0, at) + object_name + name_.substr(at + declared.size());
+      if (const int id = mj_name2id(model_, type, attached.c_str()); id >= 0) return id;
+    }
+    if (const int id = mj_name2id(model_, type, object_name.c_str()); id >= 0) return id;
+    for (std::size_t size = declared.empty() ? name_.size() : 0; size > 0; --size) {
+      if (const int id = mj_name2id(model_, type, (name_.substr(0, size) + object_name).c_str()); id >= 0) return id;
+    }
+    return -1;
+  }
+  // The same; `noun`: "site". Throws InputError where there is none.
+  [[nodiscard]] int object(mjtObj type, const char* noun, const std::string& object_name, int count) const {
+    if (const int id = find(type, object_name); id >= 0) return id;
+    std::vector<std::string> known;
+    for (int id = 0; id < count; ++id) {
+      if (const char* other = mj_id2name(model_, type, id)) known.emplace_back(other);
+    }
+    refuse("no " + std::string(noun) + " " + quote(object_name) + " in the model" + allowed_names(object_name, known));
+  }
+
+  [[nodiscard]] const mjModel* model() const { return model_; }
+
+ private:
+  const mjModel* model_;
+  int instance_;
+  std::string name_;
+};
+
+YamlNode scalar(std::string text) {
+  YamlNode node;
+  node.kind = YamlNode::Kind::scalar;
+  node.text = std::move(text);
+  return node;
+}
+
+void add(YamlNode& map, const char* key, YamlNode child) {
+  child.key = key;
+  child.key_origin = child.origin;
+  map.children.push_back(std::move(child));
+}
+
+// The instance's name as a scene may name a sensor: MjSpec.attach puts things like "left/" before it.
+std::string sensor_name(std::string name) {
+  for (char& c : name) {
+    if (!(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && !(c >= '0' && c <= '9')) c = '_';
+  }
+  return name.front() >= '0' && name.front() <= '9' ? "_" + name : name;
+}
+
+// The attributes that are those of a scene, put together as one.
+YamlNode scene_tree(const Attributes& attributes) {
+  YamlNode root, sensors, surface;
+  root.kind = sensors.kind = surface.kind = YamlNode::Kind::map;
+  root.origin.source = std::make_shared<const std::string>("plugin '" + attributes.name() + "'");
+  add(root, "slipbench", scalar("1"));
+  if (attributes.has("seed")) add(root, "seed", attributes.yaml("seed"));
+  if (attributes.has("material")) {
+    add(surface, "material", attributes.yaml("material"));
+    add(root, "surface", std::move(surface));
+  }
+  if (attributes.has("friction")) add(root, "friction", attributes.yaml("friction"));
+  if (attributes.has("effects")) add(root, "effects", attributes.yaml("effects"));
+  YamlNode sensor;
+  if (attributes.has("sensor")) {
+    sensor = attributes.yaml("sensor");
+  } else {
+    sensor.kind = YamlNode::Kind::map;
+    add(sensor, "type", scalar(table_type));
+  }
+  add(sensors, sensor_name(attributes.name()).c_str(), std::move(sensor));
+  add(root, "sensors", std::move(sensors));
+  return root;
+}
+
+// MuJoCo asks for the same attributes three times a pad and model, and the trials of a sweep have the same few: those that a thread read last serve
+// as long as their texts do.
+template <class Value>
+class LastRead {
+ public:
+  template <class Read>
+  const Value& find(std::vector<std::string> texts, Read&& read) {
+    constexpr std::size_t most = 8;
+    const auto found = std::ranges::find(known_, texts, &std::pair<std::vector<std::string>, Value>::first);
+    if (found != known_.end()) {
+      std::rotate(known_.begin(), found, found + 1);
+    } else {
+      known_.emplace_front(std::move(texts), read());
+      if (known_.size() > most) known_.pop_back();
+    }
+    return known_.front().second;
+  }
+
+ private:
+  std::deque<std::pair<std::vector<std::string>, Value>> known_;  // the one asked for last in front
+};
+
+// What the attributes say that a scene would say. `known`: the same at every call.
+const Scene& read_contact(const Attributes& attributes, const Catalogues& known) {
+  thread_local LastRead<Scene> scenes;
+  std::vector<std::string> texts{attributes.name()};
+  for (const char* attribute : {"seed", "material", "friction", "effects", "sensor"}) texts.push_back(attributes.text(attribute));
+  return scenes.find(std::move(texts), [&] {
+    Catalogues catalogues = known;
+    if (!attributes.has("sensor")) catalogues.sensors = {{table_type, "", "", "", {}}};
+    return read_scene(scene_tree(attributes), catalogues, nullptr);
+  });
+}
+
+bool below(const mjModel* model, int body, int root) {
+  while (body > root) body = model->body_parentid[body];
+  return body == root;
+}
+
+// Where MuJoCo asks for sizes it has not yet found out which bodies are welded.
+bool welded(const mjModel* model, int a, int b) {
+  const auto top = [model](int body) {
+    while (body > 0 && model->body_jntnum[body] == 0) body = model->body_parentid[body];
+    return body;
+  };
+  return top(a) == top(b);
+}
+
+// The geoms that a word of `touch` stands for.
+std::vector<int> geoms_of(const Attributes& attributes, const std::string& word, int site) {
+  const mjModel* model = attributes.model();
+  const std::size_t colon = word.find(':');
+  const std::string kind = word.substr(0, colon), rest = colon == std::string::npos ? "" : word.substr(colon + 1);
+  if (attributes.find(mjOBJ_GEOM, word) >= 0 || (kind != "body" && kind != "subtree" && kind != "group")) {
+    return {attributes.object(mjOBJ_GEOM, "geom", word, static_cast<int>(model->ngeom))};
+  }
+  std::vector<int> all, colliding;
+  const auto take = [&](int geom) {
+    all.push_back(geom);
+    if (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0) colliding.push_back(geom);
+  };
+  if (kind == "group") {
+    for (int geom = 0; geom < static_cast<int>(model->ngeom); ++geom) {
+      if (std::to_string(model->geom_group[geom]) != rest) continue;
+      if (!welded(model, model->geom_bodyid[geom], model->site_bodyid[site])) all.push_back(geom);
+    }
+    if (all.empty())
+      attributes.refuse("touch: no geom in group " + quote(rest) +
+                        " but what moves with the pad; allowed: the number of a group that has");
+    return all;
+  }
+  const int body = attributes.object(mjOBJ_BODY, "body", rest, static_cast<int>(model->nbody));
+  for (int geom = 0; geom < static_cast<int>(model->ngeom); ++geom) {
+    if (kind == "body" ? model->geom_bodyid[geom] == body : below(model, model->geom_bodyid[geom], body)) take(geom);
+  }
+  if (all.empty()) attributes.refuse("touch: the " + kind + " " + quote(rest) + " has no geom; allowed: one that has");
+  return colliding.empty() ? all : colliding;
+}
+
+std::vector<int> touched_geoms(const Attributes& attributes, int site) {
+  std::istringstream words(attributes.text("touch"));
+  std::vector<int> geoms;
+  for (std::string word; words >> word;) {
+    for (const int geom : geoms_of(attributes, word, site)) {
+      if (std::ranges::find(geoms, geom) != geoms.end()) {
+        const char* name = mj_id2name(attributes.model(), mjOBJ_GEOM, geom);
+        attributes.refuse("touch names the geom " + quote(name == nullptr ? std::to_string(geom) : name) + " twice");
+      }
+      geoms.push_back(geom);
+    }
+  }
+  if (geoms.empty())
+    attributes.refuse("no attribute touch; allowed: names of geoms, body:NAME, subtree:NAME or group:N, with blanks between");
+  return geoms;
+}
+
+// The pad of the attributes elements and units.
+const PadLayout& table_of(const Attributes& attributes) {
+  thread_local LastRead<PadLayout> tables;
+  return tables.find({attributes.text("elements"), attributes.text("units")}, [&] {
+    const YamlNode table = attributes.yaml("elements");
+    if (!attributes.has("units")) return read_element_table(table, nullptr);
+    const YamlNode counts = attributes.yaml("units");
+    return read_element_table(table, &counts);
+  });
+}
+
+}  // namespace
+
+std::unique_ptr<Sensor> PadConfig::make_sensor(const PadCatalogue& catalogue) const {
+  // A table's pad is read at every step: there is no electronics to have a rate of its own.
+  if (!table.empty()) return make_table_sensor(table.front(), 0.0);
+  try {
+    return catalogue.make_sensor(sensor, seed, trial);
+  } catch (const InputError& error) {
+    throw InputError("plugin '" + name + "': " + error.what());
+  }
+}
+
+PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue& catalogue) {
+  const Attributes attributes(model, instance);
+  PadConfig config;
+  config.name = attributes.name();
+  if (!attributes.has("pad")) attributes.refuse("no attribute pad; allowed: the name of a site");
+  config.site = attributes.object(mjOBJ_SITE, "site", attributes.text("pad"), static_cast<int>(model->nsite));
+  config.geoms = touched_geoms(attributes, config.site);
+  if (attributes.has("sensor") == attributes.has("elements")) {
+    attributes.refuse("the pad is given by one of the attributes sensor and elements; found: " +
+                      std::string(attributes.has("sensor") ? "both" : "neither"));
+  }
+  if (attributes.has("units") && !attributes.has("elements"))
+    attributes.refuse("units belongs to elements; allowed: both or neither");
+  if (attributes.has("element_truth") && !attributes.has("elements"))
+    attributes.refuse("element_truth belongs to elements; allowed: both or neither");
+  if (attributes.has("material") && attributes.has("friction"))
+    attributes.refuse(
+        "material and friction are both given, and friction would replace that of the material; allowed: one of them");
+  if (attributes.has("elements")) {
+    config.table = {table_of(attributes)};
+    config.table.front().element_truth = std::get<bool>(attributes.value(element_truth_spec));
+  }
+  const Scene& scene = read_contact(attributes, catalogue.catalogues);
+  config.sensor = scene.sensors.front();
+  config.friction = {scene.friction.static_coefficient, scene.friction.kinetic_coefficient};
+  config.effects = scene.effects;
+  config.seed = scene.seed;
+  config.trial = static_cast<std::uint64_t>(std::get<std::int64_t>(attributes.value(trial_spec)));
+  config.damping = std::get<double>(attributes.value(damping_spec));
+  config.truth = std::get<bool>(attributes.value(truth_spec));
+  config.implicit = std::get<std::string>(attributes.value(solver_spec)) == "implicit";
+  if (std::get<std::string>(attributes.value(unloaded_spec)) == "nan") config.unloaded = std::numeric_limits<double>::quiet_NaN();
+  const auto check = std::get<std::string>(attributes.value(check_spec));
+  config.warn = check == "warn";
+  config.unchecked = check == "off";
+  return config;
+}
+
+void PadConfig::report(const std::string& mistake) const {
+  if (unchecked) return;
+  const std::string text = "plugin '" + name + "': " + mistake;
+  if (!warn) throw InputError(text + ". The key check='warn' makes this a warning");
+  mju_warning("slipbench: %s", text.c_str());
+}
+
+}  // namespace slipbench

@@ -1,0 +1,667 @@
+#include "sim/mujoco/pads/pad_instance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/effects/install.h"
+#include "sim/mujoco/mujoco_differences.h"
+#include "sim/mujoco/pads/geom_surface.h"
+
+namespace slipbench {
+namespace {
+
+// Of the instance's share of plugin_state. All zero: never stepped.
+enum Header : std::size_t { committed_time, next_sample, slip_angle, header_size };
+
+// What an instance that touches nothing may leave out. It is known only after two steps without contact and a sample: a step that ends without may
+// have slipped, and a sensor may have read the one before.
+namespace phase {
+constexpr double awake = 0.0, apart_once = 1.0, apart = 2.0,
+                 resting = 3.0;  // resting: since then only the poses are those of the last step
+}
+
+// Kept with the fields' states: where the pad was, then where each touched geom was, position and rotation as MuJoCo has them, then the phase.
+constexpr std::size_t frame_values = 12;
+std::size_t rest_values(const PadConfig& config) { return frame_values * (1 + config.geoms.size()) + 1; }
+mjtNum* save_frame(const mjtNum* position, const mjtNum* rotation, mjtNum* to) {
+  return std::copy_n(rotation, 9, std::copy_n(position, 3, to));
+}
+
+constexpr double far_enough = 1e-5;  // m, more than positions are rounded by
+
+// A sample is due when its time is reached up to the rounding of a sum of steps.
+constexpr double rounding = 1e-6;
+
+std::size_t channel_values(const Sensor& sensor) {
+  std::size_t size = 0;
+  for (const Channel& channel : sensor.channels()) size += channel.size();
+  return size;
+}
+
+std::size_t truth_values(const PadConfig& config, const Sensor& sensor) {
+  return config.truth ? 8 * sensor.layout().units.size() + 3 : 0;
+}
+
+std::size_t implicit_values(const PadConfig& config) {
+  return config.implicit ? config.geoms.size() * ImplicitFields::memory_per_contact : 0;
+}
+
+std::size_t memory_values(Sensor& sensor) {
+  std::size_t size = 0;
+  for (const std::span<double> memory : sensor.memory()) size += memory.size();
+  return size;
+}
+
+// Its number where it has none.
+std::string name_of_geom(const mjModel* model, int geom) {
+  const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
+  return name == nullptr ? std::to_string(geom) : name;
+}
+
+Field field_of(const mjModel* model, const PadConfig& config, const PadLayout& layout, int geom, const Surface& surface) {
+  FieldEffects effects;
+  try {
+    effects = install_effects(config.effects, layout, surface, config.seed, config.trial);
+  } catch (const SceneValueError& error) {
+    throw InputError(fmt::format("plugin '{}': {}; geom '{}' is none", config.name, error.what(), name_of_geom(model, geom)));
+  }
+  // Bodies that forces move accelerate under the tips, and are solved for with springs that have no state of their own.
+  if (effects.tip) {
+    throw InputError(fmt::format(
+        "plugin '{}': effects: inertia needs pads that move as prescribed; allowed here: effects without", config.name));
+  }
+  return {layout, surface, config.friction, std::move(effects)};
+}
+
+// A surface of the same kind as the geom's, as far as effects tell kinds apart and the state's size depends on it.
+Surface kind_of_surface(int geom_type) {
+  if (geom_type == mjGEOM_PLANE) return Plane{};
+  if (geom_type == mjGEOM_BOX) return Box{{1.0, 1.0, 1.0}};
+  return Sphere{1.0};
+}
+
+// Whether the fields of a state have been stepped (Field::save_state).
+bool is_placed(std::span<const double> fields) { return fields[0] != 0.0; }
+
+using MjMatrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+using MjVector = Eigen::Map<const Eigen::Vector3d>;
+
+Pose pose_at(const mjtNum* position, const mjtNum* rotation) { return {MjMatrix(rotation), MjVector(position)}; }
+
+bool same(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }
+
+// Velocity in the world of a frame of body `body` at `point`, as mj_objectVelocity has it: cvel, rotation first, is that of the point which
+// the body's tree refers to.
+Twist velocity_of(const mjModel* model, const mjData* data, int body, const mjtNum* point) {
+  const MjVector angular(data->cvel + 6 * body), linear(data->cvel + 6 * body + 3);
+  const Eigen::Vector3d arm = MjVector(point) - MjVector(data->subtree_com + 3 * model->body_rootid[body]);
+  return {linear - arm.cross(angular), angular};
+}
+
+// Adds a force and a torque at `point` of a body to qfrc_passive, as mj_applyFT does, but along the body's own degrees of freedom only; what is
+// fixed to the world has none.
+void push(const mjModel* model, mjData* data, const Eigen::Vector3d& force, const Eigen::Vector3d& torque, const mjtNum* point,
+          int body) {
+  const int moving = model->body_weldid[body];
+  if (moving == 0) return;
+  const Eigen::Vector3d arm = MjVector(point) - MjVector(data->subtree_com + 3 * model->body_rootid[body]);
+  Eigen::Matrix<double, 6, 1> wrench;  // rotation first, about the point that cdof refers to
+  wrench << torque + arm.cross(force), force;
+  for (int dof = model->body_dofadr[moving] + model->body_dofnum[moving] - 1; dof >= 0; dof = model->dof_parentid[dof]) {
+    data->qfrc_passive[dof] += Eigen::Map<const Eigen::Matrix<double, 6, 1>>(data->cdof + 6 * dof).dot(wrench);
+  }
+}
+
+// Values as a reader gets them. A zero that was turned into the pad's frame has the sign of the turn; none is read with one.
+template <class Values>
+double* write_values(const Values& values, double* out) {
+  return std::transform(std::begin(values), std::end(values), out, [](auto value) { return static_cast<double>(value) + 0.0; });
+}
+
+void write_truth(const ContactFrame& frame, double unloaded, double* out) {
+  const Eigen::Index n = frame.margin.size();
+  const auto numbers = [](const auto& array) { return std::span(array.data(), static_cast<std::size_t>(array.size())); };
+  const auto or_unloaded = [unloaded](double value) { return std::isnan(value) ? unloaded : value; };
+  for (const UnitState state : frame.unit_state) *out++ = static_cast<double>(state);
+  out = write_values(numbers(frame.slip_velocity), out);
+  out = write_values(numbers(frame.slip_distance), out);
+  out = std::transform(frame.margin.data(), frame.margin.data() + n, out, or_unloaded);
+  out = write_values(numbers(frame.contact_force), out);
+  *out++ = static_cast<double>(frame.state);
+  *out++ = static_cast<double>(frame.state_micro);
+  *out++ = or_unloaded(frame.stuck_fraction);
+}
+
+}  // namespace
+
+PadLayout without_dashpots(PadLayout layout) {
+  for (Element& element : layout.elements) element.c_normal = element.c_tangential = 0.0;
+  return layout;
+}
+
+std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const PadCatalogue& catalogue) {
+  const std::unique_ptr<Sensor> sensor = config.make_sensor(catalogue);
+  const PadLayout layout = without_dashpots(sensor->layout());
+  std::size_t fields = 0;
+  for (const int geom : config.geoms) {
+    fields += field_of(model, config, layout, geom, kind_of_surface(model->geom_type[geom])).state_size();
+  }
+  return header_size + fields + rest_values(config) + implicit_values(config) + memory_values(*sensor) +
+         pad_sensor_size(config, catalogue);
+}
+
+std::size_t pad_sensor_size(const PadConfig& config, const PadCatalogue& catalogue) {
+  const std::unique_ptr<Sensor> sensor = config.make_sensor(catalogue);
+  return channel_values(*sensor) + truth_values(config, *sensor);
+}
+
+PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, const PadCatalogue& catalogue)
+    : config_(std::move(config)),
+      instance_(instance),
+      sensor_(config_.make_sensor(catalogue)),
+      sensor_memory_(sensor_->memory()),
+      labels_(sensor_->layout()),
+      step_(model->opt.timestep),
+      sample_time_(sensor_->rate() > 0.0 ? 1.0 / (sensor_->rate() * static_cast<double>(sensor_->scans())) : 0.0) {
+  const PadLayout layout = without_dashpots(sensor_->layout());
+  for (const int geom : config_.geoms) {
+    const GeomSurface surface = surface_of_geom(model, geom);
+    fields_.push_back(field_of(model, config_, layout, geom, surface.shape));
+    const SiteWatch watch(layout);
+    // A mesh's grid is rounded beyond the ball around its corners.
+    const bool in_ball = model->geom_rbound[geom] > 0.0 && model->geom_type[geom] != mjGEOM_MESH;
+    touched_.push_back({geom, model->geom_bodyid[geom], surface.in_geom, surface.shape, watch,
+                        in_ball ? model->geom_rbound[geom] + watch.radius() + far_enough : 0.0});
+  }
+  for (int id = 0; id < static_cast<int>(model->nsensor); ++id) {
+    if (model->sensor_plugin[id] == instance_) outputs_.push_back(model->sensor_adr[id]);
+  }
+  watched_ = !outputs_.empty();
+  for (const std::span<double> memory : sensor_memory_) first_memory_.insert(first_memory_.end(), memory.begin(), memory.end());
+  may_rest_ = !config_.unchecked && config_.effects.empty() && config_.sensor.electronics.empty() && first_memory_.empty();
+  constexpr std::size_t seen_of_a_frame = 21;
+  seen_.resize(seen_of_a_frame * (1 + config_.geoms.size()));
+  sees_.resize(seen_.size());
+  truth_ = truth_values(config_, *sensor_);
+  readings_ = channel_values(*sensor_) + truth_;
+  for (const Touched& touched : touched_) {
+    if (model->body_weldid[touched.body] == model->body_weldid[model->site_bodyid[config_.site]]) {
+      throw InputError(fmt::format("plugin '{}': the touched geom '{}' moves with the pad; allowed: a geom of another body",
+                                   config_.name, name_of_geom(model, touched.geom)));
+    }
+  }
+  if (!config_.unchecked) {
+    if (const std::string contact = possible_contact(model, config_); !contact.empty()) config_.report(contact);
+  }
+  std::size_t size = 0;
+  for (Field& field : fields_) size += field.state_size();
+  size += rest_values(config_);
+  began_with_.resize(size);
+  size += header_size + implicit_values(config_) + first_memory_.size() + readings_;
+  if (size != static_cast<std::size_t>(model->plugin_statenum[instance_])) {
+    throw std::logic_error("slipbench.field: a state of another size than the model was compiled for");
+  }
+}
+
+PadInstance::Parts PadInstance::parts(const mjModel* model, mjData* data) const {
+  std::span<double> rest(data->plugin_state + model->plugin_stateadr[instance_],
+                         static_cast<std::size_t>(model->plugin_statenum[instance_]));
+  const auto take = [&rest](std::size_t size) {
+    const std::span<double> part = rest.first(size);
+    rest = rest.subspan(size);
+    return part;
+  };
+  Parts result;
+  result.header = take(header_size);
+  result.fields = take(began_with_.size());
+  result.implicit = take(implicit_values(config_));
+  result.memory = take(rest.size() - readings_);
+  result.held = take(readings_ - truth_);
+  result.truth = take(truth_);
+  return result;
+}
+
+// Whether poses and velocities are those of the call before. Cheaper than working out the same ones again.
+bool PadInstance::sees_the_same(const mjModel* model, const mjData* data) {
+  double* out = sees_.data();
+  const auto look_at_frame = [&](const mjtNum* position, const mjtNum* rotation, int body) {
+    out = std::copy_n(position, 3, out);
+    out = std::copy_n(rotation, 9, out);
+    out = std::copy_n(data->cvel + 6 * body, 6, out);
+    out = std::copy_n(data->subtree_com + 3 * model->body_rootid[body], 3, out);  // the point that cvel refers to
+  };
+  look_at_frame(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site, model->site_bodyid[config_.site]);
+  for (const Touched& touched : touched_) {
+    look_at_frame(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom, touched.body);
+  }
+  if (std::memcmp(sees_.data(), seen_.data(), sees_.size() * sizeof(double)) == 0) return true;
+  seen_.swap(sees_);
+  clear_.reset();
+  return false;
+}
+
+// Finds the pad in the frame of every touched surface. Returns whether it is where the trial that the fields hold has it.
+bool PadInstance::locate(const mjModel* model, const mjData* data) {
+  if (!keeps_state_ && sees_the_same(model, data)) return evaluated_;
+  bool unmoved = evaluated_;
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  const Twist pad_motion = velocity_of(model, data, model->site_bodyid[config_.site], data->site_xpos + 3 * config_.site);
+  for (Touched& touched : touched_) {
+    const Pose geom = pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom);
+    const Pose world_in_surface = (geom * touched.surface_in_geom).inverse();
+    const Pose pad_in_surface = world_in_surface * pad;
+    const Twist geom_motion = velocity_of(model, data, touched.body, data->geom_xpos + 3 * touched.geom);
+    const Eigen::Vector3d spin = pad_motion.angular - geom_motion.angular;
+    const Eigen::Vector3d carried = geom_motion.linear + geom_motion.angular.cross(pad.position - geom.position);
+    const Twist motion{world_in_surface.rotation * (pad_motion.linear - carried), world_in_surface.rotation * spin};
+    unmoved = unmoved && same(pad_in_surface, touched.pad_in_surface) && motion.linear == touched.motion.linear &&
+              motion.angular == touched.motion.angular;
+    touched.pad_in_surface = pad_in_surface;
+    touched.motion = motion;
+  }
+  return unmoved;
+}
+
+// Makes the fields hold the trial at `time` of what locate() has found.
+void PadInstance::evaluate(const Parts& state, double time) {
+  const bool same_start = keeps_state_ || std::memcmp(state.fields.data(), began_with_.data(), state.fields.size_bytes()) == 0;
+  if (evaluated_ && same_start && time == time_) return;
+  const double dt = is_placed(state.fields) ? time - state.header[committed_time] : 0.0;
+  if (dt < 0.0) {
+    throw InputError(fmt::format(
+        "plugin '{}': the time went back from {:.9g} s to {:.9g} s without a reset; allowed: mj_resetData, or a whole state by mj_setState",
+        config_.name, state.header[committed_time], time));
+  }
+  if (keeps_state_) {
+    if (std::exchange(tried_, true))
+      throw std::logic_error("slipbench.field: a pad that keeps its state was tried twice from it");
+  } else if (!(fields_hold_state_ && same_start)) {
+    std::copy(state.fields.begin(), state.fields.end(), began_with_.begin());
+    std::span<const double> rest = state.fields;
+    for (Field& field : fields_) {
+      field.load_state(rest.first(field.state_size()));
+      rest = rest.subspan(field.state_size());
+    }
+  }
+  if (!keeps_state_ && state.fields.back() == phase::resting) {
+    const double* frame = state.fields.last(rest_values(config_)).data();
+    const Pose pad = pose_at(frame, frame + 3);
+    for (std::size_t k = 0; k < fields_.size(); ++k) {
+      frame += frame_values;
+      fields_[k].step((pose_at(frame, frame + 3) * touched_[k].surface_in_geom).inverse() * pad, step_);
+    }
+  }
+  for (std::size_t k = 0; k < fields_.size(); ++k) fields_[k].step(touched_[k].pad_in_surface, dt, &touched_[k].motion);
+  fields_hold_state_ = false;
+  evaluated_ = true;
+  judged_ = measured_ = false;
+  time_ = time;
+  dt_ = dt;
+}
+
+// Whether nothing is to be worked out: the pad has touched nothing, and cannot where it is. Most pads are so far away that the balls around them and
+// around what they touch tell.
+bool PadInstance::rests(const mjModel* model, const mjData* data, const Parts& state, double time) {
+  if (!may_rest_ || keeps_state_ || state.fields.back() < phase::apart || !(time >= state.header[committed_time])) return false;
+  const MjVector pad(data->site_xpos + 3 * config_.site);
+  if (std::ranges::all_of(touched_, [&](const Touched& touched) {
+        return touched.reach > 0.0 &&
+               (pad - MjVector(data->geom_xpos + 3 * touched.geom)).squaredNorm() > touched.reach * touched.reach;
+      })) {
+    return true;
+  }
+  evaluated_ = locate(model, data);
+  if (!clear_) {
+    clear_ = std::ranges::all_of(
+        touched_, [](const Touched& touched) { return touched.watch.clearance(touched.shape, touched.pad_in_surface) > 0.0; });
+  }
+  return *clear_;
+}
+
+// A commit of a pad at rest.
+void PadInstance::rest(const mjData* data, const Parts& state, double time) {
+  state.header[committed_time] = time;
+  if (watched_ && sample_time_ > 0.0 && sample_is_due(time, state.header[next_sample])) {
+    state.header[next_sample] = std::floor(time / sample_time_ + rounding) + 1.0;
+  }
+  const std::span<double> kept = state.fields.last(rest_values(config_));
+  mjtNum* to = save_frame(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site, kept.data());
+  for (const Touched& touched : touched_)
+    to = save_frame(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom, to);
+  kept.back() = phase::resting;
+  std::ranges::copy(kept, began_with_.end() - static_cast<std::ptrdiff_t>(kept.size()));
+  evaluated_ = false;
+}
+
+bool PadInstance::sample_is_due(double time, double next) const {
+  return sample_time_ == 0.0 || time >= sample_time_ * (next - rounding);
+}
+
+void PadInstance::judge(const Parts& state) {
+  if (judged_) return;
+  labels_.set_slip_angle(state.header[slip_angle]);
+  labels_.judge(fields_, time_, dt_ > 0.0 ? dt_ : step_);  // where no time has passed nothing has slipped
+  judged_ = true;
+}
+
+// Lets labels and sensor read the trial.
+void PadInstance::measure(const Parts& state) {
+  if (measured_) return;
+  judge(state);
+  next_sample_ = state.header[next_sample];
+  // A simulation that keeps the state reads labels_ by sensors of its own.
+  sampled_ = !keeps_state_ && sample_is_due(time_, next_sample_);
+  if (sampled_) {
+    const double* remembered = is_placed(state.fields) ? state.memory.data() : first_memory_.data();
+    for (const std::span<double> memory : sensor_memory_) {
+      std::copy_n(remembered, memory.size(), memory.begin());
+      remembered += memory.size();
+    }
+    sample_ = sensor_->measure(labels_.frame()).values;
+    if (sample_time_ > 0.0) next_sample_ = std::floor(time_ / sample_time_ + rounding) + 1.0;
+  }
+  measured_ = true;
+}
+
+void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
+  // One reading a step: of a longer step a multiplexed sensor would miss electrodes, and not only samples.
+  if (sensor_->scans() > 1 && step_ > sample_time_ * (1.0 + rounding)) {
+    throw InputError(fmt::format(
+        "plugin '{}': the time step {} is longer than the {} between two readings of the sensor, which needs each; allowed: at most that",
+        config_.name, format_quantity(std::stod(fmt::format("{:.3g}", step_)), Quantity::time),
+        format_quantity(std::stod(fmt::format("{:.3g}", sample_time_)), Quantity::time)));
+  }
+  const int no_passive_forces = mjDSBL_SPRING | mjDSBL_DAMPER;
+  if ((model->opt.disableflags & no_passive_forces) == no_passive_forces) {
+    throw InputError(fmt::format(
+        "plugin '{}': the flags spring and damper are both disabled, so that MuJoCo leaves out every passive force, the pad's too; allowed: at most one of them",
+        config_.name));
+  }
+  if (sleep_enabled(model)) {
+    throw InputError(fmt::format(
+        "plugin '{}': the flag sleep is enabled, and MuJoCo does not see that a pad joins two bodies: one that sleeps would stay where it is when the other lets go; allowed: sleep off",
+        config_.name));
+  }
+  if (const double step = model->opt.timestep; step != step_) {
+    throw InputError(
+        fmt::format("plugin '{}': the time step has changed from {:.9g} s to {:.9g} s; allowed: mj_makeData after the change",
+                    config_.name, step_, step));
+  }
+}
+
+// What exerts no force because it looks away, or a huge one because it begins deep inside, was meant otherwise.
+void PadInstance::check_site(const mjModel* model, bool placed) {
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    Touched& touched = touched_[k];
+    const auto mistake = [&](const std::string& where, const std::string& what) {
+      if (std::exchange(warned_, true)) return;
+      config_.report(fmt::format("tips of the pad at site '{}' are {} the touched geom '{}'{}",
+                                 mj_id2name(model, mjOBJ_SITE, config_.site), where, name_of_geom(model, touched.geom), what));
+    };
+    if (touched.watch.looks_out(touched.shape, touched.pad_in_surface, fields_[k].touching())) {
+      mistake(
+          "inside",
+          " and look out of it: the site looks the wrong way, or lies inside; allowed: +Z from the touched object into the pad");
+    }
+    if (placed || fields_[k].touching() == 0) continue;
+    double deepest = 0.0;
+    for (std::size_t i = 0; i < fields_[k].size(); ++i) deepest = std::max(deepest, fields_[k].penetration(i));
+    if (deepest > touched.watch.deepest_start()) {
+      mistake(fmt::format("{:.3g} mm inside", 1e3 * deepest),
+              fmt::format(" in the beginning; allowed: up to {:.3g} mm", 1e3 * touched.watch.deepest_start()));
+    }
+  }
+}
+
+void PadInstance::add_force(const mjModel* model, mjData* data) {
+  refuse_what_cannot_work(model);
+  const Parts state = parts(model, data);
+  computed_at_ = data->time;
+  rested_ = rests(model, data, state, data->time);
+  if (rested_) return;
+  evaluated_ = locate(model, data);
+  evaluate(state, data->time);
+  if (!config_.unchecked) check_site(model, is_placed(state.fields));
+  const mjtNum* origin = data->site_xpos + 3 * config_.site;
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    const Wrench wrench = fields_[k].damped_wrench_on_pad(touched_[k].motion, config_.damping);
+    if (wrench.force.isZero(0.0) && wrench.torque.isZero(0.0)) continue;
+    const Touched& touched = touched_[k];
+    const Eigen::Matrix3d surface = MjMatrix(data->geom_xmat + 9 * touched.geom) * touched.surface_in_geom.rotation;
+    const Eigen::Vector3d force = surface * wrench.force, torque = surface * wrench.torque;
+    const Eigen::Vector3d back_force = -force, back_torque = -torque;
+    push(model, data, force, torque, origin, model->site_bodyid[config_.site]);
+    push(model, data, back_force, back_torque, origin, touched.body);
+  }
+}
+
+bool PadInstance::placed(const mjModel* model, mjData* data) const { return is_placed(parts(model, data).fields); }
+
+void PadInstance::add_touching_tangents(const mjModel* model, const mjData* data, std::vector<PadOnBodies>& bodies,
+                                        std::vector<PadTangent>& tangents) const {
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  if (rested_) return;
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    PadLayout touching;
+    for (std::size_t i = 0; i < fields_[k].size(); ++i) {
+      if (fields_[k].state(i) == ElementState::detached) continue;
+      touching.elements.push_back(fields_[k].layout().elements[i]);
+      touching.elements.back().k_tangential += fields_[k].stop_stiffness();
+    }
+    if (touching.elements.empty()) continue;
+    bodies.push_back({model->site_bodyid[config_.site], touched_[k].body, pad.position});
+    tangents.push_back(stuck_tangent(touching, pad, pad.position, config_.damping));
+  }
+}
+
+void PadInstance::add_stuck_tangent(const mjModel* model, mjData* data, std::vector<PadOnBodies>& bodies,
+                                    std::vector<PadTangent>& tangents) const {
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  PadOnBodies on{};
+  PadTangent tangent;
+  double fastest = -1.0;
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    const Touched& touched = touched_[k];
+    const Pose placed = pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom) * touched.surface_in_geom;
+    const Eigen::Vector3d origin = placed.inverse() * pad.position, axis = -(placed.rotation.transpose() * pad.rotation.col(2));
+    const SurfacePoint met =
+        std::visit([&](const auto& shape) { return shape.at(origin.x(), origin.y(), origin.z(), axis.x(), axis.y(), axis.z()); },
+                   touched.shape);
+    Pose there = pad;  // from afar it would turn the object by a lever that it will never have
+    if (met.gap > 0.0) there.position -= met.gap * (placed.rotation * Eigen::Vector3d(met.nx, met.ny, met.nz));
+    PadLayout layout = fields_[k].layout();
+    for (Element& element : layout.elements) element.k_tangential += fields_[k].stop_stiffness();
+    const PadOnBodies candidate{model->site_bodyid[config_.site], touched.body, there.position};
+    const PadTangent stuck = stuck_tangent(layout, there, there.position, config_.damping);
+    const double omega = fastest_vibration(model, data, {&candidate, 1}, {&stuck, 1}).omega;
+    if (omega <= fastest) continue;
+    fastest = omega;
+    on = candidate;
+    tangent = stuck;
+  }
+  bodies.push_back(on);
+  tangents.push_back(tangent);
+}
+
+void PadInstance::describe(const mjModel* model, std::vector<ImplicitPad>& pads) const {
+  mjtNum rotation[9];
+  mju_quat2Mat(rotation, model->site_quat + 4 * config_.site);
+  const Pose pad_in_body = pose_at(model->site_pos + 3 * config_.site, rotation);
+  for (const Touched& touched : touched_) {
+    pads.push_back({model->site_bodyid[config_.site], touched.body, pad_in_body, &sensor_->layout()});
+  }
+}
+
+void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector<ImplicitContact>& contacts) {
+  refuse_what_cannot_work(model);
+  const Parts state = parts(model, data);
+  computed_at_ = data->time;
+  evaluated_ = locate(model, data);
+  if (rests(model, data, state, data->time) && stays_clear(state)) {
+    const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+    for (const Touched& touched : touched_) {
+      contacts.push_back({nullptr, {}, model->site_bodyid[config_.site], touched.body, pad, Pose{}});
+    }
+    return;
+  }
+  evaluate(state, data->time);
+  if (!config_.unchecked) check_site(model, is_placed(state.fields));
+  ended_with_.resize(began_with_.size());
+  std::span<double> rest = ended_with_;
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    const std::span<double> ended = rest.first(fields_[k].state_size());
+    rest = rest.subspan(ended.size());
+    fields_[k].save_state(ended);
+    const Touched& touched = touched_[k];
+    const Pose geom = pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom);
+    contacts.push_back({&fields_[k], ended, model->site_bodyid[config_.site], touched.body, pad, geom * touched.surface_in_geom});
+  }
+}
+
+// Whether the pad touches nothing at the end of the step either, as the implicit solver foresees it: with the velocity that it has, and with the
+// relative acceleration of its memory. A tip's way is no longer than its path.
+bool PadInstance::stays_clear(const Parts& state) const {
+  for (std::size_t k = 0; k < touched_.size(); ++k) {
+    const Touched& touched = touched_[k];
+    const Eigen::Map<const Vector6d> gained(state.implicit.data() + ImplicitFields::memory_per_contact * k);
+    const double radius = touched.watch.radius();
+    const double speed = touched.motion.linear.norm() + touched.motion.angular.norm() * radius +
+                         step_ * (gained.head<3>().norm() + gained.tail<3>().norm() * radius);
+    if (!(touched.watch.clearance(touched.shape, touched.pad_in_surface) > step_ * speed)) return false;
+  }
+  return true;
+}
+
+void PadInstance::write_sensors(const mjModel* model, mjData* data) {
+  refuse_what_cannot_work(model);
+  if (outputs_.empty()) return;  // MuJoCo asks every instance, read or not
+  const Parts state = parts(model, data);
+  // RK4 commits at the end of a step, so that at the beginning of the next one nothing has moved since: what was seen then still
+  // holds.
+  const auto show_kept = [&] {
+    for (const int address : outputs_) {
+      mjtNum* const out = std::copy(state.held.begin(), state.held.end(), data->sensordata + address);
+      std::copy(state.truth.begin(), state.truth.end(), out);
+    }
+  };
+  if (is_placed(state.fields) && data->time == state.header[committed_time]) {
+    show_kept();
+    return;
+  }
+  if (rests(model, data, state, data->time)) {
+    show_kept();
+    return;
+  }
+  evaluated_ = locate(model, data);
+  evaluate(state, data->time);
+  measure(state);
+  if (keeps_state_) return;
+  for (const int address : outputs_) {
+    mjtNum* const out = data->sensordata + address;
+    sampled_ ? write_values(sample_, out) : std::copy(state.held.begin(), state.held.end(), out);
+    if (config_.truth) write_truth(labels_.frame(), config_.unloaded, out + state.held.size());
+  }
+}
+
+void PadInstance::commit(const mjModel* model, mjData* data) {
+  refuse_what_cannot_work(model);
+  const Parts state = parts(model, data);
+  if (rests(model, data, state, computed_at_)) {
+    rest(data, state, computed_at_);
+    return;
+  }
+  // Whose state is kept has been moved by nobody since its force was worked out.
+  if (!(keeps_state_ && tried_)) {
+    evaluated_ = locate(model, data);
+    evaluate(state, computed_at_);
+  }
+  state.header[committed_time] = time_;
+  if (watched_) remember_readings(state);
+  evaluated_ = false;
+  if (keeps_state_) {
+    tried_ = false;
+    state.fields[0] = 1.0;  // is_placed()
+    return;
+  }
+  std::span<double> rest = state.fields;
+  for (Field& field : fields_) {
+    field.save_state(rest.first(field.state_size()));
+    rest = rest.subspan(field.state_size());
+  }
+  double& now = state.fields.back();
+  if (std::ranges::any_of(fields_, [](const Field& field) { return field.touching() > 0; })) {
+    now = phase::awake;
+  } else if (now == phase::awake || (now == phase::apart_once && watched_ && !sampled_)) {
+    now = phase::apart_once;
+  } else {
+    now = phase::apart;
+  }
+  std::copy(state.fields.begin(), state.fields.end(), began_with_.begin());
+  fields_hold_state_ = true;
+}
+
+// What labels and sensor carry to the next step.
+void PadInstance::remember_readings(const Parts& state) {
+  measure(state);
+  labels_.settle(fields_, dt_);
+  state.header[next_sample] = next_sample_;
+  state.header[slip_angle] = labels_.frame().slip_angle;
+  if (sampled_) {
+    double* remembered = state.memory.data();
+    for (const std::span<double> memory : sensor_memory_) remembered = std::copy(memory.begin(), memory.end(), remembered);
+    write_values(sample_, state.held.data());
+  }
+  if (config_.truth) write_truth(labels_.frame(), config_.unloaded, state.truth.data());
+}
+
+void PadInstance::draw(const mjModel* model, mjData* data, mjvScene* scene) {
+  constexpr double metres_per_newton = 0.01;  // at MuJoCo's default scale of forces
+  constexpr double default_force_scale = 0.005;
+  constexpr float colours[3][4] = {{0.55F, 0.58F, 0.62F, 1.0F}, {0.17F, 0.48F, 0.75F, 1.0F}, {0.82F, 0.29F, 0.11F, 1.0F}};
+  const Parts state = parts(model, data);
+  evaluated_ = locate(model, data);
+  evaluate(state, data->time);
+
+  const bool placed = state.fields[0] != 0.0;
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  const double radius = model->site_size[3 * config_.site];
+  const double scale = metres_per_newton * model->vis.map.force / default_force_scale;
+  const auto next_geom = [scene]() -> mjvGeom* {
+    return scene->ngeom < scene->maxgeom ? geom_of(scene, scene->ngeom++) : nullptr;
+  };
+  for (Field& field : fields_) field.view_from_pad();
+  for (std::size_t i = 0; i < fields_.front().size(); ++i) {
+    Eigen::Vector3d tip = fields_.front().layout().elements[i].tip, force = Eigen::Vector3d::Zero();
+    ElementState shown = ElementState::detached;
+    for (const Field& field : fields_) {
+      if (field.state(i) == ElementState::detached) continue;
+      tip += field.deflection(i);
+      force += field.force_on_pad(i);
+      // After a step the kinematics are those of the commit: nothing has moved since, and what slipped then would seem to stick.
+      shown = placed ? field.state_before(i) : field.state(i);
+    }
+    const Eigen::Vector3d from = pad * tip, to = from + scale * (pad.rotation * force);
+    const float* colour = colours[static_cast<std::size_t>(shown)];
+    const double size[3] = {radius, radius, radius};
+    if (mjvGeom* ball = next_geom()) {
+      mjv_initGeom(ball, mjGEOM_SPHERE, size, from.data(), nullptr, colour);
+      ball->category = mjCAT_DECOR;
+    }
+    if (shown == ElementState::detached) continue;
+    if (mjvGeom* arrow = next_geom()) {
+      mjv_initGeom(arrow, mjGEOM_ARROW, nullptr, nullptr, nullptr, colour);
+      mjv_connector(arrow, mjGEOM_ARROW, 0.4 * radius, from.data(), to.data());
+      arrow->category = mjCAT_DECOR;
+    }
+  }
+}
+
+}  // namespace slipbench

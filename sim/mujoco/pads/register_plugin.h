@@ -1,0 +1,21 @@
+// Makes the engine plugin `slipbench.field` known to MuJoCo.
+#pragma once
+
+#include "sim/mujoco/pads/pad_catalogue.h"
+
+namespace slipbench {
+
+inline constexpr const char* field_plugin_name = "slipbench.field";
+// The same plugin in models that the program builds. A process may hold the program and the plugin's library, two copies of the same code, and
+// MuJoCo takes a name once.
+inline constexpr const char* bench_plugin_name = "slipbench.bench";
+
+// Call once, before a model that uses the plugin is read. Leaves a `slipbench.field` alone that another copy has registered. Says so by
+// mju_warning and does nothing when the MuJoCo that is loaded is not the version this was compiled for: MuJoCo's structures are not the same in
+// any two.
+void register_field_plugin(PadCatalogue catalogue);
+
+// The same, and `slipbench.bench`. For programs that simulate scenes.
+void register_bench_plugin(PadCatalogue catalogue);
+
+}  // namespace slipbench

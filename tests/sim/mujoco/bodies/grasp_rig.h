@@ -1,0 +1,87 @@
+// A grasp from text, with the simplest of loops.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "sim/mujoco/bodies/grasp_simulation.h"
+#include "sim/mujoco/pads/field_plugin.h"
+#include "sim/scene/parser.h"
+#include "tests/sim/mujoco/bodies/dynamic_rig.h"
+
+namespace slipbench {
+
+class GraspRig {
+ public:
+  // `text`: a scene without its first line and its sensor, which has the `sensor` parameters beside its type.
+  explicit GraspRig(const std::string& text, std::uint64_t trial = 0, const DynamicSimulationOptions& options = {},
+                    const std::string& sensor = "")
+      : scene_(parse_scene(
+            SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray" + sensor + "}}\n" + text, "scene.yaml"),
+            pad_catalogues())) {
+    register_plugin_once();
+    sensor_ = make_sensor(scene_.sensors.front(), scene_.seed, trial);
+    const std::array<const PadLayout*, 1> pads{&sensor_->layout()};
+    simulation_ = std::make_unique<GraspSimulation>(scene_, pads, std::array{sensor_->rate()}, trial, options);
+    preset_ = scene_.grasp->grip.number("preset");
+  }
+
+  GraspSimulation* operator->() { return simulation_.get(); }
+  GraspSimulation& operator*() { return *simulation_; }
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const PadLayout& pad() const { return sensor_->layout(); }
+
+  // Measured position + 1 while the true force on the sensor's pad is below the preset; it stays where it is from then on.
+  void step() {
+    simulation_->step();
+    Gripper& gripper = simulation_->gripper();
+    const GraspTruth& truth = simulation_->truth();
+    if (gripper.read_due(truth.time)) {
+      const int position = gripper.read().position;
+      if (held_ < 0 && truth.pad_force[0] >= preset_) held_ = position;
+      command_.position = held_ < 0 ? position + 1 : held_ + more;
+    }
+    if (gripper.write_due(truth.time)) gripper.write(command_);
+    ++done_;
+  }
+  // Until the tick at `time` [s] has been evaluated.
+  void run_to(double time) {
+    while (static_cast<double>(done_) * simulation_->time_step(0) <= time + 1e-9) step();
+  }
+  void run() {
+    while (done_ < simulation_->ticks(0)) step();
+  }
+
+  // What the pads do to the box [N], in the world.
+  [[nodiscard]] Eigen::Vector3d pads_on_box() const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    const mjModel* m = simulation_->dynamics().model();
+    for (const char* name : {"pad", "second_pad"}) {
+      const PadInstance* pad = pad_of(m, simulation_->dynamics().data(), mj_name2id(m, mjOBJ_PLUGIN, name));
+      sum -= body(name).pose.rotation * pad->fields().front().wrench_on_pad().force;
+    }
+    return sum;
+  }
+  [[nodiscard]] const BodyState& body(const std::string& name) const {
+    for (const NamedBody& body : simulation_->bodies()) {
+      if (body.name == name) return body.state;
+    }
+    throw std::out_of_range(name);
+  }
+  // The box's middle in the arm's frame [m].
+  [[nodiscard]] Eigen::Vector3d box_in_arm() const { return (body("arm").pose.inverse() * body("box").pose).position; }
+
+  int more = 0;  // counts beyond where it stopped
+
+ private:
+  Scene scene_;
+  std::unique_ptr<Sensor> sensor_;
+  std::unique_ptr<GraspSimulation> simulation_;
+  GripCommand command_{};
+  double preset_;
+  int held_ = -1;
+  std::size_t done_ = 0;
+};
+
+}  // namespace slipbench

@@ -1,0 +1,438 @@
+#include "sim/mujoco/linear/stability.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "tests/oracle/effect_field.h"
+#include "tests/sim/mujoco/pads/two_pads.h"
+
+namespace slipbench {
+namespace {
+
+constexpr double k_n = 3000.0, k_t = 500.0, pitch = 0.007;  // nine_flat_pillars(1)
+
+// A model in its initial pose.
+struct Bodies {
+  explicit Bodies(const std::string& world)
+      : model(compile(parse("<mujoco><worldbody>" + world + "</worldbody></mujoco>").get())) {
+    data.reset(mj_makeData(model.get()));
+    mj_forward(model.get(), data.get());
+  }
+  int id(const char* body) const { return mj_name2id(model.get(), mjOBJ_BODY, body); }
+
+  Model model;
+  Data data;
+};
+
+// A pad that faces down (P is the world's axes) at `position`.
+Pose at(const Eigen::Vector3d& position) { return {Eigen::Matrix3d::Identity(), position}; }
+
+std::string body(const std::string& name, const std::string& joint, double mass, double inertia) {
+  const std::string i = std::to_string(inertia);
+  return "<body name='" + name + "'>" + joint + "<inertial pos='0 0 0' mass='" + std::to_string(mass) + "' diaginertia='" + i +
+         " " + i + " " + i + "'/></body>";
+}
+
+// Two pads above and below a free body that is hard to turn: along their normals the stiffness is 2 * 9 k_n.
+TEST(Stability, BodyBetweenTwoPads) {
+  const Bodies bodies(body("box", "<freejoint/>", 0.1, 10.0));
+  const PadLayout layout = nine_flat_pillars(1.0);
+  const Eigen::Vector3d above(0.0, 0.0, 0.015), below(0.0, 0.0, -0.015);
+  Pose upside_down = at(below);
+  upside_down.rotation = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const double tau = 1e-3;
+  const std::vector<PadOnBodies> pads{{0, bodies.id("box"), above}, {0, bodies.id("box"), below}};
+  const std::vector<PadTangent> tangents{stuck_tangent(layout, at(above), above, tau),
+                                         stuck_tangent(layout, upside_down, below, tau)};
+  const Vibration vibration = fastest_vibration(bodies.model.get(), bodies.data.get(), pads, tangents);
+  const double omega = std::sqrt(2.0 * 9.0 * k_n / 0.1);
+  EXPECT_NEAR(vibration.omega / omega, 1.0, 1e-9);
+  EXPECT_NEAR(vibration.damping_rate / (tau * omega * omega), 1.0, 1e-9);
+  // Half the stiffness with one pad alone, sqrt(1/2) of the frequency.
+  const Vibration one = fastest_vibration(bodies.model.get(), bodies.data.get(), {pads.data(), 1}, {tangents.data(), 1});
+  EXPECT_NEAR(one.omega / (omega * std::sqrt(0.5)), 1.0, 1e-9);
+}
+
+// The bound is the root of the sum of all omega^4: of a body that is hard to turn, K along the normal and twice k_t/k_n K across it.
+TEST(Stability, BoundIsTheRootOfTheSumOfSquaresOfAllModes) {
+  const Bodies bodies(body("box", "<freejoint/>", 0.1, 1e6));
+  const Eigen::Vector3d point(0.0, 0.0, 0.0);
+  const std::array pads{PadOnBodies{0, bodies.id("box"), point}};
+  const double tau = 1e-3, k = 9.0 * k_n / 0.1, across = 9.0 * k_t / 0.1;
+  const std::array tangents{stuck_tangent(nine_flat_pillars(1.0), at(point), point, tau)};
+  const Vibration bound = vibration_bound(bodies.model.get(), bodies.data.get(), pads, tangents);
+  const double squares = std::sqrt(k * k + 2.0 * across * across);
+  EXPECT_NEAR(bound.omega / std::sqrt(squares), 1.0, 1e-9);
+  EXPECT_NEAR(bound.damping_rate / (tau * squares), 1.0, 1e-9);
+  EXPECT_GT(bound.omega, fastest_vibration(bodies.model.get(), bodies.data.get(), pads, tangents).omega);
+}
+
+// A disc on a hinge along the pad's normal: sum k_t r^2 with four pillars at r^2 = 2 pitch^2 and four at pitch^2. Where the
+// tangent is taken does not matter.
+TEST(Stability, RotationAboutTheNormal) {
+  const Bodies bodies(body("disc", "<joint type='hinge' axis='0 0 1'/>", 1.0, 1e-4));
+  const double omega = std::sqrt(k_t * (4 * 2 + 4) * pitch * pitch / 1e-4);
+  for (const Eigen::Vector3d& point : {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.02, -0.01, 0.03)}) {
+    const std::array pads{PadOnBodies{0, bodies.id("disc"), point}};
+    const std::array tangents{stuck_tangent(nine_flat_pillars(1.0), at(Eigen::Vector3d::Zero()), point, 0.0)};
+    const Vibration vibration = fastest_vibration(bodies.model.get(), bodies.data.get(), pads, tangents);
+    EXPECT_NEAR(vibration.omega / omega, 1.0, 1e-9);
+  }
+}
+
+// Two free bodies move against each other with the reduced mass; the same one welded to the world drops out.
+TEST(Stability, TwoFreeBodies) {
+  const Bodies bodies(body("pad", "<freejoint/>", 0.05, 10.0) + body("box", "<freejoint/>", 0.005, 10.0) +
+                      body("wall", "", 1.0, 1.0));
+  const Eigen::Vector3d point(0.0, 0.0, 0.0);
+  const std::array tangents{stuck_tangent(nine_flat_pillars(1.0), at(point), point, 0.0)};
+  const auto omega = [&](const char* pad, const char* object) {
+    const std::array pads{PadOnBodies{bodies.id(pad), bodies.id(object), point}};
+    return fastest_vibration(bodies.model.get(), bodies.data.get(), pads, tangents).omega;
+  };
+  EXPECT_NEAR(omega("pad", "box") / std::sqrt(9.0 * k_n * (1.0 / 0.05 + 1.0 / 0.005)), 1.0, 1e-9);
+  EXPECT_NEAR(omega("wall", "box") / std::sqrt(9.0 * k_n / 0.005), 1.0, 1e-9);
+  EXPECT_NEAR(omega("pad", "world") / std::sqrt(9.0 * k_n / 0.05), 1.0, 1e-9);
+  EXPECT_EQ(omega("wall", "world"), 0.0);
+  EXPECT_EQ(longest_explicit_step({}), std::numeric_limits<double>::infinity());
+}
+
+TEST(Stability, DashpotsAreDamping) {
+  PadLayout layout = nine_flat_pillars(1.0);
+  for (Element& element : layout.elements) element.c_normal = 2.0;
+  const Bodies bodies(body("box", "<freejoint/>", 0.1, 10.0));
+  const Eigen::Vector3d point(0.0, 0.0, 0.0);
+  const std::array pads{PadOnBodies{0, bodies.id("box"), point}};
+  const std::array tangents{stuck_tangent(layout, at(point), point, 0.0)};
+  EXPECT_NEAR(fastest_vibration(bodies.model.get(), bodies.data.get(), pads, tangents).damping_rate, 9.0 * 2.0 / 0.1, 1e-7);
+}
+
+// Wrench of a field about `point` in the world after a move (translation, rotation vector about the point) of the pad from
+// `pose`, from `state`; the surface is the world.
+Vector6d wrench_after(Field& field, const std::vector<double>& state, const Pose& pose, const Vector6d& move) {
+  Pose pad = pose;
+  pad.position += move.head<3>();
+  if (move.tail<3>().norm() > 0.0) {
+    pad.rotation = Eigen::AngleAxisd(move.tail<3>().norm(), move.tail<3>().normalized()).toRotationMatrix() * pad.rotation;
+  }
+  field.load_state(state);
+  field.step(pad, 1e-3);
+  const Wrench wrench = field.wrench_on_pad();
+  Vector6d all;
+  all << pad.rotation * wrench.force, pad.rotation * wrench.torque;
+  return all;
+}
+
+// Central differences of the wrench against the tangent. Moves of 1e-9 m and 1e-7 rad are far above rounding (1e-17 m) and far
+// below the penetration of 1e-7 m; the load turns and shifts with the pad, which the tangent leaves out: 27e3 N/m * 1e-7 m * 1
+// rad is 1e-5 of k_n r.
+TEST(Stability, FieldTangentIsTheDerivativeWhileItSticks) {
+  Field field(nine_flat_pillars(1.0), Plane{}, {0.5, 0.5});
+  Pose pose = at({0.002, -0.001, -1e-7});
+  field.step(pose, 1e-3);
+  std::vector<double> state(field.state_size());
+  field.save_state(state);
+  const Matrix6d tangent = field_tangent(field, {}, pose.position, 0.0).stiffness;
+  // The tips are 1e-7 m under the contact points: that much less lever.
+  EXPECT_LT((tangent - stuck_tangent(field.layout(), pose, pose.position, 0.0).stiffness).norm(), 9.0 * k_n * 1e-7);
+  for (int k = 0; k < 6; ++k) {
+    const double size = k < 3 ? 1e-9 : 1e-7;
+    const Vector6d move = size * Vector6d::Unit(k);
+    const Vector6d slope = (wrench_after(field, state, pose, -move) - wrench_after(field, state, pose, move)) / (2.0 * size);
+    const double scale = k < 3 ? 9.0 * k_n : 9.0 * k_n * pitch;
+    EXPECT_LT((slope - tangent.col(k)).norm(), 1e-4 * scale) << k;
+  }
+}
+
+// One element dragged along x by 10 um at a penetration of 1 um: trial force k_t * 10 um = 5 mN, cone 0.5 * 3 mN. Free along the
+// slip, 1.5 mN / 10 um = 150 N/m across it, k_n along the normal.
+TEST(Stability, SlippingElementIsStiffAcrossItsSlip) {
+  PadLayout layout;
+  layout.units.push_back({0, 1});
+  layout.elements.push_back({.tip = {0.0, 0.0, 0.0}, .k_normal = k_n, .k_tangential = k_t});
+  Field field(layout, Plane{}, {0.5, 0.5});
+  field.step(at({0.0, 0.0, -1e-6}), 1e-3);
+  const Pose dragged = at({10e-6, 0.0, -1e-6});
+  field.step(dragged, 1e-3);
+  ASSERT_EQ(field.state(0), ElementState::slip);
+  const Matrix6d tangent = field_tangent(field, {}, field.contact_point(0), 0.0).stiffness;
+  EXPECT_NEAR(tangent(0, 0), 0.0, 1e-9 * k_n);
+  EXPECT_NEAR(tangent(1, 1), 150.0, 1e-9 * k_n);
+  EXPECT_NEAR(tangent(2, 2), k_n, 1e-9 * k_n);
+  EXPECT_LT((tangent - Matrix6d(tangent.diagonal().asDiagonal())).norm(), 1e-9 * k_n);
+}
+
+// The same with a rate law, at 10 um in 1 ms: along the slip the force grows with the slip's speed, and less of it follows the load.
+TEST(Stability, RateLawResistsAlongTheSlip) {
+  PadLayout layout;
+  layout.units.push_back({0, 1});
+  layout.elements.push_back({.tip = {0.0, 0.0, 0.0}, .k_normal = k_n, .k_tangential = k_t});
+  for (const double speed : {1e-3, 1.0}) {
+    Field field = oracle::field_with_effect(layout, {0.5, 0.5}, "viscous_friction", {{"gain", 1.0}, {"speed", speed}});
+    field.step(at({0.0, 0.0, -1e-6}), 1e-3);
+    std::vector<double> state(field.state_size());
+    field.save_state(state);
+    const Pose dragged = at({10e-6, 0.0, -1e-6});
+    const auto slope = [&](int k) -> Vector6d {
+      const Vector6d move = 1e-10 * Vector6d::Unit(k);
+      return (wrench_after(field, state, dragged, -move) - wrench_after(field, state, dragged, move)) / 2e-10;
+    };
+    const Vector6d along = slope(0), across = slope(1), pressed = slope(2);
+    wrench_after(field, state, dragged, Vector6d::Zero());
+    ASSERT_EQ(field.state(0), ElementState::slip);
+    const Matrix6d tangent = field_tangent(field, {}, field.contact_point(0), 0.0).stiffness;
+    EXPECT_GT(tangent(0, 0), 1e-3 * k_t) << "far more than what the differences resolve";
+    EXPECT_NEAR(tangent(0, 0), along[0], 1e-6 * k_t);
+    EXPECT_NEAR(tangent(1, 1), across[1], 1e-6 * k_t);
+    EXPECT_NEAR(-(1.0 - field.sliding_share(0)) * k_n * field.tangential_force(0).x() / field.normal_force(0), pressed[0],
+                1e-6 * k_n);
+  }
+}
+
+TEST(Stability, DetachedFieldHasNoTangent) {
+  Field field(nine_flat_pillars(1.0), Plane{}, {0.5, 0.5});
+  field.step(at({0.0, 0.0, 1e-3}), 1e-3);
+  EXPECT_EQ(field_tangent(field, {}, Eigen::Vector3d::Zero(), 0.0).stiffness.norm(), 0.0);
+}
+
+TEST(Stability, LongestExplicitStep) {
+  EXPECT_DOUBLE_EQ(longest_explicit_step({1000.0, 0.0}), 0.75e-3);
+  // tau 1 ms at 3286 rad/s: 1 / (1e-3 * 3286^2) = 0.0926 ms, under 0.75 / 3286 = 0.228 ms.
+  EXPECT_DOUBLE_EQ(longest_explicit_step({3286.0, 1e-3 * 3286.0 * 3286.0}), 1.0 / (1e-3 * 3286.0 * 3286.0));
+}
+
+// One degree of freedom of 1 kg: omega^2, tau omega^2 and a damper of a joint.
+LinearModel one_mode(double omega, double viscous_time, double joint_damping = 0.0) {
+  const auto of = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
+  return {of(1.0), of(omega * omega), of(viscous_time * omega * omega), of(joint_damping)};
+}
+
+constexpr double less = 0.99;  // what is told is 1 % under the limit
+
+// h omega = sqrt(4 + (tau omega)^2) - tau omega. A damper of a joint D adds 2 h D to 4: (h omega)^2 + 2 h (tau omega^2 - D) = 4.
+TEST(Stability, DivergenceOfOneModeSteppedVelocityFirst) {
+  const Stepping euler = Stepping::velocity_first;
+  EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.0), euler), less * 2e-3, 1e-12);
+  for (const double b : {0.1, 0.7, 3.0, 50.0}) {
+    EXPECT_NEAR(divergence_step(one_mode(1000.0, b * 1e-3), euler), less * (std::sqrt(4.0 + b * b) - b) * 1e-3, 1e-12);
+    EXPECT_NEAR(divergence_step(one_mode(1000.0, b * 1e-3, 300.0), euler),
+                less * (std::sqrt(4.0 + std::pow(b - 0.3, 2)) - b + 0.3) * 1e-3, 1e-12);
+  }
+  EXPECT_EQ(divergence_step(one_mode(0.0, 0.0), euler), std::numeric_limits<double>::infinity());
+}
+
+// On the imaginary axis |R|^2 = 1 - y^6/72 + y^8/576, which is 1 at y^2 = 8. On the negative one 1 + z/2 + z^2/6 + z^3/24 = 0 at z = -2.785294
+// (R = 1); with b = tau omega = 50 the faster root is omega (b + sqrt(b^2 - 4))/2.
+TEST(Stability, DivergenceOfOneModeUnderRungeKutta) {
+  const Stepping rk4 = Stepping::runge_kutta;
+  EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.0), rk4), less * std::sqrt(8.0) * 1e-3, 1e-9);
+  const double faster = 1000.0 * (50.0 + std::sqrt(2496.0)) / 2.0;
+  EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.05), rk4), less * 2.785293563 / faster, 1e-12);
+  // There a joint's damper is explicit: alike, whoever damps.
+  EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.0, 5e4), rk4), divergence_step(one_mode(1000.0, 0.05), rk4), 1e-15);
+  EXPECT_EQ(divergence_step(one_mode(0.0, 0.0), rk4), std::numeric_limits<double>::infinity());
+}
+
+// A finger of 0.2 kg on a damped guide over a free box of 0.1 kg, which another pad carries: along the normals
+//   K = [[9 k_n, 9 k_n], [9 k_n, 18 k_n]] for the guide, which counts downwards, and the box; C = tau K, D of the guide alone.
+TEST(Stability, LinearModelHasThePadsSpringsAndTheJointsDampers) {
+  Bodies bodies(body("box", "<freejoint/>", 0.1, 10.0) +
+                body("finger", "<joint type='slide' axis='0 0 -1' damping='7'/>", 0.2, 1.0));
+  const PadLayout layout = nine_flat_pillars(1.0);
+  const Eigen::Vector3d above(0.0, 0.0, 0.015), below(0.0, 0.0, -0.015);
+  Pose upside_down = at(below);
+  upside_down.rotation = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const double tau = 1e-3, k = 9.0 * k_n;
+  const std::vector<PadOnBodies> pads{{bodies.id("finger"), bodies.id("box"), above}, {0, bodies.id("box"), below}};
+  const std::vector<PadTangent> tangents{stuck_tangent(layout, at(above), above, tau),
+                                         stuck_tangent(layout, upside_down, below, tau)};
+  const LinearModel model = linear_model(bodies.model.get(), bodies.data.get(), pads, tangents);
+  constexpr int up = 2, guide = 6;
+  EXPECT_NEAR(model.stiffness(up, up), 2.0 * k, 1e-9 * k);
+  EXPECT_NEAR(model.stiffness(up, guide), k, 1e-9 * k);
+  EXPECT_NEAR(model.stiffness(guide, guide), k, 1e-9 * k);
+  EXPECT_LT((model.damping - tau * model.stiffness).norm(), 1e-12 * model.stiffness.norm());
+  EXPECT_NEAR(model.mass(up, up), 0.1, 1e-12);
+  EXPECT_NEAR(model.mass(guide, guide), 0.2, 1e-12);
+  EXPECT_EQ(model.joint_damping(guide, guide), 7.0);
+  EXPECT_EQ(model.joint_damping.sum(), 7.0);
+  // Without MuJoCo's implicit dampers Euler alone takes them as explicitly as C.
+  bodies.model->opt.disableflags |= mjDSBL_EULERDAMP;
+  for (const int integrator : {mjINT_EULER, mjINT_IMPLICITFAST}) {
+    bodies.model->opt.integrator = integrator;
+    const bool explicitly = integrator == mjINT_EULER;
+    const LinearModel other = linear_model(bodies.model.get(), bodies.data.get(), pads, tangents);
+    EXPECT_NEAR(other.damping(guide, guide), tau * k + (explicitly ? 7.0 : 0.0), 1e-9 * tau * k);
+    EXPECT_EQ(other.joint_damping.sum(), explicitly ? 0.0 : 7.0);
+  }
+  bodies.model->opt.integrator = mjINT_EULER;
+  bodies.model->opt.disableflags |= mjDSBL_DAMPER;
+  EXPECT_EQ(linear_model(bodies.model.get(), bodies.data.get(), pads, tangents).joint_damping.sum(), 0.0);
+  EXPECT_EQ(stepping_of(bodies.model.get()), Stepping::velocity_first);
+  bodies.model->opt.integrator = mjINT_RK4;
+  EXPECT_EQ(stepping_of(bodies.model.get()), Stepping::runge_kutta);
+}
+
+// Many modes, damped unlike each other: the step itself, as a matrix, has the spectral radius 1 at the limit.
+TEST(Stability, DivergenceIsWhereTheStepsSpectralRadiusLeavesOne) {
+  constexpr int n = 4;
+  using Matrix = Eigen::Matrix<double, n, n>;
+  using Step = Eigen::Matrix<double, 2 * n, 2 * n>;
+  std::srand(3);  // Eigen's Random
+  for (int trial = 0; trial < 20; ++trial) {
+    const auto square = [](double size) -> Eigen::MatrixXd {
+      const Matrix root = Matrix::Random();
+      return size * root.transpose() * root;
+    };
+    const Eigen::MatrixXd mass = square(1.0) + 0.1 * Matrix::Identity();
+    const LinearModel model{mass, square(1e6), square(trial % 2 == 0 ? 300.0 : 3e3), square(200.0)};
+    const auto radius = [](const Step& step) { return step.eigenvalues().cwiseAbs().maxCoeff(); };
+    // (v, x) after a step of h.
+    const auto velocity_first = [&](double h) {
+      const Matrix damped = (model.mass + h * model.joint_damping).inverse();
+      const Matrix of_v = Matrix::Identity() - h * damped * (model.damping + model.joint_damping),
+                   of_x = -h * damped * model.stiffness;
+      Step step;
+      step << of_v, of_x, h * of_v, Matrix::Identity() + h * of_x;
+      return radius(step);
+    };
+    const auto runge_kutta = [&](double h) {
+      const Matrix inverse = model.mass.inverse();
+      Step rate;
+      rate << -inverse * (model.damping + model.joint_damping), -inverse * model.stiffness, Matrix::Identity(), Matrix::Zero();
+      rate *= h;
+      const Step one = Step::Identity();
+      return radius(one + rate * (one + rate / 2.0 * (one + rate / 3.0 * (one + rate / 4.0))));
+    };
+    const double euler = divergence_step(model, Stepping::velocity_first) / less,
+                 rk4 = divergence_step(model, Stepping::runge_kutta) / less;
+    EXPECT_LE(velocity_first(0.9999 * euler), 1.0) << trial;
+    EXPECT_GT(velocity_first(1.0001 * euler), 1.0) << trial;
+    EXPECT_LE(runge_kutta(0.9999 * rk4), 1.0) << trial;
+    EXPECT_GT(runge_kutta(1.0001 * rk4), 1.0) << trial;
+  }
+}
+
+// A box pressed from both sides, kicked so lightly that nothing slips or lifts off. Largest speed over 3000 steps, in kicks.
+double growth(double viscous_time, double part_of_limit) {
+  const auto build = [](double dt) {
+    return compile(
+        parse(
+            "<mujoco><option timestep='" + std::to_string(dt * 1e9) +
+            "e-9' gravity='0 0 0'/><worldbody><body name='box'><freejoint/><geom name='box' type='box' size='0.015 0.02 0.06' mass='0.1' contype='0' conaffinity='0'/></body><body pos='-0.01499 0 0' euler='0 -90 0'><site name='left'/></body><body pos='0.01499 0 0' euler='0 90 0'><site name='right'/></body></worldbody></mujoco>")
+            .get());
+  };
+  const std::vector<FieldRig::Pair> pairs{{"left", "box"}, {"right", "box"}};
+  const Friction friction{1.0, 1.0};
+  double omega = 0.0;
+  {
+    FieldRig probe(build(1e-3), pairs, nine_flat_pillars(1.0), friction, viscous_time, false);
+    mj_forward(probe.m(), probe.d());
+    omega = probe.vibration().omega;
+    EXPECT_NEAR(omega, std::sqrt(2.0 * 9.0 * k_n / 0.1), 1e-9 * omega);  // the fastest mode is along the normals
+  }
+  FieldRig rig(build(part_of_limit * divergence_step(one_mode(omega, viscous_time), Stepping::velocity_first)), pairs,
+               nine_flat_pillars(1.0), friction, viscous_time, false);
+  const double kick = 1e-5;  // m/s; 14 nm at 734 rad/s, of 10 um of penetration
+  rig.d()->qvel[0] = kick;
+  rig.d()->qvel[2] = 0.3 * kick;
+  double fastest = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    rig.step();
+    fastest = std::max(fastest, std::abs(rig.d()->qvel[0]) / kick);
+  }
+  return fastest;
+}
+
+// The box on a slide with a damper of D = 40 N s/m between the same pads, stepped by MuJoCo's Euler: omega^2 = 18 k_n/m, d = D/m = 400/s. The
+// limit is (h omega)^2 = 4 + 2 h d, 3.56 ms, and where MuJoCo is told not to take dampers implicitly (h omega)^2 + 2 h d = 4, 2.08 ms.
+TEST(Stability, DampersOfJointsCountAsEulerTakesThem) {
+  const double square = 18.0 * k_n / 0.1, d = 400.0, root = std::sqrt(d * d + 4.0 * square);
+  const PadLayout layout = nine_flat_pillars(1.0);
+  for (const bool implicitly : {true, false}) {
+    const auto build = [&](double dt) {
+      return compile(
+          parse(
+              "<mujoco><option timestep='" + std::to_string(dt * 1e9) + "e-9' gravity='0 0 0'><flag eulerdamp='" +
+              (implicitly ? "enable" : "disable") +
+              "'/></option><worldbody><body name='box'><joint type='slide' axis='1 0 0' damping='40'/><geom name='box' type='box' size='0.015 0.02 0.06' mass='0.1' contype='0' conaffinity='0'/></body><body pos='-0.01499 0 0' euler='0 -90 0'><site name='left'/></body><body pos='0.01499 0 0' euler='0 90 0'><site name='right'/></body></worldbody></mujoco>")
+              .get());
+    };
+    const auto rig_of = [&](double dt) {
+      return FieldRig(build(dt), {{"left", "box"}, {"right", "box"}}, layout, {1.0, 1.0}, 0.0, false);
+    };
+    FieldRig probe = rig_of(1e-3);
+    mj_forward(probe.m(), probe.d());
+    std::vector<PadOnBodies> pads;
+    std::vector<PadTangent> tangents;
+    for (int site = 0; site < 2; ++site) {
+      const Pose pad = pose_of(probe.d()->site_xpos + 3 * site, probe.d()->site_xmat + 9 * site);
+      pads.push_back({0, mj_name2id(probe.m(), mjOBJ_BODY, "box"), pad.position});
+      tangents.push_back(stuck_tangent(layout, pad, pad.position, 0.0));
+    }
+    const double limit = divergence_step(linear_model(probe.m(), probe.d(), pads, tangents), stepping_of(probe.m())) / less;
+    EXPECT_NEAR(limit, (implicitly ? root + d : root - d) / square, 1e-9 * limit);
+    for (const double part : {0.95, 1.05}) {
+      FieldRig rig = rig_of(part * limit);
+      rig.d()->qvel[0] = 1e-5;
+      double fastest = 0.0;
+      for (int i = 0; i < 1000; ++i) {
+        rig.step();
+        fastest = std::max(fastest, std::abs(rig.d()->qvel[0]) / 1e-5);
+      }
+      if (part < 1.0) {
+        EXPECT_LT(fastest, 4.0);
+      } else {
+        EXPECT_GT(fastest, 100.0);
+      }
+    }
+  }
+}
+
+// What semi-implicit Euler conserves is an ellipse of axis ratio 1/sqrt(1 - (h omega / 2)^2), 3.2 at 0.95 of the limit. A step 5
+// % over the undamped limit, z^2 - (2 - 2.1^2) z + 1 = 0, grows by |z| = 1.88 a step until the pads lift off, which is at 700
+// kicks.
+TEST(Stability, DivergesJustBeyondTheLimit) {
+  EXPECT_LT(growth(0.0, 0.95), 4.0);
+  EXPECT_GT(growth(0.0, 1.05), 500.0);
+}
+
+// With tau 1 ms, tau omega = 0.73: damped under the limit, so never faster than the kick. Over it, for a step of 1.05 * 1.39 /
+// omega, z^2 - (2 - a - b) z + (1 - b) = 0 with a = 2.15, b = 1.08 has the root -1.28 and grows as well.
+TEST(Stability, DivergesJustBeyondTheDampedLimit) {
+  EXPECT_LE(growth(1e-3, 0.95), 1.0);
+  EXPECT_GT(growth(1e-3, 1.05), 500.0);
+}
+
+// At the longest step that is allowed a box slides as it should: g/2 at half the grip that holds it.
+TEST(Stability, SlideIsRightAtTheLongestExplicitStep) {
+  GripScene scene;
+  double allowed = 0.0;
+  {
+    GripRig probe(scene);
+    mj_forward(probe.rig().m(), probe.rig().d());
+    allowed = longest_explicit_step(probe.rig().vibration());
+  }
+  scene.dt = std::floor(allowed * 1e6) * 1e-6;
+  EXPECT_NEAR(scene.dt * std::sqrt(2.0 * 9.0 * k_n / scene.mass), 0.75, 0.02);
+  GripRig rig(scene);
+  ASSERT_TRUE(rig.hold());
+  ASSERT_TRUE(rig.go(scene.dt, 0.5 * rig.threshold(), GripRig::g));
+  ASSERT_TRUE(rig.go(0.02, 0.5 * rig.threshold(), GripRig::g));
+  const double speed = rig.fall_speed(), time = rig.rig().d()->time;
+  ASSERT_TRUE(rig.go(0.05, 0.5 * rig.threshold(), GripRig::g));
+  const double acceleration = (rig.fall_speed() - speed) / (rig.rig().d()->time - time);
+  EXPECT_NEAR(acceleration / (0.5 * GripRig::g), 1.0, 2e-3);
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,118 @@
+"""Folders that can be seen whole, one above the other: none has more than 25 sources, and what a folder includes never leads back to it. The picture
+of them, ARCHITECTURE.svg, is as the includes are; `rooms.py ROOT --fix` draws it anew."""
+
+import re
+import sys
+from collections import Counter, defaultdict
+from html import escape
+from pathlib import Path
+
+from tree import main, project_files
+
+MOST = 25
+PICTURE = "ARCHITECTURE.svg"
+INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
+WIDTH, HEIGHT, GAP, ROW = 128, 34, 16, 72  # of a box, between boxes, from row to row
+
+
+def includes(root, files):
+    """{folder: folders that its sources include from}"""
+    found = defaultdict(set)
+    for path in files:
+        for header in INCLUDE.findall((Path(root) / path).read_text(encoding="utf-8")):
+            found[path.parent.as_posix()].add(Path(header).parent.as_posix())
+    return {folder: {other for other in others if other != folder} for folder, others in found.items()}
+
+
+def way_back(graph, start):
+    """The folders on the shortest way from `start` back to it, or nothing."""
+    ways = [[start]]
+    seen = set()
+    for way in ways:
+        for other in sorted(graph.get(way[-1], ())):
+            if other == start:
+                return [*way, start]
+            if other not in seen:
+                seen.add(other)
+                ways.append([*way, other])
+    return None
+
+
+def group_of(folder):
+    """What the picture shows of a folder: the layers of sim, the floors of tools, and the others whole."""
+    parts = folder.split("/")
+    return "/".join(parts[:2] if parts[0] in ("sim", "tools") else parts[:1])
+
+
+def picture(files, graph):
+    """A box for each group, above all that it includes; lines to what it includes and reaches by no other way."""
+    sizes = Counter(group_of(path.parent.as_posix()) for path in files)
+    below = {group: set() for group in sizes}
+    for folder, others in graph.items():
+        below[group_of(folder)] |= {group_of(other) for other in others} - {group_of(folder)}
+    reach, depth = {}, {}
+
+    def visit(group):
+        if group not in reach:
+            reach[group], depth[group] = set(), 0  # where includes lead back, which check() finds
+            for other in below[group]:
+                visit(other)
+            reach[group] = below[group].union(*(reach[other] for other in below[group]))
+            depth[group] = 1 + max((depth[other] for other in below[group]), default=-1)
+
+    for group in below:
+        visit(group)
+    direct = {group: below[group] - set().union(*(reach[other] for other in below[group])) for group in below}
+    rows = [[group for group in sorted(below) if depth[group] == level] for level in sorted(set(depth.values()))]
+    width = max(map(len, rows)) * (WIDTH + GAP) + GAP
+    place = {}
+    for level, row in enumerate(rows):  # each above the middle of what it includes, as far as there is room
+        middle = {group: sum(place[other][0] for other in direct[group]) / len(direct[group]) if level else width / 2 for group in row}
+        row.sort(key=lambda group: (middle[group], group))
+        at = []
+        for group in row:
+            at.append(max([middle[group], *(x + WIDTH + GAP for x in at[-1:])]))
+        shift = sum(middle[group] - x for group, x in zip(row, at)) / len(row)
+        for group, x in zip(row, at):
+            place[group] = (x + shift, GAP + (len(rows) - 1 - level) * ROW)
+    lines = []
+    for group in sorted(below):
+        for other in sorted(direct[group]):
+            (x, y), (to_x, to_y) = place[group], place[other]
+            lines.append(f'<path d="M{x:.0f} {y + HEIGHT} L{to_x:.0f} {to_y}"/>')
+    boxes = [f'<rect x="{x - WIDTH / 2:.0f}" y="{y}" width="{WIDTH}" height="{HEIGHT}"/><text x="{x:.0f}" y="{y + 22}">{escape(group)}</text>'
+             for group, (x, y) in sorted(place.items())]
+    style = ("text{font:13px sans-serif;text-anchor:middle;fill:#1d2733}rect{fill:#eef3f8;stroke:#54708c;rx:5px}"
+             "path{stroke:#54708c;fill:none}.back{fill:#fff;stroke:none}")
+    height = len(rows) * ROW + GAP
+    return "\n".join([f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}">',
+                      f'<style>{style}</style><rect class="back" width="{width}" height="{height}"/>', *lines, *boxes, "</svg>", ""])
+
+
+def drawn(root):
+    """Sources without the tests, what they include, and the picture that they make."""
+    files = [path for path in project_files(root) if path.suffix in (".h", ".cc") and path.parts[0] != "tests"]
+    graph = includes(root, files)
+    return graph, picture(files, graph)
+
+
+def check(root):
+    sources = Counter(path.parent.as_posix() for path in project_files(root) if path.suffix in (".h", ".cc"))
+    for folder, count in sorted(sources.items()):
+        if count > MOST:
+            yield f"{folder}: {count} sources; allowed: {MOST}, so that a folder is seen whole"
+    graph, wanted = drawn(root)
+    for folder in sorted(graph):
+        way = way_back(graph, folder)
+        if way and folder == min(way):
+            yield f"{folder}: includes lead back to it: {' -> '.join(way)}"
+    there = Path(root) / PICTURE
+    if not there.exists() or there.read_text(encoding="utf-8") != wanted:
+        yield f"{PICTURE}: not what the includes are; draw it with: tools/lint/rooms.py . --fix"
+
+
+if __name__ == "__main__":
+    if sys.argv[2:] == ["--fix"]:
+        (Path(sys.argv[1]) / PICTURE).write_text(drawn(sys.argv[1])[1], encoding="utf-8")
+    else:
+        main(check)
