@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace slipbench {
 
@@ -19,6 +20,12 @@ struct Element {
   double c_normal = 0.0;                 // optional dashpot [N s/m]
   double c_tangential = 0.0;             // optional dashpot [N s/m]
 };
+
+// x, y and z of an element that looks along the unit vector `axis`, in P: z is against it, x and y are those of P turned with it the shortest
+// way.
+inline Eigen::Matrix3d element_frame(const Eigen::Vector3d& axis) {
+  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -axis).toRotationMatrix();
+}
 
 // What a sensor reads as one: a pillar, a nib, a taxel. Its elements are contiguous.
 struct UnitRange {

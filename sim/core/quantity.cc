@@ -29,6 +29,7 @@ constexpr Unit forces[] = {{"N", 1.0}, {"mN", 1e-3}, {"kN", 1e3}};
 constexpr Unit masses[] = {{"kg", 1.0}, {"g", 1e-3}};
 constexpr Unit stiffnesses[] = {{"N/m", 1.0}, {"N/mm", 1e3}, {"kN/m", 1e3}};
 constexpr Unit dampings[] = {{"N s/m", 1.0}};
+constexpr Unit pressures[] = {{"Pa", 1.0}, {"kPa", 1e3}, {"MPa", 1e6}};
 
 struct QuantityInfo {
   std::string_view noun;  // with its article, for messages
@@ -37,8 +38,8 @@ struct QuantityInfo {
 };
 
 // In the order of enum Quantity.
-const std::array<QuantityInfo, 13>& table() {
-  static const std::array<QuantityInfo, 13> infos{{
+const std::array<QuantityInfo, 14>& table() {
+  static const std::array<QuantityInfo, 14> infos{{
       {"a number", no_units, {""}},
       {"a length", lengths, {"m", "mm", "um", "nm"}},
       {"a time", times, {"s", "ms", "us"}},
@@ -52,6 +53,7 @@ const std::array<QuantityInfo, 13>& table() {
       {"a mass", masses, {"kg", "g"}},
       {"a stiffness", stiffnesses, {"N/m", "N/mm"}},
       {"a damping", dampings, {"N s/m"}},
+      {"a pressure", pressures, {"Pa", "kPa", "MPa"}},
   }};
   return infos;
 }

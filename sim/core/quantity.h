@@ -22,6 +22,7 @@ enum class Quantity {
   mass,                  // kg
   stiffness,             // N/m
   damping,               // N s/m
+  pressure,              // Pa
 };
 
 // A unit that text may carry, and the factor that turns a value in it into SI.

@@ -9,6 +9,7 @@ const std::vector<EffectKind>& effect_catalogue() {
       ageing(),
       anisotropic_friction(),
       asperities(),
+      elastic_skin(),
       inertia(),
       lean(),
       load_dependent_friction(),

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/core/pad_layout.h"
 #include "sim/core/parameters.h"
 #include "sim/core/random.h"
 #include "sim/field/effect.h"
@@ -12,7 +13,8 @@ namespace slipbench {
 
 // What an effect may know about the field it joins.
 struct EffectContext {
-  std::size_t elements = 0;           // of the field
+  const PadLayout* layout = nullptr;  // of the field
+  std::size_t elements = 0;           // of it
   std::vector<double> share;          // [elements] share of its unit's stiffness that an element stands for: 1/bristles
   std::vector<double> k_normal;       // [elements] N/m
   std::vector<double> k_tangential;   // [elements] N/m

@@ -16,6 +16,7 @@ inline double step_per_wave(double wavelength, double speed) {
 EffectKind ageing();
 EffectKind anisotropic_friction();
 EffectKind asperities();
+EffectKind elastic_skin();
 EffectKind inertia();
 EffectKind lean();
 EffectKind load_dependent_friction();

@@ -12,6 +12,7 @@ namespace {
 
 EffectContext context_for(const PadLayout& layout, const Surface& surface, std::uint64_t seed, std::uint64_t trial) {
   EffectContext context;
+  context.layout = &layout;
   context.elements = layout.elements.size();
   context.share.resize(context.elements);
   for (const UnitRange& unit : layout.units) {
@@ -52,6 +53,10 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
     throw SceneValueError("effects",
                           moves_tips + " and " + maps_tips + " cannot be named together: " + moves_tips +
                               " moves the tips by a spring, a dashpot and a friction of its own; allowed: one of them");
+  }
+  if (installed.skin && (installed.tip || !maps_tips.empty())) {
+    throw SceneValueError("effects", "elastic_skin and " + (installed.tip ? moves_tips : maps_tips) +
+                                         " cannot be named together: either says what an element's force is; allowed: one of them");
   }
   if (installed.lean && installed.cone) {
     throw SceneValueError("effects",

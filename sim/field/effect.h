@@ -159,6 +159,32 @@ struct Lean {
   [[nodiscard]] double drop(double q) const { return q * q / (2.0 * length); }
 };
 
+// Makes the pad one elastic body: what an element bears moves the surface at all others, in place of springs of their own. Arrays have an entry
+// an element. Forces are those of the touched surface on the pad, in the frame of each element (element_frame).
+class SkinEffect : public Effect {
+ public:
+  // Finds the normal forces at the gaps [m] of the undeformed surface, seen along the axes and negative where it would pass through.
+  virtual void press(const double* gap) = 0;
+  // Finds the tangential forces under `limit` [N], 0 where nothing touches. `target_x`, `target_y`: the shift against the pad [m] that the
+  // surface would have if all of it stuck. Only after press().
+  virtual void shear(const double* target_x, const double* target_y, const double* limit) = 0;
+
+  // What the last calls have found: forces [N], how far the surface has given along the axis and across [m], loaded or not, and which elements
+  // bear all that friction holds (1, else 0).
+  struct Solution {
+    const double *pressure, *sunk;
+    const double *shear_x, *shear_y, *shift_x, *shift_y, *slides;
+  };
+  [[nodiscard]] virtual Solution solution() = 0;
+  // How far an element moves itself, m/N.
+  [[nodiscard]] virtual double own_normal() const = 0;
+  [[nodiscard]] virtual double own_tangential() const = 0;
+  // What each element adds to the stiffness of the whole pad, pressed and moved by a rigid face that sticks to it [N/m]. No part of the pad is
+  // stiffer than the whole.
+  [[nodiscard]] virtual std::span<const double> punch_normal() const = 0;
+  [[nodiscard]] virtual std::span<const double> punch_tangential() const = 0;
+};
+
 // The effects of one field, in the order in which the scene names them.
 struct FieldEffects {
   std::vector<std::unique_ptr<SurfaceEffect>> surface;
@@ -168,6 +194,7 @@ struct FieldEffects {
   std::unique_ptr<ConeEffect> cone;                     // at most one
   std::optional<Lean> lean;                             // not together with a cone
   std::unique_ptr<TipEffect> tip;                       // at most one, without rate, rheology, cone and lean
+  std::unique_ptr<SkinEffect> skin;                     // at most one, without all these
   std::vector<std::unique_ptr<RingingEffect>> ringing;  // only with a tip
 
   // Calls visit(effect) for each Effect, always in the same order.
@@ -179,7 +206,7 @@ struct FieldEffects {
     visit_all(surface);
     visit_all(friction);
     visit_all(rheology);
-    for (Effect* effect : std::initializer_list<Effect*>{rate.get(), cone.get(), tip.get()}) {
+    for (Effect* effect : std::initializer_list<Effect*>{rate.get(), cone.get(), tip.get(), skin.get()}) {
       if (effect != nullptr) visit(*effect);
     }
     visit_all(ringing);

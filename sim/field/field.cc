@@ -76,8 +76,11 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     throw std::invalid_argument(
         "field: tips with mass need a plane and stand alone: no other cone, rate law, lean, rheology or dashpot");
   }
-  extended_ =
-      !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || effects_.lean || has_memory() || effects_.tip;
+  if (effects_.skin && (effects_.tip || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
+    throw std::invalid_argument("field: an elastic skin stands alone: no tips with mass, other cone, rate law, lean, rheology or dashpot");
+  }
+  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || effects_.lean || has_memory() || effects_.tip ||
+              effects_.skin;
   const std::size_t columns = extended_ ? all_columns : plain_columns;
   // A stride of whole pages would put the same row of all columns into one set of the L1 cache.
   const std::size_t stride = padded_ + (padded_ % 512 == 0 ? kernel::lanes : 0);
@@ -108,6 +111,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     columns_[k_normal_spring] = columns_[k_normal];
     columns_[k_tangential_spring] = columns_[k_tangential];
   }
+  if (effects_.skin) prepare_skin();
   if (effects_.tip) transmitted_ = transmitted_x;
   std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
   state_size_ = 1 + (kept.size() + (on_plane() ? 0 : kept_of_faces.size())) * count_;
@@ -159,6 +163,8 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
 
   if (plain_ && touching_ == count_ && contacts_.looks_at_plane(pose_)) {
     kernel::slide_on_plane(columns_, pose_, padded_);
+  } else if (effects_.skin) {
+    step_on_skin(placed_ ? dt : 0.0, motion);
   } else {
     step_in_stages(placed_ ? dt : 0.0, motion);
   }
@@ -292,6 +298,9 @@ void Field::rate_friction(double dt, const Twist* motion) {
       columns_[depth][i] = std::max(0.0, columns_[depth][i] - drop);
       columns_[load][i] = std::max(0.0, columns_[load][i] - columns_[k_normal][i] * drop);
     }
+  }
+  if (effects_.skin) {
+    for (std::size_t i = 0; i < count_; ++i) columns_[load][i] = normal_force(i);
   }
   for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_[mu_static], columns_[mu_kinetic]);
 }

@@ -19,7 +19,8 @@
 // and turn.
 //
 // A dashpot in parallel with the spring (optional, per element) or a rheology effect adds k u + h forms (effect.h). An effect may give the
-// tips mass (TipEffect): the anchor is then the place of the tip at any time, and what the spring passes on is not the friction.
+// tips mass (TipEffect): the anchor is then the place of the tip at any time, and what the spring passes on is not the friction. It may make the
+// pad one elastic body (SkinEffect): an element's penetration and stretch are then those of the loaded surface, and the force follows from all.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +56,7 @@ class Field {
 
   // Throws std::invalid_argument when the layout is empty or larger than max_elements, a stiffness is not positive and finite, a
   // dashpot is negative, an axis is not a unit vector, units do not tile the elements in order, 0 <= mu_kinetic <= mu_static is
-  // violated, or tips with mass meet what is no plane, another cone, a rheology or a dashpot.
+  // violated, tips with mass meet what is no plane, another cone, a rheology or a dashpot, or an elastic skin meets these or tips with mass.
   Field(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects effects = {});
 
   // Advances to the relative pose `pad_in_surface` at the end of a step of `dt` > 0 seconds. The first call places the field:
@@ -108,9 +109,10 @@ class Field {
   [[nodiscard]] Eigen::Vector3d slip_in_pad(std::size_t i) const { return vector(pad_slip_x, i); }
 
   // Of the groups' elements: adds to `depth` [m] how deep they are in the surface, and to the three of `shear` [m] their tips' deflections along
-  // the surface, in P.
+  // the surface, in P. Of an elastic skin also how far it has sunk and shifted beside what touches.
   void add_elements(const kernel::Groups& groups, double* depth, const std::array<double*, 3>& shear) const {
     kernel::add_elements(columns_, pose_.rotation.transpose(), groups, depth, shear, count_);
+    if (effects_.skin) add_sunk(depth);
   }
 
   // How far a tangential force t [N] reaches towards the friction cone of `limit` [N] around the normal n: |t|/limit for the
@@ -136,7 +138,9 @@ class Field {
 
   // What the springs of all elements together do to the pad, hold, and have lost by slip in the last step. Where a rheology takes
   // part or columns lean the energy is not what is held.
-  [[nodiscard]] kernel::SpringSums spring_sums() const { return kernel::sum_springs(columns_, active()); }
+  [[nodiscard]] kernel::SpringSums spring_sums() const {
+    return effects_.skin ? skin_sums() : kernel::sum_springs(columns_, active());
+  }
 
   // The groups of all elements.
   [[nodiscard]] kernel::Groups all() const { return {nullptr, padded_ / kernel::lanes}; }
@@ -149,6 +153,8 @@ class Field {
   [[nodiscard]] double stop_stiffness() const { return effects_.lean ? effects_.lean->stop_stiffness : 0.0; }
   // The effect that replaces the circular friction cone, or null.
   [[nodiscard]] const ConeEffect* effect_cone() const { return effects_.cone.get(); }
+  // Whether the pad is one elastic body: the stiffness of what touches is then that of the layout's springs all together, at most.
+  [[nodiscard]] bool has_skin() const { return effects_.skin != nullptr; }
   // Whether tips have mass: what touches nothing then goes on swinging, and its root feels that.
   [[nodiscard]] bool has_tips() const { return effects_.tip != nullptr; }
 
@@ -170,6 +176,11 @@ class Field {
 
   [[nodiscard]] static ElementState state_in(double mode) { return static_cast<ElementState>(static_cast<int>(mode)); }
   void step_in_stages(double dt, const Twist* motion);
+  void prepare_skin();
+  void step_on_skin(double dt, const Twist* motion);
+  void shear_skin();
+  void add_sunk(double* depth_of) const;
+  [[nodiscard]] kernel::SpringSums skin_sums() const;
   // Calls visit(i) for each element of the groups, in order.
   template <class Visit>
   void for_each_element(const kernel::Groups& groups, Visit&& visit) {
@@ -221,7 +232,8 @@ class Field {
   bool plain_;                           // springs on a plane, and no effect: one pass does it all
   std::optional<ActiveSet> active_set_;  // of many plain springs on no plane
   bool placed_ = false;
-  double step_ = 0.0;  // s, the last one in stages
+  std::vector<double> skin_;  // of an elastic body: its elements' frames and what its step works with (skin.cc)
+  double step_ = 0.0;         // s, the last one in stages
   std::size_t touching_ = 0, slipping_ = 0;
 };
 

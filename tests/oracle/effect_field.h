@@ -10,14 +10,15 @@
 
 namespace slipbench::oracle {
 
-// Builds `pad` on a plane with the catalogue's effect `name` at its defaults, but for `changes` (SI).
+// Builds `pad` on `surface` with the catalogue's effect `name` at its defaults, but for `changes` (SI).
 inline Field field_with_effect(const PadLayout& pad, Friction friction, const std::string& name,
-                               const std::map<std::string, double>& changes = {}) {
+                               const std::map<std::string, double>& changes = {}, const Surface& surface = Plane{}) {
   const auto& effects = effect_catalogue();
   const auto& kind = *std::find_if(effects.begin(), effects.end(), [&](const EffectKind& e) { return e.about.name == name; });
   Parameters parameters = defaults_of(kind.about.parameters);
   for (const auto& [key, value] : changes) parameters.set(key, value);
   EffectContext context;
+  context.layout = &pad;
   context.elements = pad.elements.size();
   context.seed = 7;
   for (const UnitRange& unit : pad.units) {
@@ -29,7 +30,7 @@ inline Field field_with_effect(const PadLayout& pad, Friction friction, const st
   }
   FieldEffects installed;
   kind.install(parameters, context, installed);
-  return Field(pad, Plane{}, friction, std::move(installed));
+  return Field(pad, surface, friction, std::move(installed));
 }
 
 }  // namespace slipbench::oracle

@@ -32,6 +32,7 @@ inline std::vector<Wanted> alone(const EffectKind& kind) {
 
 inline EffectContext context_for(const PadLayout& pad, bool flat_surface, std::uint64_t seed, std::uint64_t trial) {
   EffectContext context;
+  context.layout = &pad;
   context.elements = pad.elements.size();
   context.flat_surface = flat_surface;
   context.seed = seed;

@@ -44,7 +44,7 @@ FitKey key_of(const Json& parameter) {
   key.logarithmic = parameter.at("draw") == "log_uniform";
   for (const Quantity quantity : {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::angle,
                                   Quantity::angular_speed, Quantity::angular_acceleration, Quantity::frequency, Quantity::force,
-                                  Quantity::mass, Quantity::stiffness, Quantity::damping}) {
+                                  Quantity::mass, Quantity::stiffness, Quantity::damping, Quantity::pressure}) {
     if (parameter.at("unit") == si_symbol(quantity)) key.quantity = quantity;
   }
   return key;

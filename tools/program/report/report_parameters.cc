@@ -26,7 +26,8 @@ constexpr std::array quantities = {Quantity::length,
                                    Quantity::force,
                                    Quantity::mass,
                                    Quantity::stiffness,
-                                   Quantity::damping};
+                                   Quantity::damping,
+                                   Quantity::pressure};
 
 // Scene keys that are no entry's parameter.
 constexpr std::array<std::pair<std::string_view, Quantity>, 3> scene_keys = {{

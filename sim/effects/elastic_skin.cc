@@ -1,0 +1,93 @@
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "sim/core/error.h"
+#include "sim/effects/effects.h"
+#include "sim/effects/skin/elastic_contact.h"
+#include "sim/effects/skin/influence.h"
+
+namespace slipbench {
+namespace {
+
+class ElasticSkin final : public SkinEffect {
+ public:
+  ElasticSkin(const Parameters& p, const PadLayout& layout)
+      : contact_(make_influence(layout, {p.number("shear_modulus"), p.number("thickness")}, p.number("patch") * p.number("patch")),
+                 layout.elements.size(), p.number("tolerance")),
+        n_(layout.elements.size()) {
+    find_punch();
+  }
+
+  void press(const double* gap) override { contact_.press(Eigen::Map<const Eigen::ArrayXd>(gap, rows())); }
+  void shear(const double* target_x, const double* target_y, const double* limit) override {
+    target_.col(0) = Eigen::Map<const Eigen::ArrayXd>(target_x, rows());
+    target_.col(1) = Eigen::Map<const Eigen::ArrayXd>(target_y, rows());
+    contact_.shear(target_, Eigen::Map<const Eigen::ArrayXd>(limit, rows()));
+  }
+  [[nodiscard]] Solution solution() override {
+    ElasticContact& c = contact_;
+    return {c.pressure().data(), c.sunk().data(),           c.friction().data(), c.friction().col(1).data(),
+            c.shift().data(),    c.shift().col(1).data(), c.slides().data()};
+  }
+  [[nodiscard]] double own_normal() const override { return contact_.influence().own_normal(); }
+  [[nodiscard]] double own_tangential() const override { return contact_.influence().own_tangential(); }
+  [[nodiscard]] std::span<const double> punch_normal() const override { return punch_normal_; }
+  [[nodiscard]] std::span<const double> punch_tangential() const override { return punch_tangential_; }
+  [[nodiscard]] std::span<double> memory() override { return contact_.memory(); }
+
+ private:
+  [[nodiscard]] Eigen::Index rows() const { return static_cast<Eigen::Index>(n_); }
+
+  // A face that presses all elements by 1 m, and one to which all stick that moves by 1 m.
+  void find_punch() {
+    contact_.press(Eigen::ArrayXd::Constant(rows(), -1.0));
+    punch_normal_.assign(contact_.pressure().begin(), contact_.pressure().end());
+    const double most = contact_.pressure().sum();  // more than any element bears
+    target_.resize(rows(), 2);
+    target_.col(0).setOnes();
+    target_.col(1).setZero();
+    contact_.shear(target_, Eigen::ArrayXd::Constant(rows(), most));
+    punch_tangential_.assign(contact_.friction().col(0).begin(), contact_.friction().col(0).end());
+    std::ranges::fill(contact_.memory(), 0.0);
+  }
+
+  ElasticContact contact_;
+  std::size_t n_;
+  Eigen::ArrayX2d target_;
+  std::vector<double> punch_normal_, punch_tangential_;  // N/m
+};
+
+}  // namespace
+
+EffectKind elastic_skin() {
+  return {
+      {"elastic_skin",
+       "The pad is one elastic body: load spreads to its neighbours, and slip creeps in from where friction holds least.",
+       "w = C p, u = C q: how far the surface sinks and shifts under normal and tangential forces of all elements\n"
+       "p >= 0, gap + w >= 0, p (gap + w) = 0; |q| <= mu p; slip along q where |q| = mu p\n"
+       "C: an incompressible half-space (thickness inf: Boussinesq, Cerruti) or layer on a rigid back, each element's load spread over its cell.\n"
+       "It takes the place of the sensor's stiffness. The touched face is rigid, its slopes are small, what normal and tangential load do to each\n"
+       "other is left out (nothing for a half-space).",
+       "K. L. Johnson, Contact Mechanics (1985), ch. 3 to 5 and 7; J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990)",
+       {number_spec("shear_modulus", Quantity::pressure, "0.15 MPa", positive, "Shear modulus G; Young's modulus is 3 G.",
+                    "assumed: silicone gel of Shore A 15"),
+        number_spec("thickness", Quantity::length, "inf", positive_or_infinite,
+                    "Thickness of the layer on its rigid back; inf: a half-space. A layer needs elements on a regular grid.", "free"),
+        number_spec("patch", Quantity::length, "1 mm", positive,
+                    "Edge of the square that an element stands for, where elements stand on no regular grid.", "assumed"),
+        number_spec("tolerance", Quantity::none, "0.0001", {1e-10, 1e-2},
+                    "What the solver leaves undone, of the greatest depth and of the greatest friction.",
+                    "error of a force below 0.01 % of the load: tests/oracle")}},
+      [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
+        if (effects.skin) throw SceneValueError("effects", "elastic_skin is named twice; allowed: once");
+        if (context.dashpots) {
+          throw SceneValueError("effects", "elastic_skin takes the place of the sensor's springs, and this one has dashpots; allowed: damping 0");
+        }
+        effects.skin = std::make_unique<ElasticSkin>(p, *context.layout);
+      }};
+}
+
+}  // namespace slipbench

@@ -1,0 +1,146 @@
+#include "sim/effects/skin/elastic_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "sim/core/error.h"
+
+namespace slipbench {
+namespace {
+
+// Ten times what the worst first step has needed.
+constexpr int most_iterations = 2000;
+
+[[noreturn]] void fail(const std::string& what) {
+  throw InputError("elastic_skin: " + what + " was not found within " + std::to_string(most_iterations) + " iterations");
+}
+
+}  // namespace
+
+ElasticContact::ElasticContact(std::unique_ptr<Influence> influence, std::size_t elements, double tolerance)
+    : influence_(std::move(influence)), n_(elements), tolerance_(tolerance), memory_(10 * elements) {
+  const auto n = static_cast<Eigen::Index>(elements);
+  for (Eigen::ArrayXd* a : {&residual_, &direction_, &moved_, &slides_, &touching_}) a->setZero(n);
+  for (Eigen::ArrayX2d* a : {&guess_, &at_guess_, &next_, &at_next_}) a->setZero(n, 2);
+}
+
+void ElasticContact::apply(const Eigen::ArrayX2d& force, Eigen::ArrayX2d& way) {
+  influence_->shear(force.col(0).data(), force.col(1).data(), way.col(0).data(), way.col(1).data());
+}
+
+void ElasticContact::press(const Eigen::ArrayXd& gap) {
+  Values p = pressure(), w = sunk();
+  const double depth = std::max(0.0, -gap.minCoeff()), enough = tolerance_ * depth;
+  if (depth == 0.0) {
+    p.setZero();
+    w.setZero();
+    return;
+  }
+  const double own = 1.0 / influence_->own_normal();
+  double before = 0.0;  // squared residual of the last iteration; 0: start along the gradient
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    residual_ = gap + w;
+    const double lack = (p > 0.0).select(residual_.abs(), (-residual_).max(0.0)).maxCoeff();
+    if (lack <= enough) return;
+    const double now = (p > 0.0).select(residual_.square(), 0.0).sum();
+    direction_ = (p > 0.0).select(residual_ + (before > 0.0 ? now / before : 0.0) * direction_, 0.0);
+    double length = own;
+    if (now > 0.0) {
+      influence_->press(direction_.data(), moved_.data());
+      length = (residual_ * direction_).sum() / (moved_ * direction_).sum();
+    }
+    const bool joins = (p == 0.0 && residual_ < 0.0).any();
+    const bool leaves = (p > 0.0 && p <= length * direction_).any();
+    if (joins || leaves) {
+      constexpr double shy = 0.1;  // what joins comes beside others, whose load sinks it too
+      p = (p > 0.0).select((p - length * direction_).max(0.0), -shy * own * residual_.min(0.0));
+      influence_->press(p.data(), w.data());
+      before = 0.0;
+    } else {
+      p -= length * direction_;
+      w -= length * moved_;
+      before = now;
+    }
+  }
+  fail("the pressure");
+}
+
+// Onto the discs |q| <= L.
+void ElasticContact::project(Eigen::ArrayX2d& force, const Eigen::ArrayXd& limit) {
+  residual_ = (force.col(0).square() + force.col(1).square()).sqrt();
+  slides_ = (residual_ > limit).cast<double>();
+  residual_ = (residual_ > limit).select(limit / residual_, 1.0);
+  force.col(0) *= residual_;
+  force.col(1) *= residual_;
+}
+
+// No part of C is larger than its greatest row sum, which an even load along the diagonal shows to a few per cent.
+void ElasticContact::find_curvature(const Eigen::ArrayXd& limit) {
+  if (curvature_ > 0.0 && ((limit > 0.0).cast<double>() == touching_).all()) return;
+  touching_ = (limit > 0.0).cast<double>();
+  next_.col(0) = next_.col(1) = touching_;
+  apply(next_, at_next_);
+  curvature_ = std::max(influence_->own_tangential(), at_next_.maxCoeff());
+}
+
+// From the forces of the step before on along what that step added, to the least energy on that line.
+void ElasticContact::guess(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& limit) {
+  const double curved = (gain() * gain_way()).sum();
+  const double again = curved > 0.0 ? std::clamp((gain() * (target - shift())).sum() / curved, 0.0, 2.0) : 0.0;
+  next_ = guess_ = friction() + again * gain();
+  project(guess_, limit);
+  if ((guess_ == next_).all()) {
+    at_guess_ = shift() + again * gain_way();
+  } else {
+    apply(guess_, at_guess_);
+  }
+}
+
+void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& limit) {
+  Pairs q = friction(), u = shift();
+  const double greatest = limit.maxCoeff();
+  if (greatest == 0.0) {
+    slides_.setZero();
+    for (const std::size_t k : {2U, 4U, 6U, 8U}) pair(k).setZero();
+    return;
+  }
+  find_curvature(limit);
+  guess(target, limit);
+  gain() = -q;
+  gain_way() = -u;
+  q = guess_;
+  u = at_guess_;
+  double step = 1.0 / curvature_, momentum = 1.0;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    next_ = guess_ - step * (at_guess_ - target);
+    project(next_, limit);
+    constexpr double nothing = 1e-9;  // of what friction could hold: rounding, not a load
+    const double size = std::max(next_.abs().maxCoeff(), nothing * greatest);
+    if ((next_ - guess_).abs().maxCoeff() <= tolerance_ * size) {
+      gain() += q;
+      gain_way() += u;
+      return;
+    }
+    apply(next_, at_next_);
+    const double curved = ((next_ - guess_) * (at_next_ - at_guess_)).sum(), flat = (next_ - guess_).square().sum();
+    if (curved * step > flat) {  // too long a step: a shorter one, from the best that there is
+      step *= 0.5;
+      momentum = 1.0;
+      guess_ = q;
+      at_guess_ = u;
+      continue;
+    }
+    if (((guess_ - next_) * (next_ - q)).sum() > 0.0) momentum = 1.0;  // uphill
+    const double faster = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * momentum * momentum)), carry = (momentum - 1.0) / faster;
+    momentum = faster;
+    guess_ = next_ + carry * (next_ - q);
+    at_guess_ = at_next_ + carry * (at_next_ - u);
+    q = next_;
+    u = at_next_;
+  }
+  fail("the friction");
+}
+
+}  // namespace slipbench

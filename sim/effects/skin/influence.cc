@@ -1,0 +1,380 @@
+#include "sim/effects/skin/influence.h"
+
+#include <fftw3.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <mutex>
+#include <new>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "sim/core/fftw_planner.h"
+#include "sim/core/quantity.h"
+
+namespace slipbench {
+namespace {
+
+using std::numbers::pi;
+
+// Of a unit force on a cell, at a point: normal, and the three tangential ones [m/N].
+struct Kernel {
+  double normal, xx, yy, xy;
+};
+
+// The half-space under the rectangle [x1, x2] x [y1, y2] around the point, loaded by 1 N/m^2: the integrals of 1/r, x^2/r^3, y^2/r^3 and
+// x y/r^3 from corner to corner (Love, Phil. Trans. A 228, 1929).
+Kernel rectangle(double x1, double x2, double y1, double y2, double shear_modulus) {
+  double along_x = 0.0, along_y = 0.0, mixed = 0.0;
+  const auto corner = [&](double x, double y, double sign) {
+    const double r = std::hypot(x, y);
+    // ln(a + length), in the form that does not cancel for a < 0.
+    const auto log_of = [](double a, double b, double length) {
+      return a >= 0.0 ? std::log(a + length) : 2.0 * std::log(std::abs(b)) - std::log(length - a);
+    };
+    along_x += sign * (y == 0.0 ? 0.0 : y * log_of(x, y, r));
+    along_y += sign * (x == 0.0 ? 0.0 : x * log_of(y, x, r));
+    mixed -= sign * r;
+  };
+  corner(x2, y2, 1.0);
+  corner(x1, y2, -1.0);
+  corner(x2, y1, -1.0);
+  corner(x1, y1, 1.0);
+  const double c = 1.0 / (4.0 * pi * shear_modulus), inverse = along_x + along_y;
+  return {c * inverse, c * (inverse + along_x), c * (inverse + along_y), c * mixed};
+}
+
+// Gauss and Legendre's rule of eight points on [-1, 1]: calls visit(x, weight).
+template <class Visit>
+void gauss_legendre(Visit&& visit) {
+  constexpr std::array node{0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+  constexpr std::array weight{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+  for (std::size_t k = 0; k < node.size(); ++k) {
+    visit(node[k], weight[k]);
+    visit(-node[k], weight[k]);
+  }
+}
+
+// What the rigid back takes off at the distance r: the inverse transforms of the layer's compliance less the half-space's,
+//   (1/4 pi G t) Int (N(u) - 1) J0(u r/t) du  and alike.
+// They are smooth over a thickness, and read from a table by cubic interpolation.
+class RigidBack {
+ public:
+  // `reach`: the largest distance that will be asked for [m].
+  RigidBack(const ElasticBody& body, double reach) : body_(body), spacing_(body.thickness / 16.0) {
+    for (std::size_t k = 0; static_cast<double>(k) * spacing_ < reach + 3.0 * spacing_; ++k) {
+      rows_.push_back(integrals(static_cast<double>(k) / 16.0));
+    }
+  }
+
+  [[nodiscard]] Kernel at(double x, double y) const {
+    const double r = std::hypot(x, y);
+    const double place = r / spacing_;
+    // The functions are even in r: before the first row stands the second.
+    const auto k = static_cast<std::ptrdiff_t>(place);
+    const double f = place - static_cast<double>(k);
+    const std::array share{-f * (f - 1.0) * (f - 2.0) / 6.0, (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0, -(f + 1.0) * f * (f - 2.0) / 2.0,
+                           (f + 1.0) * f * (f - 1.0) / 6.0};
+    std::array<double, 3> read{};
+    for (std::ptrdiff_t i = 0; i < 4; ++i) {
+      const auto& row = rows_[static_cast<std::size_t>(std::abs(k - 1 + i))];
+      for (std::size_t c = 0; c < 3; ++c) read[c] += share[static_cast<std::size_t>(i)] * row[c];
+    }
+    const double scale = 1.0 / (4.0 * pi * body_.shear_modulus * body_.thickness);
+    const double cos2 = r > 0.0 ? (x * x - y * y) / (r * r) : 0.0, sin2 = r > 0.0 ? 2.0 * x * y / (r * r) : 0.0;
+    const auto [normal, alike, turning] = read;
+    return {scale * normal, scale * (alike - turning * cos2), scale * (alike + turning * cos2), -scale * turning * sin2};
+  }
+
+ private:
+  // At r = rho t: of the normal part, of what both tangents have alike, and of what turns with the direction.
+  static std::array<double, 3> integrals(double rho) {
+    constexpr double far = 20.0;  // where exp(-2 u) is below rounding
+    const auto pieces = static_cast<int>(std::ceil(far * std::max(0.5, rho / pi)));  // short against the waves of J
+    const double half = 0.5 * far / pieces;
+    std::array<double, 3> sum{};
+    for (int piece = 0; piece < pieces; ++piece) {
+      gauss_legendre([&](double x, double weight) {
+        const double u = half * (2.0 * piece + 1.0 + x), z = u * rho, j0 = ::j0(z);
+        const double j2 = z > 0.1 ? 2.0 * ::j1(z) / z - j0 : z * z / 8.0 * (1.0 - z * z / 12.0 * (1.0 - z * z / 32.0));
+        const LayerCompliance c = layer_compliance(u);
+        const double along = c.along - 1.0, across = 2.0 * (c.across - 1.0), w = half * weight;
+        sum[0] += w * (c.normal - 1.0) * j0;
+        sum[1] += w * 0.5 * (along + across) * j0;
+        sum[2] += w * 0.5 * (along - across) * j2;
+      });
+    }
+    return sum;
+  }
+
+  ElasticBody body_;
+  double spacing_;                           // m
+  std::vector<std::array<double, 3>> rows_;  // at k spacings
+};
+
+// Of a unit force on the cell of a x b [m] at the distance (x, y) between middles: the mean over the cell where it is met.
+Kernel cell_on_cell(double x, double y, double a, double b, const ElasticBody& body, const std::optional<RigidBack>& back) {
+  Kernel sum{};
+  const auto add = [&](double w, const Kernel& k) {
+    sum.normal += w * k.normal;
+    sum.xx += w * k.xx;
+    sum.yy += w * k.yy;
+    sum.xy += w * k.xy;
+  };
+  gauss_legendre([&](double across, double w_across) {
+    gauss_legendre([&](double up, double w_up) {
+      const double px = x + 0.5 * a * across, py = y + 0.5 * b * up;
+      add(0.25 * w_across * w_up / (a * b),
+          rectangle(px - 0.5 * a, px + 0.5 * a, py - 0.5 * b, py + 0.5 * b, body.shear_modulus));
+    });
+  });
+  if (back) {  // the distances between points of two cells have the variance of these four
+    for (const double right : {-1.0, 1.0}) {
+      for (const double up : {-1.0, 1.0}) add(0.25, back->at(x + right * a / std::sqrt(6.0), y + up * b / std::sqrt(6.0)));
+    }
+  }
+  // Kept as floats, since processors differ in the last bits of logarithms.
+  const auto rounded = [](double value) { return static_cast<double>(static_cast<float>(value)); };
+  return {rounded(sum.normal), rounded(sum.xx), rounded(sum.yy), rounded(sum.xy)};
+}
+
+// A full grid of elements, all along -Z: where each stands in it.
+struct Grid {
+  std::size_t columns, rows;
+  double a, b;                      // m, edges of a cell along x and y
+  std::vector<std::uint32_t> place;  // [n] row * columns + column
+};
+
+constexpr double rounding = 1e-6;  // of a cell
+
+std::optional<Grid> grid_of(const PadLayout& layout) {
+  std::array<std::vector<double>, 2> at;
+  for (const Element& e : layout.elements) {
+    if (e.axis != Eigen::Vector3d(0.0, 0.0, -1.0)) return std::nullopt;
+    for (const int k : {0, 1}) at[static_cast<std::size_t>(k)].push_back(e.tip[k]);
+  }
+  std::array<double, 2> first{}, edge{};
+  std::array<std::size_t, 2> count{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    std::vector<double> sorted = at[k];
+    std::ranges::sort(sorted);
+    const double span = sorted.back() - sorted.front();
+    std::vector<double> lines{sorted.front()};
+    for (const double x : sorted) {
+      if (x - lines.back() > rounding * span) lines.push_back(x);
+    }
+    first[k] = lines.front();
+    count[k] = lines.size();
+    edge[k] = lines.size() > 1 ? span / static_cast<double>(lines.size() - 1) : 0.0;
+  }
+  if (count[0] * count[1] != layout.elements.size()) return std::nullopt;
+  if (edge[0] == 0.0) edge[0] = edge[1];
+  if (edge[1] == 0.0) edge[1] = edge[0];
+  Grid grid{count[0], count[1], edge[0], edge[1], {}};
+  std::vector<bool> taken(layout.elements.size());
+  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
+    const double column = (at[0][i] - first[0]) / edge[0], row = (at[1][i] - first[1]) / edge[1];
+    const double c = std::round(column), r = std::round(row);
+    if (std::abs(column - c) > rounding || std::abs(row - r) > rounding) return std::nullopt;
+    const std::size_t place = static_cast<std::size_t>(r) * grid.columns + static_cast<std::size_t>(c);
+    if (taken[place]) return std::nullopt;
+    taken[place] = true;
+    grid.place.push_back(static_cast<std::uint32_t>(place));
+  }
+  return grid;
+}
+
+class GridInfluence final : public Influence {
+ public:
+  GridInfluence(const Grid& grid, const ElasticBody& body)
+      : columns_(2 * grid.columns), rows_(2 * grid.rows), waves_(columns_ / 2 + 1) {
+    for (const std::uint32_t place : grid.place) {
+      place_.push_back(static_cast<std::uint32_t>(place / grid.columns * columns_ + place % grid.columns));
+    }
+    for (auto& field : field_) field.reset(fftw_alloc_real(rows_ * columns_));
+    for (auto& spectrum : spectrum_) spectrum.reset(fftw_alloc_complex(rows_ * waves_));
+    {
+      const std::lock_guard lock(fftw_planner());
+      const int rows = static_cast<int>(rows_), columns = static_cast<int>(columns_);
+      constexpr unsigned no_vector_code = 1U << 17U;  // FFTW_NO_SIMD of FFTW's own api/fftw3.h
+      forward_.reset(fftw_plan_dft_r2c_2d(rows, columns, field_[0].get(), spectrum_[0].get(), FFTW_ESTIMATE | no_vector_code));
+      back_.reset(fftw_plan_dft_c2r_2d(rows, columns, spectrum_[0].get(), field_[0].get(), FFTW_ESTIMATE | no_vector_code));
+    }
+    if (!forward_ || !back_) throw std::bad_alloc();
+    tabulate(grid, body);
+  }
+
+  void press(const double* force, double* way) override {
+    load(force, 0);
+    for (std::size_t k = 0; k < rows_ * waves_; ++k) {
+      spectrum_[0].get()[k][0] *= normal_[k];
+      spectrum_[0].get()[k][1] *= normal_[k];
+    }
+    unload(0, way);
+  }
+
+  void shear(const double* force_x, const double* force_y, double* way_x, double* way_y) override {
+    load(force_x, 0);
+    load(force_y, 1);
+    fftw_complex *const x = spectrum_[0].get(), *const y = spectrum_[1].get();
+    for (std::size_t k = 0; k < rows_ * waves_; ++k) {
+      for (const int part : {0, 1}) {
+        const double qx = x[k][part], qy = y[k][part];
+        x[k][part] = xx_[k] * qx + xy_[k] * qy;
+        y[k][part] = xy_[k] * qx + yy_[k] * qy;
+      }
+    }
+    unload(0, way_x);
+    unload(1, way_y);
+  }
+
+ private:
+  struct Free {
+    void operator()(void* block) const { fftw_free(block); }
+  };
+  struct Destroy {
+    void operator()(fftw_plan plan) const {
+      const std::lock_guard lock(fftw_planner());
+      fftw_destroy_plan(plan);
+    }
+  };
+  using Plan = std::unique_ptr<std::remove_pointer_t<fftw_plan>, Destroy>;
+
+  void load(const double* force, std::size_t k) {
+    double* const field = field_[k].get();
+    std::fill_n(field, rows_ * columns_, 0.0);
+    for (std::size_t i = 0; i < place_.size(); ++i) field[place_[i]] = force[i];
+    fftw_execute_dft_r2c(forward_.get(), field, spectrum_[k].get());
+  }
+  void unload(std::size_t k, double* way) {
+    fftw_execute_dft_c2r(back_.get(), spectrum_[k].get(), field_[k].get());
+    for (std::size_t i = 0; i < place_.size(); ++i) way[i] = field_[k].get()[place_[i]];
+  }
+
+  // The kernels' transforms. All are real: the kernels are even in x and in y, or odd in both.
+  void tabulate(const Grid& grid, const ElasticBody& body) {
+    std::vector<Kernel> quarter(grid.rows * grid.columns);
+    std::optional<RigidBack> back;
+    if (std::isfinite(body.thickness)) {
+      back.emplace(body, std::hypot(static_cast<double>(grid.columns) * grid.a, static_cast<double>(grid.rows) * grid.b));
+    }
+    for (std::size_t row = 0; row < grid.rows; ++row) {
+      for (std::size_t column = 0; column < grid.columns; ++column) {
+        quarter[row * grid.columns + column] =
+            cell_on_cell(static_cast<double>(column) * grid.a, static_cast<double>(row) * grid.b, grid.a, grid.b, body, back);
+      }
+    }
+    own_normal_ = quarter.front().normal;
+    own_tangential_ = 0.5 * (quarter.front().xx + quarter.front().yy);
+    const auto transform = [&](double Kernel::*component, bool odd, std::vector<double>& spectrum) {
+      double* const field = field_[0].get();
+      std::fill_n(field, rows_ * columns_, 0.0);
+      for (std::size_t row = 0; row < grid.rows; ++row) {
+        for (std::size_t column = 0; column < grid.columns; ++column) {
+          const double value = quarter[row * grid.columns + column].*component;
+          const std::size_t below = (rows_ - row) % rows_, left = (columns_ - column) % columns_;
+          field[row * columns_ + column] = field[below * columns_ + left] = value;
+          field[row * columns_ + left] = field[below * columns_ + column] = odd ? -value : value;
+        }
+      }
+      fftw_execute(forward_.get());
+      const double scale = 1.0 / static_cast<double>(rows_ * columns_);
+      for (std::size_t k = 0; k < rows_ * waves_; ++k) spectrum.push_back(scale * spectrum_[0].get()[k][0]);
+    };
+    transform(&Kernel::normal, false, normal_);
+    transform(&Kernel::xx, false, xx_);
+    transform(&Kernel::yy, false, yy_);
+    transform(&Kernel::xy, true, xy_);
+  }
+
+  std::size_t columns_, rows_, waves_;  // of the doubled grid
+  std::vector<std::uint32_t> place_;    // [n] in it
+  std::array<std::unique_ptr<double, Free>, 2> field_;
+  std::array<std::unique_ptr<fftw_complex, Free>, 2> spectrum_;
+  Plan forward_, back_;
+  std::vector<double> normal_, xx_, yy_, xy_;  // [rows, waves] m/N
+};
+
+// Elements anywhere on a curved skin, whose patches are small against its radii. In three dimensions both laws are one tensor,
+// (1/4 pi G)(1/r + r r'/r^3), of which each element sees its own axis and its own tangents.
+class MeshInfluence final : public Influence {
+ public:
+  MeshInfluence(const PadLayout& layout, const ElasticBody& body, double area) {
+    const auto n = static_cast<Eigen::Index>(layout.elements.size());
+    for (Eigen::MatrixXd* m : {&normal_, &xx_, &yy_, &xy_}) m->resize(n, n);
+    const double c = 1.0 / (4.0 * pi * body.shear_modulus), radius = std::sqrt(area / pi);
+    // A round patch under an even load: its mean own displacement is that of a distance of 3 pi/16 radii (Johnson, sec. 3.4).
+    own_normal_ = c * 16.0 / (3.0 * pi * radius);
+    own_tangential_ = 1.5 * own_normal_;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Element& to = layout.elements[static_cast<std::size_t>(i)];
+      const Eigen::Matrix3d here = element_frame(to.axis);
+      for (Eigen::Index j = 0; j < n; ++j) {
+        const Element& from = layout.elements[static_cast<std::size_t>(j)];
+        const Eigen::Vector3d d = to.tip - from.tip;
+        const double r = d.norm();
+        const Eigen::Matrix3d tensor = c / r * (Eigen::Matrix3d::Identity() + d * d.transpose() / (r * r));
+        const Eigen::Matrix3d seen = here.transpose() * tensor * element_frame(from.axis);
+        normal_(i, j) = i == j ? own_normal_ : c / r;
+        xx_(i, j) = i == j ? own_tangential_ : seen(0, 0);
+        yy_(i, j) = i == j ? own_tangential_ : seen(1, 1);
+        xy_(i, j) = i == j ? 0.0 : seen(0, 1);
+      }
+    }
+  }
+
+  void press(const double* force, double* way) override { map(way).noalias() = normal_ * map(force); }
+  void shear(const double* force_x, const double* force_y, double* way_x, double* way_y) override {
+    map(way_x).noalias() = xx_ * map(force_x);
+    map(way_x).noalias() += xy_ * map(force_y);
+    map(way_y).noalias() = yy_ * map(force_y);
+    map(way_y).noalias() += xy_.transpose() * map(force_x);
+  }
+
+ private:
+  [[nodiscard]] Eigen::Map<const Eigen::VectorXd> map(const double* v) const { return {v, normal_.rows()}; }
+  [[nodiscard]] Eigen::Map<Eigen::VectorXd> map(double* v) const { return {v, normal_.rows()}; }
+
+  Eigen::MatrixXd normal_, xx_, yy_, xy_;
+};
+
+}  // namespace
+
+LayerCompliance layer_compliance(double s) {
+  if (s > 20.0) return {1.0, 1.0, 1.0};  // to rounding
+  const double bottom = std::cosh(2.0 * s) + 1.0 + 2.0 * s * s;
+  // sinh 2s - 2s by its series where the difference would cancel.
+  const double s2 = s * s;
+  const double difference = s < 0.1 ? s * s2 * (4.0 / 3.0 + s2 * (4.0 / 15.0 + s2 * (8.0 / 315.0 + s2 * 4.0 / 2835.0)))
+                                    : std::sinh(2.0 * s) - 2.0 * s;
+  return {difference / bottom, (std::sinh(2.0 * s) + 2.0 * s) / bottom, std::tanh(s)};
+}
+
+std::unique_ptr<Influence> make_influence(const PadLayout& layout, const ElasticBody& body, double area) {
+  if (const std::optional<Grid> grid = grid_of(layout)) {
+    if (std::max(grid->a, grid->b) > (1.0 + rounding) * body.thickness) {
+      throw SceneValueError("effects", fmt::format("elastic_skin: cells of {} are wider than the layer is thick, {}; allowed: a pitch of up to that",
+                                                   format_quantity(std::max(grid->a, grid->b), Quantity::length),
+                                                   format_quantity(body.thickness, Quantity::length)));
+    }
+    return std::make_unique<GridInfluence>(*grid, body);
+  }
+  constexpr std::size_t most = 1024;
+  if (layout.elements.size() > most) {
+    throw SceneValueError("effects", fmt::format("elastic_skin: {} elements on no regular grid; allowed: up to {}",
+                                                 layout.elements.size(), most));
+  }
+  if (std::isfinite(body.thickness)) {
+    throw SceneValueError("effects", "elastic_skin: a layer needs elements on a regular grid that face one way; allowed here: thickness inf");
+  }
+  return std::make_unique<MeshInfluence>(layout, body, area);
+}
+
+}  // namespace slipbench
