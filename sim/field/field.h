@@ -153,8 +153,10 @@ class Field {
   [[nodiscard]] double stop_stiffness() const { return effects_.lean ? effects_.lean->stop_stiffness : 0.0; }
   // The effect that replaces the circular friction cone, or null.
   [[nodiscard]] const ConeEffect* effect_cone() const { return effects_.cone.get(); }
-  // Whether the pad is one elastic body: the stiffness of what touches is then that of the layout's springs all together, at most.
+  // Whether the pad is one elastic body. The springs of layout() are then its stiffness where it touches as a whole, which no part of it exceeds.
   [[nodiscard]] bool has_skin() const { return effects_.skin != nullptr; }
+  // Whether the spring of element i counts where the pad is as stiff as it may be.
+  [[nodiscard]] bool bears(std::size_t i) const { return has_skin() ? touching_ > 0 : state(i) != ElementState::detached; }
   // Whether tips have mass: what touches nothing then goes on swinging, and its root feels that.
   [[nodiscard]] bool has_tips() const { return effects_.tip != nullptr; }
 
@@ -178,6 +180,7 @@ class Field {
   void step_in_stages(double dt, const Twist* motion);
   void prepare_skin();
   void step_on_skin(double dt, const Twist* motion);
+  void rest_on_skin();
   void shear_skin();
   void add_sunk(double* depth_of) const;
   [[nodiscard]] kernel::SpringSums skin_sums() const;

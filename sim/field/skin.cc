@@ -102,7 +102,9 @@ SLIPBENCH_DISPATCHED static void place_loaded(const kernel::Columns& c, const Sk
 }
 
 // Gaps along the axes, of those along the normals, and where the undeformed tips would meet the surface.
-SLIPBENCH_DISPATCHED static void look_along_axes(const kernel::Columns& c, const SkinTable& t, const Pose& pose, std::size_t count) {
+// On a plane no height is written: it is 0.
+SLIPBENCH_DISPATCHED static void look_along_axes(const kernel::Columns& c, const SkinTable& t, const Pose& pose, bool plane,
+                                                 std::size_t count) {
   const Rows to_pad(pose.rotation.transpose()), to_surface(pose.rotation);
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
@@ -119,7 +121,7 @@ SLIPBENCH_DISPATCHED static void look_along_axes(const kernel::Columns& c, const
     const Vector3 z = to_surface(t[z_axis][i], t[z_axis + 1][i], t[z_axis + 2][i]), way = in_plane(t, to_surface, i, x, y);
     c[kernel::place_x][i] = c[kernel::contact_x][i] + met * c[kernel::normal_x][i] - gap * z.x;
     c[kernel::place_y][i] = c[kernel::contact_y][i] + met * c[kernel::normal_y][i] - gap * z.y;
-    c[kernel::place_z][i] = c[kernel::contact_z][i] + met * c[kernel::normal_z][i] - gap * z.z;
+    c[kernel::place_z][i] = (plane ? 0.0 : c[kernel::contact_z][i]) + met * c[kernel::normal_z][i] - gap * z.z;
     c[kernel::contact_x][i] = c[kernel::place_x][i] + way.x;
     c[kernel::contact_y][i] = c[kernel::place_y][i] + way.y;
     c[kernel::contact_z][i] = c[kernel::place_z][i] + way.z;
@@ -167,25 +169,29 @@ SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const Skin
   const Rows to_surface(pose.rotation);
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
-    const bool touches = s.pressure[i] > 0.0;
+    const double touches = s.pressure[i] > 0.0 ? 1.0 : 0.0, touched = c[kernel::mode_before][i] != 0.0 ? 1.0 : 0.0;
     const double ahead_x = t[target_x][i] - s.shift_x[i], ahead_y = t[target_y][i] - s.shift_y[i];
     const double way = std::sqrt(ahead_x * ahead_x + ahead_y * ahead_y);
-    const bool slips = touches && s.slides[i] != 0.0 && way > kernel::shortest_slip &&
-                       ahead_x * s.shear_x[i] + ahead_y * s.shear_y[i] > 0.0;
-    const double slip = slips ? 1.0 : 0.0;
+    const double moves = way > kernel::shortest_slip ? 1.0 : 0.0;
+    const double along_force = ahead_x * s.shear_x[i] + ahead_y * s.shear_y[i] > 0.0 ? 1.0 : 0.0;
+    const double slip = touches * s.slides[i] * moves * along_force, stays = touches * touched;
     const Vector3 shift = in_plane(t, to_surface, i, s.shift_x[i], s.shift_y[i]);
     const Vector3 slipped = in_plane(t, to_surface, i, slip * ahead_x, slip * ahead_y);
     const Vector3 force = in_plane(t, to_surface, i, s.shear_x[i], s.shear_y[i]);
-    const bool stays = touches && c[kernel::mode_before][i] != 0.0;
     // What is loose, or has touched in this step, is where its root's place and its shift say.
-    const Vector3 aimed = in_plane(t, to_surface, i, t[target_x][i], t[target_y][i]);
-    const Vector3 behind = touches ? aimed : shift;
-    c[kernel::anchor_x][i] = (stays ? c[kernel::anchor_x][i] : c[kernel::contact_x][i] - behind.x) + slipped.x;
-    c[kernel::anchor_y][i] = (stays ? c[kernel::anchor_y][i] : c[kernel::contact_y][i] - behind.y) + slipped.y;
-    c[kernel::anchor_z][i] = (stays ? c[kernel::anchor_z][i] : c[kernel::contact_z][i] - behind.z) + slipped.z;
-    c[kernel::contact_x][i] = c[kernel::anchor_x][i] + shift.x;
-    c[kernel::contact_y][i] = c[kernel::anchor_y][i] + shift.y;
-    c[kernel::contact_z][i] = c[kernel::anchor_z][i] + shift.z;
+    const double behind_x = touches != 0.0 ? t[target_x][i] : s.shift_x[i], behind_y = touches != 0.0 ? t[target_y][i] : s.shift_y[i];
+    const Vector3 behind = in_plane(t, to_surface, i, behind_x, behind_y);
+    const double loose_x = c[kernel::contact_x][i] - behind.x, loose_y = c[kernel::contact_y][i] - behind.y,
+                 loose_z = c[kernel::contact_z][i] - behind.z;
+    const double stuck_x = c[kernel::anchor_x][i], stuck_y = c[kernel::anchor_y][i], stuck_z = c[kernel::anchor_z][i];
+    const double anchor_x = (stays != 0.0 ? stuck_x : loose_x) + slipped.x, anchor_y = (stays != 0.0 ? stuck_y : loose_y) + slipped.y,
+                 anchor_z = (stays != 0.0 ? stuck_z : loose_z) + slipped.z;
+    c[kernel::anchor_x][i] = anchor_x;
+    c[kernel::anchor_y][i] = anchor_y;
+    c[kernel::anchor_z][i] = anchor_z;
+    c[kernel::contact_x][i] = anchor_x + shift.x;
+    c[kernel::contact_y][i] = anchor_y + shift.y;
+    c[kernel::contact_z][i] = anchor_z + shift.z;
     c[kernel::slip_x][i] = slipped.x;
     c[kernel::slip_y][i] = slipped.y;
     c[kernel::slip_z][i] = slipped.z;
@@ -193,7 +199,7 @@ SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const Skin
     c[kernel::force_y][i] = force.y;
     c[kernel::force_z][i] = force.z;
     c[kernel::path][i] += slip * way;
-    c[kernel::mode][i] = touches ? 1.0 + slip : 0.0;
+    c[kernel::mode][i] = touches * (1.0 + slip);
   }
 }
 
@@ -231,13 +237,27 @@ void Field::step_on_skin(double dt, const Twist* motion) {
   for (const auto& effect : effects_.surface) {
     effect->displace(count_, columns_[contact_x], columns_[contact_y], columns_[normal_z], columns_[gap]);
   }
-  look_along_axes(columns_, t, pose_, count_);
+  look_along_axes(columns_, t, pose_, on_plane(), count_);
   skin.press(t[axial_gap]);
   take_pressure(columns_, t, s, 1.0 / skin.own_normal(), count_);
   if (!effects_.friction.empty()) rate_friction(dt, motion);
   aim(columns_, t, pose_, s, placed_ ? 1.0 : 0.0, count_);
   shear_skin();
   take_shear(columns_, t, pose_, s, count_);
+}
+
+// A pad that has not moved since the step before is as it was, and what slipped sticks.
+void Field::rest_on_skin() {
+  const auto keep = [this](Column now, Column before) { std::copy_n(columns_[before], count_, columns_[now]); };
+  for (const std::size_t k : {0U, 1U, 2U}) {
+    keep(static_cast<Column>(contact_x + k), static_cast<Column>(contact_before_x + k));
+    keep(static_cast<Column>(force_x + k), static_cast<Column>(force_before_x + k));
+    std::fill_n(columns_[slip_x + k], count_, 0.0);
+  }
+  keep(f_normal, f_normal_before);
+  keep(gap, gap_before);
+  keep(limit, limit_before);
+  for (std::size_t i = 0; i < count_; ++i) columns_[mode][i] = std::min(columns_[mode_before][i], 1.0);
 }
 
 // An element that has begun to slip holds mu_k f_n, and what it lets go of loads its neighbours: until none begins.

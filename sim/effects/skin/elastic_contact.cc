@@ -20,9 +20,9 @@ constexpr int most_iterations = 2000;
 }  // namespace
 
 ElasticContact::ElasticContact(std::unique_ptr<Influence> influence, std::size_t elements, double tolerance)
-    : influence_(std::move(influence)), n_(elements), tolerance_(tolerance), memory_(10 * elements) {
+    : influence_(std::move(influence)), n_(elements), tolerance_(tolerance), memory_(10 * elements + 2) {
   const auto n = static_cast<Eigen::Index>(elements);
-  for (Eigen::ArrayXd* a : {&residual_, &direction_, &moved_, &slides_, &touching_}) a->setZero(n);
+  for (Eigen::ArrayXd* a : {&residual_, &direction_, &moved_, &slides_}) a->setZero(n);
   for (Eigen::ArrayX2d* a : {&guess_, &at_guess_, &next_, &at_next_}) a->setZero(n, 2);
 }
 
@@ -76,13 +76,16 @@ void ElasticContact::project(Eigen::ArrayX2d& force, const Eigen::ArrayXd& limit
   force.col(1) *= residual_;
 }
 
-// No part of C is larger than its greatest row sum, which an even load along the diagonal shows to a few per cent.
+// No part of C is larger than its greatest row sum, which an even load along the diagonal shows to a few per cent. It changes little with the
+// contact, and shear() notices where a step is too long.
 void ElasticContact::find_curvature(const Eigen::ArrayXd& limit) {
-  if (curvature_ > 0.0 && ((limit > 0.0).cast<double>() == touching_).all()) return;
-  touching_ = (limit > 0.0).cast<double>();
-  next_.col(0) = next_.col(1) = touching_;
+  constexpr double alike = 0.1;
+  const double count = (limit > 0.0).cast<double>().sum();
+  if (std::abs(count - counted()) <= alike * counted()) return;
+  counted() = count;
+  next_.col(0) = next_.col(1) = (limit > 0.0).cast<double>();
   apply(next_, at_next_);
-  curvature_ = std::max(influence_->own_tangential(), at_next_.maxCoeff());
+  curvature() = std::max(influence_->own_tangential(), at_next_.maxCoeff());
 }
 
 // From the forces of the step before on along what that step added, to the least energy on that line.
@@ -112,7 +115,7 @@ void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& 
   gain_way() = -u;
   q = guess_;
   u = at_guess_;
-  double step = 1.0 / curvature_, momentum = 1.0;
+  double step = 1.0 / curvature(), momentum = 1.0;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     next_ = guess_ - step * (at_guess_ - target);
     project(next_, limit);

@@ -50,6 +50,9 @@ class ElasticContact {
   [[nodiscard]] Pairs pair(std::size_t k) { return {memory_.data() + k * n_, static_cast<Eigen::Index>(n_), 2}; }
   [[nodiscard]] Pairs gain() { return pair(6); }      // N, of friction() in the last step
   [[nodiscard]] Pairs gain_way() { return pair(8); }  // m, of shift()
+  // How many elements touched when the largest curvature of q'C q over them was found, and that [m/N].
+  [[nodiscard]] double& counted() { return memory_[10 * n_]; }
+  [[nodiscard]] double& curvature() { return memory_[10 * n_ + 1]; }
   void project(Eigen::ArrayX2d& force, const Eigen::ArrayXd& limit);
   void guess(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& limit);
   void find_curvature(const Eigen::ArrayXd& limit);
@@ -62,8 +65,6 @@ class ElasticContact {
   Eigen::ArrayXd residual_, direction_, moved_;            // of press()
   Eigen::ArrayX2d guess_, at_guess_, next_, at_next_;     // of shear(): forces and the shifts by them
   Eigen::ArrayXd slides_;
-  Eigen::ArrayXd touching_;  // 1 where limit > 0: those that curvature_ is of
-  double curvature_ = 0.0;   // m/N, the largest of C on them
 };
 
 }  // namespace slipbench

@@ -174,7 +174,7 @@ std::optional<Grid> grid_of(const PadLayout& layout) {
     count[k] = lines.size();
     edge[k] = lines.size() > 1 ? span / static_cast<double>(lines.size() - 1) : 0.0;
   }
-  if (count[0] * count[1] != layout.elements.size()) return std::nullopt;
+  if (count[0] * count[1] != layout.elements.size() || layout.elements.size() == 1) return std::nullopt;
   if (edge[0] == 0.0) edge[0] = edge[1];
   if (edge[1] == 0.0) edge[1] = edge[0];
   Grid grid{count[0], count[1], edge[0], edge[1], {}};
@@ -320,6 +320,9 @@ class MeshInfluence final : public Influence {
         const Element& from = layout.elements[static_cast<std::size_t>(j)];
         const Eigen::Vector3d d = to.tip - from.tip;
         const double r = d.norm();
+        if (i != j && r == 0.0) {
+          throw SceneValueError("effects", fmt::format("elastic_skin: elements {} and {} are at one place; allowed: one element a place, bristles 1", j, i));
+        }
         const Eigen::Matrix3d tensor = c / r * (Eigen::Matrix3d::Identity() + d * d.transpose() / (r * r));
         const Eigen::Matrix3d seen = here.transpose() * tensor * element_frame(from.axis);
         normal_(i, j) = i == j ? own_normal_ : c / r;

@@ -58,6 +58,9 @@ bool springs_changed(const Field& field) {
   return !std::ranges::equal(now, before);
 }
 
+// The springs that a field feels like: those of the sensor, or what an elastic skin makes of them.
+const PadLayout& springs_of(const Field& field, const PadLayout& sensor) { return field.has_skin() ? field.layout() : sensor; }
+
 }  // namespace
 
 double DynamicSimulation::State::rounded_down(double value) {
@@ -91,7 +94,7 @@ void DynamicSimulation::State::find_fields(const Scene& scene) {
     const int instance = mj_name2id(m(), mjOBJ_PLUGIN, scene.sensors[i].name.c_str());
     PadInstance* pad = pad_of(m(), d(), instance);
     double stiffness = 0.0;
-    for (const Element& element : layouts[i]->elements) stiffness += element.k_normal;
+    for (const Element& element : springs_of(pad->fields().front(), *layouts[i]).elements) stiffness += element.k_normal;
     const int site = pad->config().site;
     if (i < read) pad->watch();
     pads.push_back({pad, nullptr, site, m()->site_bodyid[site], scene.sensors[i].damping * stiffness, reach_of(*layouts[i])});
@@ -182,8 +185,9 @@ DynamicSimulation::State::StuckPads DynamicSimulation::State::stuck_pads(bool to
     const Field& field = pad.instance->fields()[contact.field];
     Pose pose = pad_pose(pad);
     PadLayout layout;
+    const PadLayout& springs = springs_of(field, *layouts[contact.pad]);
     if (!touching_only) {
-      layout = *layouts[contact.pad];
+      layout = springs;
       const int geom = pad.instance->config().geoms[contact.field];
       const GeomSurface surface = surface_of_geom(m(), geom);
       const Pose placed = pose_at(d()->geom_xpos + 3 * geom, d()->geom_xmat + 9 * geom) * surface.in_geom;
@@ -195,7 +199,7 @@ DynamicSimulation::State::StuckPads DynamicSimulation::State::stuck_pads(bool to
       if (met.gap > 0.0) pose.position -= met.gap * (placed.rotation * Eigen::Vector3d(met.nx, met.ny, met.nz));
     } else {
       for (std::size_t i = 0; i < field.size(); ++i) {
-        if (field.state(i) != ElementState::detached) layout.elements.push_back(layouts[contact.pad]->elements[i]);
+        if (field.bears(i)) layout.elements.push_back(springs.elements[i]);
       }
     }
     for (Element& element : layout.elements) element.k_tangential += field.stop_stiffness();
@@ -378,12 +382,12 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
     const FieldEffects effects = install_effects(scene.effects, *pad, Plane{}, scene.seed, trial);
     longest = std::min(longest, longest_step(effects, motion ? motion->top_speed(reach_of(*pad)) : 0.0));
     judge_fields = judge_fields && effects.surface.empty() && effects.rheology.empty() && !effects.lean;
-    springs_known = springs_known && effects.rheology.empty() && !effects.lean;
+    springs_known = springs_known && effects.rheology.empty() && !effects.lean && !effects.skin;
   }
   if (!springs_known && options.hand_solver == FieldSolver::implicit_springs) {
     throw SceneValueError(
         "field_solver",
-        "implicit springs of a grasp go without effects that change their stiffness, as viscoelastic and lean do; allowed: auto, explicit");
+        "implicit springs of a grasp go without effects that change their stiffness, as viscoelastic, lean and elastic_skin do; allowed: auto, explicit");
   }
   std::string limited_by = "the scene's effects";
   limited = options.refuse_long_steps && !implicit;

@@ -77,6 +77,9 @@ Field field_of(const mjModel* model, const PadConfig& config, const PadLayout& l
     throw InputError(fmt::format(
         "plugin '{}': effects: inertia needs pads that move as prescribed; allowed here: effects without", config.name));
   }
+  if (effects.skin && config.implicit) {
+    throw InputError(fmt::format("plugin '{}': effects: elastic_skin has no springs for the implicit solver; allowed here: solver explicit", config.name));
+  }
   return {layout, surface, config.friction, std::move(effects)};
 }
 
@@ -451,7 +454,7 @@ void PadInstance::add_touching_tangents(const mjModel* model, const mjData* data
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     PadLayout touching;
     for (std::size_t i = 0; i < fields_[k].size(); ++i) {
-      if (fields_[k].state(i) == ElementState::detached) continue;
+      if (!fields_[k].bears(i)) continue;
       touching.elements.push_back(fields_[k].layout().elements[i]);
       touching.elements.back().k_tangential += fields_[k].stop_stiffness();
     }

@@ -13,7 +13,7 @@ void expect_to_go_on_alike(const std::vector<Wanted>& effects, const std::string
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     RandomStream draw(seed, 0, "effect state");
     PadLayout pad = testing_field::random_pad(draw, 40, seed % 2 == 1);
-    if (installed(pad, effects).tip) {  // which has dashpots of its own
+    if (const FieldEffects made = installed(pad, effects); made.tip || made.skin) {  // which take no dashpots
       for (Element& element : pad.elements) element.c_normal = element.c_tangential = 0.0;
     }
     const Friction friction = testing_field::random_friction(draw);
@@ -47,20 +47,24 @@ void expect_to_go_on_alike(const std::vector<Wanted>& effects, const std::string
 }
 
 TEST(EffectState, EveryEffectGoesOnFromASavedState) {
-  // Columns do not lean on an elliptic cone; tips with mass go with none of cone, lean, rate law and rheology. So all together is three sets.
-  std::vector<Wanted> upright, leaning, with_mass{{"inertia", {}}};
+  // Columns do not lean on an elliptic cone; tips with mass and elastic skins go with none of cone, lean, rate law and rheology, nor with each
+  // other. So all together is four sets.
+  std::vector<Wanted> upright, leaning, with_mass{{"inertia", {}}}, in_one{{"elastic_skin", {}}};
   for (const EffectKind& kind : effect_catalogue()) {
     expect_to_go_on_alike(alone(kind), kind.about.name);
     const FieldEffects effects = installed(one_unit(1000.0, 600.0), alone(kind));
     const Wanted wanted{kind.about.name, {}};
+    if (effects.skin) continue;
     if (!effects.tip && !effects.lean) upright.push_back(wanted);
     if (!effects.tip && !effects.cone) leaning.push_back(wanted);
     const bool maps = effects.cone || effects.lean || effects.rate || !effects.rheology.empty();
     if (!maps && kind.about.name != "inertia") with_mass.push_back(wanted);
+    if (!maps && !effects.tip && !kind.after_tip) in_one.push_back(wanted);
   }
   expect_to_go_on_alike(upright, "all that may be upright");
   expect_to_go_on_alike(leaning, "all that may lean");
   expect_to_go_on_alike(with_mass, "all of tips with mass");
+  expect_to_go_on_alike(in_one, "all of elastic skins");
 }
 
 }  // namespace
