@@ -382,12 +382,12 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
     const FieldEffects effects = install_effects(scene.effects, *pad, Plane{}, scene.seed, trial);
     longest = std::min(longest, longest_step(effects, motion ? motion->top_speed(reach_of(*pad)) : 0.0));
     judge_fields = judge_fields && effects.surface.empty() && effects.rheology.empty() && !effects.lean;
-    springs_known = springs_known && effects.rheology.empty() && !effects.lean && !effects.skin;
+    springs_known = springs_known && effects.rheology.empty() && !effects.lean;
   }
   if (!springs_known && options.hand_solver == FieldSolver::implicit_springs) {
     throw SceneValueError(
         "field_solver",
-        "implicit springs of a grasp go without effects that change their stiffness, as viscoelastic, lean and elastic_skin do; allowed: auto, explicit");
+        "implicit springs of a grasp go without effects that change their stiffness, as viscoelastic and lean do; allowed: auto, explicit");
   }
   std::string limited_by = "the scene's effects";
   limited = options.refuse_long_steps && !implicit;

@@ -62,7 +62,7 @@ Matrix6d added_inertia(const Field& field, double viscous_time, double h) {
   Springs springs;
   for (std::size_t i = 0; i < field.size(); ++i) {
     const ElementState state = field.state(i);
-    if (state == ElementState::detached) continue;
+    if (!field.bears(i)) continue;
     const Element& element = field.layout().elements[i];
     const Vector3d n = field.normal(i), r = field.contact_point(i), slip = field.slip_step(i);
     const double normal = (of_spring + of_dashpot) * element.k_normal;

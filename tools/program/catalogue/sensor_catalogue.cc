@@ -13,7 +13,8 @@
   SENSOR(nib_pad)                 \
   SENSOR(piezo_skin)              \
   SENSOR(biotac_sp)               \
-  SENSOR(myrmex)
+  SENSOR(myrmex)                  \
+  SENSOR(taxels)
 
 namespace slipbench {
 
