@@ -128,6 +128,31 @@ def speed(axes, record, pad):
     axes.set_ylabel("speed (m/s)")
 
 
+def soft_skin():
+    """soft_skin/sphere.yaml half way to sliding, and its force against what Cattaneo and Mindlin say."""
+    scene = slipbench.Scene.load(SCENES / "soft_skin/sphere.yaml")
+    record = scene.run()
+    pad = record.sensors["skin"]
+    radius, depth, friction, modulus = 40.0, 0.15, 0.8, 0.15  # mm, N/mm^2: those of the scene
+    reach = np.sqrt(radius * depth)
+    load = 16 / 3 * modulus * np.sqrt(radius) * depth**1.5
+    slides = 9 * friction * load / (32 * modulus * reach)  # mm, where all of it does
+    body = record.bodies["pad"]
+    way = 1000 * np.interp(pad.time, body["time"], body["pose"][:, 0])
+    there = slice(np.argmax(way > 0), np.argmax(way))
+    picture, left, reading, shares = figure("A sphere is pushed along a soft skin (soft_skin/sphere.yaml)")
+    at = there.start + np.argmax(way[there] > 0.6 * slides)
+    draw_units(left, pad.labels.unit_positions, pad.labels.unit_state[at], 3000 / 256)
+    angle, stuck = np.linspace(0, 2 * np.pi, 100), reach * np.sqrt(0.4)
+    left.plot(stuck * np.cos(angle), stuck * np.sin(angle), color="black", linewidth=1)
+    left.set_title("at 0.6 of the way; line: theory", fontsize=9)
+    reading.plot(pad.time[there], np.linalg.norm(pad.labels.force[there, :, :2].sum(axis=1), axis=1), label="tangential force (N)")
+    reading.plot(pad.time[there], friction * load * (1 - np.clip(1 - way[there] / slides, 0, 1) ** 1.5), "k--", linewidth=1, label="theory")
+    reading.legend(fontsize=8, loc="lower right")
+    draw_shares(shares, pad.time[there], pad.labels.unit_state[there])
+    return picture
+
+
 def benchmark():
     """The truth of one recording of each sensor."""
     picture, axes = plt.subplots(5, figsize=(7, 3), dpi=100, layout="constrained")
@@ -181,6 +206,7 @@ PICTURES = {
     "papillarray": lambda: trial_picture("Press and slide of nine pillars", "papillarray/stage.yaml", "pad", tangential),
     "piezo_skin": lambda: trial_picture("A tip slides over a piezoelectric skin", "piezo_skin/slide.yaml", "pad", counts("signal", "signal"),
                                         draw_pad=closer),
+    "soft_skin": soft_skin,
 }
 
 

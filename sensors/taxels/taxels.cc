@@ -18,6 +18,7 @@ PadLayout grid_of(const Parameters& p) {
   const double pitch = p.number("pitch");
   const double right = 0.5 * static_cast<double>(columns - 1), top = 0.5 * static_cast<double>(rows - 1);
   PadLayout layout;
+  layout.element_truth = true;
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < columns; ++column) {
       Element element;
@@ -44,7 +45,8 @@ class Taxels final : public Sensor {
   explicit Taxels(const Parameters& p)
       : rate_(p.number("rate")),
         layout_(grid_of(p)),
-        channels_{channel_of("force", "N", 'F', layout_.units.size()), channel_of("displacement", "m", 'D', layout_.units.size())},
+        channels_{channel_of("force", "N", 'F', layout_.units.size()),
+                  channel_of("displacement", "m", 'D', layout_.units.size())},
         values_(2 * static_cast<std::size_t>(axes) * layout_.units.size()) {
     frame_.values = values_;
   }
@@ -60,7 +62,9 @@ class Taxels final : public Sensor {
     const Eigen::Index taxels = truth.force.cols();
     using Values = Eigen::Map<Eigen::Array3Xf>;
     Values(values_.data(), axes, taxels) = truth.force.cast<float>();
-    Values(values_.data() + axes * taxels, axes, taxels) = truth.displacement.cast<float>();
+    Values moved(values_.data() + axes * taxels, axes, taxels);
+    moved.topRows<2>() = truth.element_shear.leftCols<2>().transpose().cast<float>();
+    moved.row(2) = (truth.element_shear.col(2) + truth.element_depth).transpose().cast<float>();
     frame_.time = truth.time;
     return frame_;
   }
@@ -80,24 +84,24 @@ class Taxels final : public Sensor {
 
 SensorKind taxels_sensor() {
   const std::string yours = "assumed: a pad of one's own";
-  return {.about = {"taxels",
-                    "A flat grid of three-axis taxels of one's own, without electronics.",
-                    "force: of the object on the taxel; displacement: deformed surface minus undeformed surface",
-                    "none: a sensor of one's own",
-                    {number_spec("rate", Quantity::frequency, "100 Hz", positive, "Samples a second.", yours),
-                     integer_spec("rows", "4", {1.0, 64.0}, "Taxels along Y.", yours),
-                     integer_spec("columns", "4", {1.0, 64.0}, "Taxels along X.", yours),
-                     number_spec("pitch", Quantity::length, "4 mm", positive, "Distance of taxels.", yours),
-                     number_spec("k_normal", Quantity::stiffness, "1 N/mm", positive,
-                                 "Normal stiffness of a taxel; the effect elastic_skin takes its place.", yours),
-                     number_spec("k_tangential", Quantity::stiffness, "0.5 N/mm", positive, "Tangential stiffness, alike.", yours)}},
-          .electronics = {},
-          .create = [](const Parameters& p, const std::vector<Named>&, std::uint64_t, std::uint64_t,
-                       const std::string&) -> std::unique_ptr<Sensor> { return std::make_unique<Taxels>(p); },
-          .view = {.unit = "taxel",
-                   .units = "taxels",
-                   .letter = "T",
-                   .channels = {{"force", "Force"}, {"displacement", "Displacement"}}}};
+  return {
+      .about =
+          {"taxels",
+           "A flat grid of three-axis taxels of one's own, without electronics.",
+           "force: of the object on the taxel; displacement: deformed surface minus undeformed surface, of an elastic skin also where nothing touches it",
+           "none: a sensor of one's own",
+           {number_spec("rate", Quantity::frequency, "100 Hz", positive, "Samples a second.", yours),
+            integer_spec("rows", "4", {1.0, 64.0}, "Taxels along Y.", yours),
+            integer_spec("columns", "4", {1.0, 64.0}, "Taxels along X.", yours),
+            number_spec("pitch", Quantity::length, "4 mm", positive, "Distance of taxels.", yours),
+            number_spec("k_normal", Quantity::stiffness, "1 N/mm", positive,
+                        "Normal stiffness of a taxel; the effect elastic_skin takes its place.", yours),
+            number_spec("k_tangential", Quantity::stiffness, "0.5 N/mm", positive, "Tangential stiffness, alike.", yours)}},
+      .electronics = {},
+      .create = [](const Parameters& p, const std::vector<Named>&, std::uint64_t, std::uint64_t,
+                   const std::string&) -> std::unique_ptr<Sensor> { return std::make_unique<Taxels>(p); },
+      .view = {
+          .unit = "taxel", .units = "taxels", .letter = "T", .channels = {{"force", "Force"}, {"displacement", "Displacement"}}}};
 }
 
 }  // namespace slipbench

@@ -15,8 +15,9 @@ namespace {
 class ElasticSkin final : public SkinEffect {
  public:
   ElasticSkin(const Parameters& p, const PadLayout& layout)
-      : contact_(make_influence(layout, {p.number("shear_modulus"), p.number("thickness")}, p.number("patch") * p.number("patch")),
-                 layout.elements.size(), p.number("tolerance")),
+      : contact_(
+            make_influence(layout, {p.number("shear_modulus"), p.number("thickness")}, p.number("patch") * p.number("patch")),
+            layout.elements.size(), p.number("tolerance")),
         n_(layout.elements.size()) {
     find_punch();
   }
@@ -29,7 +30,7 @@ class ElasticSkin final : public SkinEffect {
   }
   [[nodiscard]] Solution solution() override {
     ElasticContact& c = contact_;
-    return {c.pressure().data(), c.sunk().data(),           c.friction().data(), c.friction().col(1).data(),
+    return {c.pressure().data(), c.sunk().data(),         c.friction().data(), c.friction().col(1).data(),
             c.shift().data(),    c.shift().col(1).data(), c.slides().data()};
   }
   [[nodiscard]] double own_normal() const override { return contact_.influence().own_normal(); }
@@ -75,7 +76,8 @@ EffectKind elastic_skin() {
        {number_spec("shear_modulus", Quantity::pressure, "0.15 MPa", positive, "Shear modulus G; Young's modulus is 3 G.",
                     "assumed: silicone gel of Shore A 15"),
         number_spec("thickness", Quantity::length, "inf", positive_or_infinite,
-                    "Thickness of the layer on its rigid back; inf: a half-space. A layer needs elements on a regular grid.", "free"),
+                    "Thickness of the layer on its rigid back; inf: a half-space. A layer needs elements on a regular grid.",
+                    "free"),
         number_spec("patch", Quantity::length, "1 mm", positive,
                     "Edge of the square that an element stands for, where elements stand on no regular grid.", "assumed"),
         number_spec("tolerance", Quantity::none, "0.0001", {1e-10, 1e-2},
@@ -84,7 +86,8 @@ EffectKind elastic_skin() {
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (effects.skin) throw SceneValueError("effects", "elastic_skin is named twice; allowed: once");
         if (context.dashpots) {
-          throw SceneValueError("effects", "elastic_skin takes the place of the sensor's springs, and this one has dashpots; allowed: damping 0");
+          throw SceneValueError(
+              "effects", "elastic_skin takes the place of the sensor's springs, and this one has dashpots; allowed: damping 0");
         }
         effects.skin = std::make_unique<ElasticSkin>(p, *context.layout);
       }};

@@ -55,8 +55,9 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
                               " moves the tips by a spring, a dashpot and a friction of its own; allowed: one of them");
   }
   if (installed.skin && (installed.tip || !maps_tips.empty())) {
-    throw SceneValueError("effects", "elastic_skin and " + (installed.tip ? moves_tips : maps_tips) +
-                                         " cannot be named together: either says what an element's force is; allowed: one of them");
+    throw SceneValueError("effects",
+                          "elastic_skin and " + (installed.tip ? moves_tips : maps_tips) +
+                              " cannot be named together: either says what an element's force is; allowed: one of them");
   }
   if (installed.lean && installed.cone) {
     throw SceneValueError("effects",

@@ -22,7 +22,6 @@ constexpr std::size_t alignment = 64;
 constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_z, kernel::gap,      kernel::f_normal,
                           kernel::limit,     kernel::mode,      kernel::anchor_x,  kernel::anchor_y, kernel::anchor_z,
                           kernel::force_x,   kernel::force_y,   kernel::force_z,   kernel::path};
-constexpr std::size_t pose_size = 12;  // of the last step, where a skin's rest is told by it
 constexpr std::array kept_of_faces{kernel::faces, kernel::depth_offset};  // and these, unless all meet the one face of a plane
 
 const PadLayout& checked(const PadLayout& layout, const Friction& friction, const FieldEffects& effects) {
@@ -78,10 +77,11 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
         "field: tips with mass need a plane and stand alone: no other cone, rate law, lean, rheology or dashpot");
   }
   if (effects_.skin && (effects_.tip || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
-    throw std::invalid_argument("field: an elastic skin stands alone: no tips with mass, other cone, rate law, lean, rheology or dashpot");
+    throw std::invalid_argument(
+        "field: an elastic skin stands alone: no tips with mass, other cone, rate law, lean, rheology or dashpot");
   }
-  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || effects_.lean || has_memory() || effects_.tip ||
-              effects_.skin;
+  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || effects_.lean || has_memory() ||
+              effects_.tip || effects_.skin;
   const std::size_t columns = extended_ ? all_columns : plain_columns;
   // A stride of whole pages would put the same row of all columns into one set of the L1 cache.
   const std::size_t stride = padded_ + (padded_ % 512 == 0 ? kernel::lanes : 0);
@@ -116,7 +116,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   if (effects_.tip) transmitted_ = transmitted_x;
   std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
   state_size_ = 1 + (kept.size() + (on_plane() ? 0 : kept_of_faces.size())) * count_;
-  if (effects_.skin) state_size_ += pose_size;
+  if (effects_.skin) state_size_ += skin_pose().size();
   effects_.for_each([this](Effect& effect) { state_size_ += effect.memory().size(); });
   const bool springs_alone = !extended_ && !effects_.cone;
   plain_ = springs_alone && on_plane() && contacts_.flat_pad();
@@ -130,8 +130,7 @@ void Field::save_state(std::span<double> state) {
   const auto save = [&](Column column) { out = std::copy_n(columns_[column], count_, out); };
   std::for_each(kept.begin(), kept.end(), save);
   if (!on_plane()) std::for_each(kept_of_faces.begin(), kept_of_faces.end(), save);
-  if (effects_.skin && placed_) out = std::copy_n(pose_.position.data(), 3, std::copy_n(pose_.rotation.data(), 9, out));
-  if (effects_.skin && !placed_) out = std::fill_n(out, pose_size, 0.0);
+  if (effects_.skin) out = std::ranges::copy(skin_pose(), out).out;
   effects_.for_each([&](Effect& effect) { out = std::ranges::copy(effect.memory(), out).out; });
 }
 
@@ -144,22 +143,17 @@ void Field::load_state(std::span<const double> state) {
   };
   std::for_each(kept.begin(), kept.end(), load);
   if (!on_plane()) std::for_each(kept_of_faces.begin(), kept_of_faces.end(), load);
-  if (effects_.skin) {
-    std::copy_n(in, 9, pose_.rotation.data());
-    std::copy_n(in + 9, 3, pose_.position.data());
-    in += static_cast<std::ptrdiff_t>(pose_size);
-  }
-  effects_.for_each([&](Effect& effect) {
-    const std::span<double> memory = effect.memory();
+  const auto load_all = [&](std::span<double> memory) {
     std::copy_n(in, memory.size(), memory.begin());
     in += static_cast<std::ptrdiff_t>(memory.size());
-  });
+  };
+  if (effects_.skin) load_all(skin_pose());
+  effects_.for_each([&](Effect& effect) { load_all(effect.memory()); });
   count_states(all());
   if (active_set_) active_set_->reset();
 }
 
 void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
-  const bool rests = pose_.rotation == pad_in_surface.rotation && pose_.position == pad_in_surface.position;
   pose_ = pad_in_surface;
   events_.clear();
   for (const std::size_t k : {0U, 1U, 2U}) {
@@ -174,7 +168,7 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
   if (plain_ && touching_ == count_ && contacts_.looks_at_plane(pose_)) {
     kernel::slide_on_plane(columns_, pose_, padded_);
   } else if (effects_.skin) {
-    rests && placed_ && effects_.friction.empty() ? rest_on_skin() : step_on_skin(placed_ ? dt : 0.0, motion);
+    step_on_skin(placed_ ? dt : 0.0, motion);
   } else {
     step_in_stages(placed_ ? dt : 0.0, motion);
   }

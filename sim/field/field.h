@@ -179,6 +179,9 @@ class Field {
   [[nodiscard]] static ElementState state_in(double mode) { return static_cast<ElementState>(static_cast<int>(mode)); }
   void step_in_stages(double dt, const Twist* motion);
   void prepare_skin();
+  // Where the pad was in the last step, as a skin remembers it: rotation and position.
+  [[nodiscard]] std::span<double> skin_pose() { return std::span(skin_).last(12); }
+  [[nodiscard]] bool skin_rests();
   void step_on_skin(double dt, const Twist* motion);
   void rest_on_skin();
   void shear_skin();

@@ -17,15 +17,17 @@ namespace {
 
 // Columns of Field::skin_. Frames are constant; the rest is of the step.
 enum SkinColumn : std::size_t {
-  x_axis = 0,          // of the element's frame, in P
+  x_axis = 0,  // of the element's frame, in P
   y_axis = 3,
   z_axis = 6,
-  tip_in_frame = 9,    // undeformed, along these [m]
-  axial_gap = 12,      // [m]
-  cosine,              // between z and the normal
-  lean_x, lean_y,      // of the normal along x and y
-  target_x, target_y,  // g of sim/effects/skin/elastic_contact.h [m]
-  cap,                 // L of it [N]
+  tip_in_frame = 9,  // undeformed, along these [m]
+  axial_gap = 12,    // [m]
+  cosine,            // between z and the normal
+  lean_x,
+  lean_y,  // of the normal along x and y
+  target_x,
+  target_y,  // g of sim/effects/skin/elastic_contact.h [m]
+  cap,       // L of it [N]
   skin_columns
 };
 
@@ -61,7 +63,8 @@ SLIPBENCH_INLINE double along(const SkinTable& t, std::size_t axis, std::size_t 
   return t[axis][i] * v.x + t[axis + 1][i] * v.y + t[axis + 2][i] * v.z;
 }
 SLIPBENCH_INLINE Vector3 from_frame(const SkinTable& t, std::size_t i, double x, double y, double z) {
-  return {t[x_axis][i] * x + t[y_axis][i] * y + t[z_axis][i] * z, t[x_axis + 1][i] * x + t[y_axis + 1][i] * y + t[z_axis + 1][i] * z,
+  return {t[x_axis][i] * x + t[y_axis][i] * y + t[z_axis][i] * z,
+          t[x_axis + 1][i] * x + t[y_axis + 1][i] * y + t[z_axis + 1][i] * z,
           t[x_axis + 2][i] * x + t[y_axis + 2][i] * y + t[z_axis + 2][i] * z};
 }
 // Of the tangent plane's (x, y), in the surface frame.
@@ -140,12 +143,16 @@ SLIPBENCH_DISPATCHED static void take_pressure(const kernel::Columns& c, const S
     c[kernel::gap][i] = touches ? -s.sunk[i] * t[cosine][i] : left;
     c[kernel::f_normal][i] = touches ? pressed : -own_stiffness * left;
     c[kernel::depth][i] = s.sunk[i];
+    // What is apart shifts across its axis; which way the surface leans below it is nothing to it.
+    t[cosine][i] = touches ? t[cosine][i] : 1.0;
+    t[lean_x][i] = touches ? t[lean_x][i] : 0.0;
+    t[lean_y][i] = touches ? t[lean_y][i] : 0.0;
   }
 }
 
 // The shift that the tips would have if all stuck to where they were.
-SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const SkinTable& t, const Pose& pose, const SkinEffect::Solution& s,
-                                     double placed, std::size_t count) {
+SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const SkinTable& t, const Pose& pose,
+                                     const SkinEffect::Solution& s, double placed, std::size_t count) {
   const Rows to_pad(pose.rotation.transpose());
   const double px = pose.position.x(), py = pose.position.y(), pz = pose.position.z();
   SLIPBENCH_VECTORISE
@@ -164,8 +171,8 @@ SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const SkinTable& 
 }
 
 // What the solution makes of the elements.
-SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const SkinTable& t, const Pose& pose, const SkinEffect::Solution& s,
-                                            std::size_t count) {
+SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const SkinTable& t, const Pose& pose,
+                                            const SkinEffect::Solution& s, std::size_t count) {
   const Rows to_surface(pose.rotation);
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
@@ -179,12 +186,14 @@ SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const Skin
     const Vector3 slipped = in_plane(t, to_surface, i, slip * ahead_x, slip * ahead_y);
     const Vector3 force = in_plane(t, to_surface, i, s.shear_x[i], s.shear_y[i]);
     // What is loose, or has touched in this step, is where its root's place and its shift say.
-    const double behind_x = touches != 0.0 ? t[target_x][i] : s.shift_x[i], behind_y = touches != 0.0 ? t[target_y][i] : s.shift_y[i];
+    const double behind_x = touches != 0.0 ? t[target_x][i] : s.shift_x[i],
+                 behind_y = touches != 0.0 ? t[target_y][i] : s.shift_y[i];
     const Vector3 behind = in_plane(t, to_surface, i, behind_x, behind_y);
     const double loose_x = c[kernel::contact_x][i] - behind.x, loose_y = c[kernel::contact_y][i] - behind.y,
                  loose_z = c[kernel::contact_z][i] - behind.z;
     const double stuck_x = c[kernel::anchor_x][i], stuck_y = c[kernel::anchor_y][i], stuck_z = c[kernel::anchor_z][i];
-    const double anchor_x = (stays != 0.0 ? stuck_x : loose_x) + slipped.x, anchor_y = (stays != 0.0 ? stuck_y : loose_y) + slipped.y,
+    const double anchor_x = (stays != 0.0 ? stuck_x : loose_x) + slipped.x,
+                 anchor_y = (stays != 0.0 ? stuck_y : loose_y) + slipped.y,
                  anchor_z = (stays != 0.0 ? stuck_z : loose_z) + slipped.z;
     c[kernel::anchor_x][i] = anchor_x;
     c[kernel::anchor_y][i] = anchor_y;
@@ -204,7 +213,7 @@ SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const Skin
 }
 
 void Field::prepare_skin() {
-  skin_.assign(skin_columns * padded_, 0.0);
+  skin_.assign(skin_columns * padded_ + 12, 0.0);
   const SkinTable t{skin_.data(), padded_};
   const SkinEffect& skin = *effects_.skin;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -228,10 +237,11 @@ void Field::prepare_skin() {
 }
 
 void Field::step_on_skin(double dt, const Twist* motion) {
+  step_ = dt;
+  if (skin_rests()) return rest_on_skin();
   SkinEffect& skin = *effects_.skin;
   const SkinTable t{skin_.data(), padded_};
   const SkinEffect::Solution s = skin.solution();
-  step_ = dt;
   place_loaded(columns_, t, pose_, s, count_);
   contacts_.find(columns_, pose_, all());
   for (const auto& effect : effects_.surface) {
@@ -244,6 +254,16 @@ void Field::step_on_skin(double dt, const Twist* motion) {
   aim(columns_, t, pose_, s, placed_ ? 1.0 : 0.0, count_);
   shear_skin();
   take_shear(columns_, t, pose_, s, count_);
+}
+
+// Whether the pad is where it was, and nothing else could change; remembers where it is.
+bool Field::skin_rests() {
+  const std::span<double> before = skin_pose();
+  const Eigen::Map<Eigen::Matrix3d> rotation(before.data());
+  const Eigen::Map<Eigen::Vector3d> position(before.data() + 9);
+  const bool rests = placed_ && rotation == pose_.rotation && position == pose_.position && effects_.friction.empty();
+  std::copy_n(pose_.position.data(), 3, std::copy_n(pose_.rotation.data(), 9, before.begin()));
+  return rests;
 }
 
 // A pad that has not moved since the step before is as it was, and what slipped sticks.

@@ -203,13 +203,14 @@ TEST(ElasticLayer, GivesAsItsDifferentialEquationSays) {
   for (const double s : {0.05, 0.3, 1.0, 3.0}) {
     const Wave a = from_the_back(s, {0.0, 0.0, 1.0, 0.0}), b = from_the_back(s, {0.0, 0.0, 0.0, 1.0});
     const double determinant = a.tau * b.s - b.tau * a.s;
-    const double pressed_w = (a.tau * b.w - b.tau * a.w) / determinant;   // tau = 0, S = 1 on top
-    const double pushed_u = (b.s * a.u - a.s * b.u) / determinant;        // tau = 1, S = 0
-    double v = 0.0, tau = 1.0;                                            // across, by the same steps
+    const double pressed_w = (a.tau * b.w - b.tau * a.w) / determinant;  // tau = 0, S = 1 on top
+    const double pushed_u = (b.s * a.u - a.s * b.u) / determinant;       // tau = 1, S = 0
+    double v = 0.0, tau = 1.0;                                           // across, by the same steps
     constexpr int steps = 4000;
     for (int k = 0; k < steps; ++k) {
       const double h = s / steps;
-      const double v1 = tau, t1 = v, v2 = tau + 0.5 * h * t1, t2 = v + 0.5 * h * v1, v3 = tau + 0.5 * h * t2, t3 = v + 0.5 * h * v2;
+      const double v1 = tau, t1 = v, v2 = tau + 0.5 * h * t1, t2 = v + 0.5 * h * v1, v3 = tau + 0.5 * h * t2,
+                   t3 = v + 0.5 * h * v2;
       const double v4 = tau + h * t3, t4 = v + h * v3;
       v += h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
       tau += h / 6.0 * (t1 + 2.0 * t2 + 2.0 * t3 + t4);

@@ -23,7 +23,7 @@ namespace slipbench {
 
 class ElasticContact {
  public:
-  using Values = Eigen::Map<Eigen::ArrayXd>;   // [n]
+  using Values = Eigen::Map<Eigen::ArrayXd>;  // [n]
   using Pairs = Eigen::Map<Eigen::ArrayX2d>;  // [n, 2], x and y
 
   // `tolerance`: what the solvers leave undone, overlap as a share of the greatest depth, friction as one of the greatest friction.
@@ -62,8 +62,8 @@ class ElasticContact {
   std::size_t n_;
   double tolerance_;
   std::vector<double> memory_;
-  Eigen::ArrayXd residual_, direction_, moved_;            // of press()
-  Eigen::ArrayX2d guess_, at_guess_, next_, at_next_;     // of shear(): forces and the shifts by them
+  Eigen::ArrayXd residual_, direction_, moved_;        // of press()
+  Eigen::ArrayX2d guess_, at_guess_, next_, at_next_;  // of shear(): forces and the shifts by them
   Eigen::ArrayXd slides_;
 };
 

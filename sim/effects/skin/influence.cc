@@ -12,8 +12,8 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
 #include <fmt/format.h>
+#include <Eigen/Core>
 
 #include "sim/core/error.h"
 #include "sim/core/fftw_planner.h"
@@ -80,8 +80,8 @@ class RigidBack {
     // The functions are even in r: before the first row stands the second.
     const auto k = static_cast<std::ptrdiff_t>(place);
     const double f = place - static_cast<double>(k);
-    const std::array share{-f * (f - 1.0) * (f - 2.0) / 6.0, (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0, -(f + 1.0) * f * (f - 2.0) / 2.0,
-                           (f + 1.0) * f * (f - 1.0) / 6.0};
+    const std::array share{-f * (f - 1.0) * (f - 2.0) / 6.0, (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
+                           -(f + 1.0) * f * (f - 2.0) / 2.0, (f + 1.0) * f * (f - 1.0) / 6.0};
     std::array<double, 3> read{};
     for (std::ptrdiff_t i = 0; i < 4; ++i) {
       const auto& row = rows_[static_cast<std::size_t>(std::abs(k - 1 + i))];
@@ -96,7 +96,7 @@ class RigidBack {
  private:
   // At r = rho t: of the normal part, of what both tangents have alike, and of what turns with the direction.
   static std::array<double, 3> integrals(double rho) {
-    constexpr double far = 20.0;  // where exp(-2 u) is below rounding
+    constexpr double far = 20.0;                                                     // where exp(-2 u) is below rounding
     const auto pieces = static_cast<int>(std::ceil(far * std::max(0.5, rho / pi)));  // short against the waves of J
     const double half = 0.5 * far / pieces;
     std::array<double, 3> sum{};
@@ -148,7 +148,7 @@ Kernel cell_on_cell(double x, double y, double a, double b, const ElasticBody& b
 // A full grid of elements, all along -Z: where each stands in it.
 struct Grid {
   std::size_t columns, rows;
-  double a, b;                      // m, edges of a cell along x and y
+  double a, b;                       // m, edges of a cell along x and y
   std::vector<std::uint32_t> place;  // [n] row * columns + column
 };
 
@@ -321,7 +321,9 @@ class MeshInfluence final : public Influence {
         const Eigen::Vector3d d = to.tip - from.tip;
         const double r = d.norm();
         if (i != j && r == 0.0) {
-          throw SceneValueError("effects", fmt::format("elastic_skin: elements {} and {} are at one place; allowed: one element a place, bristles 1", j, i));
+          throw SceneValueError(
+              "effects",
+              fmt::format("elastic_skin: elements {} and {} are at one place; allowed: one element a place, bristles 1", j, i));
         }
         const Eigen::Matrix3d tensor = c / r * (Eigen::Matrix3d::Identity() + d * d.transpose() / (r * r));
         const Eigen::Matrix3d seen = here.transpose() * tensor * element_frame(from.axis);
@@ -355,27 +357,30 @@ LayerCompliance layer_compliance(double s) {
   const double bottom = std::cosh(2.0 * s) + 1.0 + 2.0 * s * s;
   // sinh 2s - 2s by its series where the difference would cancel.
   const double s2 = s * s;
-  const double difference = s < 0.1 ? s * s2 * (4.0 / 3.0 + s2 * (4.0 / 15.0 + s2 * (8.0 / 315.0 + s2 * 4.0 / 2835.0)))
-                                    : std::sinh(2.0 * s) - 2.0 * s;
+  const double difference =
+      s < 0.1 ? s * s2 * (4.0 / 3.0 + s2 * (4.0 / 15.0 + s2 * (8.0 / 315.0 + s2 * 4.0 / 2835.0))) : std::sinh(2.0 * s) - 2.0 * s;
   return {difference / bottom, (std::sinh(2.0 * s) + 2.0 * s) / bottom, std::tanh(s)};
 }
 
 std::unique_ptr<Influence> make_influence(const PadLayout& layout, const ElasticBody& body, double area) {
   if (const std::optional<Grid> grid = grid_of(layout)) {
     if (std::max(grid->a, grid->b) > (1.0 + rounding) * body.thickness) {
-      throw SceneValueError("effects", fmt::format("elastic_skin: cells of {} are wider than the layer is thick, {}; allowed: a pitch of up to that",
-                                                   format_quantity(std::max(grid->a, grid->b), Quantity::length),
-                                                   format_quantity(body.thickness, Quantity::length)));
+      throw SceneValueError(
+          "effects",
+          fmt::format("elastic_skin: cells of {} are wider than the layer is thick, {}; allowed: a pitch of up to that",
+                      format_quantity(std::max(grid->a, grid->b), Quantity::length),
+                      format_quantity(body.thickness, Quantity::length)));
     }
     return std::make_unique<GridInfluence>(*grid, body);
   }
   constexpr std::size_t most = 1024;
   if (layout.elements.size() > most) {
-    throw SceneValueError("effects", fmt::format("elastic_skin: {} elements on no regular grid; allowed: up to {}",
-                                                 layout.elements.size(), most));
+    throw SceneValueError(
+        "effects", fmt::format("elastic_skin: {} elements on no regular grid; allowed: up to {}", layout.elements.size(), most));
   }
   if (std::isfinite(body.thickness)) {
-    throw SceneValueError("effects", "elastic_skin: a layer needs elements on a regular grid that face one way; allowed here: thickness inf");
+    throw SceneValueError(
+        "effects", "elastic_skin: a layer needs elements on a regular grid that face one way; allowed here: thickness inf");
   }
   return std::make_unique<MeshInfluence>(layout, body, area);
 }

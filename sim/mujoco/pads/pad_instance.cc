@@ -78,7 +78,8 @@ Field field_of(const mjModel* model, const PadConfig& config, const PadLayout& l
         "plugin '{}': effects: inertia needs pads that move as prescribed; allowed here: effects without", config.name));
   }
   if (effects.skin && config.implicit) {
-    throw InputError(fmt::format("plugin '{}': effects: elastic_skin has no springs for the implicit solver; allowed here: solver explicit", config.name));
+    throw InputError(fmt::format(
+        "plugin '{}': effects: elastic_skin has no springs for the implicit solver; allowed here: solver explicit", config.name));
   }
   return {layout, surface, config.friction, std::move(effects)};
 }

@@ -47,8 +47,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"9 kHz", Quantity::frequency, 9e3}, Case{"9 MHz", Quantity::frequency, 9e6}, Case{"9 N", Quantity::force, 9.0},
         Case{"9 mN", Quantity::force, 0.009}, Case{"9 kN", Quantity::force, 9e3}, Case{"9 kg", Quantity::mass, 9.0},
         Case{"9 g", Quantity::mass, 0.009}, Case{"9 N/m", Quantity::stiffness, 9.0}, Case{"9 N/mm", Quantity::stiffness, 9e3},
-        Case{"9 kN/m", Quantity::stiffness, 9e3}, Case{"9 N s/m", Quantity::damping, 9.0},
-        Case{"9 Ns/m", Quantity::damping, 9.0}, Case{"9 MPa", Quantity::pressure, 9e6}));
+        Case{"9 kN/m", Quantity::stiffness, 9e3}, Case{"9 N s/m", Quantity::damping, 9.0}, Case{"9 Ns/m", Quantity::damping, 9.0},
+        Case{"9 MPa", Quantity::pressure, 9e6}));
 
 TEST(ParseQuantity, ReadsTheFormsOfANumber) {
   EXPECT_EQ(parse_quantity("0.004", Quantity::speed), 0.004);

@@ -85,10 +85,12 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
       EXPECT_NO_THROW(default_of(parameter)) << about.name << "." << parameter.name;
     }
     // Pressed 1 mm and slid by 4 mm: finite forces, and the effect has joined the field.
-    const PadLayout pad = one_unit(1000.0, 600.0, kind.about.name == "elastic_skin" ? 1 : 3);  // which couples places, not bristles
+    const PadLayout pad =
+        one_unit(1000.0, 600.0, kind.about.name == "elastic_skin" ? 1 : 3);  // which couples places, not bristles
     FieldEffects effects = installed(pad, alone(kind));
     EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + effects.ringing.size() +
-                  (effects.rate ? 1 : 0) + (effects.cone ? 1 : 0) + (effects.lean ? 1 : 0) + (effects.tip ? 1 : 0) + (effects.skin ? 1 : 0),
+                  (effects.rate ? 1 : 0) + (effects.cone ? 1 : 0) + (effects.lean ? 1 : 0) + (effects.tip ? 1 : 0) +
+                  (effects.skin ? 1 : 0),
               alone(kind).size())
         << about.name;
     Field field(pad, Plane{}, {0.5, 0.4}, std::move(effects));
@@ -96,9 +98,9 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
     EXPECT_TRUE(field.wrench_on_pad().force.allFinite() && field.wrench_on_pad().torque.allFinite()) << about.name;
     EXPECT_GT(field.wrench_on_pad().force.z(), 0.1) << about.name;
   }
-  EXPECT_EQ(names,
-            (std::set<std::string>{"ageing", "anisotropic_friction", "asperities", "elastic_skin", "inertia", "lean", "load_dependent_friction",
-                                   "patchy_friction", "roughness", "stribeck", "texture", "viscoelastic", "viscous_friction"}));
+  EXPECT_EQ(names, (std::set<std::string>{"ageing", "anisotropic_friction", "asperities", "elastic_skin", "inertia", "lean",
+                                          "load_dependent_friction", "patchy_friction", "roughness", "stribeck", "texture",
+                                          "viscoelastic", "viscous_friction"}));
 }
 
 TEST(EffectCatalogue, EffectWithoutStrengthChangesNothing) {

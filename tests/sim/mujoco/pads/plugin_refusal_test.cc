@@ -73,7 +73,7 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
           " units='[0.5]': unit 0 is '0.5'; allowed: a whole number from 1 to 4096");
   refuses(
       site + plate + one + config("effects", "[stribek]"),
-      " effects='[stribek]': unknown effect 'stribek'; did you mean 'stribeck'? allowed: ageing, anisotropic_friction, asperities, inertia, lean, load_dependent_friction, patchy_friction, roughness, stribeck, texture, viscoelastic, viscous_friction");
+      " effects='[stribek]': unknown effect 'stribek'; did you mean 'stribeck'? allowed: ageing, anisotropic_friction, asperities, elastic_skin, inertia, lean, load_dependent_friction, patchy_friction, roughness, stribeck, texture, viscoelastic, viscous_friction");
   refuses(
       site + plate + one + config("material", "acrylc"),
       " material='acrylc': unknown material 'acrylc'; did you mean 'acrylic'? allowed: acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic, wet_felt, wet_paper, wet_ptfe, wet_rubber");
@@ -104,6 +104,11 @@ TEST(PluginRefusal, TipsWithMassNeedAPrescribedMotion) {
   EXPECT_THAT(
       refusal_of_model(on_plane),
       EndsWith("slipbench: plugin 'left': effects: inertia needs pads that move as prescribed; allowed here: effects without"));
+}
+
+TEST(PluginRefusal, SkinsGoWithTheExplicitSolver) {
+  EXPECT_THAT(refusal_of_model(model_of(site + plate + one + config("effects", "[elastic_skin]") + config("solver", "implicit"))),
+              EndsWith("effects: elastic_skin has no springs for the implicit solver; allowed here: solver explicit"));
 }
 
 TEST(PluginRefusal, MessageOfALongTableKeepsItsEnd) {

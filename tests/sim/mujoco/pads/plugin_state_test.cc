@@ -64,6 +64,28 @@ void expect_to_go_on_alike(const mjModel* model, mjData* a, mjData* b, int from,
 
 constexpr int middle = 1500, rest = 700;
 
+// Skins keep forces, shifts and what they gained in the last step; a copy and a state that was set go on with them.
+TEST(PluginState, SkinsGoOnFromACopy) {
+  const std::string skin =
+      config("elements", square(8, 2.5e-3, 1.0, 1.0)) + config("effects", "[{elastic_skin: {shear_modulus: 20 kPa}}]");
+  const Model model = load(grip_xml({.dt = 2e-4, .left = skin, .right = skin}));
+  const mjModel* m = model.get();
+  const Data data = data_of(model), set = data_of(model);
+  run(m, data.get(), 0, middle);
+  const Data copy(mj_copyData(nullptr, m, data.get()));
+  std::vector<mjtNum> state(static_cast<std::size_t>(mj_stateSize(m, mjSTATE_INTEGRATION)));
+  mj_getState(m, data.get(), state.data(), mjSTATE_INTEGRATION);
+  mj_setState(m, set.get(), state.data(), mjSTATE_INTEGRATION);
+  int slid = 0;
+  for (int tick = middle; tick < middle + rest; ++tick) {
+    for (const Data* each : {&data, &copy, &set}) step(m, each->get(), tick);
+    ASSERT_TRUE(same(m, data.get(), copy.get())) << tick;
+    ASSERT_TRUE(same(m, data.get(), set.get())) << tick;
+    slid += static_cast<int>(pad_of(m, data.get(), 0)->fields().front().slipping());
+  }
+  EXPECT_GT(slid, 100);
+}
+
 class PluginState : public testing::TestWithParam<const char*> {
  protected:
   PluginState() : model_(busy_model(GetParam())), data_(data_of(model_)) { model_->opt.gravity[2] = -1.0; }
