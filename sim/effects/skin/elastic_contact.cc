@@ -13,6 +13,13 @@ namespace {
 // Ten times what the worst first step has needed.
 constexpr int most_iterations = 2000;
 
+// How near is near enough, where a step begins `off` the solution and `allowed` of it is tolerated: what a small step asks for is done all but
+// a part. A body that were answered only once it has moved by the tolerance would be pushed after it has passed, and so be shaken.
+double near_enough(double allowed, double off) {
+  constexpr double left = 0.03, nothing = 1e-4;
+  return std::max(nothing * allowed, std::min(allowed, left * off));
+}
+
 [[noreturn]] void fail(const std::string& what) {
   throw InputError("elastic_skin: " + what + " was not found within " + std::to_string(most_iterations) + " iterations");
 }
@@ -32,7 +39,7 @@ void ElasticContact::apply(const Eigen::ArrayX2d& force, Eigen::ArrayX2d& way) {
 
 void ElasticContact::press(const Eigen::ArrayXd& gap) {
   Values p = pressure(), w = sunk();
-  const double depth = std::max(0.0, -gap.minCoeff()), enough = tolerance_ * depth;
+  const double depth = std::max(0.0, -gap.minCoeff());
   if (depth == 0.0) {
     p.setZero();
     w.setZero();
@@ -40,9 +47,11 @@ void ElasticContact::press(const Eigen::ArrayXd& gap) {
   }
   const double own = 1.0 / influence_->own_normal();
   double before = 0.0;  // squared residual of the last iteration; 0: start along the gradient
+  double enough = 0.0;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     residual_ = gap + w;
     const double lack = (p > 0.0).select(residual_.abs(), (-residual_).max(0.0)).maxCoeff();
+    if (iteration == 0) enough = near_enough(tolerance_ * depth, lack);
     if (lack <= enough) return;
     const double now = (p > 0.0).select(residual_.square(), 0.0).sum();
     direction_ = (p > 0.0).select(residual_ + (before > 0.0 ? now / before : 0.0) * direction_, 0.0);
@@ -70,7 +79,6 @@ void ElasticContact::press(const Eigen::ArrayXd& gap) {
 // Onto the discs |q| <= L.
 void ElasticContact::project(Eigen::ArrayX2d& force, const Eigen::ArrayXd& limit) {
   residual_ = (force.col(0).square() + force.col(1).square()).sqrt();
-  slides_ = (residual_ > limit).cast<double>();
   residual_ = (residual_ > limit).select(limit / residual_, 1.0);
   force.col(0) *= residual_;
   force.col(1) *= residual_;
@@ -110,6 +118,9 @@ void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& 
     return;
   }
   find_curvature(limit);
+  next_ = q - (u - target) / curvature();
+  project(next_, limit);
+  const double off = (next_ - q).abs().maxCoeff();
   guess(target, limit);
   gain() = -q;
   gain_way() = -u;
@@ -121,7 +132,9 @@ void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& 
     project(next_, limit);
     constexpr double nothing = 1e-9;  // of what friction could hold: rounding, not a load
     const double size = std::max(next_.abs().maxCoeff(), nothing * greatest);
-    if ((next_ - guess_).abs().maxCoeff() <= tolerance_ * size) {
+    if ((next_ - guess_).abs().maxCoeff() <= near_enough(tolerance_ * size, off)) {
+      constexpr double rounding = 1e-12;
+      slides_ = (q.square().rowwise().sum() >= (1.0 - rounding) * limit.square() && limit > 0.0).cast<double>();
       gain() += q;
       gain_way() += u;
       return;

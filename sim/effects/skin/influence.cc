@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <mutex>
 #include <new>
@@ -23,6 +24,9 @@ namespace slipbench {
 namespace {
 
 using std::numbers::pi;
+
+// The last is FFTW_NO_SIMD of FFTW's own api/fftw3.h.
+constexpr unsigned plan_flags = FFTW_ESTIMATE | 1U << 17U;
 
 // Of a unit force on a cell, at a point: normal, and the three tangential ones [m/N].
 struct Kernel {
@@ -191,23 +195,20 @@ std::optional<Grid> grid_of(const PadLayout& layout) {
   return grid;
 }
 
+// A convolution on a grid of twice the rows and columns, whose second halves bear nothing: their rows need no transform.
 class GridInfluence final : public Influence {
  public:
   GridInfluence(const Grid& grid, const ElasticBody& body)
-      : columns_(2 * grid.columns), rows_(2 * grid.rows), waves_(columns_ / 2 + 1) {
+      : loaded_(grid.rows), columns_(2 * grid.columns), rows_(2 * grid.rows), waves_(columns_ / 2 + 1) {
     for (const std::uint32_t place : grid.place) {
       place_.push_back(static_cast<std::uint32_t>(place / grid.columns * columns_ + place % grid.columns));
     }
-    for (auto& field : field_) field.reset(fftw_alloc_real(rows_ * columns_));
-    for (auto& spectrum : spectrum_) spectrum.reset(fftw_alloc_complex(rows_ * waves_));
-    {
-      const std::lock_guard lock(fftw_planner());
-      const int rows = static_cast<int>(rows_), columns = static_cast<int>(columns_);
-      constexpr unsigned no_vector_code = 1U << 17U;  // FFTW_NO_SIMD of FFTW's own api/fftw3.h
-      forward_.reset(fftw_plan_dft_r2c_2d(rows, columns, field_[0].get(), spectrum_[0].get(), FFTW_ESTIMATE | no_vector_code));
-      back_.reset(fftw_plan_dft_c2r_2d(rows, columns, spectrum_[0].get(), field_[0].get(), FFTW_ESTIMATE | no_vector_code));
+    for (auto& field : field_) {
+      field.reset(fftw_alloc_real(rows_ * columns_));
+      std::fill_n(field.get(), rows_ * columns_, 0.0);
     }
-    if (!forward_ || !back_) throw std::bad_alloc();
+    for (auto& spectrum : spectrum_) spectrum.reset(fftw_alloc_complex(rows_ * waves_));
+    make_plans();
     tabulate(grid, body);
   }
 
@@ -247,14 +248,38 @@ class GridInfluence final : public Influence {
   };
   using Plan = std::unique_ptr<std::remove_pointer_t<fftw_plan>, Destroy>;
 
+  // Rows of real numbers to spectra and back, those that bear something; columns of spectra, in place.
+  void make_plans() {
+    const std::lock_guard lock(fftw_planner());
+    const int length = static_cast<int>(columns_), height = static_cast<int>(rows_), waves = static_cast<int>(waves_),
+              loaded = static_cast<int>(loaded_);
+    double* const field = field_[0].get();
+    fftw_complex* const spectrum = spectrum_[0].get();
+    rows_forward_.reset(fftw_plan_many_dft_r2c(1, &length, loaded, field, nullptr, 1, length, spectrum, nullptr, 1, waves,
+                                               plan_flags | FFTW_PRESERVE_INPUT));
+    rows_back_.reset(
+        fftw_plan_many_dft_c2r(1, &length, loaded, spectrum, nullptr, 1, waves, field, nullptr, 1, length, plan_flags));
+    const auto columns = [&](int sign) {
+      return fftw_plan_many_dft(1, &height, waves, spectrum, nullptr, waves, 1, spectrum, nullptr, waves, 1, sign, plan_flags);
+    };
+    columns_forward_.reset(columns(FFTW_FORWARD));
+    columns_back_.reset(columns(FFTW_BACKWARD));
+    if (!rows_forward_ || !rows_back_ || !columns_forward_ || !columns_back_) throw std::bad_alloc();
+  }
+
   void load(const double* force, std::size_t k) {
     double* const field = field_[k].get();
-    std::fill_n(field, rows_ * columns_, 0.0);
+    fftw_complex* const spectrum = spectrum_[k].get();
+    std::fill_n(field, loaded_ * columns_, 0.0);
     for (std::size_t i = 0; i < place_.size(); ++i) field[place_[i]] = force[i];
-    fftw_execute_dft_r2c(forward_.get(), field, spectrum_[k].get());
+    fftw_execute_dft_r2c(rows_forward_.get(), field, spectrum);
+    std::fill_n(&spectrum[loaded_ * waves_][0], 2 * (rows_ - loaded_) * waves_, 0.0);
+    fftw_execute_dft(columns_forward_.get(), spectrum, spectrum);
   }
   void unload(std::size_t k, double* way) {
-    fftw_execute_dft_c2r(back_.get(), spectrum_[k].get(), field_[k].get());
+    fftw_complex* const spectrum = spectrum_[k].get();
+    fftw_execute_dft(columns_back_.get(), spectrum, spectrum);
+    fftw_execute_dft_c2r(rows_back_.get(), spectrum, field_[k].get());
     for (std::size_t i = 0; i < place_.size(); ++i) way[i] = field_[k].get()[place_[i]];
   }
 
@@ -273,9 +298,17 @@ class GridInfluence final : public Influence {
     }
     own_normal_ = quarter.front().normal;
     own_tangential_ = 0.5 * (quarter.front().xx + quarter.front().yy);
+    std::vector<double> field(rows_ * columns_);
+    std::vector<std::complex<double>> whole(rows_ * waves_);
+    Plan plan;
+    {
+      const std::lock_guard lock(fftw_planner());
+      plan.reset(fftw_plan_dft_r2c_2d(static_cast<int>(rows_), static_cast<int>(columns_), field.data(),
+                                      reinterpret_cast<fftw_complex*>(whole.data()), plan_flags));
+    }
+    if (!plan) throw std::bad_alloc();
     const auto transform = [&](double Kernel::*component, bool odd, std::vector<double>& spectrum) {
-      double* const field = field_[0].get();
-      std::fill_n(field, rows_ * columns_, 0.0);
+      std::ranges::fill(field, 0.0);
       for (std::size_t row = 0; row < grid.rows; ++row) {
         for (std::size_t column = 0; column < grid.columns; ++column) {
           const double value = quarter[row * grid.columns + column].*component;
@@ -284,9 +317,9 @@ class GridInfluence final : public Influence {
           field[row * columns_ + left] = field[below * columns_ + column] = odd ? -value : value;
         }
       }
-      fftw_execute(forward_.get());
+      fftw_execute(plan.get());
       const double scale = 1.0 / static_cast<double>(rows_ * columns_);
-      for (std::size_t k = 0; k < rows_ * waves_; ++k) spectrum.push_back(scale * spectrum_[0].get()[k][0]);
+      for (const std::complex<double>& wave : whole) spectrum.push_back(scale * wave.real());
     };
     transform(&Kernel::normal, false, normal_);
     transform(&Kernel::xx, false, xx_);
@@ -294,11 +327,12 @@ class GridInfluence final : public Influence {
     transform(&Kernel::xy, true, xy_);
   }
 
+  std::size_t loaded_;                  // rows of the pad
   std::size_t columns_, rows_, waves_;  // of the doubled grid
   std::vector<std::uint32_t> place_;    // [n] in it
   std::array<std::unique_ptr<double, Free>, 2> field_;
   std::array<std::unique_ptr<fftw_complex, Free>, 2> spectrum_;
-  Plan forward_, back_;
+  Plan rows_forward_, rows_back_, columns_forward_, columns_back_;
   std::vector<double> normal_, xx_, yy_, xy_;  // [rows, waves] m/N
 };
 

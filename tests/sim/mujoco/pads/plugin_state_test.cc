@@ -68,7 +68,7 @@ constexpr int middle = 1500, rest = 700;
 TEST(PluginState, SkinsGoOnFromACopy) {
   const std::string skin =
       config("elements", square(8, 2.5e-3, 1.0, 1.0)) + config("effects", "[{elastic_skin: {shear_modulus: 20 kPa}}]");
-  const Model model = load(grip_xml({.dt = 2e-4, .left = skin, .right = skin}));
+  const Model model = load(grip_xml({.dt = 5e-4, .left = skin, .right = skin}));
   const mjModel* m = model.get();
   const Data data = data_of(model), set = data_of(model);
   run(m, data.get(), 0, middle);
@@ -84,6 +84,7 @@ TEST(PluginState, SkinsGoOnFromACopy) {
     slid += static_cast<int>(pad_of(m, data.get(), 0)->fields().front().slipping());
   }
   EXPECT_GT(slid, 100);
+  << " " << data->qpos[7] << " " << data->ctrl[0];
 }
 
 class PluginState : public testing::TestWithParam<const char*> {
