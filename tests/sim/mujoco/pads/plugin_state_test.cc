@@ -84,7 +84,6 @@ TEST(PluginState, SkinsGoOnFromACopy) {
     slid += static_cast<int>(pad_of(m, data.get(), 0)->fields().front().slipping());
   }
   EXPECT_GT(slid, 100);
-  << " " << data->qpos[7] << " " << data->ctrl[0];
 }
 
 class PluginState : public testing::TestWithParam<const char*> {
