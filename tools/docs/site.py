@@ -20,6 +20,7 @@ from tree import project_files  # noqa: E402
 PAGE, PICTURE = ".md", (".png", ".svg")
 LANGUAGES = {".h": "cpp", ".cc": "cpp", ".py": "python", ".yaml": "yaml", ".txt": "cmake"}
 PYTHON = "python.md"
+TEX = {r"\\frac\{([^}]*)\}\{([^}]*)\}": r"(\1)/(\2)", r"\\text\{([^}]*)\}": r"\1", r"\\cdot": "·", r"\\mu ?": "μ ", r"\\ge": "≥", r"\\,|\s": " "}
 
 
 @functools.cache
@@ -42,6 +43,11 @@ def linked(text, path):
     return LINK.sub(lambda link: link[0].replace(link[1], page_of(link[1], path)), text)
 
 
+def formula(tex):
+    """A notebook's formula without TeX."""
+    return f"`{functools.reduce(lambda text, rule: re.sub(*rule, text), TEX.items(), tex).strip()}`"
+
+
 def source(path):
     """A page of a source, of all in a folder, or of a notebook's cells."""
     parts = [f"# {path.relative_to(ROOT)}"]
@@ -50,7 +56,8 @@ def source(path):
         if file.suffix == ".ipynb":
             cells = json.loads(text)["cells"]
             texts = [(cell["cell_type"], "".join(cell["source"])) for cell in cells]
-            return "\n\n".join(linked(body, path.relative_to(ROOT)) if kind == "markdown" else f"```python\n{body}\n```" for kind, body in texts)
+            return "\n\n".join(linked(re.sub(r"\$+([^$]+)\$+", lambda found: formula(found[1]), body), path.relative_to(ROOT))
+                               if kind == "markdown" else f"```python\n{body}\n```" for kind, body in texts)
         parts.append(f"```{LANGUAGES.get(file.suffix, 'text')} title=\"{file.name}\"\n{text.rstrip()}\n```")
     return "\n\n".join(parts)
 
