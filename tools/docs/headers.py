@@ -5,7 +5,9 @@ import re
 from tree import project_files
 
 BENCH = ("sim", "sensors", "detectors", "controllers", "tools/base")  # what others include; tools/program is the program
-DECLARATION = re.compile(r"((?:^//.*\n)*)(^[^\s/}#].*\n(?:(?!^(?://|\w)).*\n)*)", re.MULTILINE)
+COMMENT = r"(?:^//.*\n)"
+CODE = r"^(?:template <.*\n)?(?!namespace\b|extern \"C\" {)(?:#define |[^\s/}#]).*\n(?:(?!^(?://|\w|#)).*\n)*"
+DECLARATION = re.compile(f"({COMMENT}*)({CODE})|({COMMENT}+)", re.MULTILINE)
 TYPE = re.compile(r"^(?:template <.*>\s*)?(?:class|struct|enum class) (\w+)")
 
 
@@ -29,18 +31,24 @@ def prose(comment):
 
 def declarations(text):
     """(comment, code without private parts) of what stands in the namespace."""
-    for comment, code in DECLARATION.findall(text):
-        yield comment, re.sub(r"^ private:\n.*?(?=^\};|^ public:|^ protected:)", "", code.rstrip(), flags=re.MULTILINE | re.DOTALL)
+    for comment, code, alone in DECLARATION.findall(text):
+        yield comment or alone, re.sub(r"\n^ private:\n.*?(?=^\};|^ public:|^ protected:)|\n+^\}  // namespace.*", "", code.rstrip(),
+                                       flags=re.MULTILINE | re.DOTALL)
 
 
 def page(root, folder):
+    """The page of a folder's headers, as Markdown."""
     parts = [f"---\nsearch: {{boost: 0.2}}\n---\n# {folder}: headers"]
     if (root / folder / "README.md").exists():
         parts.append(f"[What {folder} is](README.md)")
     for path in sorted((root / folder).glob("*.h")):
-        head, _, body = path.read_text(encoding="utf-8").partition("\nnamespace slipbench")
-        parts += [f"## {path.name}", prose(head.partition("#pragma once")[0])]
-        for comment, code in declarations(body.partition("{\n")[2].partition("\n}  // namespace slipbench")[0] + "\n"):
+        head, _, body = path.read_text(encoding="utf-8").partition("#pragma once\n")
+        parts += [f"## {path.name}", prose(head)]
+        inside = re.search(r"^namespace slipbench[^{]*\{\n(.*)^\}  // namespace slipbench", body, re.MULTILINE | re.DOTALL)
+        for comment, code in declarations(inside[1] if inside else body):  # plugin_abi.h is C
             found = TYPE.match(code)
-            parts += [*([f"### {found[1]}"] if found else []), prose(comment), f"```cpp\n{code}\n```"]
+            if not comment and not found and parts[-1].endswith("\n```"):
+                parts[-1] = f"{parts[-1][:-3]}{code}\n```"
+                continue
+            parts += [f"### {found[1]}" if found else "", prose(comment), f"```cpp\n{code}\n```" if code else ""]
     return "\n\n".join(part for part in parts if part)
