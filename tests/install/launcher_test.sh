@@ -89,6 +89,8 @@ launch run & launch run & wait
 
 launch demo now
 [[ $status == 2 ]] || fail "demo takes no arguments"
+launch docs now
+[[ $status == 2 && $(<"$work/stderr") == "slipbench: docs takes no arguments, found: now" ]] || fail "docs takes no arguments"
 
 # What lasts is told: the step, how many there are, and what the command said last; at least every five seconds.
 stand_in cmake 'echo "[1/9] Building"; sleep 7; echo "[9/9] Linking"'

@@ -82,10 +82,14 @@ def commands(text):
                     yield "run", command
 
 
+def anchor(heading):
+    """The anchor of a heading, as GitHub makes it."""
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
 def headings(text):
-    """The anchors of a text's headings, as GitHub makes them."""
-    return {re.sub(r"[^\w\- ]", "", line.lstrip("#").strip().lower()).replace(" ", "-")
-            for line in FENCE.sub("", text).splitlines() if line.startswith("#")}
+    """The anchors of a text's headings."""
+    return {anchor(line.lstrip("#")) for line in FENCE.sub("", text).splitlines() if line.startswith("#")}
 
 
 def expand(name):

@@ -1,29 +1,53 @@
-"""Writes the reference of the package slipbench, one HTML file made from its docstrings: reference.py FILE.html."""
+"""The reference of the package slipbench as Markdown, made from its docstrings: a page of the site (tools/docs). With `python reference.py` on stdout."""
 
 import importlib
 import pkgutil
 import re
-import sys
-from pathlib import Path
+from collections.abc import Iterator
 
-import pdoc
+import pdoc.doc
+import pdoc.docstrings
 
 import slipbench
 
+# What numpy makes of NDArray[float32].
+ARRAY = re.compile(r"numpy\.ndarray\[tuple\[typing\.Any, \.\.\.\], numpy\.dtype\[(?:numpy\.|typing\.)?(\w+)\]\]")
+
+
+def is_public(doc: pdoc.doc.Doc) -> bool:
+    """The attributes of a class stand in its docstring. A constructor is for users where it has a docstring."""
+    return bool(doc.docstring) and (doc.name == "__init__" or not doc.name.startswith("_"))
+
+
+def declaration(doc: pdoc.doc.Doc) -> str:
+    """How it is written: `def run(self, ...) -> Trial`; a dataclass with its fields."""
+    if isinstance(doc, pdoc.doc.Function):
+        text = "\n".join([*doc.decorators, f"{doc.funcdef} {doc.name}{doc.signature}"])
+    elif isinstance(doc, pdoc.doc.Class):
+        text = f"class {doc.name}{doc.members['__init__'].signature_without_self if doc.decorators else ''}"
+    else:
+        text = f"{doc.name}{doc.annotation_str}"
+    return ARRAY.sub(r"NDArray[\1]", text)
+
+
+def entries(doc: pdoc.doc.Doc, level: int) -> Iterator[str]:
+    """A name with all that it holds."""
+    yield f"{'#' * level} {doc.qualname or doc.modulename} {{#{doc.fullname}}}"
+    if doc.kind != "module":
+        yield f"```python\n{declaration(doc)}\n```"
+    yield re.sub(r"^#{6} (.+):$", r"**\1**\n", pdoc.docstrings.convert(doc.docstring, "google", None), flags=re.MULTILINE)
+    for member in getattr(doc, "own_members", []):
+        if is_public(member):
+            yield from entries(member, level + 1)
+
 
 def page() -> str:
-    """The reference as HTML."""
-    pdoc.render.configure(docformat="google", search=False, show_source=False, template_directory=Path(__file__).parent)
-    names = [module.name for module in pkgutil.iter_modules(slipbench.__path__) if not module.name.startswith("_")]
-    pdoc.render.env.globals["others"] = [pdoc.doc.Module(importlib.import_module(f"slipbench.{name}")) for name in sorted(names)]
-    first = pdoc.doc.Module(slipbench)
-    html = pdoc.render.html_module(first, {"slipbench": first})
-    # numpy.ndarray[tuple[typing.Any, ...], numpy.dtype[numpy.float32]] is what numpy makes of NDArray[float32].
-    words = "numpy|.|ndarray|[|tuple|[|typing|.|Any|,|...|],|numpy|.|dtype|[".split("|")
-    tags = r"(?:\s|<[^>]+>)*"
-    array = tags.join(map(re.escape, words)) + rf"{tags}(?:numpy{tags}\.{tags})?((?:\w|\.|{tags})+?){tags}\]\]"
-    return re.sub(array, lambda found: f"NDArray[{re.sub(tags, '', found[1])}]", html)
+    """The whole page."""
+    names = sorted(module.name for module in pkgutil.iter_modules(slipbench.__path__) if not module.name.startswith("_"))
+    modules = [slipbench, *(importlib.import_module(f"slipbench.{name}") for name in names)]
+    parts = [part for module in modules for part in entries(pdoc.doc.Module(module), 2)]
+    return "\n\n".join([f"# Python, version {slipbench.__version__}", *parts])
 
 
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(page(), encoding="utf-8")
+    print(page())
