@@ -44,7 +44,7 @@ std::string policy_hash(const std::string& content) {
 }
 
 // Nothing but the page's own style and script is applied or run, whatever got into the page; the empty picture of its tab is
-// data. Dygraphs draws with style attributes.
+// data. Scripts colour marks by style attributes.
 std::string policy(const std::string& styles, const std::string& scripts) {
   std::string text = "default-src 'none'; style-src-elem " + policy_hash(on_own_lines(styles));
   if (!scripts.empty()) text += "; style-src-attr 'unsafe-inline'; script-src " + policy_hash(on_own_lines(scripts));

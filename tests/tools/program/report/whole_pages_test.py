@@ -70,8 +70,7 @@ FAULTS = r"""(async () => {
   // Of the letters: the element of a label is wider.
   const box = text => { if (text instanceof SVGElement) return text.getBoundingClientRect(); const range = document.createRange(); range.selectNodeContents(text); return range.getBoundingClientRect(); };
   const overlap = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3;
-  const groups = [...document.querySelectorAll('svg')].map(svg => [...svg.querySelectorAll('text')]).concat(
-      [...document.querySelectorAll('.chart')].map(chart => [...chart.querySelectorAll('.dygraph-axis-label')]));
+  const groups = [...document.querySelectorAll('svg')].map(svg => [...svg.querySelectorAll('text')]);
   for (const texts of groups) {
     const boxes = texts.filter(text => shown(text) && text.textContent.trim()).map(text => [text, box(text)]);
     boxes.forEach(([one, a], i) => boxes.slice(i + 1).forEach(([other, b]) => {

@@ -7,18 +7,16 @@ const el = sb.element;
 sb.detectorName = type => type === 'truth' ? 'truth (oracle)' : type;
 
 // Counts, a row a true state, and its recall.
-function confusionTable(counts) {
-  const head = ['truth', ...sb.states.pad.map(state => 'seen as ' + state.name), 'recall'];
-  return el(
-      'div.scroll', {},
-      el('table', {}, el('thead', {}, el('tr', {}, head.map((text, i) => el(i === 0 ? 'th.text' : 'th', {}, text)))),
-         el('tbody', {}, counts.map((row, truth) => {
-           return el(
-               'tr', {}, el('td.text', {}, el('b', {}, sb.states.pad[truth].name)),
-               row.map((count, seen) => el('td', {}, seen === truth ? el('b', {}, String(count)) : String(count))),
-               el('td', {}, truth === 0 ? '–' : sb.percent(sb.scores.recall(counts, truth))));
-         }))));
-}
+const confusionTable = counts => sb.table(
+    [
+      {title: 'truth', kind: 'text', cell: truth => el('b', {}, sb.states.pad[truth].name)},
+      ...sb.states.pad.map((state, seen) => ({
+        title: 'seen as ' + state.name,
+        cell: truth => seen === truth ? el('b', {}, String(counts[truth][seen])) : String(counts[truth][seen])
+      })),
+      {title: 'recall', cell: truth => truth === 0 ? '–' : sb.percent(sb.scores.recall(counts, truth))}
+    ],
+    d3.range(counts.length));
 
 // How the detector did in one trial: figure of the card, [name, value, note].
 sb.detectionFigure = detector => {
@@ -38,8 +36,8 @@ sb.detections = trials => {
   const [seen, early, missed] = ['seen', 'early', 'missed'].map(of);
   const delays = seen.map(trial => trial.detector.delay_s);
   return {
-    delay_s: delays.length ? d3.median(delays) : null,
-    worst_s: delays.length ? d3.max(delays) : null,
+    delay_s: d3.median(delays) ?? null,
+    worst_s: d3.max(delays) ?? null,
     seen: seen.length,
     early: early.length,
     missed: missed.length,
@@ -67,8 +65,7 @@ function figuresTable(trials, counts) {
     ['accuracy', sb.percent(scores.accuracy(counts))],
     ['of the best constant answer', sb.percent(scores.constantAccuracy(counts))],
   ];
-  return el('div.scroll', {}, el('table', {}, el('thead', {}, el('tr', {}, columns.map(([name]) => el('th', {}, name)))),
-                                 el('tbody', {}, el('tr', {}, columns.map(([, value]) => el('td', {}, value))))));
+  return sb.table(columns.map(([title, value]) => ({title, cell: () => value})), [null]);
 }
 
 // `trials`: all with a detector of the same type.

@@ -5,26 +5,10 @@ const el = sb.element;
 const {subtract, product, placed, inFrame, block, bar, solid, drawingOrder, drawSolid, path, lit, Camera} = sb.space;
 
 // m. What a dataset does not say of the gripper's looks.
-const finger = {
-  halfWidth: 0.0135,
-  below: 0.02,
-  above: 0.085,
-  thick: 0.011
-};
-const palm = {
-  from: 0.085,
-  to: 0.112,
-  halfLength: 0.085,
-  halfWidth: 0.03
-};
-const wrist = {
-  radius: 0.026,
-  height: 0.035
-};
-const table = {
-  half: 0.115,
-  thick: 0.006
-};
+const finger = {halfWidth: 0.0135, below: 0.02, above: 0.085, thick: 0.011};
+const palm = {from: 0.085, to: 0.112, halfLength: 0.085, halfWidth: 0.03};
+const wrist = {radius: 0.026, height: 0.035};
+const table = {half: 0.115, thick: 0.006};
 const layer = 0.004;  // of a silicone pad
 
 // The sensor's units as bars; a unit that lets go has the look of its state.
@@ -65,23 +49,17 @@ class PadSolids {
 
 class GraspView {
   constructor(parent, grasp, recording, timeline) {
-    this.grasp = grasp;
-    this.recording = recording;
     // The pads are those that carry; the sensor has one of them or follows it.
-    this.own = recording.place;
-    this.other = grasp.pads.find(name => name !== this.own);
-    this.timeline = timeline;
-    this.pad = new PadSolids(recording);
-    this.camera = new Camera();
-    this.close = false;
+    const own = recording.place, other = grasp.pads.find(name => name !== own);
+    Object.assign(
+        this, {grasp, recording, timeline, own, other, pad: new PadSolids(recording), camera: new Camera(), close: false});
     this.canvas = el('canvas', {
       role: 'img',
       'aria-label': 'Gripper, box and table at the cursor; drag to turn, double-click for the first view'
     });
     this.node = el('div.space', {}, this.canvas);
     parent.append(this.node);
-    this.node.classList.add('saved');
-    this.node.append(sb.saveButtons({title: () => 'Grasp', drawing: () => this.drawing(), rows: () => this.savedRows()}));
+    sb.saveCorner(this.node, 'Grasp', () => this.drawing(), () => this.savedRows());
     this.handlePointer();
     const first = grasp.poseAt(timeline.full[0]);
     this.boxSize = grasp.size('box') || [0.06, 0.06, 0.1];
@@ -102,9 +80,9 @@ class GraspView {
 
   // The picture as it is on the page.
   drawing() {
-    const drawing = new sb.Drawing(this.node.clientWidth, this.node.clientHeight);
-    drawing.picture(0, 0, drawing.width, drawing.height, this.canvas);
-    return drawing;
+    const {clientWidth: width, clientHeight: height} = this.node;
+    return sb.mark(
+        'svg', {viewBox: [0, 0, width, height].join(' ')}, sb.mark('image', {width, height, href: this.canvas.toDataURL()}));
   }
 
   // Where the bodies are at every instant that is stored.

@@ -16,17 +16,18 @@ class PadPicture {
     const {recording} = pad, {channel, cells, width, rest, falls, note} = sb.padPicture(recording);
     const {time, unit, columns, names} = recording.emitted(channel);
     Object.assign(this, {time, note});
-    const places = cells.map(
-        cell => [pad.x, pad.y].map(along => d3.mean(cell, i => along(recording.positions[i]))));
+    const places = cells.map(cell => [pad.x, pad.y].map(along => d3.mean(cell, i => along(recording.positions[i]))));
     const paths = outlines(columns.length / cells.length, 0.5 * width * pitch);
     this.parts = columns.map((column, i) => {
       const at_rest = rest === null ? column[0] : rest;
-      const path = svg.append('path')
-                       .attr('transform', 'translate(' + places[Math.floor(i / paths.length)] + ')')
-                       .attr('d', paths[i % paths.length])
-                       .style('stroke', 'var(--line)')
-                       .attr('stroke-width', Math.min(0.8, 0.05 * pitch));
-      const title = path.append('title');
+      const title = sb.mark('title'), place = places[Math.floor(i / paths.length)];
+      const path = sb.mark('path', {
+        transform: 'translate(' + place + ')',
+        d: paths[i % paths.length],
+        stroke: 'var(--line)',
+        'stroke-width': Math.min(0.8, 0.05 * pitch)
+      }, title);
+      svg.append(path);
       const text = value => names[i] + ': ' + sb.quantity(value, unit, 5) + ', ' + sb.quantity(value - at_rest, unit, 5) +
           (rest === null ? ' from its first reading' : ' from rest');
       return {path, title, text, column, change: row => (column[row] - at_rest) * (falls ? -1 : 1)};
@@ -37,8 +38,9 @@ class PadPicture {
   update(t) {
     const row = sb.rowAt(this.time, t);
     for (const {path, title, text, column, change} of this.parts) {
-      path.style('fill', change(row) < 0 ? 'var(--partial)' : 'var(--accent)').style('fill-opacity', 0.75 * Math.abs(change(row)) / this.largest);
-      title.text(text(column[row]));
+      path.style.fill = change(row) < 0 ? 'var(--partial)' : 'var(--accent)';
+      path.style.fillOpacity = 0.75 * Math.abs(change(row)) / this.largest;
+      title.textContent = text(column[row]);
     }
   }
 }
@@ -50,7 +52,7 @@ sb.padPicture = recording => {
   const emitted = picture && recording.emitted(picture.channel);
   if (!emitted) return null;
   const cells = picture.cells.length ? picture.cells : d3.range(recording.units).map(unit => [unit]);
-  return [1, 4].includes(emitted.columns.length / cells.length) ? Object.assign({}, picture, {cells}) : null;
+  return [1, 4].includes(emitted.columns.length / cells.length) ? {...picture, cells} : null;
 };
 
 sb.PadPicture = PadPicture;
