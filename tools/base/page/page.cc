@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "tools/base/page/pack.h"
 #include "tools/base/record/encoder.h"
 
@@ -84,6 +86,8 @@ std::string row_html(const std::vector<std::string>& cells, std::string_view tag
   return html + "</tr>\n";
 }
 
+std::string note_html(const std::string& text) { return fmt::format("<p class=\"note\">{}</p>\n", escape_html(text)); }
+
 }  // namespace
 
 std::string_view embedded(const std::vector<Asset>& files, std::string_view name) {
@@ -142,6 +146,20 @@ std::string table_html(const std::vector<std::string>& head, const std::vector<s
   std::string html = "<div class=\"scroll\"><table class=\"plain\">\n<thead>" + row_html(head, "th") + "</thead>\n<tbody>\n";
   for (const std::vector<std::string>& row : rows) html += row_html(row, "td");
   return html + "</tbody></table></div>\n";
+}
+
+std::string head_html(std::string_view generator, const std::string& title, const std::vector<std::string>& notes,
+                      const std::string& command) {
+  std::string html =
+      fmt::format("<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>{}</h1>\n", generator, escape_html(title));
+  for (const std::string& note : notes) html += note_html(note);
+  if (!command.empty()) html += fmt::format("<p class=\"note\"><code>{}</code></p>\n", escape_html(command));
+  return html + "</header>\n";
+}
+
+std::string section_html(const std::string& title, const std::string& note, const std::string& content) {
+  const std::string said = note.empty() ? "" : note_html(note);
+  return fmt::format("<section><h2>{}</h2>\n{}{}</section>\n", escape_html(title), said, content);
 }
 
 std::string list_html(const std::vector<std::string>& items) {
