@@ -17,7 +17,7 @@
 #include "tools/base/page/svg.h"
 #include "tools/program/cost/assets.h"
 #include "tools/program/cost/cost_json.h"
-#include "tools/program/report/report_page.h"
+#include "tools/program/report/report.h"
 
 namespace slipbench::cost {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "tests/tools/base/page/web_files.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/report/report_page.h"
+#include "tools/program/report/report.h"
 
 namespace slipbench::report {
 namespace {
