@@ -40,8 +40,8 @@ sb.logTicks = ([low, high], room, needed) => {
       .filter(tick => tick >= low && tick <= high);
 };
 
-// An SVG with axes. box: {width, height, left, right, top, bottom}: its size, and what is beside the plot [px]. x, y: {title, ticks,
-// at(tick): where it stands [px], text(tick), bare: no lines}.
+// An SVG with axes. box: {width, height, left, right, top, bottom}: its size, and what is beside the plot [px]. x, y: {title,
+// ticks, at(tick): where it stands [px], text(tick), bare: no lines}.
 sb.axes = ({width, height, left, right, top, bottom}, x, y, attributes) => {
   const end = width - right, foot = height - bottom;
   return mark(

@@ -16,8 +16,8 @@ sb.fixed = (value, decimals) => {
   const text = value.toFixed(decimals);
   return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
 };
-// Nodes in one expression: element('p.note', {title: 'x'}, 'text', child). Text is never parsed as HTML; what is null, undefined or false
-// is left out.
+// Nodes in one expression: element('p.note', {title: 'x'}, 'text', child). Text is never parsed as HTML; what is null,
+// undefined or false is left out.
 const made = create => (selector, attributes, ...children) => {
   const [tag, ...classes] = selector.split('.').filter(part => part);
   const node = create(tag);
@@ -76,6 +76,10 @@ sb.segments = (name, options, value, change) => {
   return node;
 };
 
+// A section below its title; note: texts, "" for none.
+sb.section = (title, note, ...content) =>
+    el('section', {}, el('h2', {}, title), note.length > 0 && el('p.note', {}, note), content);
+
 // Figures side by side: [name, value, note, class of the value].
 sb.figures = entries => el(
     'div.figures', {},
@@ -87,9 +91,9 @@ sb.facts = (kind, entries) => el(
     entries.filter(([, value]) => value !== null && value !== undefined)
         .map(([name, value]) => el('div', {}, el('dt', {}, name), el('dd', {}, value))));
 
-// A table. columns: [{title, note, kind: 'text' stands left, 'text.long' may wrap, cell(row): what is shown, or the cell itself, value(row):
-// what its head sorts by: a number, a text, or null, which stands last}]. rowNode(row, cells): the <tr>. `step`: so many rows at once,
-// others when they are asked for. Returns {node, refresh, fill(count), order()}.
+// A table. columns: [{title, note, kind: 'text' stands left, 'text.long' may wrap, cell(row): what is shown, or the cell
+// itself, value(row): what its head sorts by: a number, a text, or null, which stands last}]. rowNode(row, cells): the <tr>.
+// `step`: so many rows at once, others when they are asked for. Returns {node, refresh, fill(count), order()}.
 sb.sortedTable = (columns, rows, rowNode = (row, cells) => el('tr', {}, cells), step = rows.length) => {
   let order = rows, by = null, ascending = true;
   const body = el('tbody');
@@ -121,18 +125,4 @@ sb.sortedTable = (columns, rows, rowNode = (row, cells) => el('tr', {}, cells), 
   return {node: el('table', {}, el('thead', {}, el('tr', {}, heads)), body), refresh, fill, order: () => order};
 };
 sb.table = (columns, rows, rowNode) => el('div.scroll', {}, sb.sortedTable(columns, rows, rowNode).node);
-
-// Follows the reader's light or dark setting; printing is light. `changed`, if there, is told after each change.
-sb.followTheme = changed => {
-  const dark = window.matchMedia('(prefers-color-scheme: dark)');
-  const set = name => {
-    document.documentElement.dataset.theme = name;
-    if (changed) changed();
-  };
-  const follow = () => set(dark.matches ? 'dark' : 'light');
-  follow();
-  dark.addEventListener('change', follow);
-  window.addEventListener('beforeprint', () => set('light'));
-  window.addEventListener('afterprint', follow);
-};
 })(window.slipbench = window.slipbench || {});

@@ -214,10 +214,7 @@ function names({box, marks}) {
 function markNode({row, kind, number, bare, x, y}) {
   const index = choice.seriesIndex(row);
   const attributes = {
-    transform: 'translate(' + [x, y] + ')',
-    tabindex: -1,
-    role: 'button',
-    'aria-label': spoken(row),
+    transform: 'translate(' + [x, y] + ')', tabindex: -1, role: 'button', 'aria-label': spoken(row),
     style: 'color:' + (kind === 'unrun' ? 'var(--soft)' : sb.hue(index))
   };
   return mark(
@@ -263,7 +260,7 @@ class Diagram {
     this.note.replaceChildren(...this.remark(rows).map(line => el('p', {}, line)));
     this.listAside(marks);
     this.mark();
-    if (focused) this.focus(0);
+    if (focused) this.nodes[0]?.focus();
   }
 
   // Pointing shows a row, a click or Enter selects it; arrow keys go on from mark to mark.
@@ -295,7 +292,7 @@ class Diagram {
       const at = this.nodes.indexOf(document.activeElement);
       const steps = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1, Home: -this.nodes.length, End: this.nodes.length};
       if (event.key in steps)
-        this.focus(Math.min(this.nodes.length - 1, Math.max(0, at + steps[event.key])));
+        this.nodes[Math.min(this.nodes.length - 1, Math.max(0, at + steps[event.key]))]?.focus();
       else if (at >= 0 && (event.key === 'Enter' || event.key === ' '))
         choice.select(this.order[at].row);
       else if (event.key === 'Escape')
@@ -315,10 +312,6 @@ class Diagram {
         sb.hideTip();
       });
     });
-  }
-
-  focus(index) {
-    this.nodes[index]?.focus();
   }
 
   lines({row, number}) {
@@ -458,8 +451,9 @@ function detail() {
 
 sb.diagramSection = () => {
   const diagram = new Diagram();
-  return el(
-      'section', {}, el('h2', {}, 'What accuracy costs'), controls(), legend(),
-      el('div.explorer', {}, el('div', {}, diagram.host, diagram.note, diagram.failures, diagram.unrun), detail()), sb.pricesTable());
+  return sb.section(
+      'What accuracy costs', '', controls(), legend(),
+      el('div.explorer', {}, el('div', {}, diagram.host, diagram.note, diagram.failures, diagram.unrun), detail()),
+      sb.pricesTable());
 };
 })(window.slipbench);

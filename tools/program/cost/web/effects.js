@@ -63,14 +63,15 @@ sb.effectsSection = effects => {
     })),
     {title: 'so', kind: 'text.long', cell: conclusion}
   ];
-  return el(
-      'section', {}, el('h2', {}, 'The price of each effect'),
-      el('p.note', {},
-         'The scene with each effect taken out in turn: the share of its CPU time that this saves, with its interval, ' +
-             'and how much it changes at worst. What an effect saves beside others may differ.',
-         ordered.some(effect => moved.some(name => other(effect, name))) &&
-             ' Other: something happens with it and not without, or the other way round.',
-         still.length > 0 && ' None of them changes: ' + still.map(titleOf).join(', ') + '.'),
+  return sb.section(
+      'The price of each effect',
+      [
+        'The scene with each effect taken out in turn: the share of its CPU time that this saves, with its interval, ' +
+            'and how much it changes at worst. What an effect saves beside others may differ.',
+        ordered.some(effect => moved.some(name => other(effect, name))) &&
+            ' Other: something happens with it and not without, or the other way round.',
+        still.length > 0 && ' None of them changes: ' + still.map(titleOf).join(', ') + '.'
+      ],
       idle.length > 0 &&
           el('p.warning', {}, el('b', {}, idle.map(effect => effect.name).join(', ')),
              (idle.length > 1 ? ' cost time here and change' : ' costs time here and changes') + ' nothing that was measured.'),

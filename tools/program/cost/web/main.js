@@ -33,15 +33,10 @@ function reference() {
       ' (' + reference.kind + ': ' + reference.settings + ') ', sb.copyButton(reference.command));
 }
 
-const remarks = texts =>
-    texts.length ? el('section', {}, el('h2', {}, 'Remarks'), el('ul', {}, texts.map(text => el('li', {}, text)))) : null;
+const remarks = texts => texts.length ? sb.section('Remarks', '', el('ul', {}, texts.map(text => el('li', {}, text)))) : null;
 
 const words = {
-  cpu: 'CPU',
-  os: 'system',
-  build_type: 'build',
-  mujoco: 'MuJoCo',
-  load: 'load at the start'
+  cpu: 'CPU', os: 'system', build_type: 'build', mujoco: 'MuJoCo', load: 'load at the start'
 };
 const environment = entries => el('dl', {}, Object.entries(entries).map(([name, value]) => [
   el('dt', {}, words[name] || name), el('dd', {}, value === null || value === '' ? sb.missing : String(value))
@@ -57,7 +52,6 @@ function footer() {
          el('pre', {}, document.getElementById('licences').textContent.trim())));
 }
 
-sb.followTheme();
 const page = document.getElementById('page');
 const parts = [header()];
 if (explored) {

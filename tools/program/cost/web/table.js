@@ -81,6 +81,6 @@ sb.rowsSection = () => {
   choice.on('row', mark);
   choice.on('view', view);
   view();
-  return el('section', {}, el('h2', {}, 'All runs'), note, holder);
+  return sb.section('All runs', '', note, holder);
 };
 })(window.slipbench);

@@ -106,7 +106,7 @@ sb.chartTitle = (name, note) => el('div.chart-title', {}, el('span', {}, el('b',
 // The section of a sensor's channels; null where every channel is one of its units' curves.
 sb.channelSection = (recording, timeline) => {
   if (!recording.channels.length && !recording.spectra.length) return null;
-  const section = el('section', {}, el('h2', {}, 'What the sensor emits'));
+  const section = sb.section('What the sensor emits', '');
   const charts = recording.channels.map(channel => channelCharts(channel, recording, timeline));
   return {
     section,

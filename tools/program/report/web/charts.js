@@ -7,8 +7,8 @@ const left = 44, right = 6;  // px beside every plot, so that all time axes line
 const times = 20;            // px below a plot, of the names of instants
 const px = value => +value.toFixed(1);
 
-// What all charts over time do: they are drawn at their width for the window of the timeline, hovering moves its cursor, dragging zooms,
-// a double click shows all, and they are saved as they are, with their heading.
+// What all charts over time do: they are drawn at their width for the window of the timeline, hovering moves its cursor,
+// dragging zooms, a double click shows all, and they are saved as they are, with their heading.
 // A chart has contents() and savedRows(); `height` [px] is its plot's, `foot` what the page shows below that.
 class TimeChart {
   constructor(parent, timeline, title, label, height, foot) {
@@ -154,7 +154,8 @@ class StateRows extends TimeChart {
   }
 }
 
-// An axis that holds all values, with room beside the largest and from zero on. Counts far from zero would be a flat line on such an axis.
+// An axis that holds all values, with room beside the largest and from zero on. Counts far from zero would be a flat line on
+// such an axis.
 sb.rangeOf = columns => {
   const [least, most] = [d3.min, d3.max].map(of => of(columns, column => of(column)) || 0);
   const near = !(least > 0.5 * most);
@@ -178,9 +179,9 @@ function telling(column, begin, end, pixels) {
 }
 
 // Curves over time on bands of the sensor's state.
-// options: {name: what it shows, in words; rows: times, columns, labels, unit, colours, range: [low, high] or sb.rangeOf, height, bands: runs, and
-// all optional: strip: runs below the curves, solid: no dashes, step: values stay until the next, lines: [{value, text, colour}] across, marks:
-// [{time, text, colour}] down, points: [{time, value, text}] on a curve; values in SI}
+// options: {name: what it shows, in words; rows: times, columns, labels, unit, colours, height, bands: runs, and all optional:
+// range: [low, high] or sb.rangeOf, strip: runs below the curves, solid: no dashes, step: values stay until the next, lines:
+// [{value, text, colour}] across, marks: [{time, text, colour}] down, points: [{time, value, text}] on a curve; values in SI}
 class LineChart extends TimeChart {
   constructor(parent, timeline, options) {
     const {name, unit, range, columns} = options, symbol = sb.symbol(unit), height = options.height - times;

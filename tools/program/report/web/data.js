@@ -100,17 +100,10 @@ class Recording {
     return {time: this.curveTime, unit, columns, names: columns.map(name)};
   }
 
+  // Of the components from `from` to `to` the largest that they come to together.
   largest(key, from, to) {
-    const curve = this.curves[key];
-    let largest = 0;
-    for (let unit = 0; unit < this.units; ++unit) {
-      for (let row = 0; row < this.curveTime.length; ++row) {
-        let sum = 0;
-        for (let c = from; c < to; ++c) sum += curve.columns[unit * curve.components.length + c][row] ** 2;
-        if (sum > largest) largest = sum;
-      }
-    }
-    return Math.sqrt(largest);
+    const size = parts => d3.max(d3.range(this.curveTime.length), row => Math.hypot(...parts.map(column => column[row])));
+    return d3.max(d3.range(this.units), unit => size(this.columns(key, unit).slice(from, to))) || 0;
   }
 
   // Derived: speed of each unit, and mean and largest over the touching units.

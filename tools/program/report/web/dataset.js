@@ -38,9 +38,6 @@ const said = (axis, trial) => endless(axis, trial) ? sb.endless(axis.unit) : pla
 
 sb.sweptValues = {varied, valueOf, endless, label, plain, wide};
 
-// Trials run with one sensor or several; the overview is of one of them.
-const summaryOf = (trial, sensor) => trial.sensors[sensor];
-
 function swept() {
   const constant = page.axes.filter(axis => !axis.varied);
   const rows = varied.map(axis => {
@@ -60,12 +57,13 @@ function swept() {
     ];
   });
   const same = constant.map(axis => sb.pathWord(axis.path) + ' ' + sb.parameter(page.trials[0].params[axis.path])).join(', ');
-  return el(
-      'section', {}, el('h2', {}, 'What was swept'),
-      el('p.note', {},
-         rows.length ? 'One tick a trial; the scale is logarithmic where the values span a factor of eight or more.' :
-                       'Nothing differs between the trials but their seeds.',
-         same && ' The same in all trials: ' + same + '.'),
+  return sb.section(
+      'What was swept',
+      [
+        rows.length ? 'One tick a trial; the scale is logarithmic where the values span a factor of eight or more.' :
+                      'Nothing differs between the trials but their seeds.',
+        same && ' The same in all trials: ' + same + '.'
+      ],
       rows.length > 0 && el('table.swept', {}, el('tbody', {}, rows.map(cells => el('tr', {}, cells)))));
 }
 
@@ -88,7 +86,7 @@ function dots(axis, values, logarithmic) {
 function balance(sensor) {
   const total = sb.rules.map(rule => [0, 1, 2, 3].map(state => {
     const weights = page.trials.map(trial => trial.samples);
-    return d3.sum(page.trials, (trial, i) => summaryOf(trial, sensor).shares[rule.key][state] * weights[i]) / d3.sum(weights);
+    return d3.sum(page.trials, (trial, i) => trial.sensors[sensor].shares[rule.key][state] * weights[i]) / d3.sum(weights);
   }));
   const width = 640, left = 52, bar = 22, pitch = 46;
   const row = (shares, rule) => {
@@ -111,23 +109,21 @@ function balance(sensor) {
   sb.saveCorner(host, 'Class balance', () => svg, () => [
     ['rule', ...sb.states.pad.map(state => state.name)], ...total.map((shares, rule) => [sb.rules[rule].name, ...shares])
   ]);
-  return el(
-      'section', {}, el('h2', {}, 'Class balance'),
-      el('p.note', {},
-         'Share of the recorded time in each state. ' + sb.rules.map(rule => rule.name + ': ' + rule.note).join('; ') + '.'),
+  return sb.section(
+      'Class balance',
+      'Share of the recorded time in each state. ' + sb.rules.map(rule => rule.name + ': ' + rule.note).join('; ') + '.',
       sb.stateLegend(sb.states.pad), el('div', {style: 'height:8px'}), host);
 }
 
 // Number of trials by the length of their incipient phase.
 function durations(sensor) {
-  const values = page.trials.map(trial => summaryOf(trial, sensor).incipient_s).filter(value => value !== null && value > 0);
-  const section =
-      el('section', {}, el('h2', {}, 'How long the incipient phase lasts'),
-         el('p.note', {},
-            'From the first micro-slip to gross slip. ' +
-                (values.length === page.trials.length ?
-                     'All trials reach gross slip.' :
-                     (page.trials.length - values.length) + ' of ' + page.trials.length + ' trials never reach gross slip.')));
+  const values = page.trials.map(trial => trial.sensors[sensor].incipient_s).filter(value => value !== null && value > 0);
+  const section = sb.section(
+      'How long the incipient phase lasts',
+      'From the first micro-slip to gross slip. ' +
+          (values.length === page.trials.length ?
+               'All trials reach gross slip.' :
+               (page.trials.length - values.length) + ' of ' + page.trials.length + ' trials never reach gross slip.'));
   if (values.length < 2) return section;
   const [low, high] = d3.extent(values).map(value => value * 1e3);
   const logarithmic = wide([low, high], 8);
@@ -142,11 +138,8 @@ function durations(sensor) {
   const y = axisOf('trials', false, [0, most], [box.height - box.bottom, box.top], Math.min(most, 5));
   const svg = sb.axes(box, {...x, bare: true}, y, {role: 'img', 'aria-label': 'trials against incipient phase, ms'});
   svg.append(...bins.map(bin => mark('rect', {
-    x: x.at(bin.x) + 0.5,
-    width: Math.max(1, x.at(bin.x + bin.dx) - x.at(bin.x) - 1),
-    y: y.at(bin.y),
-    height: y.at(0) - y.at(bin.y),
-    fill: 'url(#hatch)'
+    x: x.at(bin.x) + 0.5, width: Math.max(1, x.at(bin.x + bin.dx) - x.at(bin.x) - 1), y: y.at(bin.y),
+    height: y.at(0) - y.at(bin.y), fill: 'url(#hatch)'
   })));
   host.append(svg);
   sb.saveCorner(host, 'Length of the incipient phase', () => svg,
@@ -230,7 +223,7 @@ function scatter(sensor, open) {
   const note = el('p.note'), legend = el('div.legend'), host = el('div.panels');
 
   const timeOf = trial => {
-    const time = summaryOf(trial, sensor)[state.outcome.key];
+    const time = trial.sensors[sensor][state.outcome.key];
     if (time === null) return null;
     return 1e3 * (state.outcome.timed && state.relative ? time - trial.motion_start_s : time);
   };
@@ -246,8 +239,8 @@ function scatter(sensor, open) {
     const finite = trials => trials.filter(trial => valueOf(trial, axis.path) !== null).map(shownValue);
     // Where only endless values are left, the others still say what the axis is.
     const values = finite(happened).length ? finite(happened) : finite(page.trials);
-    // What is endless has no place on any axis, and zero none on a logarithmic one: they get one of their own, right and left of
-    // the others.
+    // What is endless has no place on any axis, and zero none on a logarithmic one: they get one of their own, right and left
+    // of the others.
     const beyond = happened.some(trial => endless(axis, trial));
     const others = values.filter(value => value !== 0),
           zeros = others.length < values.length && wide(d3.extent(others), 8, axis.unit);
@@ -311,7 +304,7 @@ const number = (title, value, decimals, factor = 1) => {
 };
 const word = (title, value, cell) => ({title, kind: 'text', value, cell});
 const slipColumns = sensor => {
-  const of = trial => summaryOf(trial, sensor);
+  const of = trial => trial.sensors[sensor];
   const share = (title, value) => ({title, value, cell: trial => sb.percent(value(trial))});
   return [
     number('micro-slip, s', trial => of(trial).first_micro_s, 3), number('full slip, s', trial => of(trial).first_full_s, 3),
@@ -380,10 +373,10 @@ function table(sensor, open) {
     columns.map(({title}) => title), ...rows.order().map(trial => columns.map(({cell: shown}) => shown(trial)))
   ]);
   save.classList.add('plain');
-  return el('section', {}, el('h2', {}, 'Trials'),
-            el('p.note', {}, 'Click a heading to sort. ',
-               embedded === page.trials.length ? 'All trials can be opened here.' : others, ' ', save),
-            scroller);
+  return sb.section(
+      'Trials',
+      ['Click a heading to sort. ', embedded === page.trials.length ? 'All trials can be opened here.' : others, ' ', save],
+      scroller);
 }
 
 sb.reportCommand = trial => 'slipbench report ' + page.file + ' --trial ' + trial.index;

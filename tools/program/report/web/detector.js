@@ -36,14 +36,9 @@ sb.detections = trials => {
   const [seen, early, missed] = ['seen', 'early', 'missed'].map(of);
   const delays = seen.map(trial => trial.detector.delay_s);
   return {
-    delay_s: d3.median(delays) ?? null,
-    worst_s: d3.max(delays) ?? null,
-    seen: seen.length,
-    early: early.length,
-    missed: missed.length,
-    slipping: seen.length + early.length + missed.length,
-    falseAlarms: of('false_alarm').length,
-    still: of('false_alarm').length + of('quiet').length
+    delay_s: d3.median(delays) ?? null, worst_s: d3.max(delays) ?? null, seen: seen.length, early: early.length,
+    missed: missed.length, slipping: seen.length + early.length + missed.length,
+    falseAlarms: of('false_alarm').length, still: of('false_alarm').length + of('quiet').length
   };
 };
 
@@ -72,14 +67,14 @@ function figuresTable(trials, counts) {
 sb.detectorSection = trials => {
   const counts = sb.scores.pooled(trials);
   const {type, sensor} = trials[0].detector;
-  return el(
-      'section', {}, el('h2', {}, 'Detector ' + sb.detectorName(type) + ' against the truth'),
-      el('p.note', {},
-         'Delays are of the trials seen: those without an alarm before the slip. Early: with one. Shares are of the samples in contact; recall of ' +
-             'slip: of those that slip, how many are seen as incipient or gross; balanced accuracy: mean of the recalls.'),
+  return sb.section(
+      'Detector ' + sb.detectorName(type) + ' against the truth',
+      'Delays are of the trials seen: those without an alarm before the slip. Early: with one. Shares are of the samples in contact; recall of ' +
+          'slip: of those that slip, how many are seen as incipient or gross; balanced accuracy: mean of the recalls.',
       figuresTable(trials, counts),
       el('p.note', {},
-         'Samples of ' + sensor + ' by true state (strict) and by the class that the loop saw at that instant, latency included.'),
+         'Samples of ' + sensor +
+             ' by true state (strict) and by the class that the loop saw at that instant, latency included.'),
       confusionTable(counts));
 };
 

@@ -21,12 +21,6 @@ class GraspRecording {
     return grasp;
   }
 
-  size(name) {
-    return this.bodies[name].size;
-  }
-  highest(name) {
-    return d3.max(this.bodies[name].position[2]);
-  }
   // Of a curve at or just before a time.
   valueAt(key, t, component = 0) {
     return this.curves[key]?.columns[component][sb.rowAt(this.curveTime, t)];
@@ -128,17 +122,14 @@ function charts(trial, grasp, recording, timeline) {
     if (grasp.curves.grip_force) {
       const [force] = grasp.curves.grip_force.columns, largest = d3.max(force);
       chart('grip_force', 'Grip force, N', 'true mean of both pads; dashed: the ideal force, m g / (2 μ_s)', ['fz'], {
-        range: [0, 1.15 * Math.max(most, ideal || 0)],
-        height: 150,
+        range: [0, 1.15 * Math.max(most, ideal || 0)], height: 150,
         lines: ideal === null ? [] : [{value: ideal, text: 'ideal ' + sb.quantity(ideal, 'N'), colour: 'accent'}],
         points: [{time: grasp.curveTime[force.indexOf(largest)], value: largest, text: 'max ' + sb.quantity(most, 'N')}]
       });
       const [commanded, measured] = grasp.curves.position.columns;
       const span = d3.extent([...commanded, ...measured]);
       chart('position', 'Position register, counts', 'measured (solid) and commanded (dashed); more is closer', ['fz', 'accent'], {
-        columns: [measured, commanded],
-        labels: ['measured', 'commanded'],
-        range: [span[0] - 2, span[1] + 2],
+        columns: [measured, commanded], labels: ['measured', 'commanded'], range: [span[0] - 2, span[1] + 2],
         step: true
       });
     }
@@ -166,12 +157,13 @@ sb.graspSection = (trial, grasp, recording, timeline, player) => {
   const zoom = sb.segments('Picture', [[false, 'whole'], [true, 'pads']], false, close => view.zoom(close));
   card.append(el('div.controls', {}, zoom, el('span', {}, 'drag to turn it')), controls.node, numbers.node);
   const pictures = charts(trial, grasp, recording, timeline);
-  const section = el(
-      'section', {}, el('h2', {}, 'The grasp'),
+  const section = sb.section(
+      'The grasp', '',
       el('div.layout.grasp', {},
          el('div.side', {}, card, sb.stateLegend(sb.states.unit),
             el('p.note', {},
-               'Colours: state of the sensor’s ' + sb.unitWords(recording.type) + ', behind the finger that is drawn clear. Dashed blue: where the ' +
+               'Colours: state of the sensor’s ' + sb.unitWords(recording.type) +
+                   ', behind the finger that is drawn clear. Dashed blue: where the ' +
                    'box would be if it had not slipped since the lift began. Grid of the table: 50 mm. Only the pads’ and the box’s places and sizes are ' +
                    'the model’s; fingers and palm are drawn for the eye.')),
          pictures.node));

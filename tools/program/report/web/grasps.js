@@ -216,26 +216,15 @@ function overview(swept) {
     detected('early', earlyText), detected('recall of slip', trials => sb.percent(recallOf(trials))),
     detected('balanced accuracy', trials => sb.percent(balancedOf(trials)))
   ];
-  return el(
-      'section', {}, el('h2', {}, 'How the grasps ended'),
-      el('p.note', {},
-         'Medians; slip and turn of the trials held, the force ratio of all. ' +
-             'Reaction and delay (of the detector) leave out trials with an early alarm: one before the slip. Intervals are exact (Clopper and Pearson).'),
+  return sb.section(
+      'How the grasps ended',
+      'Medians; slip and turn of the trials held, the force ratio of all. ' +
+          'Reaction and delay (of the detector) leave out trials with an early alarm: one before the slip. Intervals are exact (Clopper and Pearson).',
       el('div.scroll.tall', {}, sb.sortedTable(columns, swept.series(swept.numbers).slice(0, 200)).node));
 }
 
 sb.grasps = {
-  quantities,
-  medians,
-  medianHeads,
-  held,
-  countOf,
-  valueIn,
-  rangeIn,
-  withUnit,
-  heldText,
-  balancedOf,
-  recallOf,
+  quantities, medians, medianHeads, held, countOf, valueIn, rangeIn, withUnit, heldText, balancedOf, recallOf,
   earlyText
 };
 
@@ -259,9 +248,9 @@ sb.graspParameters = () => {
     {title: 'said by', kind: 'text', cell: row => origin[row.by]},
     {title: 'what it does', kind: 'text.long', cell: row => row.doc}, {title: 'source', kind: 'text.long', cell: source}
   ];
-  return el(
-      'section', {}, el('h2', {}, 'What the grasp was computed with'),
-      el('p.note', {}, assumed + ' of ' + rows.length + ' parameters are assumed: neither measured nor published.'),
+  return sb.section(
+      'What the grasp was computed with',
+      assumed + ' of ' + rows.length + ' parameters are assumed: neither measured nor published.',
       el('details.parameters', {}, el('summary', {}, 'All parameters'), sb.table(columns, rows)));
 };
 })(window.slipbench);

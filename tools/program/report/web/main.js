@@ -51,7 +51,7 @@ function footer() {
       el('p', {}, 'Curves are stored here with 16 bits of each quantity’s range; ', el('code', {}, page.file),
          ' has them in full.'),
       digests(),
-      el('details', {}, el('summary', {}, 'Licences of the libraries in this page'),
+      el('details', {}, el('summary', {}, 'Licence of the library in this page'),
          el('pre', {}, document.getElementById('licences').textContent.trim())));
 }
 
@@ -136,7 +136,6 @@ function firstView() {
   return {trial: page.trials.length === 1 && sb.isEmbedded(page.trials[0].index) ? page.trials[0].index : null};
 }
 
-sb.followTheme(() => timeline && timeline.tell('theme'));
 document.addEventListener('keydown', event => {
   const typing =
       ['INPUT', 'SELECT', 'BUTTON', 'TEXTAREA', 'SUMMARY'].includes(event.target.tagName) && event.target.type !== 'range';

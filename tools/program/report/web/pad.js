@@ -3,16 +3,12 @@
 'use strict';
 const mark = sb.mark;
 
-function spacingOf(positions) {
-  let nearest = Infinity;
-  for (let i = 0; i < positions.length; ++i) {
-    for (let k = 0; k < i; ++k) {
-      const distance = Math.hypot(positions[i][0] - positions[k][0], positions[i][1] - positions[k][1]);
-      if (distance > 0 && distance < nearest) nearest = distance;
-    }
-  }
-  return isFinite(nearest) ? nearest : 5e-3;
-}
+// Between the nearest neighbours [m]; of a single unit `alone`.
+sb.spacingOf = (positions, alone) => {
+  const distances = ([x, y], i) => positions.slice(0, i).map(other => Math.hypot(x - other[0], y - other[1]) || Infinity);
+  const nearest = d3.min(positions.flatMap(distances));
+  return isFinite(nearest) ? nearest : alone;
+};
 
 // A number of the form 1, 2 or 5 times a power of ten, at most `value`.
 function roundDown(value) {
@@ -27,7 +23,7 @@ class Pad {
   constructor(parent, recording, onPick) {
     this.recording = recording;
     const positions = recording.positions;
-    const spacing = spacingOf(positions);
+    const spacing = sb.spacingOf(positions, 5e-3);
     const extent = axis => {
       const [low, high] = d3.extent(positions, p => p[axis]);
       return high - low;
@@ -50,8 +46,7 @@ class Pad {
     this.radius = (this.labels || (picture && picture.cells.length === recording.units) ? 0.27 : 0.4) * pitch;  // no unit hides its cell
 
     const svg = mark('svg', {
-      viewBox: [left, top, right - left, bottom - top + 30].join(' '),
-      role: 'img',
+      viewBox: [left, top, right - left, bottom - top + 30].join(' '), role: 'img',
       'aria-label': 'The pad at the cursor, ' + this.view.note
     });
     parent.append(svg);
@@ -91,12 +86,7 @@ class Pad {
 
   arrowHeads(size) {
     const box = {
-      viewBox: '0 0 10 10',
-      refX: 7,
-      refY: 5,
-      markerWidth: size,
-      markerHeight: size,
-      markerUnits: 'userSpaceOnUse',
+      viewBox: '0 0 10 10', refX: 7, refY: 5, markerWidth: size, markerHeight: size, markerUnits: 'userSpaceOnUse',
       orient: 'auto'
     };
     return [['force', 'var(--ink)'], ['slip', 'var(--slip)']].map(
@@ -148,10 +138,8 @@ class Pad {
       const {key} = sb.states.unit[recording.unitStates[i][sample]], apart = key === 'detached';
       const force = recording.at('labels/force', i, 2, sample), name = sb.unitName(recording.type, i);
       const look = {
-        fill: apart ? 'none' : sb.stateFill(key),
-        'fill-opacity': {stick: 0.45, slip: 0.85}[key] || 1,
-        stroke: 'var(--' + key + ')',
-        'stroke-width': Math.min(0.08 * this.radius, apart ? 1.2 : 2),
+        fill: apart ? 'none' : sb.stateFill(key), 'fill-opacity': {stick: 0.45, slip: 0.85}[key] || 1,
+        stroke: 'var(--' + key + ')', 'stroke-width': Math.min(0.08 * this.radius, apart ? 1.2 : 2),
         'stroke-dasharray': {detached: '2 3', partial: '7 3'}[key] || 'none'
       };
       for (const [property, value] of Object.entries(look)) unit.disc.style.setProperty(property, value);

@@ -22,9 +22,7 @@ class PadPicture {
       const at_rest = rest === null ? column[0] : rest;
       const title = sb.mark('title'), place = places[Math.floor(i / paths.length)];
       const path = sb.mark('path', {
-        transform: 'translate(' + place + ')',
-        d: paths[i % paths.length],
-        stroke: 'var(--line)',
+        transform: 'translate(' + place + ')', d: paths[i % paths.length], stroke: 'var(--line)',
         'stroke-width': Math.min(0.8, 0.05 * pitch)
       }, title);
       svg.append(path);

@@ -10,7 +10,7 @@ class Timeline {
     this.cursor = this.full[0];
     this.rate = 0.25;
     this.playing = false;
-    this.listeners = {window: [], cursor: [], playing: [], theme: []};
+    this.listeners = {window: [], cursor: [], playing: []};
     this.frame = 0;
   }
 

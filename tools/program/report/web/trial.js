@@ -88,9 +88,8 @@ function wholeSensor(trial, recording, timeline) {
   const gap = 0.25 * Math.max(last - first, 0.004);
   const seen = recording.padRuns.seen, word = sb.unitWord(recording.type), words = sb.unitWords(recording.type);
   const host = el('div');
-  const section = el(
-      'section', {}, el('h2', {}, 'The sensor as a whole'),
-      el('p.note', {}, 'Hover to read, drag to zoom all charts together, double-click to see all of the trial.'),
+  const section = sb.section(
+      'The sensor as a whole', 'Hover to read, drag to zoom all charts together, double-click to see all of the trial.',
       onsets_s.length > 0 &&
           el('div.controls', {},
              el('div.segments', {role: 'group', 'aria-label': 'Zoom'}, zoom('whole trial', ...timeline.full),
@@ -101,16 +100,8 @@ function wholeSensor(trial, recording, timeline) {
     const {columns, components: labels, unit} = recording.curves[key];
     section.append(sb.chartTitle(name, note));
     new sb.LineChart(section, timeline, {
-      name: name.split(',')[0],
-      rows: recording.curveTime,
-      columns,
-      labels,
-      unit,
-      colours,
-      range,
-      solid: true,
-      height: 120,
-      bands: recording.padRuns.strict
+      name: name.split(',')[0], rows: recording.curveTime, columns, labels, unit, colours, range, solid: true,
+      height: 120, bands: recording.padRuns.strict
     });
   };
   const draw = () => {
@@ -201,11 +192,10 @@ class UnitCharts {
         sb.select({'aria-label': 'Shown ' + words}, choices, this.unit ?? '', value => this.show(value === '' ? null : +value));
     this.legend = el('div');
     this.host = el('div');
-    this.section = el(
-        'section', {}, el('h2', {}, 'Each ' + word),
-        el('p.note', {},
-           'Background: state of the sensor by the strict rule (blue non-slip, amber incipient, red gross). ' +
-               'The strip below the curves: state of the ' + word + ' itself. All ' + words + ' share one scale.'),
+    this.section = sb.section(
+        'Each ' + word,
+        'Background: state of the sensor by the strict rule (blue non-slip, amber incipient, red gross). ' +
+            'The strip below the curves: state of the ' + word + ' itself. All ' + words + ' share one scale.',
         el('div.controls', {}, segments, el('label', {}, 'show', this.select), this.legend), this.host);
     this.readings = [];
     timeline.on('cursor', () => this.read());
@@ -243,16 +233,9 @@ class UnitCharts {
       grid.append(cell);
       this.readings.push({unit, values, colours});
       this.charts.push(new sb.LineChart(cell, timeline, {
-        name: this.name(key) + ' of ' + sb.unitName(recording.type, unit),
-        rows: recording.curveTime,
-        columns: recording.columns(key, unit),
-        labels: curve.components,
-        unit: curve.unit,
-        colours,
-        range,
-        height: this.unit === null ? 150 : 340,
-        bands: recording.padRuns.strict,
-        strip: recording.unitRuns[unit]
+        name: this.name(key) + ' of ' + sb.unitName(recording.type, unit), rows: recording.curveTime,
+        columns: recording.columns(key, unit), labels: curve.components, unit: curve.unit, colours, range,
+        height: this.unit === null ? 150 : 340, bands: recording.padRuns.strict, strip: recording.unitRuns[unit]
       }));
     }
     this.read();
@@ -281,28 +264,22 @@ function onsets(recording, timeline) {
   const scale = sb.scale(false, [first, Math.max(last, first + 1e-4)], [8, 152]);
   const bar = ({micro, full}) => mark(
       'svg', {
-        width: 160,
-        height: 16,
-        role: 'img',
+        width: 160, height: 16, role: 'img',
         'aria-label': 'First micro-slip ' + sb.seconds(micro) + ', full slip ' + sb.seconds(full)
       },
       mark('path', {d: 'M8,8H152', stroke: 'var(--grid)'}),
       micro !== null &&
           [
             mark('path', {
-              d: 'M' + scale(micro) + ',8H' + (full === null ? 152 : scale(full)),
-              stroke: 'var(--partial)',
+              d: 'M' + scale(micro) + ',8H' + (full === null ? 152 : scale(full)), stroke: 'var(--partial)',
               'stroke-width': 4
             }),
             mark('circle', {cx: scale(micro), cy: 8, r: 4, fill: 'var(--ground)', stroke: 'var(--partial)', 'stroke-width': 2})
           ],
       full !== null && mark('circle', {cx: scale(full), cy: 8, r: 4.5, fill: 'var(--slip)'}));
   const rows = shownUnits(recording).map((unit, i) => ({
-                                           place: String(i + 1),
-                                           unit,
-                                           touch: recording.touch_s[unit],
-                                           micro: recording.micro_onset_s[unit],
-                                           full: recording.onset_s[unit],
+                                           place: String(i + 1), unit, touch: recording.touch_s[unit],
+                                           micro: recording.micro_onset_s[unit], full: recording.onset_s[unit],
                                            margin: el('td')
                                          }));
   const columns = [
@@ -316,12 +293,11 @@ function onsets(recording, timeline) {
     {title: times.length ? sb.fixed(first, 3) + ' s to ' + sb.fixed(last, 3) + ' s' : '', kind: 'text', cell: bar},
     {title: 'margin', cell: ({margin}) => margin}
   ];
-  const section = el(
-      'section', {}, el('h2', {}, 'Onset order'),
-      el('p.note', {},
-         times.length === 0 ? 'Nothing slips in this trial.' :
-                              'From the first micro-slip of each ' + word +
-                 ' (hollow mark) to its full slip (filled mark). Margin: 1 − f_t / (μ_s f_n) at the cursor.'),
+  const section = sb.section(
+      'Onset order',
+      times.length === 0 ? 'Nothing slips in this trial.' :
+                           'From the first micro-slip of each ' + word +
+              ' (hollow mark) to its full slip (filled mark). Margin: 1 − f_t / (μ_s f_n) at the cursor.',
       el('div.scroll.tall', {}, sb.sortedTable(columns, rows).node));
   const update = sample => {
     for (const {unit, margin} of rows) margin.textContent = sb.fixed(recording.at('labels/margin', unit, 0, sample), 3);
@@ -336,11 +312,10 @@ function rules(summary) {
     ...sb.states.pad.map((state, i) => ({title: state.name, cell: rule => sb.percent(summary.shares[rule.key][i])})),
     {title: 'differs from strict', cell: ({key}) => key === 'strict' ? '–' : sb.percent(summary.disagreement[key])}
   ];
-  return el(
-      'section', {}, el('h2', {}, 'Truth against other rules'),
-      el('p.note', {},
-         "The paper's rule labels this trial differently from the strict truth in " + sb.percent(summary.disagreement.paper) +
-             ' of the time in contact.'),
+  return sb.section(
+      'Truth against other rules',
+      'The paper\'s rule labels this trial differently from the strict truth in ' + sb.percent(summary.disagreement.paper) +
+          ' of the time in contact.',
       sb.table(columns, sb.rules));
 }
 
