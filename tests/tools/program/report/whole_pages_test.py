@@ -52,17 +52,8 @@ FAULTS = r"""(async () => {
   const hidden = node => node.getAttribute('aria-hidden') === 'true';
   const about = node => node.getAttribute('aria-label') || node.querySelector('[aria-label]')?.getAttribute('aria-label') ||
       node.closest('.chart, section, div')?.textContent.trim().slice(0, 40) || node.outerHTML.slice(0, 80);
-  for (const node of document.querySelectorAll('canvas, svg')) {
-    if (!named(node) && !hidden(node)) faults.push('no name: ' + about(node));
-    if (hidden(node) && node.tagName === 'CANVAS' && !node.closest('.chart')?.querySelector('canvas[aria-label]')) faults.push('hidden alone: ' + about(node));
-  }
-  for (const canvas of document.querySelectorAll('canvas')) {
-    if (hidden(canvas) || !shown(canvas)) continue;
-    const {width, height} = canvas;
-    const data = width && height ? canvas.getContext('2d').getImageData(0, 0, width, height).data : [];
-    let drawn = 0;
-    for (let i = 3; i < data.length; i += 4) drawn += data[i] > 0;
-    if (drawn < 50) faults.push('empty: ' + about(canvas));
+  for (const svg of document.querySelectorAll('svg')) {
+    if (!named(svg) && !hidden(svg)) faults.push('no name: ' + about(svg));
   }
   for (const svg of document.querySelectorAll('svg')) {
     if (shown(svg) && svg.id !== 'hatch' && svg.clientWidth > 4 && !svg.querySelector('path, rect, line, circle, polyline')) faults.push('empty: ' + about(svg));
@@ -150,7 +141,7 @@ class Pages:
         print(f"{page.name}{fragment}", flush=True)
 
     def check_saved(self, page):
-        """Files of a chart that is drawn on a canvas, and of one that is an SVG."""
+        """Files of a chart over time and of the pad."""
         self.browser.look(1400)
         self.open(page)
         for selector, name, figures in ((".grid .cell", "force-of-p", "t [s],FX [N],FY [N],FZ [N]"), (".pad-card", "pad", "t [s],pillar,")):

@@ -271,18 +271,23 @@ class Diagram {
       const [best] = this.order.slice().sort((a, b) => far(a) - far(b));
       return best && far(best) < reach ? best : null;
     };
+    const leave = () => {
+      choice.point(null);
+      sb.hideTip();
+    };
     svg.addEventListener('pointermove', event => {
       const mark = nearest(event);
       svg.style.cursor = mark ? 'pointer' : '';
-      choice.point(mark && mark.row);
-      if (mark)
-        sb.showTip(this.lines(mark), event.clientX, event.clientY);
-      else
-        sb.hideTip();
+      if (!mark) return leave();
+      choice.point(mark.row);
+      sb.showTip(this.lines(mark), event.clientX, event.clientY);
     });
-    svg.addEventListener('pointerleave', () => {
-      choice.point(null);
-      sb.hideTip();
+    svg.addEventListener('pointerleave', leave);
+    svg.addEventListener('focusout', leave);
+    svg.addEventListener('focusin', event => {
+      const mark = this.order[this.nodes.indexOf(event.target)], {right, top} = event.target.getBoundingClientRect();
+      choice.point(mark.row);
+      sb.showTip(this.lines(mark), right, top);
     });
     svg.addEventListener('click', event => {
       const mark = nearest(event);
@@ -300,17 +305,6 @@ class Diagram {
       else
         return;
       event.preventDefault();
-    });
-    this.nodes.forEach((node, i) => {
-      node.addEventListener('focus', () => {
-        choice.point(this.order[i].row);
-        const {right, top} = node.getBoundingClientRect();
-        sb.showTip(this.lines(this.order[i]), right, top);
-      });
-      node.addEventListener('blur', () => {
-        choice.point(null);
-        sb.hideTip();
-      });
     });
   }
 

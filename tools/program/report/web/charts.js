@@ -185,7 +185,7 @@ function telling(column, begin, end, pixels) {
 class LineChart extends TimeChart {
   constructor(parent, timeline, options) {
     const {name, unit, range, columns} = options, symbol = sb.symbol(unit), height = options.height - times;
-    super(parent, timeline, name, name + ', ' + symbol + ', over time', height, times);
+    super(parent, timeline, name, [name, symbol, 'over time'].filter(part => part).join(', '), height, times);
     Object.assign(this, options, {height, symbol, factor: sb.factor(unit), range: range || sb.rangeOf(columns)});
   }
 
