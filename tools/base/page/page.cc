@@ -101,7 +101,11 @@ std::string_view embedded(const std::vector<Asset>& files, std::string_view name
 std::string joined(const std::vector<Asset>& files, std::string_view extension) {
   std::string text;
   for (const Asset& file : files) {
-    if (file.name.ends_with(extension)) text.append(embedded(files, file.name)) += '\n';
+    if (!file.name.ends_with(extension)) continue;
+    const bool own_script = extension == ".js" && !file.name.ends_with(".min.js");
+    if (own_script) text += "(function(sb) {\n'use strict';\n";
+    text.append(embedded(files, file.name)) += '\n';
+    if (own_script) text += "})(window.slipbench = window.slipbench || {});\n";
   }
   return text;
 }

@@ -103,7 +103,7 @@ TEST(CostPage, HoldsItsFilesAndTheSharedOnes) {
     EXPECT_NE(page.find(page::embedded(page::assets(), name)), std::string::npos) << name;
   }
   // What draws recordings is not needed here.
-  EXPECT_THAT(page, AllOf(Not(HasSubstr("class Timeline")), Not(HasSubstr("{{"))));
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("sb.Timeline")), Not(HasSubstr("{{"))));
 }
 
 // Every script of the folder is part of the page: none was left out of CMakeLists.txt.

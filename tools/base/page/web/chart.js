@@ -1,6 +1,4 @@
 // What charts are made of: marks of series, scales with their ticks, axes, keys, tips.
-(function(sb) {
-'use strict';
 const el = sb.element, mark = sb.mark;
 
 // A shape for each colour, so that neither is needed to tell two series apart. Corners of polygons; the first is a circle.
@@ -80,4 +78,3 @@ sb.hideTip = () => {
 };
 // What a mark listens to that says lines() to the pointer.
 sb.tipped = lines => ({onmousemove: event => sb.showTip(lines(), event.clientX, event.clientY), onmouseout: sb.hideTip});
-})(window.slipbench);

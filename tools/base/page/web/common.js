@@ -1,6 +1,4 @@
-// What all pages of the program share: numbers as text, nodes, copying, light and dark.
-(function(sb) {
-'use strict';
+// What all pages of the program share: numbers as text, nodes, choices, tables, copying.
 
 sb.missing = '–';
 // A number with `digits` significant digits, plain notation where that is readable.
@@ -125,4 +123,3 @@ sb.sortedTable = (columns, rows, rowNode = (row, cells) => el('tr', {}, cells), 
   return {node: el('table', {}, el('thead', {}, el('tr', {}, heads)), body), refresh, fill, order: () => order};
 };
 sb.table = (columns, rows, rowNode) => el('div.scroll', {}, sb.sortedTable(columns, rows, rowNode).node);
-})(window.slipbench = window.slipbench || {});

@@ -1,6 +1,4 @@
 // The work-precision diagram: what an error costs in CPU time.
-(function(sb) {
-'use strict';
 const el = sb.element, mark = sb.mark, text = sb.text;
 const choice = sb.choice;
 const lane = 16;     // px, of a strip of marks
@@ -28,10 +26,8 @@ function sorted() {
   const points = rows.filter(row => choice.placed(row));
   const none = row => choice.none(choice.error(row));
   return {
-    failures: rows.filter(row => choice.failed(row)),
-    unrun: rows.filter(row => choice.notRun(row)),
-    points: points.filter(row => !none(row)),
-    exact: points.filter(none)
+    failures: rows.filter(row => choice.failed(row)), unrun: rows.filter(row => choice.notRun(row)),
+    points: points.filter(row => !none(row)), exact: points.filter(none)
   };
 }
 
@@ -450,4 +446,3 @@ sb.diagramSection = () => {
       el('div.explorer', {}, el('div', {}, diagram.host, diagram.note, diagram.failures, diagram.unrun), detail()),
       sb.pricesTable());
 };
-})(window.slipbench);

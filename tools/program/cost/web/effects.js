@@ -1,6 +1,4 @@
 // The price of each effect: what the scene saves without it, and what it loses.
-(function(sb) {
-'use strict';
 const el = sb.element, mark = sb.mark;
 const choice = sb.choice;
 
@@ -77,4 +75,3 @@ sb.effectsSection = effects => {
              (idle.length > 1 ? ' cost time here and change' : ' costs time here and changes') + ' nothing that was measured.'),
       el('div.effects', {}, sb.table(columns, ordered, (effect, cells) => el(effect.idle ? 'tr.idle' : 'tr', {}, cells))));
 };
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // Builds the page: header, sentences, sections, footer.
-(function(sb) {
-'use strict';
 const el = sb.element;
 const data = sb.data;
 const explored = 'slipbench_cost' in data;
@@ -67,4 +65,3 @@ if (explored) {
 if (stability) parts.push(sb.stabilitySection(stability));
 parts.push(remarks([...(data.remarks || []), ...(explored && stability && stability.remarks || [])]), footer());
 page.replaceChildren(...parts.filter(part => part));
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // The data of the page, and what all its parts share: marks, figures as text, what is selected.
-(function(sb) {
-'use strict';
 const el = sb.element;
 
 sb.data = JSON.parse(document.getElementById('slipbench-data').textContent);
@@ -184,4 +182,3 @@ class Choice {
   }
 }
 sb.choice = new Choice(sb.data);
-})(window.slipbench);

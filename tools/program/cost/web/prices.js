@@ -1,6 +1,4 @@
 // What each error costs: the cheapest setting of each series that keeps within it.
-(function(sb) {
-'use strict';
 const el = sb.element;
 const choice = sb.choice;
 const most = 8;  // rows
@@ -70,4 +68,3 @@ sb.pricesTable = () => {
   draw();
   return host;
 };
-})(window.slipbench);

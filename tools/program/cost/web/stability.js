@@ -1,6 +1,4 @@
 // The longest stable step, measured and predicted, over stiffness, mass and damping.
-(function(sb) {
-'use strict';
 const el = sb.element, mark = sb.mark;
 
 const newton = value => {
@@ -26,11 +24,8 @@ const lines = combination => [
 
 // A mark with its tip, for the pointer and for readers of screens.
 const spot = (combination, index, x, y) => mark('path.mark.spot', {
-  transform: 'translate(' + [x, y] + ')',
-  d: sb.markPath(index, 4.5),
-  role: 'img',
-  'aria-label': lines(combination).join('; '),
-  style: 'color:' + sb.hue(index),
+  transform: 'translate(' + [x, y] + ')', d: sb.markPath(index, 4.5), role: 'img',
+  'aria-label': lines(combination).join('; '), style: 'color:' + sb.hue(index),
   ...sb.tipped(() => lines(combination))
 });
 
@@ -41,9 +36,7 @@ function levelAxis(title, values, range) {
   const scale = sb.scale(true, sb.logDomain(positive.length ? positive : [1]), [range[0] + apart, range[1]]);
   const ticks = sb.logTicks(scale.domain(), Math.abs(range[1] - range[0] - apart), 44);
   return {
-    title,
-    at: value => value > 0 ? scale(value) : range[0] + apart / 2,
-    ticks: apart ? [0, ...ticks] : ticks,
+    title, at: value => value > 0 ? scale(value) : range[0] + apart / 2, ticks: apart ? [0, ...ticks] : ticks,
     text: tick => tick ? sb.tickText(tick) : '0'
   };
 }
@@ -163,4 +156,3 @@ sb.stabilitySection = stability => {
       combinations.length > 0 &&
           [...maps(combinations), ratios(combinations), el('h3.sub', {}, 'All combinations'), table(combinations)]);
 };
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // The table of all runs, with their times, errors and failures.
-(function(sb) {
-'use strict';
 const el = sb.element;
 const choice = sb.choice;
 
@@ -83,4 +81,3 @@ sb.rowsSection = () => {
   view();
   return sb.section('All runs', '', note, holder);
 };
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // What a sensor emits as a whole: its channels over time, and spectra of them.
-(function(sb) {
-'use strict';
 const el = sb.element, mark = sb.mark;
 
 // Colours of magnitude 0 to 1: dark is little, bright is much, in grey prints as well.
@@ -77,16 +75,9 @@ function channelCharts(channel, recording, timeline) {
     const labels = group.columns.map(i => channel.names[i]);
     host.replaceChildren(sb.legendOf(labels.map((name, i) => ({name, colour: sb.channelColours[i]}))));
     chart = new sb.LineChart(host, timeline, {
-      name: word.name + (group.name ? ' ' + group.name : ''),
-      rows: channel.time,
-      columns: group.columns.map(i => channel.columns[i]),
-      labels,
-      unit: channel.unit,
-      colours: sb.channelColours,
-      solid: true,
-      step: true,
-      height: 120,
-      bands: recording.padRuns.strict
+      name: word.name + (group.name ? ' ' + group.name : ''), rows: channel.time,
+      columns: group.columns.map(i => channel.columns[i]), labels, unit: channel.unit, colours: sb.channelColours,
+      solid: true, step: true, height: 120, bands: recording.padRuns.strict
     });
   };
   const select = () =>
@@ -124,4 +115,3 @@ sb.channelSection = (recording, timeline) => {
     }
   };
 };
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // Charts over time: curves, and rows of states. All follow one Timeline.
-(function(sb) {
-'use strict';
 const el = sb.element, mark = sb.mark, text = sb.text;
 
 const left = 44, right = 6;  // px beside every plot, so that all time axes line up
@@ -10,7 +8,7 @@ const px = value => +value.toFixed(1);
 // What all charts over time do: they are drawn at their width for the window of the timeline, hovering moves its cursor,
 // dragging zooms, a double click shows all, and they are saved as they are, with their heading.
 // A chart has contents() and savedRows(); `height` [px] is its plot's, `foot` what the page shows below that.
-class TimeChart {
+sb.TimeChart = class {
   constructor(parent, timeline, title, label, height, foot) {
     Object.assign(this, {timeline, title, label, height, foot});
     this.cursor = el('div.cursor', {style: 'bottom:' + foot + 'px'});
@@ -120,14 +118,14 @@ class TimeChart {
       return mark('rect', {x: px(begin), y: px(bottom - tall), width: px(width), height: px(tall), fill: fill(run.state)});
     });
   }
-}
+};
 
 const stateFill = key => key === 'partial' ? 'url(#hatch)' : 'var(--' + key + ')';
 // Height of a state's bar as a share of its row: states differ by more than colour.
 const stateHeight = {detached: 0.12, stick: 0.42, partial: 0.72, slip: 1};
 
 // Rows of states over time. rows: [{name, runs, kinds: sb.states.unit or sb.states.pad}].
-class StateRows extends TimeChart {
+sb.StateRows = class extends sb.TimeChart {
   constructor(parent, timeline, rows, rowHeight, title) {
     const label = title + ', over time, of ' + rows.map(row => row.name).join(', ');
     super(parent, timeline, title, label, rows.length * rowHeight, 0);
@@ -152,7 +150,7 @@ class StateRows extends TimeChart {
       ];
     });
   }
-}
+};
 
 // An axis that holds all values, with room beside the largest and from zero on. Counts far from zero would be a flat line on
 // such an axis.
@@ -182,7 +180,7 @@ function telling(column, begin, end, pixels) {
 // options: {name: what it shows, in words; rows: times, columns, labels, unit, colours, height, bands: runs, and all optional:
 // range: [low, high] or sb.rangeOf, strip: runs below the curves, solid: no dashes, step: values stay until the next, lines:
 // [{value, text, colour}] across, marks: [{time, text, colour}] down, points: [{time, value, text}] on a curve; values in SI}
-class LineChart extends TimeChart {
+sb.LineChart = class extends sb.TimeChart {
   constructor(parent, timeline, options) {
     const {name, unit, range, columns} = options, symbol = sb.symbol(unit), height = options.height - times;
     super(parent, timeline, name, [name, symbol, 'over time'].filter(part => part).join(', '), height, times);
@@ -270,7 +268,7 @@ class LineChart extends TimeChart {
       this.clipped([columns.map((column, i) => this.curve(column, i)), this.notes()])
     ];
   }
-}
+};
 
 // What the states look like.
 sb.stateLegend = kinds => el('div.legend', {}, Object.entries(stateHeight).map(([key, share]) => {
@@ -281,7 +279,3 @@ sb.stateLegend = kinds => el('div.legend', {}, Object.entries(stateHeight).map((
 
 sb.plotLeft = left;
 sb.stateFill = stateFill;
-sb.TimeChart = TimeChart;
-sb.StateRows = StateRows;
-sb.LineChart = LineChart;
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // The data inside the page: unpacked arrays with named access.
-(function(sb) {
-'use strict';
 
 async function inflate(base64) {
   const bytes = Uint8Array.from(atob(base64), c => c.charCodeAt(0));
@@ -144,4 +142,3 @@ sb.recording = async (index, sensor) => {
   loaded[key] = loaded[key] || Recording.load(index, sensors.find(({name}) => name === sensor));
   return loaded[key];
 };
-})(window.slipbench);

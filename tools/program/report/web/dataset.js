@@ -1,6 +1,4 @@
 // The overview of a dataset with several trials.
-(function(sb) {
-'use strict';
 const el = sb.element, mark = sb.mark, text = sb.text;
 const page = sb.page;
 
@@ -401,4 +399,3 @@ sb.showDataset = (host, open) => {
   };
   draw(sensors[0]);
 };
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // The detector against the truth: of one trial, or of all trials with the same one.
-(function(sb) {
-'use strict';
 const el = sb.element;
 
 // The detector `truth` is an oracle: no sensor could be it.
@@ -84,4 +82,3 @@ sb.detectorSections = trials => {
   const types = [...new Set(judged.map(trial => trial.detector.type))];
   return types.map(type => sb.detectorSection(judged.filter(trial => trial.detector.type === type)));
 };
-})(window.slipbench);

@@ -1,7 +1,5 @@
 // Convex solids in perspective as SVG: far ones first. For a scene of a few dozen this needs no library and no graphics card,
 // prints, and follows the page's colours.
-(function(sb) {
-'use strict';
 
 // Vectors and quaternions (w, x, y, z) are plain arrays.
 const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -144,4 +142,3 @@ function facesOf({faces, look: {colour, alpha, dash, fine}}, camera) {
 }
 
 sb.space = {subtract, product, placed, inFrame, block, bar, solid, drawingOrder, facesOf, outline, Camera};
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // What the page of a trial shows of a grasp: how it ended, the view in space, force, position, height and slip over time.
-(function(sb) {
-'use strict';
 const el = sb.element;
 
 // Curves and poses of a grasp, unpacked.
@@ -106,16 +104,9 @@ function charts(trial, grasp, recording, timeline) {
     const first = !host.querySelector('.chart');
     host.append(sb.chartTitle(name, note));
     new sb.LineChart(host, timeline, {
-      name: name.split(',')[0],
-      rows: grasp.curveTime,
-      columns: curve.columns,
-      labels: curve.components,
-      unit: curve.unit,
-      colours,
-      height: 112,
-      bands,
-      marks: first ? marks : marks.map(mark => ({...mark, text: ''})),
-      ...options
+      name: name.split(',')[0], rows: grasp.curveTime, columns: curve.columns, labels: curve.components,
+      unit: curve.unit, colours, height: 112, bands,
+      marks: first ? marks : marks.map(mark => ({...mark, text: ''})), ...options
     });
   };
   const draw = () => {
@@ -175,4 +166,3 @@ sb.graspSection = (trial, grasp, recording, timeline, player) => {
   const opens_s = trial.grasp.dropped ? trial.grasp.drop_s : 0.5 * (grasp.lift_s + timeline.full[1]);
   return {nodes: [outcomeFigures(trial, grasp, recording), section], draw: pictures.draw, opens_s, update};
 };
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // Gripper, box and table of a grasp in space, at the cursor.
-(function(sb) {
-'use strict';
 const el = sb.element, mark = sb.mark;
 const {subtract, product, placed, inFrame, block, bar, solid, drawingOrder, facesOf, outline, Camera} = sb.space;
 
@@ -197,4 +195,3 @@ class GraspView {
 }
 
 sb.GraspView = GraspView;
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // What the grasps of a sweep come to: shares with their intervals, medians, and by what they are told apart.
-(function(sb) {
-'use strict';
 const el = sb.element;
 const page = sb.page;
 
@@ -253,4 +251,3 @@ sb.graspParameters = () => {
       assumed + ' of ' + rows.length + ' parameters are assumed: neither measured nor published.',
       el('details.parameters', {}, el('summary', {}, 'All parameters'), sb.table(columns, rows)));
 };
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // Builds the page: header, views, footer.
-(function(sb) {
-'use strict';
 const el = sb.element;
 const page = sb.page;
 let timeline = null;  // of the trial on the page
@@ -152,4 +150,3 @@ if (typeof DecompressionStream === 'undefined') {
     throw error;
   });
 }
-})(window.slipbench);

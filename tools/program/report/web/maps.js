@@ -1,6 +1,4 @@
 // Success maps with their frontiers, or a curve where one number was swept.
-(function(sb) {
-'use strict';
 const el = sb.element;
 const mark = sb.mark, text = sb.text;
 const {quantities, medians, medianHeads, held, countOf, valueIn, rangeIn, withUnit, heldText, balancedOf, recallOf, earlyText} =
@@ -343,4 +341,3 @@ class Maps {
 
 // The section; `swept` is of the grasps, with at least one number that can be an axis.
 sb.successMaps = (swept, open) => new Maps(swept, open).section;
-})(window.slipbench);

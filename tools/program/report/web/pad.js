@@ -1,6 +1,4 @@
 // The pad: units coloured by state, force and slip arrows, the slip centre.
-(function(sb) {
-'use strict';
 const mark = sb.mark;
 
 // Between the nearest neighbours [m]; of a single unit `alone`.
@@ -18,7 +16,7 @@ function roundDown(value) {
   return power;
 }
 
-class Pad {
+sb.Pad = class {
   // onPick(unit): a unit was clicked.
   constructor(parent, recording, onPick) {
     this.recording = recording;
@@ -171,7 +169,7 @@ class Pad {
     arrow.style.display = Math.hypot(up, right) > 1.5 ? '' : 'none';
     return [up, right];
   }
-}
+};
 
 // The hatching of partial slip, once a page.
 sb.drawHatch = () => {
@@ -181,6 +179,3 @@ sb.drawHatch = () => {
   const hidden = {'aria-hidden': 'true', width: 0, height: 0, style: 'position:absolute'};
   document.body.append(mark('svg', hidden, mark('defs', {}, mark('pattern', attributes, stripes))));
 };
-
-sb.Pad = Pad;
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // What a sensor reads, drawn behind the units of its pad.
-(function(sb) {
-'use strict';
 
 // The outlines of a cell's parts around its middle: the cell, or the triangles W, N, E and S.
 function outlines(parts, half) {
@@ -10,7 +8,7 @@ function outlines(parts, half) {
 }
 
 // The darker a part, the more it reads beyond what it reads at rest, against the most of the trial.
-class PadPicture {
+sb.PadPicture = class {
   // `pad`: sb.Pad, whose sensor type says what is drawn. `pitch`: px.
   constructor(svg, pad, pitch) {
     const {recording} = pad, {channel, cells, width, rest, falls, note} = sb.padPicture(recording);
@@ -41,7 +39,7 @@ class PadPicture {
       title.textContent = text(column[row]);
     }
   }
-}
+};
 
 // What is drawn behind the units of a recording: its type's picture with a cell for each unit where it names none. Null: nothing is, or the
 // channel is not there or has neither one value a cell nor four.
@@ -52,6 +50,3 @@ sb.padPicture = recording => {
   const cells = picture.cells.length ? picture.cells : d3.range(recording.units).map(unit => [unit]);
   return [1, 4].includes(emitted.columns.length / cells.length) ? {...picture, cells} : null;
 };
-
-sb.PadPicture = PadPicture;
-})(window.slipbench);

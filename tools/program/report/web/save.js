@@ -1,6 +1,4 @@
 // Charts as files: a picture (SVG, PNG) of each, and its figures (CSV).
-(function(sb) {
-'use strict';
 const el = sb.element;
 
 const font = 'system-ui, -apple-system, "Segoe UI", "Helvetica Neue", Arial, "DejaVu Sans", sans-serif';
@@ -82,4 +80,3 @@ sb.saveCorner = (host, ...chart) => {
   host.classList.add('saved');
   host.append(sb.saveButtons(...chart));
 };
-})(window.slipbench);

@@ -1,8 +1,6 @@
 // The time that all pictures of a trial share: the visible window, the cursor, and playing.
-(function(sb) {
-'use strict';
 
-class Timeline {
+sb.Timeline = class {
   constructor(time) {
     this.time = time;
     this.full = [time[0], time[time.length - 1]];
@@ -82,7 +80,4 @@ class Timeline {
     event.preventDefault();
     actions[event.key]();
   }
-}
-
-sb.Timeline = Timeline;
-})(window.slipbench);
+};

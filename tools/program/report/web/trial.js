@@ -1,6 +1,4 @@
 // The page of one trial.
-(function(sb) {
-'use strict';
 const el = sb.element, mark = sb.mark;
 
 function keyFigures(trial, summary) {
@@ -380,4 +378,3 @@ sb.showTrial = async (host, index, sensorName) => {
   }
   return timeline;
 };
-})(window.slipbench);
