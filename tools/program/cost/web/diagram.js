@@ -108,19 +108,18 @@ function axes({narrow, box, x, y}) {
   const measure = choice.measure, middle = (box.left + box.end) / 2;
   const [fast, slow] = x.domain().map(cost => 1 / cost);
   const errorAt = tick => y(tick / measure.factor);
+  const below = tick => [
+    path('mesh', 'M' + x(tick) + ',' + box.mesh + 'V' + box.bottom), text(x(tick), box.bottom + 16, 'middle', sb.tickText(tick))
+  ];
+  const above = tick => [
+    path('tick', 'M' + x(1 / tick) + ',' + (box.top - 5) + 'v5'),
+    text(x(1 / tick), box.top - 9, 'middle', sb.tickText(tick) + ' ×')
+  ];
+  const beside = tick => [across('mesh', box, errorAt(tick)), text(box.left - 7, errorAt(tick) + 4, 'end', sb.tickText(tick))];
   return [
-    sb.logTicks(x.domain(), box.end - box.left, narrow ? 44 : 52)
-        .map(
-            tick =>
-                [path('mesh', 'M' + x(tick) + ',' + box.mesh + 'V' + box.bottom),
-                 text(x(tick), box.bottom + 16, 'middle', sb.tickText(tick))]),
-    sb.logTicks([slow, fast], box.end - box.left, narrow ? 56 : 62)
-        .map(
-            tick =>
-                [path('tick', 'M' + x(1 / tick) + ',' + (box.top - 5) + 'v5'),
-                 text(x(1 / tick), box.top - 9, 'middle', sb.tickText(tick) + ' ×')]),
-    sb.logTicks(y.domain().map(error => error * measure.factor), box.foot - box.plot, 22)
-        .map(tick => [across('mesh', box, errorAt(tick)), text(box.left - 7, errorAt(tick) + 4, 'end', sb.tickText(tick))]),
+    sb.logTicks(x.domain(), box.end - box.left, narrow ? 44 : 52).map(below),
+    sb.logTicks([slow, fast], box.end - box.left, narrow ? 56 : 62).map(above),
+    sb.logTicks(y.domain().map(error => error * measure.factor), box.foot - box.plot, 22).map(beside),
     text(middle, box.bottom + 36, 'middle', 'CPU seconds per simulated second', 'title'),
     text(narrow ? middle : box.end, narrow ? 30 : 13, narrow ? 'middle' : 'end', 'times real time', 'title'),
     text(0, 13, 'start', choice.statistic + ' error of ' + sb.titled(measure), 'title'), across('edge', box, box.bottom),

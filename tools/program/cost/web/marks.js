@@ -65,13 +65,9 @@ sb.percentText = share => sb.figure(100 * share, 2) + ' %';
 // What the reader has chosen. on(what, act): 'view' when what is drawn changes, 'row' when another row is shown.
 class Choice {
   constructor(data) {
-    this.measures = data.measures || [];
-    this.series = data.series || [];
-    this.rows = data.rows || [];
-    this.measure = this.measures[0] || null;
-    this.statistic = 'worst';
-    this.hidden = new Set();
-    this.selected = this.rows.find(row => row.own) || this.rows[0] || null;
+    const {measures = [], series = [], rows = []} = data;
+    Object.assign(this, {measures, series, rows, measure: measures[0] || null, statistic: 'worst', hidden: new Set()});
+    this.selected = rows.find(row => row.own) || rows[0] || null;
     this.pointed = null;
     this.listeners = {view: [], row: []};
   }

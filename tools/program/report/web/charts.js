@@ -238,14 +238,13 @@ sb.LineChart = class extends sb.TimeChart {
     const line = (d, colour, dash) =>
         mark('path.note-line', {d, style: 'stroke:var(--' + colour + ')', 'stroke-dasharray': dash});
     return [
-      marks.map(
-          ({time, text: words, colour = 'soft'}) =>
-              [line('M' + this.x(time) + ',0V' + height, colour, '2 3'),
-               words && write(this.x(time) + 4, 10, 'start', words, colour)]),
-      lines.map(
-          ({value, text: words, colour}) =>
-              [line('M' + left + ',' + this.y(value) + 'H' + end, colour, '7 4'),
-               write(end - 4, this.y(value) + 13, 'end', words, colour)]),
+      marks.map(({time, text: words, colour = 'soft'}) => [
+        line('M' + this.x(time) + ',0V' + height, colour, '2 3'), words && write(this.x(time) + 4, 10, 'start', words, colour)
+      ]),
+      lines.map(({value, text: words, colour}) => {
+        const y = this.y(value);
+        return [line('M' + left + ',' + y + 'H' + end, colour, '7 4'), write(end - 4, y + 13, 'end', words, colour)];
+      }),
       points.map(({time, value, text: words}) => {
         const x = this.x(time), y = this.y(value), first = x < left + 0.75 * this.plot;
         return [

@@ -12,18 +12,12 @@ const mostMaps = 36;
 // Everything that the pictures of one section share.
 class Maps {
   constructor(swept, open) {
-    this.swept = swept;
-    this.open = open;
+    Object.assign(this, {swept, open, quantity: quantities[0], heading: el('h2'), note: el('p.note')});
+    Object.assign(
+        this, {legend: el('div.legend'), host: el('div.panels'), detail: el('div.cell-detail'), controls: el('div.controls')});
     const preferred = (list, others) => others.find(axis => list.includes(axis.path)) || others[0];
     this.x = preferred(firstX, swept.numbers);
     this.y = preferred(firstY, swept.numbers.filter(axis => axis !== this.x)) || null;
-    this.quantity = quantities[0];
-    this.heading = el('h2');
-    this.legend = el('div.legend');
-    this.note = el('p.note');
-    this.host = el('div.panels');
-    this.detail = el('div.cell-detail');
-    this.controls = el('div.controls');
     this.section = el('section', {}, this.heading, this.note, this.controls, this.legend, this.host, this.detail);
     this.draw();
   }

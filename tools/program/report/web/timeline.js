@@ -2,14 +2,9 @@
 
 sb.Timeline = class {
   constructor(time) {
-    this.time = time;
-    this.full = [time[0], time[time.length - 1]];
-    this.window = this.full.slice();
-    this.cursor = this.full[0];
-    this.rate = 0.25;
-    this.playing = false;
+    const full = [time[0], time[time.length - 1]];
+    Object.assign(this, {time, full, window: full.slice(), cursor: full[0], rate: 0.25, playing: false, frame: 0});
     this.listeners = {window: [], cursor: [], playing: []};
-    this.frame = 0;
   }
 
   // `owner`: the chart that listens, so that it can be forgotten when it is taken off the page.

@@ -168,8 +168,7 @@ function gridOf(recording) {
 // Curves of each unit, laid out like the pad, or of one unit.
 class UnitCharts {
   constructor(recording, timeline) {
-    this.recording = recording;
-    this.timeline = timeline;
+    Object.assign(this, {recording, timeline, readings: [], legend: el('div'), host: el('div')});
     const per_unit =
         Object.keys(recording.curves).filter(key => recording.curves[key].per_unit && key !== 'labels/slip_velocity');
     // What the sensor emits first.
@@ -188,14 +187,11 @@ class UnitCharts {
     const choices = this.grid ? [['', 'all, laid out like the pad'], ...units] : units;
     this.select =
         sb.select({'aria-label': 'Shown ' + words}, choices, this.unit ?? '', value => this.show(value === '' ? null : +value));
-    this.legend = el('div');
-    this.host = el('div');
     this.section = sb.section(
         'Each ' + word,
         'Background: state of the sensor by the strict rule (blue non-slip, amber incipient, red gross). ' +
             'The strip below the curves: state of the ' + word + ' itself. All ' + words + ' share one scale.',
         el('div.controls', {}, segments, el('label', {}, 'show', this.select), this.legend), this.host);
-    this.readings = [];
     timeline.on('cursor', () => this.read());
   }
 
